@@ -1,0 +1,1 @@
+//! RayCast demo assets (being made).

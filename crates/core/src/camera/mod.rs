@@ -1,0 +1,15 @@
+//! From a pixel to its ray: the image plane, the camera, its sub-cameras, and ways to move it.
+
+mod orbit;
+mod plane;
+mod projection;
+mod ray;
+mod sub_camera;
+mod view;
+
+pub use orbit::Orbit;
+pub use plane::{FrameLock, ImagePlane, PIXEL_LIMIT, PlaneError, PlaneRequest, SIDE_LIMIT};
+pub use projection::{Camera, Placement, Projection, fov_to_frame, frame_to_fov};
+pub use ray::Ray;
+pub use sub_camera::{Grid, Rect, SubCamera};
+pub use view::fit_distance;

@@ -1,0 +1,75 @@
+use super::{Orbit, Projection};
+use crate::scene::Bounds;
+
+/// Room left around a scene that fits the picture, as a share of the frame.
+const MARGIN: f64 = 1.06;
+
+/// How far from its pivot an orbit must be for all of `bounds` to be in view, and the frame's
+/// height there.
+///
+/// `fov_degrees` is the vertical field of view (an orthographic frame follows from the distance by
+/// the same formula, so that switching the projection keeps the picture), `aspect` columns by rows.
+/// An empty scene, or a point, is looked at from one unit away.
+pub fn fit_distance(
+    bounds: &Bounds,
+    orbit: &Orbit,
+    projection: Projection,
+    fov_degrees: f64,
+    aspect: f64,
+) -> f64 {
+    let slope = (fov_degrees.to_radians() * 0.5).tan() / MARGIN;
+    let (right, up, back) = (orbit.right(), orbit.up(), orbit.back());
+    let needed = |corner: glam::DVec3| {
+        let relative = corner - orbit.pivot;
+        let reach = (relative.dot(up).abs()).max(relative.dot(right).abs() / aspect) / slope;
+        match projection {
+            Projection::Perspective => reach + relative.dot(back),
+            // The image plane through the eye must have the scene in front of it.
+            Projection::Orthographic => reach.max(relative.dot(back) * MARGIN),
+        }
+    };
+    let distance = if bounds.is_empty() {
+        1.0
+    } else {
+        bounds.corners().into_iter().map(needed).fold(0.0, f64::max)
+    };
+    if distance.is_finite() && distance > 0.0 {
+        distance
+    } else {
+        1.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Camera, ImagePlane, fov_to_frame};
+    use glam::DVec3;
+
+    #[test]
+    fn everything_is_in_view() {
+        let bounds = Bounds {
+            min: DVec3::new(-3.0, 0.0, 1.0),
+            max: DVec3::new(2.0, 0.5, 40.0),
+        };
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let mut orbit = Orbit {
+                pivot: bounds.center(),
+                yaw: 22.0,
+                pitch: 16.0,
+                distance: 1.0,
+            };
+            orbit.distance = fit_distance(&bounds, &orbit, projection, 45.0, 2.0);
+            let step = fov_to_frame(45.0, orbit.distance) / 100.0;
+            let plane = ImagePlane::new(200, 100, step).expect("a good plane");
+            let camera = Camera::new(orbit.placement(), projection, plane);
+            for corner in bounds.corners() {
+                let (x, y) = camera.project(corner).expect("in front");
+                assert!(
+                    (0.0..200.0).contains(&x) && (0.0..100.0).contains(&y),
+                    "{x} {y}"
+                );
+            }
+        }
+    }
+}

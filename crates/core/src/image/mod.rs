@@ -1,0 +1,9 @@
+//! Pictures: what renders make, what files hold, and how fragments become one again.
+
+mod encode;
+mod fragment;
+mod picture;
+
+pub use encode::{Format, ImageError};
+pub use fragment::{Fragment, FragmentError, stitch};
+pub use picture::{Layers, Picture};

@@ -1,0 +1,108 @@
+use crate::camera::Rect;
+
+/// What a picture knows of each pixel besides its 8-bit colour. Row by row, one value a pixel.
+///
+/// Colours are averaged over a pixel's samples; everything else is the first sample's, through the
+/// pixel's centre.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Layers {
+    /// Linear light, alpha not multiplied in.
+    pub color: Vec<[f32; 4]>,
+    /// Distance from the eye (orthographic: from the image plane); infinity at a miss.
+    pub depth: Vec<f32>,
+    /// The object's number; `u32::MAX` at a miss.
+    pub object: Vec<u32>,
+    /// The triangle's number in its object; `u32::MAX` at a miss.
+    pub triangle: Vec<u32>,
+    /// The unit normal in world space, towards the eye; zero at a miss.
+    pub normal: Vec<[f32; 3]>,
+    /// Texture coordinates; zero at a miss and where there are none.
+    pub uv: Vec<[f32; 2]>,
+}
+
+impl Layers {
+    /// Layers of `pixels` misses.
+    pub fn blank(pixels: usize) -> Self {
+        Self {
+            color: vec![[0.0; 4]; pixels],
+            depth: vec![f32::INFINITY; pixels],
+            object: vec![u32::MAX; pixels],
+            triangle: vec![u32::MAX; pixels],
+            normal: vec![[0.0; 3]; pixels],
+            uv: vec![[0.0; 2]; pixels],
+        }
+    }
+}
+
+/// A picture in memory, rows from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// sRGB, alpha not multiplied in.
+    pub pixels: Vec<[u8; 4]>,
+    /// More about each pixel, when it was asked for.
+    pub layers: Option<Layers>,
+}
+
+impl Picture {
+    /// A transparent picture of misses.
+    pub fn blank(width: u32, height: u32, layers: bool) -> Self {
+        let pixels = width as usize * height as usize;
+        Self {
+            width,
+            height,
+            pixels: vec![[0; 4]; pixels],
+            layers: layers.then(|| Layers::blank(pixels)),
+        }
+    }
+
+    /// Copies a rectangle's pixels (and layers, where both have them) into their place.
+    ///
+    /// `false`, and nothing copied, where the rectangle leaves the picture or a count disagrees.
+    pub fn place(&mut self, rect: Rect, pixels: &[[u8; 4]], layers: Option<&Layers>) -> bool {
+        let fits = u64::from(rect.x) + u64::from(rect.width) <= u64::from(self.width)
+            && u64::from(rect.y) + u64::from(rect.height) <= u64::from(self.height);
+        let counts_agree = pixels.len() == rect.area()
+            && layers.is_none_or(|layers| {
+                [
+                    layers.color.len(),
+                    layers.depth.len(),
+                    layers.object.len(),
+                    layers.triangle.len(),
+                    layers.normal.len(),
+                    layers.uv.len(),
+                ]
+                .iter()
+                .all(|&count| count == rect.area())
+            });
+        if !fits || !counts_agree {
+            return false;
+        }
+        let width = self.width as usize;
+        copy_rows(&mut self.pixels, width, rect, pixels);
+        if let (Some(mine), Some(theirs)) = (&mut self.layers, layers) {
+            copy_rows(&mut mine.color, width, rect, &theirs.color);
+            copy_rows(&mut mine.depth, width, rect, &theirs.depth);
+            copy_rows(&mut mine.object, width, rect, &theirs.object);
+            copy_rows(&mut mine.triangle, width, rect, &theirs.triangle);
+            copy_rows(&mut mine.normal, width, rect, &theirs.normal);
+            copy_rows(&mut mine.uv, width, rect, &theirs.uv);
+        }
+        true
+    }
+}
+
+/// Copies the rows of a rectangle into a picture `width` wide.
+fn copy_rows<T: Copy>(picture: &mut [T], width: usize, rect: Rect, rows: &[T]) {
+    let columns = rect.width as usize;
+    if columns == 0 {
+        return;
+    }
+    for (row, values) in rows.chunks_exact(columns).enumerate() {
+        let start = (rect.y as usize + row) * width + rect.x as usize;
+        picture[start..start + columns].copy_from_slice(values);
+    }
+}

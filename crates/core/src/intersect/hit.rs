@@ -1,0 +1,24 @@
+/// The nearest triangle that a ray meets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// The object's number.
+    pub object: u32,
+    /// The triangle's number in its object's mesh.
+    pub triangle: u32,
+    /// The ray's parameter there: the distance, in lengths of the ray's direction.
+    pub t: f64,
+    /// Weight of the triangle's second corner, 0 to 1.
+    pub u: f64,
+    /// Weight of the triangle's third corner, 0 to 1: the point is `(1−u−v)·a + u·b + v·c`.
+    pub v: f64,
+}
+
+/// Which faces rays meet. A face is a front where its corners run counter-clockwise to the ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Cull {
+    /// Fronts and backs.
+    #[default]
+    None,
+    /// Fronts alone.
+    Back,
+}

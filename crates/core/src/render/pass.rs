@@ -1,0 +1,34 @@
+/// One pass over a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pass {
+    /// Every so many-th ray of the lattice, along both sides: a power of two; 1 for every ray.
+    pub stride: u32,
+    /// Samples a pixel that are in the picture once the pass is done.
+    pub samples: u32,
+}
+
+/// The order in which a picture comes into being.
+#[derive(Clone, Copy, Debug)]
+pub struct Passes;
+
+impl Passes {
+    /// From coarse to fine (every `first_stride`-th ray, then half of that, down to every ray), then
+    /// ever more samples (doubling) until `samples`.
+    pub fn plan(first_stride: u32, samples: u32) -> Vec<Pass> {
+        let mut passes = Vec::new();
+        let mut stride = first_stride.max(1).next_power_of_two();
+        while stride > 0 {
+            passes.push(Pass { stride, samples: 1 });
+            stride /= 2;
+        }
+        let mut done = 1;
+        while done < samples {
+            done = (done * 2).min(samples);
+            passes.push(Pass {
+                stride: 1,
+                samples: done,
+            });
+        }
+        passes
+    }
+}

@@ -1,0 +1,41 @@
+use crate::camera::Rect;
+use crate::image::Layers;
+use std::time::Duration;
+
+/// What it took to render a tile.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TileStats {
+    /// Rays cast.
+    pub rays: u64,
+    /// Rays that met something.
+    pub hits: u64,
+    /// Time for visibility.
+    pub cast: Duration,
+    /// Time for everything else: shading, lines, conversion.
+    pub shade: Duration,
+    /// Which of rayon's workers made it.
+    pub worker: u32,
+}
+
+impl std::ops::AddAssign for TileStats {
+    /// Adds counts and times; the worker stays.
+    fn add_assign(&mut self, other: Self) {
+        self.rays += other.rays;
+        self.hits += other.hits;
+        self.cast += other.cast;
+        self.shade += other.shade;
+    }
+}
+
+/// A sub-camera's rectangle, rendered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tile {
+    /// Its place in the full picture.
+    pub rect: Rect,
+    /// Its sRGB pixels, row by row, alpha not multiplied in.
+    pub pixels: Vec<[u8; 4]>,
+    /// Depth, numbers, normals and texture coordinates, when asked for.
+    pub layers: Option<Layers>,
+    /// What it took.
+    pub stats: TileStats,
+}

@@ -1,0 +1,105 @@
+use std::str::FromStr;
+
+/// A colour as people choose it: sRGB, 8 bits a channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Color(pub [u8; 3]);
+
+impl Color {
+    /// Light grey, the colour of an object that has none of its own.
+    pub const DEFAULT: Self = Self([0xc8, 0xcc, 0xd2]);
+}
+
+impl FromStr for Color {
+    type Err = String;
+
+    /// Reads `#rrggbb`, hexadecimal, the `#` optional.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let digits = text.strip_prefix('#').unwrap_or(text);
+        match u32::from_str_radix(digits, 16) {
+            Ok(value) if digits.len() == 6 && digits.bytes().all(|b| b.is_ascii_hexdigit()) => {
+                Ok(Self([(value >> 16) as u8, (value >> 8) as u8, value as u8]))
+            }
+            _ => Err(format!("expected a colour as #rrggbb, found {text:?}")),
+        }
+    }
+}
+
+impl std::fmt::Display for Color {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [r, g, b] = self.0;
+        write!(f, "#{r:02x}{g:02x}{b:02x}")
+    }
+}
+
+/// How an object's triangles get their colours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColorRule {
+    /// One colour for the whole object.
+    Uniform(Color),
+    /// A colour a triangle, from its number and the seed: the same seed, the same colours.
+    PerTriangle {
+        /// Picks one of 2³² sets of colours.
+        seed: u32,
+    },
+    /// The file's materials; [`Color::DEFAULT`] where it names none.
+    File,
+}
+
+impl ColorRule {
+    /// The colour of `triangle` where the rule alone decides it; `None` asks the file.
+    pub fn color(self, triangle: u32) -> Option<Color> {
+        match self {
+            Self::Uniform(color) => Some(color),
+            Self::PerTriangle { seed } => Some(triangle_color(seed, triangle)),
+            Self::File => None,
+        }
+    }
+}
+
+/// A lively colour from a seed and a number: any hue, never dark, never grey.
+fn triangle_color(seed: u32, triangle: u32) -> Color {
+    let bits = mix(triangle.wrapping_add(mix(seed.wrapping_add(0x9e37_79b9))));
+    let hue = (bits & 0xffff) as f32 / 65536.0 * 6.0;
+    let low = 0.25 + ((bits >> 16) & 0xff) as f32 / 255.0 * 0.3;
+    let high = 0.8 + (bits >> 24) as f32 / 255.0 * 0.2;
+    let channel = |shift: f32| {
+        let ramp = ((hue + shift).rem_euclid(6.0) - 3.0).abs() - 1.0;
+        ((low + (high - low) * ramp.clamp(0.0, 1.0)) * 255.0).round() as u8
+    };
+    Color([channel(0.0), channel(4.0), channel(2.0)])
+}
+
+/// A 32-bit integer hash with good avalanche (Ettinger, "Hash function prospector", 2018:
+/// `lowbias32`).
+fn mix(mut x: u32) -> u32 {
+    x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
+    x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
+    x ^ (x >> 16)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_what_it_writes() {
+        let color = Color([1, 0xab, 255]);
+        assert_eq!(color.to_string().parse(), Ok(color));
+        for bad in ["", "#12345", "#1234567", "#gg0000", "+12345"] {
+            assert!(bad.parse::<Color>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn triangle_colors_repeat_and_differ() {
+        let colors: Vec<_> = (0..1000).map(|i| triangle_color(7, i)).collect();
+        assert_eq!(
+            colors,
+            (0..1000).map(|i| triangle_color(7, i)).collect::<Vec<_>>()
+        );
+        let distinct: std::collections::HashSet<_> = colors.iter().collect();
+        assert!(distinct.len() > 950, "{}", distinct.len());
+        assert_ne!(triangle_color(7, 0), triangle_color(8, 0));
+        assert!(colors.iter().all(|c| c.0.iter().max() >= Some(&200)));
+    }
+}

@@ -1,0 +1,367 @@
+use super::{Bounds, Color};
+use glam::{DVec3, Vec2, Vec3};
+
+/// The largest distance from zero along an axis at which a vertex is kept: beyond it, products
+/// of single-precision coordinates would near the end of their range.
+pub const COORDINATE_LIMIT: f64 = 1e18;
+
+/// Values at vertices, with indices of their own where the file keeps them apart from positions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attribute<T> {
+    /// The values.
+    pub values: Vec<T>,
+    /// Three indices into `values` a triangle; `None` when positions and values share indices.
+    pub indices: Option<Vec<[u32; 3]>>,
+}
+
+impl<T: Copy> Attribute<T> {
+    /// The values at the corners of a triangle whose position indices are `shared`.
+    ///
+    /// `None` where an index is out of range (a triangle without this attribute).
+    pub fn corners(&self, triangle: u32, shared: [u32; 3]) -> Option<[T; 3]> {
+        let indices = match &self.indices {
+            Some(indices) => *indices.get(triangle as usize)?,
+            None => shared,
+        };
+        let [a, b, c] = indices.map(|i| self.values.get(i as usize).copied());
+        Some([a?, b?, c?])
+    }
+}
+
+/// A named colour of the file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// The file's name for it.
+    pub name: String,
+    /// Diffuse colour.
+    pub color: Color,
+}
+
+/// How many triangles were dropped, by reason. They keep their numbers and are never met.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Dropped {
+    /// A vertex that is not finite.
+    pub not_finite: u32,
+    /// A vertex further than 1e18 from zero along an axis.
+    pub too_far: u32,
+    /// A vertex index that the mesh does not have.
+    pub bad_index: u32,
+    /// No area: two corners in one place, or all three on a line.
+    pub zero_area: u32,
+}
+
+impl Dropped {
+    /// All of them.
+    pub fn total(&self) -> u32 {
+        self.not_finite + self.too_far + self.bad_index + self.zero_area
+    }
+}
+
+/// A mesh as read, before anything is checked.
+#[derive(Clone, Debug, Default)]
+pub struct MeshData {
+    /// Vertices in the file's coordinates.
+    pub positions: Vec<DVec3>,
+    /// Three indices a triangle, in the file's order of faces.
+    pub triangles: Vec<[u32; 3]>,
+    /// Unit normals at the corners.
+    pub normals: Option<Attribute<Vec3>>,
+    /// Texture coordinates at the corners, origin bottom-left.
+    pub uvs: Option<Attribute<Vec2>>,
+    /// The file's materials.
+    pub materials: Vec<Material>,
+    /// A material a triangle (`u32::MAX`: none); empty when the file has none.
+    pub material_of_triangle: Vec<u32>,
+}
+
+/// Triangles, checked and stored for casting.
+///
+/// Positions are single precision, relative to [`Mesh::offset`]: the vertex that every picture and
+/// every query is about is exactly `offset + position`.
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    offset: DVec3,
+    positions: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    kept: Vec<u32>,
+    dropped: Dropped,
+    normals: Option<Attribute<Vec3>>,
+    uvs: Option<Attribute<Vec2>>,
+    materials: Vec<Material>,
+    material_of_triangle: Vec<u32>,
+}
+
+impl Mesh {
+    /// Checks and stores `data`: recentres it where it lies further from zero than it is long,
+    /// and drops triangles that no ray could meet, with a count.
+    pub fn new(data: MeshData) -> Self {
+        let mut dropped = Dropped::default();
+        let mut usable = Vec::with_capacity(data.triangles.len());
+        for (number, triangle) in data.triangles.iter().enumerate() {
+            let corners = triangle.map(|i| data.positions.get(i as usize));
+            let [Some(a), Some(b), Some(c)] = corners else {
+                dropped.bad_index += 1;
+                continue;
+            };
+            let reach = a.abs().max(b.abs()).max(c.abs()).max_element();
+            if !(a.is_finite() && b.is_finite() && c.is_finite()) {
+                dropped.not_finite += 1;
+            } else if reach > COORDINATE_LIMIT {
+                dropped.too_far += 1;
+            } else {
+                usable.push(number as u32);
+            }
+        }
+
+        let bounds = Bounds::around(
+            usable
+                .iter()
+                .flat_map(|&number| data.triangles[number as usize])
+                .map(|i| data.positions[i as usize]),
+        );
+        let offset = recentring_offset(&bounds);
+        let positions: Vec<Vec3> = data
+            .positions
+            .iter()
+            .map(|p| (*p - offset).as_vec3())
+            .collect();
+
+        let kept: Vec<u32> = usable
+            .into_iter()
+            .filter(|&number| {
+                let [a, b, c] = data.triangles[number as usize].map(|i| positions[i as usize]);
+                let flat = has_no_area(a, b, c);
+                dropped.zero_area += u32::from(flat);
+                !flat
+            })
+            .collect();
+
+        let material_of_triangle = if data.materials.is_empty() {
+            Vec::new()
+        } else {
+            data.material_of_triangle
+        };
+        Self {
+            offset,
+            positions,
+            triangles: data.triangles,
+            kept,
+            dropped,
+            normals: data.normals.filter(|n| !n.values.is_empty()),
+            uvs: data.uvs.filter(|uv| !uv.values.is_empty()),
+            materials: data.materials,
+            material_of_triangle,
+        }
+    }
+
+    /// What to add to every position; zero unless the mesh lies far from the origin.
+    pub fn offset(&self) -> DVec3 {
+        self.offset
+    }
+
+    /// Vertices relative to [`Mesh::offset`]. Those of dropped triangles may be anything.
+    pub fn positions(&self) -> &[Vec3] {
+        &self.positions
+    }
+
+    /// All triangles by number, dropped ones included: the index is the triangle's number.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The numbers of the triangles that rays can meet, ascending.
+    pub fn kept(&self) -> &[u32] {
+        &self.kept
+    }
+
+    /// How many triangles were dropped, and why.
+    pub fn dropped(&self) -> Dropped {
+        self.dropped
+    }
+
+    /// The corners of a kept triangle, relative to [`Mesh::offset`].
+    ///
+    /// `None` where the number or one of its indices is out of range.
+    pub fn corners(&self, triangle: u32) -> Option<[Vec3; 3]> {
+        let indices = self.triangles.get(triangle as usize)?;
+        let [a, b, c] = indices.map(|i| self.positions.get(i as usize).copied());
+        Some([a?, b?, c?])
+    }
+
+    /// Normals at a triangle's corners, where the mesh has them.
+    pub fn corner_normals(&self, triangle: u32) -> Option<[Vec3; 3]> {
+        let shared = *self.triangles.get(triangle as usize)?;
+        self.normals.as_ref()?.corners(triangle, shared)
+    }
+
+    /// Texture coordinates at a triangle's corners, where the mesh has them.
+    pub fn corner_uvs(&self, triangle: u32) -> Option<[Vec2; 3]> {
+        let shared = *self.triangles.get(triangle as usize)?;
+        self.uvs.as_ref()?.corners(triangle, shared)
+    }
+
+    /// Whether the mesh has normals of its own.
+    pub fn has_normals(&self) -> bool {
+        self.normals.is_some()
+    }
+
+    /// Whether the mesh has texture coordinates.
+    pub fn has_uvs(&self) -> bool {
+        self.uvs.is_some()
+    }
+
+    /// The file's materials.
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// The material of a triangle, where the file names one.
+    pub fn material(&self, triangle: u32) -> Option<&Material> {
+        let index = *self.material_of_triangle.get(triangle as usize)?;
+        self.materials.get(index as usize)
+    }
+
+    /// The box around the kept triangles, in the file's coordinates.
+    pub fn bounds(&self) -> Bounds {
+        Bounds::around(
+            self.kept
+                .iter()
+                .filter_map(|&number| self.corners(number))
+                .flatten()
+                .map(|position| self.offset + position.as_dvec3()),
+        )
+    }
+}
+
+/// The offset that brings a far mesh near zero, an axis at a time.
+///
+/// Along an axis where the mesh [lo, hi] lies further from zero than it is long, every coordinate
+/// is at least `hi − lo` away from zero. One that was single precision is then a multiple of
+/// `ulp = 2^(e−23)`, e the exponent of the nearer end, and `hi − lo < 2^(e+1) = 2^24 ulp`. The
+/// offset is a multiple of the power of two just below `hi − lo`, so it is one of `ulp` or finer
+/// differences stay exact; it is within half of that power of the middle, so what is left is at
+/// most `hi − lo` long: 24 bits hold it exactly.
+fn recentring_offset(bounds: &Bounds) -> DVec3 {
+    if bounds.is_empty() {
+        return DVec3::ZERO;
+    }
+    let axis = |lo: f64, hi: f64| {
+        let nearest = lo.abs().min(hi.abs());
+        let length = hi - lo;
+        if lo.signum() != hi.signum() || nearest <= length {
+            return 0.0;
+        }
+        let nearest_ulp = power_of_two_below(nearest) * 2f64.powi(-23);
+        let grain = if length > 0.0 {
+            power_of_two_below(length)
+        } else {
+            0.0
+        };
+        let grain = grain.max(nearest_ulp);
+        ((lo + length * 0.5) / grain).round() * grain
+    };
+    DVec3::new(
+        axis(bounds.min.x, bounds.max.x),
+        axis(bounds.min.y, bounds.max.y),
+        axis(bounds.min.z, bounds.max.z),
+    )
+}
+
+/// The largest power of two not above a positive normal `x`.
+fn power_of_two_below(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)
+}
+
+/// Whether a triangle has exactly no area.
+///
+/// Its three projections along the axes must all be flat; each is a 2D orientation, whose sign
+/// doubles decide wherever it is beyond their rounding, and integers where it is not.
+fn has_no_area(a: Vec3, b: Vec3, c: Vec3) -> bool {
+    if a == b || b == c || c == a {
+        return true;
+    }
+    crate::intersect::exact::is_collinear(a, b, c)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn single(corners: [[f64; 3]; 3]) -> Mesh {
+        Mesh::new(MeshData {
+            positions: corners.map(DVec3::from_array).to_vec(),
+            triangles: vec![[0, 1, 2]],
+            ..MeshData::default()
+        })
+    }
+
+    #[test]
+    fn keeps_numbers_when_it_drops() {
+        let p = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+        let mesh = Mesh::new(MeshData {
+            positions: vec![
+                p(0., 0.),
+                p(1., 0.),
+                p(0., 1.),
+                p(2., 0.),
+                p(f64::NAN, 0.),
+                p(2e18, 0.),
+            ],
+            triangles: vec![
+                [0, 1, 3],
+                [0, 1, 2],
+                [0, 1, 4],
+                [0, 1, 99],
+                [0, 2, 5],
+                [1, 1, 2],
+                [1, 3, 2],
+            ],
+            ..MeshData::default()
+        });
+        assert_eq!(mesh.kept(), [1, 6]);
+        let dropped = Dropped {
+            not_finite: 1,
+            too_far: 1,
+            bad_index: 1,
+            zero_area: 2,
+        };
+        assert_eq!(mesh.dropped(), dropped);
+        assert_eq!(mesh.dropped().total(), 5);
+        assert_eq!(mesh.bounds().max, DVec3::new(2.0, 1.0, 0.0));
+    }
+
+    #[test]
+    fn near_meshes_stay_where_they_are() {
+        let mesh = single([[1.0, -1.0, 0.0], [3.0, 1.0, 0.0], [1.0, 1.0, 0.5]]);
+        assert_eq!(mesh.offset(), DVec3::ZERO);
+    }
+
+    #[test]
+    fn far_single_precision_coordinates_stay_exact() {
+        for base in [1e3f32, 148376.0, -223423.0, 1e7, 3e12, -7.5e17] {
+            for length in [1e-1f32, 0.7, 13.0, 900.0] {
+                let xs = [base, base + length * 0.4, base + length];
+                let mesh = single([
+                    [f64::from(xs[0]), 0.0, 0.0],
+                    [f64::from(xs[1]), 1.0, 0.0],
+                    [f64::from(xs[2]), 0.0, 1.0],
+                ]);
+                for (x, position) in xs.iter().zip(mesh.positions()) {
+                    assert_eq!(mesh.offset().x + f64::from(position.x), f64::from(*x));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn far_double_precision_keeps_its_detail() {
+        let base = 1e7;
+        let mesh = single([
+            [base + 0.123456789, 0.0, 0.0],
+            [base + 1.0, 0.0, 0.0],
+            [base, 1.0, 0.0],
+        ]);
+        assert_eq!(mesh.offset().x, 1e7);
+        assert_eq!(mesh.positions()[0].x, 0.123456789f32);
+    }
+}

@@ -1,0 +1,15 @@
+//! What there is to see: meshes, the objects that place them, their colours and textures.
+
+mod bounds;
+mod color;
+mod mesh;
+mod object;
+mod texture;
+mod transform;
+
+pub use bounds::Bounds;
+pub use color::{Color, ColorRule};
+pub use mesh::{Attribute, COORDINATE_LIMIT, Dropped, Material, Mesh, MeshData};
+pub use object::{Object, Scene, SceneError};
+pub use texture::{Crop, Texture};
+pub use transform::Transform;

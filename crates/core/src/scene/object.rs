@@ -1,0 +1,181 @@
+use super::{Bounds, Color, ColorRule, Mesh, Texture, Transform};
+use glam::{DAffine3, DVec3};
+use std::sync::Arc;
+
+/// A mesh in its place, with its colours.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// What a person calls it.
+    pub name: String,
+    /// Its triangles.
+    pub mesh: Arc<Mesh>,
+    /// Where it stands in its parent, or in the world.
+    pub transform: Transform,
+    /// The object, by index, that it moves with.
+    pub parent: Option<usize>,
+    /// How its triangles get their colours.
+    pub color: ColorRule,
+    /// An image for its surface.
+    pub texture: Option<Arc<Texture>>,
+}
+
+impl Object {
+    /// An object at rest in the file's own coordinates and colours.
+    pub fn new(name: impl Into<String>, mesh: Arc<Mesh>) -> Self {
+        let color = if mesh.materials().is_empty() {
+            ColorRule::PerTriangle { seed: 0 }
+        } else {
+            ColorRule::File
+        };
+        Self {
+            name: name.into(),
+            mesh,
+            transform: Transform::IDENTITY,
+            parent: None,
+            color,
+            texture: None,
+        }
+    }
+
+    /// The sRGB colour of one of its triangles.
+    pub fn triangle_color(&self, triangle: u32) -> Color {
+        self.color.color(triangle).unwrap_or_else(|| {
+            self.mesh
+                .material(triangle)
+                .map_or(Color::DEFAULT, |material| material.color)
+        })
+    }
+}
+
+/// Why a scene cannot be cast at.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SceneError {
+    /// A parent index that no object has.
+    #[error("object {object:?} names a parent that the scene does not have")]
+    NoSuchParent {
+        /// The object's name.
+        object: String,
+    },
+    /// An object that is its own ancestor.
+    #[error("object {object:?} is its own ancestor")]
+    ParentCycle {
+        /// The object's name.
+        object: String,
+    },
+    /// A transform with a number that is not finite.
+    #[error("object {object:?} has a transform that is not finite")]
+    BadTransform {
+        /// The object's name.
+        object: String,
+    },
+    /// More triangles than 32-bit numbers can name.
+    #[error("the scene has {triangles} triangles; at most {limit} can be numbered")]
+    TooManyTriangles {
+        /// How many there are.
+        triangles: u64,
+        /// How many there may be.
+        limit: u32,
+    },
+}
+
+/// Objects, numbered by their order.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// The objects; an object's number is its index.
+    pub objects: Vec<Object>,
+}
+
+impl Scene {
+    /// Each object's map from its own space to the world's, parents included.
+    ///
+    /// # Errors
+    /// A parent that does not exist, a cycle of parents, a transform that is not finite.
+    pub fn world_from_objects(&self) -> Result<Vec<DAffine3>, SceneError> {
+        (0..self.objects.len())
+            .map(|index| self.world_from_object(index))
+            .collect()
+    }
+
+    fn world_from_object(&self, index: usize) -> Result<DAffine3, SceneError> {
+        let mut world_from_object = DAffine3::IDENTITY;
+        let mut next = Some(index);
+        for _ in 0..=self.objects.len() {
+            let Some(ancestor) = next else {
+                return if world_from_object.is_finite() {
+                    Ok(world_from_object)
+                } else {
+                    Err(SceneError::BadTransform {
+                        object: self.objects[index].name.clone(),
+                    })
+                };
+            };
+            let Some(object) = self.objects.get(ancestor) else {
+                return Err(SceneError::NoSuchParent {
+                    object: self.objects[index].name.clone(),
+                });
+            };
+            world_from_object = object.transform.parent_from_object() * world_from_object;
+            next = object.parent;
+        }
+        Err(SceneError::ParentCycle {
+            object: self.objects[index].name.clone(),
+        })
+    }
+
+    /// All triangles, dropped ones included.
+    pub fn triangle_count(&self) -> usize {
+        self.objects
+            .iter()
+            .map(|object| object.mesh.triangles().len())
+            .sum()
+    }
+
+    /// The box around everything, in world space; empty if there is nothing, or no valid
+    /// placement.
+    pub fn bounds(&self) -> Bounds {
+        let Ok(transforms) = self.world_from_objects() else {
+            return Bounds::EMPTY;
+        };
+        self.objects
+            .iter()
+            .zip(transforms)
+            .map(|(object, world_from_object)| {
+                if world_from_object == DAffine3::IDENTITY {
+                    return object.mesh.bounds();
+                }
+                let mesh = &object.mesh;
+                Bounds::around(
+                    mesh.kept()
+                        .iter()
+                        .filter_map(|&number| mesh.corners(number))
+                        .flatten()
+                        .map(|p| world_from_object.transform_point3(mesh.offset() + p.as_dvec3())),
+                )
+            })
+            .fold(Bounds::EMPTY, Bounds::union)
+    }
+
+    /// The smallest sphere about the bounds' middle that holds everything: centre and radius.
+    ///
+    /// The origin and zero for an empty scene.
+    pub fn bounding_sphere(&self) -> (DVec3, f64) {
+        let center = self.bounds().center();
+        let Ok(transforms) = self.world_from_objects() else {
+            return (center, 0.0);
+        };
+        let mut squared: f64 = 0.0;
+        for (object, world_from_object) in self.objects.iter().zip(transforms) {
+            let mesh = &object.mesh;
+            for corner in mesh
+                .kept()
+                .iter()
+                .filter_map(|&n| mesh.corners(n))
+                .flatten()
+            {
+                let point = world_from_object.transform_point3(mesh.offset() + corner.as_dvec3());
+                squared = squared.max(point.distance_squared(center));
+            }
+        }
+        (center, squared.sqrt())
+    }
+}

@@ -1,0 +1,108 @@
+use crate::scene::Color;
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// The triangles' own colours, unlit.
+    Color,
+    /// Lit, one brightness a triangle.
+    Flat,
+    /// Lit, with the mesh's own normals between corners; as [`Mode::Flat`] where there are none.
+    #[default]
+    Smooth,
+    /// Directions of the surface as colours: x red, y green, z blue.
+    Normals,
+    /// Distance: near is light, far is dark.
+    Depth,
+    /// The weights of a triangle's corners as red, green and blue.
+    Barycentric,
+    /// Texture coordinates as red and green.
+    Uv,
+    /// The texture, unlit; the object's colours where there is none.
+    Texture,
+    /// Lines alone, over the background, with what is hidden left out.
+    Wireframe,
+}
+
+/// How a texture is read between its texels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Filter {
+    /// The nearest texel.
+    Nearest,
+    /// Four texels, blended in linear light.
+    #[default]
+    Bilinear,
+}
+
+/// How a surface finds its place in a texture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TextureProjection {
+    /// The mesh's texture coordinates; [`TextureProjection::Triplanar`] where it has none.
+    #[default]
+    Uv,
+    /// From three sides along the object's axes, blended by the surface's direction.
+    Triplanar,
+}
+
+/// Lines along triangles' edges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wireframe {
+    /// Width in pixels.
+    pub width: f32,
+    /// Colour.
+    pub color: Color,
+}
+
+impl Default for Wireframe {
+    fn default() -> Self {
+        Self {
+            width: 1.0,
+            color: Color([0x10, 0x14, 0x1a]),
+        }
+    }
+}
+
+/// What lies behind everything.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Background {
+    /// From the first colour at the top of the picture to the second at its bottom.
+    Gradient(Color, Color),
+    /// Nothing: alpha is zero.
+    Transparent,
+}
+
+impl Default for Background {
+    fn default() -> Self {
+        Self::Gradient(Color([0x20, 0x24, 0x2c]), Color([0x3a, 0x44, 0x54]))
+    }
+}
+
+/// All that decides a picture's colours, besides the scene and the camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shading {
+    /// What to show.
+    pub mode: Mode,
+    /// Lines over it. [`Mode::Wireframe`] draws lines with or without this.
+    pub wireframe: Option<Wireframe>,
+    /// What lies behind.
+    pub background: Background,
+    /// From the object's colours (0) to its texture (1).
+    pub blend: f32,
+    /// How textures are read.
+    pub filter: Filter,
+    /// How surfaces find their place in textures.
+    pub projection: TextureProjection,
+}
+
+impl Default for Shading {
+    fn default() -> Self {
+        Self {
+            mode: Mode::default(),
+            wireframe: None,
+            background: Background::default(),
+            blend: 1.0,
+            filter: Filter::default(),
+            projection: TextureProjection::default(),
+        }
+    }
+}

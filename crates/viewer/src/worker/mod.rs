@@ -1,0 +1,1 @@
+//! Loading, building and rendering, away from the window's thread.
