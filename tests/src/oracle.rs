@@ -98,16 +98,28 @@ pub struct Oracle {
 impl Oracle {
     /// The oracle of a scene and the tree that was built over it.
     ///
-    /// Objects that stand where their file puts them are taken from their meshes, as stored there.
-    /// Corners of moved objects are rounded once, when they are placed in the world: theirs are
-    /// taken from `accel`, as stored.
+    /// Where all objects stand where their files put them, and their meshes share an offset,
+    /// corners are taken from the meshes, as stored there. Otherwise they were rounded once, when
+    /// they were placed in the world: they are taken from `accel`, as stored.
     pub fn new(scene: &Scene, accel: &Accel) -> Self {
         let placed = scene.world_from_objects().expect("a valid scene");
+        let offsets = || scene.objects.iter().map(|object| object.mesh.offset());
+        let is_at_rest = placed.iter().all(|&placed| placed == DAffine3::IDENTITY)
+            && offsets().all(|offset| Some(offset) == offsets().next());
+        if !is_at_rest {
+            let stored = |slot| {
+                let (object, triangle) = accel.identify(slot);
+                Stored {
+                    object,
+                    triangle,
+                    base: accel.origin(),
+                    corners: accel.corners(slot),
+                }
+            };
+            return Self::of_triangles((0..accel.len() as u32).map(stored).collect());
+        }
         let mut triangles = Vec::new();
         for (number, object) in scene.objects.iter().enumerate() {
-            if placed[number] != DAffine3::IDENTITY {
-                continue;
-            }
             let mesh = &object.mesh;
             for (triangle, indices) in mesh.triangles().iter().enumerate() {
                 let position = |i: u32| mesh.positions().get(i as usize).copied();
@@ -119,17 +131,6 @@ impl Oracle {
                     triangle: triangle as u32,
                     base: mesh.offset(),
                     corners: [a, b, c],
-                });
-            }
-        }
-        for slot in 0..accel.len() as u32 {
-            let (object, triangle) = accel.identify(slot);
-            if placed[object as usize] != DAffine3::IDENTITY {
-                triangles.push(Stored {
-                    object,
-                    triangle,
-                    base: accel.origin(),
-                    corners: accel.corners(slot),
                 });
             }
         }
