@@ -2,6 +2,7 @@
 
 mod build;
 mod slab;
+mod tile;
 mod traverse;
 mod tree;
 

@@ -5,6 +5,6 @@ mod hit;
 mod nearest;
 mod triangle;
 
-pub use hit::{Cull, Hit};
+pub use hit::{Cull, Hit, Precision};
 pub(crate) use nearest::Nearest;
 pub(crate) use triangle::PreparedRay;
