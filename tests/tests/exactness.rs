@@ -14,9 +14,7 @@ use std::sync::Arc;
 
 /// A ray at the scene: random, or aimed at a corner, an edge or a face, or within two units in the
 /// last place of one.
-fn ray(random: &mut Random, stage: &Stage) -> Ray {
-    let (center, radius) = stage.scene.bounding_sphere();
-    let radius = if radius > 0.0 { radius } else { 1.0 };
+fn ray(random: &mut Random, stage: &Stage, (center, radius): (DVec3, f64)) -> Ray {
     let origin = match random.below(8) {
         0 => point(random, stage),
         1 => center + random.in_cube() * radius,
@@ -62,7 +60,10 @@ fn point(random: &mut Random, stage: &Stage) -> DVec3 {
 
 fn rays(seed: u64, count: usize, stage: &Stage) -> Vec<Ray> {
     let mut random = Random::new(seed);
-    (0..count).map(|_| ray(&mut random, stage)).collect()
+    let sphere = stage.scene.bounding_sphere();
+    (0..count)
+        .map(|_| ray(&mut random, stage, sphere))
+        .collect()
 }
 
 /// Checks `count` rays, one in `brute` of them by brute force too.
@@ -120,14 +121,14 @@ fn directions_of_any_length() {
 #[test]
 fn height_field() {
     let stage = Stage::of([meshes::integer_heights(64, 5)]);
-    check("height field", &stage, 40_000, 20);
+    check("height field", &stage, 100_000, 50);
 }
 
 #[test]
 fn far_sphere() {
     let center = DVec3::new(148_376.0, 1234.0, -223_423.0);
     let stage = Stage::of([meshes::sphere(center, 2.0, 60)]);
-    check("far sphere", &stage, 40_000, 20);
+    check("far sphere", &stage, 100_000, 50);
 }
 
 #[test]
@@ -154,7 +155,7 @@ fn several_objects_in_their_places() {
     // Two in the same place: the lower number shows.
     objects.push(objects[0].clone());
     let stage = Stage::new(Scene { objects });
-    check("several objects", &stage, 40_000, 10);
+    check("several objects", &stage, 100_000, 25);
 }
 
 /// What a mesh holds is what is cast at: no rounding on the way.
@@ -204,6 +205,6 @@ fn real_meshes() {
             .expect("a file")
             .to_string_lossy()
             .into_owned();
-        check(&name, &stage, 40_000, 100);
+        check(&name, &stage, 100_000, 200);
     }
 }
