@@ -160,7 +160,7 @@ impl Oracle {
             triangle
                 .rounded()
                 .iter()
-                .all(|corner| corner.abs().max_element() <= COORDINATE_LIMIT)
+                .all(|corner| corner.is_finite() && corner.abs().max_element() <= COORDINATE_LIMIT)
         });
         let mut clusters = Vec::new();
         split(&mut triangles, &mut clusters);
