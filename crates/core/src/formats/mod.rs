@@ -110,3 +110,96 @@ fn read_bytes(path: &Path, progress: Progress<'_>) -> Result<Vec<u8>, FormatErro
     Disk.read(path, progress)
         .map_err(|error| FormatError::io(path, error))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::PathBuf;
+    use std::sync::Mutex;
+
+    /// A folder that is gone when the test is.
+    struct Folder(PathBuf);
+
+    impl Folder {
+        fn new(name: &str) -> Self {
+            let folder =
+                std::env::temp_dir().join(format!("raycast-formats-{}-{name}", std::process::id()));
+            std::fs::create_dir_all(folder.join("deep")).expect("a folder can be made");
+            Self(folder)
+        }
+
+        fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
+            let path = self.0.join(name);
+            std::fs::write(&path, bytes).expect("a file can be written");
+            path
+        }
+    }
+
+    impl Drop for Folder {
+        fn drop(&mut self) {
+            // What is left behind does not change what was tested.
+            let _ = std::fs::remove_dir_all(&self.0);
+        }
+    }
+
+    #[test]
+    fn a_mesh_file_is_a_scene_of_one_object() {
+        let folder = Folder::new("mesh");
+        folder.write("a.mtl", b"newmtl x\nmap_Kd deep\\t.ppm\n");
+        let image = folder.write("deep/t.ppm", b"P3\n1 1\n255\n1 2 3\n");
+        let mesh = folder.write(
+            "my cube.obj",
+            b"mtllib a.mtl\nusemtl x\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+        );
+        let shares = Mutex::new(Vec::new());
+        let note = |share| shares.lock().expect("no one panicked").push(share);
+        let file = read_scene(&mesh, &note).expect("a good mesh");
+        let object = &file.scene.objects[0];
+        assert_eq!(object.name, "my cube");
+        assert_eq!(object.source.as_ref(), Some(&mesh));
+        assert_eq!(object.texture_source.as_ref(), Some(&image));
+        assert!(object.texture.is_some());
+        let shares = shares.into_inner().expect("no one panicked");
+        assert!(shares.is_sorted(), "{shares:?}");
+        assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)));
+        assert_eq!(shares.last(), Some(&1.0));
+
+        // Saved elsewhere, it still finds its files.
+        let text = file
+            .to_toml(&folder.0.join("deep"))
+            .expect("it can be saved");
+        assert!(text.contains("mesh = \"../my cube.obj\""), "{text}");
+        let scene = folder.write("deep/saved.raycast.toml", text.as_bytes());
+        let again = read_scene(&scene, &|_| ()).expect("a good scene");
+        assert_eq!(again.scene.objects[0].texture, object.texture);
+
+        std::fs::remove_file(&image).expect("it was there");
+        let file = read_scene(&mesh, &|_| ()).expect("a mesh without its image");
+        assert!(file.scene.objects[0].texture.is_none());
+        assert_eq!(file.warnings.len(), 1, "{:?}", file.warnings);
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_named() {
+        let folder = Folder::new("faults");
+        let check = |path: &Path| {
+            let errors = [
+                read_scene(path, &|_| ()).expect_err("no scene").to_string(),
+                read_mesh(path, &|_| ()).expect_err("no mesh").to_string(),
+                read_texture(path).expect_err("no image").to_string(),
+            ];
+            for message in errors {
+                assert!(
+                    message.starts_with(&path.display().to_string()),
+                    "{message}"
+                );
+                assert_eq!(message.lines().count(), 1, "{message}");
+            }
+        };
+        check(&folder.0.join("not there.obj"));
+        check(&folder.0);
+        check(&folder.write("empty.obj", b""));
+        check(&folder.write("bad.raycast.toml", b"[camera\n"));
+        check(&folder.write("latin.raycast.toml", b"# caf\xe9\n"));
+    }
+}

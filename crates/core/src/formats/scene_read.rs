@@ -232,7 +232,8 @@ impl Reader<'_> {
             let table = table.get_ref();
             let step = |part: f32| progress((index as f32 + part) * share);
             let mesh_path = beside(self.path, table.mesh.get_ref());
-            let mesh = match meshes.get(&mesh_path) {
+            let source = self.files.source(&mesh_path);
+            let mesh = match meshes.get(&source) {
                 Some(mesh) => Arc::clone(mesh),
                 None => {
                     let bytes = self.bytes(&table.mesh, &mesh_path, &|part| step(part * 0.5))?;
@@ -241,7 +242,7 @@ impl Reader<'_> {
                     })?;
                     warnings.extend(read.warnings);
                     let mesh = Arc::new(read.mesh);
-                    meshes.insert(mesh_path.clone(), Arc::clone(&mesh));
+                    meshes.insert(source.clone(), Arc::clone(&mesh));
                     mesh
                 }
             };
@@ -250,24 +251,25 @@ impl Reader<'_> {
                 None => mesh_file::name(&mesh_path),
             };
             let mut object = Object::new(name, mesh);
-            object.source = Some(self.files.source(&mesh_path));
+            object.source = Some(source);
             object.parent = parent;
             if let Some(color) = table.color {
                 object.color = color.rule(table.seed);
             }
             if let Some(named) = &table.texture {
                 let path = beside(self.path, named.get_ref());
-                let texture = match textures.get(&path) {
+                let source = self.files.source(&path);
+                let texture = match textures.get(&source) {
                     Some(texture) => Arc::clone(texture),
                     None => {
                         let bytes = self.bytes(named, &path, &|_| ())?;
                         let texture = Arc::new(texture::decode(&path, &bytes)?);
-                        textures.insert(path.clone(), Arc::clone(&texture));
+                        textures.insert(source.clone(), Arc::clone(&texture));
                         texture
                     }
                 };
                 object.texture = Some(texture);
-                object.texture_source = Some(self.files.source(&path));
+                object.texture_source = Some(source);
             }
             let place = |value: &Option<Spanned<[f64; 3]>>, default| match value {
                 Some(value) => self.vector(value),
@@ -322,18 +324,265 @@ impl Reader<'_> {
             }
         };
         let parents: Vec<Option<usize>> = tables.iter().map(parent_of).collect::<Result<_, _>>()?;
-        for start in 0..tables.len() {
-            // After so many steps up, whoever is left is on a cycle.
-            let mut ancestor = Some(start);
-            for _ in 0..tables.len() {
-                ancestor = ancestor.and_then(|next| parents[next]);
-            }
-            if let Some(parent) = ancestor.and_then(|index| tables[index].get_ref().parent.as_ref())
+        for (start, table) in tables.iter().enumerate() {
+            let ancestors = std::iter::successors(parents[start], |&index| parents[index]);
+            // A walk up that comes back has done so after as many steps as there are objects.
+            if let Some(parent) = &table.get_ref().parent
+                && ancestors.take(tables.len()).any(|index| index == start)
             {
                 let found = format!("{}, its own descendant", quote(parent.get_ref()));
                 return Err(self.fault(parent, "a parent that is no descendant", &found));
             }
         }
         Ok(parents)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::read_scene_from;
+    use super::*;
+    use crate::scene::{Color, ColorRule};
+    use crate::shade::{Filter, Mode, TextureProjection};
+
+    const WHOLE: &str = r##"# A scene with everything.
+[camera]
+projection = "perspective"
+eye = [3, 2.5, 5]
+target = [0, 0, 0.1]
+up = [0.0, 1.0, 0.0]
+fov = 40.0
+
+[image]
+size = [1280, 720]
+samples = 4
+background = ["#20242c", "#3A4454"]
+
+[shading]
+mode = "barycentric"
+wireframe = true
+wireframe-width = 1.3
+blend = 0.7
+filter = "nearest"
+texture-projection = "triplanar"
+
+[[object]]
+name = "moon"
+mesh = "./parts/a.obj"
+color = "per-triangle"
+seed = 3
+texture = "t.ppm"
+translate = [4, 0, 0]
+parent = "planet"
+
+[[object]]
+name = "planet"
+mesh = "parts/a.obj"
+color = "#ff8000"
+rotate = [0, 90, 0]
+scale = [1, 2, -1]
+
+[[object]]
+mesh = "b.txt"
+texture = "t.ppm"
+"##;
+
+    fn files(name: &str) -> Option<Vec<u8>> {
+        match name {
+            "parts/a.obj" => {
+                Some("mtllib a.mtl\nusemtl x\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3".into())
+            }
+            "parts/a.mtl" => Some("newmtl x\nKd 0 1 0".into()),
+            "b.txt" => Some("(0,0,0);(1,0,0);(0,1,0)".into()),
+            "t.ppm" => Some("P3\n1 1\n255\n1 2 3\n".into()),
+            "bad.obj" => Some("v 0 0 0\nf 1 2 3\n".into()),
+            _ => None,
+        }
+    }
+
+    fn parse(text: &str) -> SceneFile {
+        read_scene_from(text, &files).expect("a good scene")
+    }
+
+    #[test]
+    fn reads_everything() {
+        let file = parse(WHOLE);
+        let camera = file.camera.expect("a camera");
+        assert_eq!(camera.placement.eye, DVec3::new(3.0, 2.5, 5.0));
+        assert_eq!(camera.placement.target, DVec3::new(0.0, 0.0, 0.1));
+        assert_eq!(
+            (camera.projection, camera.frame),
+            (Projection::Perspective, 40.0)
+        );
+        assert_eq!(file.image.size, Some((1280, 720)));
+        assert_eq!(file.image.samples, Some(4));
+        let shading = Shading {
+            mode: Mode::Barycentric,
+            wireframe: Some(Wireframe {
+                width: 1.3,
+                ..Wireframe::default()
+            }),
+            background: Background::default(),
+            blend: 0.7,
+            filter: Filter::Nearest,
+            projection: TextureProjection::Triplanar,
+        };
+        assert_eq!(file.shading, Some(shading));
+        let [moon, planet, plain] = &file.scene.objects[..] else {
+            panic!("three objects");
+        };
+        assert_eq!((moon.parent, planet.parent), (Some(1), None));
+        assert_eq!(moon.color, ColorRule::PerTriangle { seed: 3 });
+        assert_eq!(planet.color, ColorRule::Uniform(Color([255, 128, 0])));
+        assert_eq!(planet.transform.scale, DVec3::new(1.0, 2.0, -1.0));
+        assert_eq!(plain.name, "b");
+        assert!(Arc::ptr_eq(&moon.mesh, &planet.mesh), "one mesh, read once");
+        let image = |object: &Object| object.texture.clone().expect("a texture");
+        assert!(Arc::ptr_eq(&image(moon), &image(plain)));
+        assert_eq!(moon.source.as_deref(), Some(Path::new("parts/a.obj")));
+        assert_eq!(moon.mesh.materials()[0].color, Color([0, 255, 0]));
+    }
+
+    #[test]
+    fn what_is_left_out_is_left_to_the_caller() {
+        let file = parse("");
+        assert!(file.camera.is_none() && file.shading.is_none() && file.scene.objects.is_empty());
+        assert_eq!(file.image, ImageFile::default());
+        let file = parse("[image]\nbackground = \"transparent\"\n");
+        let shading = Shading {
+            background: Background::Transparent,
+            ..Shading::default()
+        };
+        assert_eq!(file.shading, Some(shading));
+    }
+
+    #[test]
+    fn says_where_and_what() {
+        let check = |text: &str, place: &str, what: &str| {
+            let message = read_scene_from(text, &files)
+                .expect_err("a bad scene")
+                .to_string();
+            assert!(message.starts_with(&format!("{place}: ")), "{message}");
+            assert!(message.contains(what), "{message}");
+            assert_eq!(message.lines().count(), 1, "{message}");
+        };
+        let edit = |from: &str, to: &str| {
+            assert_eq!(WHOLE.matches(from).count(), 1, "{from}");
+            WHOLE.replace(from, to)
+        };
+        check("[camera", "scene:1", "");
+        check(
+            &edit("samples", "sample"),
+            "scene:11",
+            "unknown field `sample`",
+        );
+        check(&edit("samples = 4", "samples = 0"), "scene:11", "found 0");
+        check(&edit("[1280, 720]", "[0, 720]"), "scene:10", "0x720");
+        check(&edit("[1280, 720]", "[-1, 720]"), "scene:10", "");
+        check(&edit("[1280, 720]", "[1280]"), "scene:10", "length");
+        check(
+            &edit("\"barycentric\"", "\"pretty\""),
+            "scene:15",
+            "`pretty`",
+        );
+        check(&edit("0.7", "1.5"), "scene:18", "found 1.5");
+        check(&edit("[3, 2.5, 5]", "[nan, 0, 0]"), "scene:4", "finite");
+        check(
+            &edit("[3, 2.5, 5]", "[0, 0, 0.1]"),
+            "scene:5",
+            "away from the eye",
+        );
+        check(&edit("fov = 40.0", "fov = 180"), "scene:7", "found 180");
+        check(&edit("fov = 40.0", "frame = 2"), "scene:7", "orthographic");
+        check(
+            &edit("\"perspective\"", "\"orthographic\""),
+            "scene:7",
+            "perspective",
+        );
+        check(&edit("#20242c", "20242"), "scene:12", "transparent");
+        check(&edit("\"#ff8000\"", "\"red\""), "scene:34", "found \"red\"");
+        check(
+            &edit("\"b.txt\"", "\"c.txt\""),
+            "scene:39",
+            "c.txt cannot be read",
+        );
+        check(&edit("\"b.txt\"", "\"bad.obj\""), "bad.obj:2", "found 2");
+        check(
+            &edit("parent = \"planet\"", "parent = \"sun\""),
+            "scene:29",
+            "\"sun\"",
+        );
+        check(
+            &edit("parent = \"planet\"", "parent = \"moon\""),
+            "scene:29",
+            "descendant",
+        );
+        check(
+            &edit("rotate = [0, 90, 0]", "parent = \"moon\""),
+            "scene:29",
+            "descendant",
+        );
+        check(
+            &edit("name = \"moon\"", "name = \"planet\""),
+            "scene:29",
+            "2 objects",
+        );
+    }
+
+    #[test]
+    fn saved_scenes_read_the_same() {
+        let orthographic = WHOLE
+            .replace("\"perspective\"", "\"orthographic\"")
+            .replace("fov = 40.0", "frame = 2.125")
+            .replace("[\"#20242c\", \"#3A4454\"]", "\"transparent\"")
+            .replace("wireframe = true\nwireframe-width = 1.3\n", "");
+        for text in [WHOLE, &orthographic, "", "[[object]]\nmesh = \"b.txt\""] {
+            let file = parse(text);
+            let saved = file
+                .to_toml(Path::new("/nowhere"))
+                .expect("it can be saved");
+            let again = parse(&saved);
+            assert_eq!(file.camera, again.camera);
+            assert_eq!(file.image, again.image);
+            assert_eq!(file.shading, again.shading);
+            assert_eq!(file.scene.objects.len(), again.scene.objects.len());
+            for (object, other) in file.scene.objects.iter().zip(&again.scene.objects) {
+                assert_eq!(object.name, other.name);
+                assert_eq!(object.transform, other.transform);
+                assert_eq!(object.parent, other.parent);
+                assert_eq!(object.color, other.color);
+                assert_eq!(object.source, other.source);
+                assert_eq!(object.texture, other.texture);
+                assert_eq!(object.texture_source, other.texture_source);
+            }
+            assert_eq!(again.to_toml(Path::new("/nowhere")).ok(), Some(saved));
+        }
+    }
+
+    #[test]
+    fn saving_gives_parents_names_of_their_own() {
+        let mut file = parse(WHOLE);
+        for object in &mut file.scene.objects {
+            object.name = "same".into();
+        }
+        let saved = file
+            .to_toml(Path::new("/nowhere"))
+            .expect("it can be saved");
+        let again = parse(&saved);
+        assert_eq!(again.scene.objects[0].parent, Some(1));
+        assert_eq!(again.scene.objects[1].name, "same 2");
+        file.scene.objects[2].source = None;
+        let error = file.to_toml(Path::new("/nowhere")).expect_err("no file");
+        assert!(error.to_string().contains("\"same\""), "{error}");
+    }
+
+    #[test]
+    fn files_append() {
+        let mut file = parse("[image]\nsamples = 2\n[[object]]\nmesh = \"b.txt\"");
+        file.append(parse(WHOLE));
+        assert_eq!(file.scene.objects.len(), 4);
+        assert_eq!(file.scene.objects[1].parent, Some(2));
+        assert_eq!(file.image.samples, Some(2));
+        assert_eq!(file.image.size, Some((1280, 720)));
     }
 }
