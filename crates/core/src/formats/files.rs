@@ -66,8 +66,8 @@ pub(super) fn beside(file: &Path, named: &str) -> PathBuf {
     }
 }
 
-/// The path to `file` from `folder`, with `/` between its parts; `file` itself where there is no
-/// such path. `None` where it is not Unicode.
+/// The path to `file` from `folder`, with `/` between its parts; `file` itself where the two have no
+/// folder in common. `None` where it is not Unicode.
 pub(super) fn relative(file: &Path, folder: &Path) -> Option<String> {
     let slashed = |path: &Path| path.to_str().map(|text| text.replace('\\', "/"));
     if file.is_relative() {
@@ -76,13 +76,13 @@ pub(super) fn relative(file: &Path, folder: &Path) -> Option<String> {
     let folder = Disk.source(folder);
     let mut to = file.components().peekable();
     let mut from = folder.components().peekable();
-    let mut common = 0;
-    while to.peek().is_some() && to.peek() == from.peek() {
-        (to.next(), from.next());
-        common += 1;
+    let mut in_common = false;
+    while let Some(part) = to.next_if(|part| from.peek() == Some(part)) {
+        from.next();
+        in_common |= matches!(part, Component::Normal(_));
     }
     let up: Vec<_> = from.collect();
-    if common == 0 || up.iter().any(|part| !matches!(part, Component::Normal(_))) {
+    if !in_common || up.iter().any(|part| !matches!(part, Component::Normal(_))) {
         return slashed(file);
     }
     let mut path: PathBuf = up.iter().map(|_| Component::ParentDir).collect();
@@ -106,6 +106,7 @@ mod tests {
         check("/a/b/c.obj", "/a", "b/c.obj");
         check("/a/b/c.obj", "/a/d/e", "../../b/c.obj");
         check("/a/b/c.obj", "/a/../d", "/a/b/c.obj");
+        check("/a/b/c.obj", "/d", "/a/b/c.obj");
         check("c.obj", "/a", "c.obj");
     }
 

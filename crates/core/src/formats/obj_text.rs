@@ -35,6 +35,10 @@ pub(super) struct ObjText {
     pub(super) libraries: Vec<String>,
     /// The names behind `usemtl`, each once.
     pub(super) materials: Vec<String>,
+    /// How many `v` lines there are.
+    pub(super) vertices: usize,
+    /// The line of the last face, where the file ends in it with no newline behind.
+    pub(super) open_end: Option<usize>,
     /// Faces whose texture coordinates or normals the file does not have at all.
     pub(super) dangling: usize,
 }
@@ -76,6 +80,7 @@ pub(super) fn read(
         reader.material_numbers.clear();
         reader.lines(bytes, &|_| ())?;
     }
+    reader.out.vertices = totals[0] as usize;
     Ok(reader.out)
 }
 
@@ -174,6 +179,7 @@ impl Reader<'_> {
             "f" => {
                 let face = self.face(values(), line, number, is_cut)?;
                 self.out.faces.push(face);
+                self.out.open_end = is_cut.then_some(number);
                 self.push("f", values());
             }
             "mtllib" => self.out.libraries.push(rest.trim().to_owned()),
