@@ -1,7 +1,15 @@
 //! From hits to colours.
 
+mod edges;
+mod facet;
+mod light;
 mod mode;
+mod sample;
 mod shader;
+pub(crate) mod srgb;
+mod tile;
+mod triplanar;
 
 pub use mode::{Background, Filter, Mode, Shading, TextureProjection, Wireframe};
 pub use shader::Shader;
+pub use tile::TileShader;
