@@ -6,7 +6,7 @@ use crate::camera::Rect;
 /// pixel's centre.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layers {
-    /// Linear light, alpha not multiplied in.
+    /// Linear light, alpha multiplied in: the mean of the samples as it is, and what EXR holds.
     pub color: Vec<[f32; 4]>,
     /// Distance from the eye (orthographic: from the image plane); infinity at a miss.
     pub depth: Vec<f32>,

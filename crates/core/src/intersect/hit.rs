@@ -22,3 +22,13 @@ pub enum Cull {
     /// Fronts alone.
     Back,
 }
+
+/// How sure a picture's triangles are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// Rounded arithmetic alone: at most one pixel in a million may show another triangle.
+    Fast,
+    /// What exact arithmetic gives.
+    #[default]
+    Exact,
+}

@@ -410,8 +410,8 @@ fn world_normals(scene: &Scene) -> Vec<Option<Mat3>> {
             let largest = normal_matrix
                 .to_cols_array()
                 .into_iter()
-                .fold(0.0, |a: f64, b| if b.is_nan() { b } else { a.max(b.abs()) });
-            (largest.is_finite() && largest > 0.0)
+                .fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
+            (normal_matrix.is_finite() && largest > 0.0)
                 .then(|| DMat3::as_mat3(&(normal_matrix * (1.0 / largest))))
         })
         .collect()
