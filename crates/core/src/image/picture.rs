@@ -32,6 +32,18 @@ impl Layers {
             uv: vec![[0.0; 2]; pixels],
         }
     }
+
+    /// How many values each layer has.
+    pub(super) fn counts(&self) -> [usize; 6] {
+        [
+            self.color.len(),
+            self.depth.len(),
+            self.object.len(),
+            self.triangle.len(),
+            self.normal.len(),
+            self.uv.len(),
+        ]
+    }
 }
 
 /// A picture in memory, rows from the top.
@@ -66,18 +78,8 @@ impl Picture {
         let fits = u64::from(rect.x) + u64::from(rect.width) <= u64::from(self.width)
             && u64::from(rect.y) + u64::from(rect.height) <= u64::from(self.height);
         let counts_agree = pixels.len() == rect.area()
-            && layers.is_none_or(|layers| {
-                [
-                    layers.color.len(),
-                    layers.depth.len(),
-                    layers.object.len(),
-                    layers.triangle.len(),
-                    layers.normal.len(),
-                    layers.uv.len(),
-                ]
-                .iter()
-                .all(|&count| count == rect.area())
-            });
+            && layers
+                .is_none_or(|layers| layers.counts().iter().all(|&count| count == rect.area()));
         if !fits || !counts_agree {
             return false;
         }

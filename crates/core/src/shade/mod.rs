@@ -12,5 +12,5 @@ mod triplanar;
 
 pub use mode::{Background, Filter, Mode, Shading, TextureProjection, Wireframe};
 pub use shader::Shader;
-pub(crate) use srgb::encode_premultiplied;
+pub(crate) use srgb::{encode_premultiplied, over_black};
 pub use tile::TileShader;

@@ -132,6 +132,12 @@ pub(crate) fn encode(color: [f32; 4]) -> [u8; 4] {
     encode_premultiplied(premultiply(color))
 }
 
+/// sRGB bytes laid over black in linear light.
+pub(crate) fn over_black([r, g, b, a]: [u8; 4]) -> [u8; 3] {
+    let alpha = f32::from(a) / 255.0;
+    [r, g, b].map(|byte| TABLES.encode(TABLES.decode(byte) * alpha))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
