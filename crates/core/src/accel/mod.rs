@@ -1,9 +1,15 @@
 //! The scene made ready for casting: world-space triangles in the order of a tree's leaves.
 
+mod build;
+mod slab;
+mod traverse;
+mod tree;
+
 use crate::camera::Ray;
-use crate::intersect::{Cull, Hit};
+use crate::intersect::{Cull, Hit, Nearest, PreparedRay};
 use crate::scene::{Scene, SceneError};
 use glam::{DVec3, Vec3};
+use tree::Tree;
 
 /// Marks a ray that meets nothing, in place of a triangle's slot.
 pub const MISS: u32 = u32::MAX;
@@ -29,58 +35,316 @@ impl SlotHit {
         u: 0.0,
         v: 0.0,
     };
+
+    /// Whether the ray meets nothing.
+    pub fn is_miss(&self) -> bool {
+        self.slot == MISS
+    }
+}
+
+/// A triangle in the order of the leaves.
+#[derive(Clone, Copy, Debug)]
+struct Triangle {
+    /// Corners relative to the accel's origin.
+    corners: [Vec3; 3],
+    /// Its number among all triangles of the scene, objects in order: ties go to the lowest.
+    number: u32,
 }
 
 /// World-space triangles and the tree over them.
+///
+/// Corners are stored in single precision relative to [`Accel::origin`]. Where the scene is one
+/// object at rest, or all its meshes share an offset and rest, they are the meshes' own positions,
+/// unchanged; anything else is moved in double precision and rounded once. The corners as stored
+/// here are what "exact" is about.
 #[derive(Debug)]
-pub struct Accel {}
+pub struct Accel {
+    origin: DVec3,
+    triangles: Vec<Triangle>,
+    tree: Tree,
+    /// The first number of each object, and the number after the last.
+    first_numbers: Vec<u32>,
+    /// Triangles that were finite in their mesh but left single precision's range in the world.
+    out_of_range: u32,
+}
 
 impl Accel {
     /// Places every object's kept triangles in the world and builds the tree.
     ///
     /// # Errors
     /// A scene whose transforms or parents are not valid, or too large to number.
-    pub fn build(_scene: &Scene) -> Result<Self, SceneError> {
-        unimplemented!()
+    pub fn build(scene: &Scene) -> Result<Self, SceneError> {
+        build::build(scene)
     }
 
     /// The nearest hit of `ray` by exact arithmetic; ties go to the lowest object, then triangle.
-    pub fn cast(&self, _ray: &Ray, _cull: Cull) -> Option<Hit> {
-        unimplemented!()
+    ///
+    /// A ray that is not valid meets nothing.
+    pub fn cast(&self, ray: &Ray, cull: Cull) -> Option<Hit> {
+        self.to_hit(self.nearest(ray, cull))
+    }
+
+    /// The same for casting loops: a slot in place of the numbers, in single precision.
+    pub fn cast_slot(&self, ray: &Ray, cull: Cull) -> SlotHit {
+        self.nearest(ray, cull).to_slot_hit()
     }
 
     /// What [`Accel::cast`] answers, found by trying every triangle: for tests.
-    pub fn cast_brute_force(&self, _ray: &Ray, _cull: Cull) -> Option<Hit> {
-        unimplemented!()
+    pub fn cast_brute_force(&self, ray: &Ray, cull: Cull) -> Option<Hit> {
+        let ray = PreparedRay::new(ray, self.origin, cull)?;
+        let mut nearest = Nearest::NONE;
+        for slot in 0..self.triangles.len() as u32 {
+            self.meet(&ray, slot, &mut nearest);
+        }
+        self.to_hit(nearest)
+    }
+
+    fn nearest(&self, ray: &Ray, cull: Cull) -> Nearest {
+        match PreparedRay::new(ray, self.origin, cull) {
+            Some(ray) => traverse::nearest(self, &ray),
+            None => Nearest::NONE,
+        }
+    }
+
+    fn meet(&self, ray: &PreparedRay, slot: u32, nearest: &mut Nearest) {
+        ray.meet(
+            slot,
+            |slot| self.triangles[slot as usize].corners,
+            |slot| self.triangles[slot as usize].number,
+            nearest,
+        );
+    }
+
+    fn to_hit(&self, nearest: Nearest) -> Option<Hit> {
+        if nearest.is_miss() {
+            return None;
+        }
+        let (object, triangle) = self.identify(nearest.slot);
+        Some(Hit {
+            object,
+            triangle,
+            t: nearest.t,
+            u: nearest.u,
+            v: nearest.v,
+        })
     }
 
     /// What to add to a corner from [`Accel::corners`] to get world coordinates.
     pub fn origin(&self) -> DVec3 {
-        unimplemented!()
+        self.origin
     }
 
     /// The corners of the triangle in a slot, relative to [`Accel::origin`]. `slot` < [`Accel::len`].
-    pub fn corners(&self, _slot: u32) -> [Vec3; 3] {
-        unimplemented!()
+    pub fn corners(&self, slot: u32) -> [Vec3; 3] {
+        self.triangles[slot as usize].corners
     }
 
     /// The object and triangle number of a slot. `slot` < [`Accel::len`].
-    pub fn identify(&self, _slot: u32) -> (u32, u32) {
-        unimplemented!()
+    pub fn identify(&self, slot: u32) -> (u32, u32) {
+        let number = self.triangles[slot as usize].number;
+        let object = match &self.first_numbers[..] {
+            // One object: nothing to look up.
+            [_, _] => 0,
+            first => first.partition_point(|&first| first <= number) - 1,
+        };
+        (object as u32, number - self.first_numbers[object])
     }
 
     /// How many triangles can be met.
     pub fn len(&self) -> usize {
-        unimplemented!()
+        self.triangles.len()
     }
 
     /// Whether nothing can be met.
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.triangles.is_empty()
+    }
+
+    /// How many triangles a transform has moved out of single precision's range: never met.
+    pub fn out_of_range(&self) -> u32 {
+        self.out_of_range
     }
 
     /// Bytes kept: the tree and the triangles.
     pub fn retained_bytes(&self) -> usize {
-        unimplemented!()
+        self.triangles.capacity() * size_of::<Triangle>()
+            + self.tree.retained_bytes()
+            + self.first_numbers.capacity() * size_of::<u32>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Mesh, MeshData, Object};
+    use std::sync::Arc;
+
+    /// A small generator with a fixed seed: splitmix64 (Steele, Lea, Flood, 2014).
+    struct Random(u64);
+
+    impl Random {
+        fn bits(&mut self) -> u64 {
+            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let x = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            x ^ (x >> 31)
+        }
+
+        /// Uniform in −1..1.
+        fn signed(&mut self) -> f64 {
+            (self.bits() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        }
+
+        fn point(&mut self) -> DVec3 {
+            DVec3::new(self.signed(), self.signed(), self.signed())
+        }
+    }
+
+    fn accel(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Accel {
+        let mesh = Mesh::new(MeshData {
+            positions,
+            triangles,
+            ..MeshData::default()
+        });
+        let scene = Scene {
+            objects: vec![Object::new("mesh", Arc::new(mesh))],
+        };
+        Accel::build(&scene).expect("a valid scene")
+    }
+
+    #[test]
+    fn the_tree_answers_as_brute_force_does() {
+        let mut random = Random(1);
+        for count in [0, 1, 2, 3, 4, 9, 100, 1000] {
+            for decade in [-9, 0, 9] {
+                let size = 10f64.powi(decade);
+                let positions = (0..count).flat_map(|_| {
+                    let center = random.point();
+                    [0; 3].map(|_| (center + random.point() * 0.3) * size)
+                });
+                let positions: Vec<DVec3> = positions.collect();
+                let triangles = (0..count as u32)
+                    .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
+                    .collect();
+                let accel = accel(positions.clone(), triangles);
+                let mut met = 0;
+                for i in 0..500 {
+                    let origin = random.point() * 2.0 * size;
+                    let target = match positions.get(i % positions.len().max(1)) {
+                        Some(&vertex) if i % 2 == 0 => vertex,
+                        _ => random.point() * size,
+                    };
+                    let ray = Ray::new(origin, target - origin);
+                    for cull in [Cull::None, Cull::Back] {
+                        let hit = accel.cast(&ray, cull);
+                        assert_eq!(hit, accel.cast_brute_force(&ray, cull), "{ray:?}");
+                        met += u32::from(hit.is_some());
+                    }
+                }
+                assert!(count < 100 || met > 300, "{count} {met}");
+            }
+        }
+    }
+
+    #[test]
+    fn copies_go_to_the_lowest_number() {
+        for copies in [2, 7, 1000, 100_000] {
+            let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
+            let accel = accel(corners, vec![[0, 1, 2]; copies]);
+            let ray = Ray::new(DVec3::new(0.2, 0.3, 1.0), DVec3::NEG_Z);
+            assert_eq!(
+                accel.cast(&ray, Cull::None).map(|hit| hit.triangle),
+                Some(0)
+            );
+        }
+    }
+
+    #[test]
+    fn rays_in_the_planes_of_boxes_are_not_lost() {
+        let corner = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+        let (a, b, c, d) = (
+            corner(-1., -1., 1.),
+            corner(1., -1., 1.),
+            corner(1., 1., 1.),
+            corner(-1., 1., 1.),
+        );
+        let accel = accel(
+            vec![a, b, c, d, a - DVec3::Z, c - DVec3::Z],
+            vec![[0, 1, 2], [0, 2, 3], [0, 4, 5]],
+        );
+        for direction in [
+            DVec3::NEG_Z,
+            DVec3::new(-0.0, 0.0, -1.0),
+            DVec3::new(0.0, -0.0, -1e-9),
+            DVec3::NEG_Z * 1e9,
+        ] {
+            let ray = Ray::new(DVec3::new(1.0, 0.25, 5.0), direction);
+            let hit = accel.cast(&ray, Cull::None).expect("the edge");
+            assert_eq!(hit.t, 4.0 / direction.length());
+        }
+    }
+
+    #[test]
+    fn hits_stay_within_the_range() {
+        let accel = accel(
+            vec![
+                DVec3::new(-5.89e11, -5.89e11, 0.0),
+                DVec3::new(5.89e11, -5.89e11, 0.0),
+                DVec3::new(0.0, 5.89e11, 0.0),
+            ],
+            vec![[0, 1, 2]],
+        );
+        let ray = Ray {
+            origin: DVec3::new(0.5, 0.25, 500.0),
+            direction: DVec3::NEG_Z,
+            t_min: 500.0,
+            t_max: 500.0,
+        };
+        assert_eq!(accel.cast(&ray, Cull::None).map(|hit| hit.t), Some(500.0));
+        assert_eq!(
+            accel.cast(
+                &Ray {
+                    t_min: 500.0f64.next_up(),
+                    t_max: 501.0,
+                    ..ray
+                },
+                Cull::None
+            ),
+            None
+        );
+        assert_eq!(
+            accel.cast(
+                &Ray {
+                    t_min: -1.0,
+                    t_max: 500.0f64.next_down(),
+                    ..ray
+                },
+                Cull::None
+            ),
+            None
+        );
+        let behind = Ray {
+            direction: DVec3::Z,
+            t_min: -1e6,
+            t_max: 0.0,
+            ..ray
+        };
+        assert_eq!(
+            accel.cast(&behind, Cull::None).map(|hit| hit.t),
+            Some(-500.0)
+        );
+        for bad in [f64::NAN, f64::INFINITY] {
+            assert_eq!(accel.cast(&Ray { t_max: bad, ..ray }, Cull::None), None);
+            assert_eq!(
+                accel.cast(
+                    &Ray {
+                        origin: DVec3::splat(bad),
+                        ..ray
+                    },
+                    Cull::None
+                ),
+                None
+            );
+        }
     }
 }

@@ -2,5 +2,9 @@
 
 pub(crate) mod exact;
 mod hit;
+mod nearest;
+mod triangle;
 
 pub use hit::{Cull, Hit};
+pub(crate) use nearest::Nearest;
+pub(crate) use triangle::PreparedRay;
