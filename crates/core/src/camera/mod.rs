@@ -1,5 +1,6 @@
 //! From a pixel to its ray: the image plane, the camera, its sub-cameras, and ways to move it.
 
+mod lattice;
 mod orbit;
 mod plane;
 mod projection;
@@ -7,6 +8,7 @@ mod ray;
 mod sub_camera;
 mod view;
 
+pub use lattice::Lattice;
 pub use orbit::Orbit;
 pub use plane::{FrameLock, ImagePlane, PIXEL_LIMIT, PlaneError, PlaneRequest, SIDE_LIMIT};
 pub use projection::{Camera, Placement, Projection, fov_to_frame, frame_to_fov};

@@ -22,3 +22,23 @@ pub enum Cull {
     /// Fronts alone.
     Back,
 }
+
+/// How sure a picture's triangles are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// Rounded arithmetic alone: at most one pixel in a million may show another triangle.
+    Fast,
+    /// What exact arithmetic gives.
+    #[default]
+    Exact,
+}
+
+/// How much is wanted of a hit: what is not asked for costs nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Detail {
+    /// Which triangle; parameter and weights are zero.
+    Triangle,
+    /// Parameter and weights too.
+    #[default]
+    Full,
+}

@@ -1,23 +1,14 @@
-use super::{Pass, Tile};
+use super::job::Job;
+use super::{Pass, Precision, Tile};
 use crate::accel::Accel;
 use crate::camera::{Camera, Grid, Rect};
 use crate::image::Picture;
 use crate::intersect::Cull;
 use crate::scene::Scene;
-use crate::shade::Shading;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use crate::shade::{Shader, Shading};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
-
-/// How sure a picture's triangles are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Precision {
-    /// Rounded arithmetic alone: at most one pixel in a million may show another triangle.
-    Fast,
-    /// What exact arithmetic gives.
-    #[default]
-    Exact,
-}
 
 /// How a picture is made, besides scene and camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -73,33 +64,109 @@ impl View {
     /// the same, byte for byte, for every grid and thread count. `None` if cancelled.
     pub fn render(
         &self,
-        _grid: Grid,
-        _clock: Clock<'_>,
-        _cancel: &Cancel,
-        _sink: &(dyn Fn(&Tile) + Sync),
+        grid: Grid,
+        clock: Clock<'_>,
+        cancel: &Cancel,
+        sink: &(dyn Fn(&Tile) + Sync),
     ) -> Option<Picture> {
-        unimplemented!()
+        let plane = self.camera.plane();
+        let tiles = grid.tiles(plane.columns, plane.rows);
+        let picture = Mutex::new(Picture::blank(
+            plane.columns,
+            plane.rows,
+            self.settings.layers,
+        ));
+        let shader = self.shader();
+        let finished = in_parallel(tiles.len(), cancel, |index| {
+            let tile = self.finish(&shader, tiles[index], clock);
+            sink(&tile);
+            let mut picture = picture.lock().unwrap_or_else(PoisonError::into_inner);
+            picture.place(tile.rect, &tile.pixels, tile.layers.as_ref());
+        });
+        finished.then(|| picture.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Renders one rectangle of the picture: what the sub-camera over it sees.
-    pub fn render_rect(&self, _rect: Rect, _clock: Clock<'_>) -> Tile {
-        unimplemented!()
+    pub fn render_rect(&self, rect: Rect, clock: Clock<'_>) -> Tile {
+        self.finish(&self.shader(), rect, clock)
     }
 
     /// Renders `passes` one after another, each tile of each pass handed to `sink` whole, from the
     /// worker that made it. Within a pass tiles come from the middle of the view outwards.
     ///
-    /// A tile of a coarse pass has every pixel filled: those between its rays take the colour of
-    /// the ray above and to the left. After the last pass the tiles are those of [`View::render`].
-    /// Returns whether it ran to the end.
+    /// Strides must fall, and samples rise, from pass to pass. A tile of a coarse pass has every
+    /// pixel filled: those between its rays take the colour of the ray above and to the left. After
+    /// the last pass the tiles are those of [`View::render`]. Returns whether it ran to the end.
     pub fn render_progressively(
         &self,
-        _tiles: &[Rect],
-        _passes: &[Pass],
-        _clock: Clock<'_>,
-        _cancel: &Cancel,
-        _sink: &(dyn Fn(Pass, Tile) + Sync),
+        tiles: &[Rect],
+        passes: &[Pass],
+        clock: Clock<'_>,
+        cancel: &Cancel,
+        sink: &(dyn Fn(Pass, Tile) + Sync),
     ) -> bool {
-        unimplemented!()
+        let plane = self.camera.plane();
+        let order = from_the_middle(tiles, plane.columns, plane.rows);
+        let jobs: Vec<_> = order
+            .into_iter()
+            .map(|rect| Mutex::new(Job::new(rect)))
+            .collect();
+        let shader = self.shader();
+        passes.iter().all(|&pass| {
+            in_parallel(jobs.len(), cancel, |index| {
+                let mut job = jobs[index].lock().unwrap_or_else(PoisonError::into_inner);
+                let stats = job.advance(self, &shader, pass, clock);
+                sink(pass, job.tile(stats));
+            })
+        })
     }
+
+    fn shader(&self) -> Shader<'_> {
+        Shader::new(&self.scene, &self.accel, self.camera, self.settings.shading)
+    }
+
+    /// A tile in one go.
+    fn finish(&self, shader: &Shader<'_>, rect: Rect, clock: Clock<'_>) -> Tile {
+        let mut job = Job::new(rect);
+        let pass = Pass {
+            stride: 1,
+            samples: self.settings.samples.max(1),
+        };
+        let stats = job.advance(self, shader, pass, clock);
+        job.into_tile(stats)
+    }
+}
+
+/// Calls `work` with every index below `count`, in ascending order as far as several workers can,
+/// until `cancel`. Returns whether all were done.
+fn in_parallel(count: usize, cancel: &Cancel, work: impl Fn(usize) + Sync) -> bool {
+    let next = AtomicUsize::new(0);
+    let done = AtomicUsize::new(0);
+    rayon::scope(|scope| {
+        for _ in 0..rayon::current_num_threads() {
+            scope.spawn(|_| {
+                while !cancel.is_cancelled() {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    if index >= count {
+                        break;
+                    }
+                    work(index);
+                    done.fetch_add(1, Ordering::Relaxed);
+                }
+            });
+        }
+    });
+    done.into_inner() == count
+}
+
+/// The tiles by the distance of their middles from the picture's.
+fn from_the_middle(tiles: &[Rect], columns: u32, rows: u32) -> Vec<Rect> {
+    let mut order = tiles.to_vec();
+    // Twice the distance, in whole numbers.
+    order.sort_by_key(|tile| {
+        let x = i64::from(2 * tile.x + tile.width) - i64::from(columns);
+        let y = i64::from(2 * tile.y + tile.height) - i64::from(rows);
+        x * x + y * y
+    });
+    order
 }

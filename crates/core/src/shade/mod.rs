@@ -5,3 +5,4 @@ mod shader;
 
 pub use mode::{Background, Filter, Mode, Shading, TextureProjection, Wireframe};
 pub use shader::Shader;
+pub(crate) use shader::encode;

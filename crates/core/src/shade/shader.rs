@@ -35,4 +35,19 @@ impl<'a> Shader<'a> {
     pub fn surface(&self, _x: f64, _y: f64, _hit: &SlotHit) -> ([f32; 3], [f32; 2]) {
         unimplemented!()
     }
+
+    /// The sRGB colours of a tile's pixels through their middles; `hits` and `pixels` row by row.
+    pub fn shade_tile(
+        &self,
+        _rect: crate::camera::Rect,
+        _hits: &[SlotHit],
+        _pixels: &mut [[u8; 4]],
+    ) {
+        unimplemented!()
+    }
+}
+
+/// Linear light to 8-bit sRGB.
+pub(crate) fn encode(_color: [f32; 4]) -> [u8; 4] {
+    unimplemented!()
 }

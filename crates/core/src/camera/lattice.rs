@@ -1,0 +1,63 @@
+use super::{Camera, Ray, Rect};
+
+/// Rays of one camera at regular places: through every `stride`-th pixel of a rectangle, from its
+/// top left, all at the same place in their pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lattice {
+    /// Whose rays.
+    pub camera: Camera,
+    /// The first ray's column in the full picture.
+    pub x: u32,
+    /// The first ray's row in the full picture.
+    pub y: u32,
+    /// From one ray's pixel to the next one's, along both sides; at least 1.
+    pub stride: u32,
+    /// Rays in a row.
+    pub columns: u32,
+    /// Rows of rays.
+    pub rows: u32,
+    /// The rays' place in their pixels, from the top left: (½, ½) is the middle.
+    pub offset: (f64, f64),
+}
+
+impl Lattice {
+    /// The rays through the middle of every `stride`-th pixel of `rect`, beginning `phase` pixels
+    /// from its top left corner.
+    pub fn new(camera: Camera, rect: Rect, stride: u32, phase: (u32, u32)) -> Self {
+        let stride = stride.max(1);
+        let count = |length: u32, phase: u32| length.saturating_sub(phase).div_ceil(stride);
+        Self {
+            camera,
+            x: rect.x + phase.0,
+            y: rect.y + phase.1,
+            stride,
+            columns: count(rect.width, phase.0),
+            rows: count(rect.height, phase.1),
+            offset: (0.5, 0.5),
+        }
+    }
+
+    /// Where a ray of the lattice goes through the full picture, in pixels.
+    pub fn place(&self, column: u32, row: u32) -> (f64, f64) {
+        (
+            f64::from(self.x + column * self.stride) + self.offset.0,
+            f64::from(self.y + row * self.stride) + self.offset.1,
+        )
+    }
+
+    /// A ray of the lattice: the camera's at that place.
+    pub fn ray(&self, column: u32, row: u32) -> Ray {
+        let (x, y) = self.place(column, row);
+        self.camera.ray(x, y)
+    }
+
+    /// How many rays it has.
+    pub fn len(&self) -> usize {
+        self.columns as usize * self.rows as usize
+    }
+
+    /// Whether it has none.
+    pub fn is_empty(&self) -> bool {
+        self.columns == 0 || self.rows == 0
+    }
+}

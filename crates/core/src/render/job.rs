@@ -1,0 +1,237 @@
+//! One tile's way through the passes.
+
+use super::sample::sample_offset;
+use super::{Pass, Settings, Tile, TileStats, View};
+use crate::accel::SlotHit;
+use crate::camera::{Lattice, Rect};
+use crate::image::Layers;
+use crate::intersect::Detail;
+use crate::render::Clock;
+use crate::shade::{self, Shader};
+use std::time::Duration;
+
+/// A tile as far as it has come.
+#[derive(Debug)]
+pub(super) struct Job {
+    rect: Rect,
+    pixels: Vec<[u8; 4]>,
+    /// Sums of the samples so far, alpha multiplied in; empty until there is a second one, or
+    /// layers are asked for.
+    sums: Vec<[f32; 4]>,
+    layers: Option<Layers>,
+    /// The stride of the lattice that has been cast; zero before the first pass.
+    stride: u32,
+    /// Samples a pixel that have been cast.
+    samples: u32,
+}
+
+impl Job {
+    pub(super) fn new(rect: Rect) -> Self {
+        Self {
+            rect,
+            pixels: Vec::new(),
+            sums: Vec::new(),
+            layers: None,
+            stride: 0,
+            samples: 0,
+        }
+    }
+
+    /// Brings the tile to where `pass` has it: casts what is not yet cast.
+    pub(super) fn advance(
+        &mut self,
+        view: &View,
+        shader: &Shader<'_>,
+        pass: Pass,
+        clock: Clock<'_>,
+    ) -> TileStats {
+        let mut work = Work {
+            view,
+            shader,
+            clock,
+            hits: Vec::new(),
+            stats: TileStats::default(),
+        };
+        work.stats.worker = rayon::current_thread_index().unwrap_or(0) as u32;
+        self.pixels.resize(self.rect.area(), [0; 4]);
+        let stride = pass.stride.max(1);
+        if pass.samples <= 1 && !view.settings.layers {
+            self.refine(&mut work, stride);
+        } else {
+            self.accumulate(&mut work, pass.samples.max(1));
+        }
+        self.stride = stride;
+        work.stats
+    }
+
+    /// One sample a pixel, every `stride`-th pixel, reusing those of a lattice twice as coarse.
+    fn refine(&mut self, work: &mut Work<'_>, stride: u32) {
+        let camera = work.view.camera;
+        if self.stride == 0 && stride == 1 {
+            let lattice = Lattice::new(camera, self.rect, 1, (0, 0));
+            work.cast(&lattice);
+            work.shade(|shader, hits| shader.shade_tile(self.rect, hits, &mut self.pixels));
+        } else if self.stride == 0 {
+            self.fill(
+                work,
+                &Lattice::new(camera, self.rect, stride, (0, 0)),
+                stride,
+            );
+        } else {
+            // From one lattice to one twice as dense: what lies between, in three parts.
+            let mut from = self.stride;
+            while from > stride {
+                let to = from / 2;
+                for phase in [(to, 0), (0, to), (to, to)] {
+                    self.fill(work, &Lattice::new(camera, self.rect, from, phase), to);
+                }
+                from = to;
+            }
+        }
+        self.samples = 1;
+    }
+
+    /// Casts a lattice, and fills the block of pixels to the right of and below each ray.
+    fn fill(&mut self, work: &mut Work<'_>, lattice: &Lattice, block: u32) {
+        if lattice.is_empty() {
+            return;
+        }
+        work.cast(lattice);
+        let rect = self.rect;
+        let pixels = &mut self.pixels;
+        work.shade(|shader, hits| {
+            for row in 0..lattice.rows {
+                for column in 0..lattice.columns {
+                    let (x, y) = lattice.place(column, row);
+                    let hit = &hits[(row * lattice.columns + column) as usize];
+                    let color = shade::encode(shader.color(x, y, hit));
+                    let (left, top) = (
+                        lattice.x - rect.x + column * lattice.stride,
+                        lattice.y - rect.y + row * lattice.stride,
+                    );
+                    let right = (left + block).min(rect.width) as usize;
+                    for y in top..(top + block).min(rect.height) {
+                        let start = y as usize * rect.width as usize;
+                        pixels[start + left as usize..start + right].fill(color);
+                    }
+                }
+            }
+        });
+    }
+
+    /// Every pixel, with samples beyond the first, or with layers.
+    fn accumulate(&mut self, work: &mut Work<'_>, samples: u32) {
+        // A first sample that was only shown in 8 bits is cast again: cheaper than keeping the sums
+        // of every picture that never gets a second one.
+        if self.sums.is_empty() {
+            self.sums = vec![[0.0; 4]; self.rect.area()];
+            self.samples = 0;
+        }
+        for index in self.samples..samples {
+            let mut lattice = Lattice::new(work.view.camera, self.rect, 1, (0, 0));
+            lattice.offset = sample_offset(index);
+            work.cast(&lattice);
+            let sums = &mut self.sums;
+            work.shade(|shader, hits| {
+                for (at, (sum, hit)) in sums.iter_mut().zip(hits).enumerate() {
+                    let (x, y) =
+                        lattice.place(at as u32 % lattice.columns, at as u32 / lattice.columns);
+                    let [r, g, b, a] = shader.color(x, y, hit);
+                    *sum = [sum[0] + r * a, sum[1] + g * a, sum[2] + b * a, sum[3] + a];
+                }
+            });
+            if index == 0 && work.view.settings.layers {
+                let layers = work.layers(&lattice);
+                self.layers = Some(layers);
+            }
+        }
+        self.samples = samples;
+        let share = 1.0 / samples as f32;
+        let mean = |sum: &[f32; 4]| {
+            let [r, g, b, a] = sum.map(|channel| channel * share);
+            let lift = if a > 0.0 { 1.0 / a } else { 0.0 };
+            [r * lift, g * lift, b * lift, a]
+        };
+        for (pixel, sum) in self.pixels.iter_mut().zip(&self.sums) {
+            *pixel = shade::encode(mean(sum));
+        }
+        if let Some(layers) = &mut self.layers {
+            layers.color.clear();
+            layers.color.extend(self.sums.iter().map(mean));
+        }
+    }
+
+    /// The tile as it stands.
+    pub(super) fn tile(&self, stats: TileStats) -> Tile {
+        Tile {
+            rect: self.rect,
+            pixels: self.pixels.clone(),
+            layers: self.layers.clone(),
+            stats,
+        }
+    }
+
+    /// The tile at its end.
+    pub(super) fn into_tile(self, stats: TileStats) -> Tile {
+        Tile {
+            rect: self.rect,
+            pixels: self.pixels,
+            layers: self.layers,
+            stats,
+        }
+    }
+}
+
+/// What casting and shading need, and what they took.
+struct Work<'a> {
+    view: &'a View,
+    shader: &'a Shader<'a>,
+    clock: Clock<'a>,
+    hits: Vec<SlotHit>,
+    stats: TileStats,
+}
+
+impl Work<'_> {
+    fn cast(&mut self, lattice: &Lattice) {
+        let settings = &self.view.settings;
+        let begin = (self.clock)();
+        let Settings {
+            cull, precision, ..
+        } = *settings;
+        self.view
+            .accel
+            .cast_lattice(lattice, cull, precision, Detail::Full, &mut self.hits);
+        self.stats.cast += self.since(begin);
+        self.stats.rays += self.hits.len() as u64;
+        self.stats.hits += self.hits.iter().filter(|hit| !hit.is_miss()).count() as u64;
+    }
+
+    fn shade(&mut self, shade: impl FnOnce(&Shader<'_>, &[SlotHit])) {
+        let begin = (self.clock)();
+        shade(self.shader, &self.hits);
+        self.stats.shade += self.since(begin);
+    }
+
+    fn since(&self, begin: Duration) -> Duration {
+        (self.clock)().saturating_sub(begin)
+    }
+
+    /// The layers of the lattice just cast, but for the colours.
+    fn layers(&mut self, lattice: &Lattice) -> Layers {
+        let begin = (self.clock)();
+        let mut layers = Layers::blank(self.hits.len());
+        for (at, hit) in self
+            .hits
+            .iter()
+            .enumerate()
+            .filter(|(_, hit)| !hit.is_miss())
+        {
+            let (x, y) = lattice.place(at as u32 % lattice.columns, at as u32 / lattice.columns);
+            (layers.object[at], layers.triangle[at]) = self.view.accel.identify(hit.slot);
+            (layers.normal[at], layers.uv[at]) = self.shader.surface(x, y, hit);
+            layers.depth[at] = hit.t;
+        }
+        self.stats.shade += self.since(begin);
+        layers
+    }
+}
