@@ -71,7 +71,7 @@ pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
     let (counts, cast_time) = answer(
         &args.rays,
         rays_file,
-        &mut |bytes| {
+        |bytes| {
             hits_file.write_all(bytes).map_err(|error| {
                 Failure::could_not(format!(
                     "{}: cannot be written: {error}",
@@ -79,7 +79,7 @@ pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
                 ))
             })
         },
-        &|rays| pool.install(|| cast_all(&accel, args.cull, rays, &progress)),
+        |rays| pool.install(|| cast_all(&accel, args.cull, rays, &progress)),
     )?;
     progress.clear();
 
@@ -138,8 +138,8 @@ fn cut_short(path: &Path, bytes: u64) -> Failure {
 fn answer(
     path: &Path,
     mut rays: impl Read,
-    write: &mut dyn FnMut(&[u8]) -> Result<(), Failure>,
-    cast: &dyn Fn(&[u8]) -> (Vec<u8>, Counts),
+    mut write: impl FnMut(&[u8]) -> Result<(), Failure>,
+    cast: impl Fn(&[u8]) -> (Vec<u8>, Counts),
 ) -> Result<(Counts, Duration), Failure> {
     let mut counts = Counts::default();
     let mut time = Duration::ZERO;
@@ -270,11 +270,11 @@ mod tests {
         let (counts, _) = answer(
             Path::new("rays"),
             rays.as_slice(),
-            &mut |bytes| {
+            |bytes| {
                 written.extend_from_slice(bytes);
                 Ok(())
             },
-            &|rays| {
+            |rays| {
                 let firsts = rays.chunks(RAY_BYTES).flat_map(|ray| ray[..4].to_vec());
                 let counts = Counts {
                     rays: (rays.len() / RAY_BYTES) as u64,
@@ -294,8 +294,8 @@ mod tests {
         let refused = answer(
             Path::new("rays"),
             [0u8; 33].as_slice(),
-            &mut |_| Ok(()),
-            &|_| (Vec::new(), Counts::default()),
+            |_| Ok(()),
+            |_| (Vec::new(), Counts::default()),
         );
         let Err(failure) = refused else {
             panic!("33 bytes are no rays");
