@@ -1,4 +1,4 @@
-use super::Picture;
+use super::{Picture, exr, jpeg, png, ppm};
 
 /// A kind of image file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,9 +22,18 @@ pub enum ImageError {
         /// The file's name.
         name: String,
     },
-    /// The encoder's own words.
+    /// A picture without the layers that an EXR holds.
+    #[error("an EXR needs the picture's layers, and this picture was made without them")]
+    NoLayers,
+    /// A kind of file that has no place for a fragment's place.
+    #[error("fragments are PNG or EXR: other kinds of image cannot tell where a tile belongs")]
+    NotForFragments,
+    /// A picture whose counts do not agree, or with a side that the kind of file cannot have.
     #[error("the image could not be encoded: {0}")]
     Encode(String),
+    /// Bytes that are not the file they should be.
+    #[error("the image could not be read: {0}")]
+    Decode(String),
 }
 
 impl Format {
@@ -51,11 +60,94 @@ impl Format {
 }
 
 impl Picture {
-    /// The bytes of an image file of this kind.
+    /// The bytes of an image file of this kind: the same for the same picture.
     ///
     /// # Errors
-    /// Whatever the encoder refuses; [`Format::Exr`] needs the picture's layers.
-    pub fn encode(&self, _format: Format) -> Result<Vec<u8>, ImageError> {
-        unimplemented!()
+    /// A side of no pixels, or more than the kind of file can hold; [`Format::Exr`] needs the
+    /// picture's layers.
+    pub fn encode(&self, format: Format) -> Result<Vec<u8>, ImageError> {
+        self.check()?;
+        match format {
+            Format::Png => png::encode(self, None),
+            Format::Ppm => Ok(ppm::encode(self)),
+            Format::Jpeg => jpeg::encode(self),
+            Format::Exr => exr::encode(self, None),
+        }
+    }
+
+    /// Reads an EXR that [`Picture::encode`] or [`Fragment::encode`](super::Fragment::encode)
+    /// made: the pixels inside its data window.
+    ///
+    /// # Errors
+    /// Bytes that are no EXR, a damaged one, or one without RayCast's channels.
+    pub fn decode_exr(bytes: &[u8]) -> Result<Self, ImageError> {
+        exr::decode(bytes).map(|(picture, _)| picture)
+    }
+
+    /// Whether there are as many pixels as the sides say, and at least one.
+    pub(super) fn check(&self) -> Result<(), ImageError> {
+        let pixels = self.width as usize * self.height as usize;
+        let layers_agree = self
+            .layers
+            .as_ref()
+            .is_none_or(|layers| layers.counts().iter().all(|&count| count == pixels));
+        if pixels == 0 {
+            Err(ImageError::Encode("it has no pixels".to_owned()))
+        } else if self.pixels.len() != pixels || !layers_agree {
+            Err(ImageError::Encode(format!(
+                "it should have {} x {} pixels in every layer",
+                self.width, self.height
+            )))
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// The red, green and blue of pixels laid over black.
+pub(super) fn over_black(pixels: &[[u8; 4]]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(pixels.len() * 3);
+    for &[r, g, b, a] in pixels {
+        bytes.extend(match a {
+            u8::MAX => [r, g, b],
+            _ => crate::shade::over_black([r, g, b, a]),
+        });
+    }
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_say_the_kind() {
+        assert_eq!(Format::from_name("a.b/c.PNG").ok(), Some(Format::Png));
+        assert_eq!(Format::from_name("c.jpeg").ok(), Some(Format::Jpeg));
+        for bad in ["", "a.gif", "a.png.bak", "a."] {
+            let error = Format::from_name(bad).expect_err("names no kind");
+            assert!(
+                error
+                    .to_string()
+                    .contains("expected a name that ends in .png")
+            );
+        }
+    }
+
+    #[test]
+    fn pictures_that_disagree_with_themselves_are_refused() {
+        let mut odd = Picture::blank(3, 2, true);
+        odd.pixels.pop();
+        let mut odd_layers = Picture::blank(3, 2, true);
+        if let Some(layers) = &mut odd_layers.layers {
+            layers.depth.pop();
+        }
+        for picture in [odd, odd_layers, Picture::blank(0, 2, true)] {
+            for format in [Format::Png, Format::Ppm, Format::Jpeg, Format::Exr] {
+                assert!(matches!(picture.encode(format), Err(ImageError::Encode(_))));
+            }
+        }
+        let flat = Picture::blank(3, 2, false).encode(Format::Exr);
+        assert!(matches!(flat, Err(ImageError::NoLayers)));
     }
 }

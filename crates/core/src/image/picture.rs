@@ -6,7 +6,7 @@ use crate::camera::Rect;
 /// pixel's centre.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layers {
-    /// Linear light, alpha not multiplied in.
+    /// Linear light, alpha multiplied in: the mean of the samples as it is, and what EXR holds.
     pub color: Vec<[f32; 4]>,
     /// Distance from the eye (orthographic: from the image plane); infinity at a miss.
     pub depth: Vec<f32>,
@@ -31,6 +31,18 @@ impl Layers {
             normal: vec![[0.0; 3]; pixels],
             uv: vec![[0.0; 2]; pixels],
         }
+    }
+
+    /// How many values each layer has.
+    pub(super) fn counts(&self) -> [usize; 6] {
+        [
+            self.color.len(),
+            self.depth.len(),
+            self.object.len(),
+            self.triangle.len(),
+            self.normal.len(),
+            self.uv.len(),
+        ]
     }
 }
 
@@ -66,18 +78,8 @@ impl Picture {
         let fits = u64::from(rect.x) + u64::from(rect.width) <= u64::from(self.width)
             && u64::from(rect.y) + u64::from(rect.height) <= u64::from(self.height);
         let counts_agree = pixels.len() == rect.area()
-            && layers.is_none_or(|layers| {
-                [
-                    layers.color.len(),
-                    layers.depth.len(),
-                    layers.object.len(),
-                    layers.triangle.len(),
-                    layers.normal.len(),
-                    layers.uv.len(),
-                ]
-                .iter()
-                .all(|&count| count == rect.area())
-            });
+            && layers
+                .is_none_or(|layers| layers.counts().iter().all(|&count| count == rect.area()));
         if !fits || !counts_agree {
             return false;
         }

@@ -1,10 +1,11 @@
 //! One tile's way through the passes.
 
 use super::sample::sample_offset;
-use super::{Pass, Tile, TileStats, View};
+use super::{Pass, Settings, Tile, TileStats, View};
 use crate::accel::SlotHit;
 use crate::camera::{Lattice, Rect};
 use crate::image::Layers;
+use crate::intersect::Detail;
 use crate::render::Clock;
 use crate::shade::{self, Shader};
 use std::time::Duration;
@@ -99,11 +100,12 @@ impl Job {
         let rect = self.rect;
         let pixels = &mut self.pixels;
         work.shade(|shader, hits| {
+            let mut shader = shader.tile();
             for row in 0..lattice.rows {
                 for column in 0..lattice.columns {
                     let (x, y) = lattice.place(column, row);
                     let hit = &hits[(row * lattice.columns + column) as usize];
-                    let color = shade::encode(shader.color(x, y, hit));
+                    let color = shader.pixel8(x, y, hit);
                     let (left, top) = (
                         lattice.x - rect.x + column * lattice.stride,
                         lattice.y - rect.y + row * lattice.stride,
@@ -132,6 +134,7 @@ impl Job {
             work.cast(&lattice);
             let sums = &mut self.sums;
             work.shade(|shader, hits| {
+                let mut shader = shader.tile();
                 for (at, (sum, hit)) in sums.iter_mut().zip(hits).enumerate() {
                     let (x, y) =
                         lattice.place(at as u32 % lattice.columns, at as u32 / lattice.columns);
@@ -146,13 +149,9 @@ impl Job {
         }
         self.samples = samples;
         let share = 1.0 / samples as f32;
-        let mean = |sum: &[f32; 4]| {
-            let [r, g, b, a] = sum.map(|channel| channel * share);
-            let lift = if a > 0.0 { 1.0 / a } else { 0.0 };
-            [r * lift, g * lift, b * lift, a]
-        };
+        let mean = |sum: &[f32; 4]| sum.map(|channel| channel * share);
         for (pixel, sum) in self.pixels.iter_mut().zip(&self.sums) {
-            *pixel = shade::encode(mean(sum));
+            *pixel = shade::encode_premultiplied(mean(sum));
         }
         if let Some(layers) = &mut self.layers {
             layers.color.clear();
@@ -194,9 +193,12 @@ impl Work<'_> {
     fn cast(&mut self, lattice: &Lattice) {
         let settings = &self.view.settings;
         let begin = (self.clock)();
+        let Settings {
+            cull, precision, ..
+        } = *settings;
         self.view
             .accel
-            .cast_lattice(lattice, settings.cull, settings.precision, &mut self.hits);
+            .cast_lattice(lattice, cull, precision, Detail::Full, &mut self.hits);
         self.stats.cast += self.since(begin);
         self.stats.rays += self.hits.len() as u64;
         self.stats.hits += self.hits.iter().filter(|hit| !hit.is_miss()).count() as u64;

@@ -1,8 +1,16 @@
 //! From hits to colours.
 
+mod edges;
+mod facet;
+mod light;
 mod mode;
+mod sample;
 mod shader;
+pub(crate) mod srgb;
+mod tile;
+mod triplanar;
 
 pub use mode::{Background, Filter, Mode, Shading, TextureProjection, Wireframe};
 pub use shader::Shader;
-pub(crate) use shader::encode;
+pub(crate) use srgb::{encode_premultiplied, over_black};
+pub use tile::TileShader;

@@ -53,7 +53,17 @@ pub struct Wireframe {
     pub color: Color,
 }
 
+impl Wireframe {
+    /// Lines that stand by themselves before a dark background: what [`Mode::Wireframe`] draws
+    /// where none are set.
+    pub const ALONE: Self = Self {
+        width: 1.0,
+        color: Color([0xd6, 0xde, 0xe8]),
+    };
+}
+
 impl Default for Wireframe {
+    /// Dark lines, a pixel wide, over a surface.
     fn default() -> Self {
         Self {
             width: 1.0,

@@ -1,53 +1,450 @@
-use super::Shading;
-use crate::accel::{Accel, SlotHit};
-use crate::camera::Camera;
-use crate::scene::Scene;
+use super::edges::Edges;
+use super::facet::{Facet, Mapping, Needs, blend, facing_normal, unit};
+use super::light::Lights;
+use super::sample::sample;
+use super::srgb::{self, Tables};
+use super::triplanar::Triplanar;
+use super::{Background, Mode, Shading, TextureProjection, TileShader, Wireframe};
+use crate::accel::{Accel, MISS, SlotHit};
+use crate::camera::{Camera, Projection, Rect};
+use crate::scene::{Object, Scene, Texture};
+use glam::{DAffine3, DMat3, DVec3, Mat3, Vec2, Vec3};
 
 /// Gives hits their colours: everything about a picture that does not change from pixel to pixel,
 /// worked out once.
+///
+/// [`Shader::tile`] is the fast way for many pixels; [`Shader::color`] answers for one.
 #[derive(Debug)]
 pub struct Shader<'a> {
     scene: &'a Scene,
     accel: &'a Accel,
     camera: Camera,
     shading: Shading,
+    needs: Needs,
+    /// The eye, relative to the tree's origin.
+    eye: DVec3,
+    /// From hits to the eye: through the picture's corner, and what a pixel to the right and down
+    /// adds.
+    to_eye: [Vec3; 3],
+    lights: Lights,
+    /// For each object, world-space normals from its own; `None` for one that is squashed flat.
+    world_normals: Vec<Option<Mat3>>,
+    /// For each object, how its texture lies on it where it has no coordinates.
+    triplanar: Vec<Option<Triplanar>>,
+    depth: DepthRange,
+    background: Option<[Vec3; 2]>,
+    line_color: Vec3,
+    line_width: f64,
+    tables: &'static Tables,
+}
+
+/// Distances that the depth mode spreads its greys over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct DepthRange {
+    near: f32,
+    /// One over the range's length; zero if it has none.
+    per_unit: f32,
+}
+
+impl DepthRange {
+    /// sRGB grey at the near and the far end.
+    const NEAR_GREY: f32 = 0.96;
+    const FAR_GREY: f32 = 0.08;
+
+    /// Over no distance at all.
+    const NONE: Self = Self {
+        near: 0.0,
+        per_unit: 0.0,
+    };
+
+    /// From the box's nearest point to its farthest corner.
+    fn over(scene: &Scene, camera: &Camera) -> Self {
+        let bounds = scene.bounds();
+        if bounds.is_empty() {
+            return Self::NONE;
+        }
+        let eye = camera.placement().eye;
+        let distances = bounds.corners().map(|corner| match camera.projection() {
+            Projection::Perspective => corner.distance(eye),
+            Projection::Orthographic => (corner - eye).dot(camera.forward()),
+        });
+        let far = distances.into_iter().fold(0.0, f64::max);
+        let near = match camera.projection() {
+            Projection::Perspective => eye.clamp(bounds.min, bounds.max).distance(eye),
+            Projection::Orthographic => distances.into_iter().fold(far, f64::min).max(0.0),
+        };
+        Self {
+            near: near as f32,
+            per_unit: if far > near {
+                (1.0 / (far - near)) as f32
+            } else {
+                0.0
+            },
+        }
+    }
+
+    fn grey(&self, t: f32) -> f32 {
+        let share = ((t - self.near) * self.per_unit).clamp(0.0, 1.0);
+        Self::NEAR_GREY + (Self::FAR_GREY - Self::NEAR_GREY) * share
+    }
 }
 
 impl<'a> Shader<'a> {
-    /// A shader for one picture.
+    /// A shader for one picture. `accel` must have been built over this `scene`.
     pub fn new(scene: &'a Scene, accel: &'a Accel, camera: Camera, shading: Shading) -> Self {
+        let needs = needs(scene, &shading);
+        let triplanar = if needs.texture {
+            scene
+                .objects
+                .iter()
+                .map(|object| {
+                    let unplaced = object.texture.is_some()
+                        && (shading.projection == TextureProjection::Triplanar
+                            || !object.mesh.has_uvs());
+                    unplaced.then(|| Triplanar::new(&object.mesh))
+                })
+                .collect()
+        } else {
+            Vec::new()
+        };
+        let lines = shading.wireframe.unwrap_or(Wireframe::ALONE);
+        let width = if lines.width.is_finite() {
+            lines.width.max(0.0)
+        } else {
+            Wireframe::ALONE.width
+        };
         Self {
             scene,
             accel,
             camera,
             shading,
+            needs,
+            eye: camera.placement().eye - accel.origin(),
+            to_eye: to_eye(&camera),
+            lights: Lights::new(&camera),
+            world_normals: world_normals(scene),
+            triplanar,
+            depth: if shading.mode == Mode::Depth {
+                DepthRange::over(scene, &camera)
+            } else {
+                DepthRange::NONE
+            },
+            background: match shading.background {
+                Background::Gradient(top, bottom) => {
+                    Some([srgb::linear(top), srgb::linear(bottom)])
+                }
+                Background::Transparent => None,
+            },
+            line_color: srgb::linear(lines.color),
+            line_width: f64::from(width),
+            tables: srgb::tables(),
         }
     }
 
-    /// The colour of the sample at (x, y) of the picture: linear light, alpha not multiplied in.
-    pub fn color(&self, _x: f64, _y: f64, _hit: &SlotHit) -> [f32; 4] {
-        let _ = (self.scene, self.accel, self.camera, self.shading);
-        unimplemented!()
+    /// The colour of the sample at (x, y) of the picture, in pixels from its top left corner:
+    /// linear light, alpha not multiplied in.
+    pub fn color(&self, x: f64, y: f64, hit: &SlotHit) -> [f32; 4] {
+        if hit.slot == MISS {
+            self.backdrop(y)
+        } else {
+            self.color_on(&self.facet(hit.slot, self.needs), x, y, hit)
+        }
     }
 
-    /// The unit surface normal in world space, towards the eye, and the texture coordinates (zero
-    /// where there are none): the picture's layers. Both zero at a miss.
-    pub fn surface(&self, _x: f64, _y: f64, _hit: &SlotHit) -> ([f32; 3], [f32; 2]) {
-        unimplemented!()
+    /// [`Shader::color`] as a picture holds it: sRGB, alpha not multiplied in.
+    pub fn shade_pixel8(&self, x: f64, y: f64, hit: &SlotHit) -> [u8; 4] {
+        srgb::encode(self.color(x, y, hit))
     }
 
-    /// The sRGB colours of a tile's pixels through their middles; `hits` and `pixels` row by row.
-    pub fn shade_tile(
+    /// The unit surface normal in world space, towards the eye (the mesh's own, between corners,
+    /// where it has normals), and the texture coordinates (zero where there are none): the
+    /// picture's layers. Both zero at a miss.
+    pub fn surface(&self, _x: f64, _y: f64, hit: &SlotHit) -> ([f32; 3], [f32; 2]) {
+        if hit.slot == MISS {
+            return ([0.0; 3], [0.0; 2]);
+        }
+        let (object, triangle) = self.accel.identify(hit.slot);
+        let mesh = &self.scene.objects[object as usize].mesh;
+        let needs = Needs {
+            normal: true,
+            smooth: mesh.has_normals(),
+            ..Needs::default()
+        };
+        let facet = self.facet(hit.slot, needs);
+        let uv = mesh
+            .corner_uvs(triangle)
+            .map_or(Vec2::ZERO, |uvs| blend(uvs, hit.u, hit.v));
+        (
+            facet.normal_at(hit.u, hit.v).to_array(),
+            if uv.is_finite() {
+                uv.to_array()
+            } else {
+                [0.0; 2]
+            },
+        )
+    }
+
+    /// A shader for the pixels of one tile, on one thread: it remembers the triangles that it met.
+    pub fn tile(&self) -> TileShader<'_> {
+        TileShader::new(self)
+    }
+
+    /// Colours the pixels of `rect` from hits at their centres, both row by row.
+    ///
+    /// Pixels beyond the shorter of `hits` and `pixels` are left alone.
+    pub fn shade_tile(&self, rect: Rect, hits: &[SlotHit], pixels: &mut [[u8; 4]]) {
+        self.tile().shade(rect, hits, pixels);
+    }
+
+    /// Whether all pixels of a triangle have one colour.
+    pub(super) fn is_constant(&self) -> bool {
+        matches!(self.shading.mode, Mode::Color | Mode::Flat)
+            && !self.needs.texture
+            && !self.needs.edges
+    }
+
+    /// What the mode asks of each triangle.
+    pub(super) fn needs(&self) -> Needs {
+        self.needs
+    }
+
+    /// What lies behind everything at a height in the picture.
+    pub(super) fn backdrop(&self, y: f64) -> [f32; 4] {
+        let Some([top, bottom]) = self.background else {
+            return [0.0; 4];
+        };
+        let down = (y / f64::from(self.camera.plane().rows)).clamp(0.0, 1.0) as f32;
+        opaque(top + (bottom - top) * down)
+    }
+
+    /// A triangle made ready for its pixels.
+    pub(super) fn facet(&self, slot: u32, needs: Needs) -> Facet {
+        let (number, triangle) = self.accel.identify(slot);
+        let object = &self.scene.objects[number as usize];
+        let mut facet = Facet::plain(number, -self.camera.forward().as_vec3());
+        if needs.normal || needs.edges {
+            let corners = self
+                .accel
+                .corners(slot)
+                .map(|corner| corner.as_dvec3() - self.eye);
+            if needs.normal {
+                self.place(&mut facet, corners);
+            }
+            facet.edges = needs.edges.then(|| Edges::new(&self.camera, corners));
+        }
+        if needs.smooth {
+            facet.normals = self.smooth_normals(number, object, triangle);
+        }
+        if needs.color {
+            facet.color = srgb::linear(object.triangle_color(triangle));
+        }
+        if needs.texture && object.texture.is_some() {
+            facet.texture = self.mapping(number, object, triangle);
+        }
+        if needs.uvs {
+            facet.uvs = object.mesh.corner_uvs(triangle);
+        }
+        facet
+    }
+
+    /// Finds which way a triangle with these corners, relative to the eye, faces.
+    fn place(&self, facet: &mut Facet, corners: [DVec3; 3]) {
+        let forward = match self.camera.projection() {
+            Projection::Orthographic => Some(self.camera.forward()),
+            Projection::Perspective => {
+                let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+                facet.to_eye = -unit(middle).as_vec3();
+                None
+            }
+        };
+        let normal = facing_normal(corners, forward);
+        if normal != Vec3::ZERO {
+            facet.normal = normal;
+        }
+    }
+
+    /// The mesh's own normals at a triangle's corners, in world space.
+    fn smooth_normals(&self, number: u32, object: &Object, triangle: u32) -> Option<[Vec3; 3]> {
+        let world_from_object = self.world_normals.get(number as usize).copied().flatten()?;
+        let normals = object.mesh.corner_normals(triangle)?;
+        Some(normals.map(|normal| (world_from_object * normal).normalize_or_zero()))
+    }
+
+    /// How an object's texture lies on a triangle; `None` where it has no place.
+    fn mapping(&self, number: u32, object: &Object, triangle: u32) -> Option<Mapping> {
+        if self.triplanar.get(number as usize)?.is_none() {
+            return object.mesh.corner_uvs(triangle).map(Mapping::Uv);
+        }
+        let corners = object.mesh.corners(triangle)?;
+        let normals = object.mesh.corner_normals(triangle).unwrap_or_else(|| {
+            let [a, b, c] = corners.map(Vec3::as_dvec3);
+            [unit((b - a).cross(c - a)).as_vec3(); 3]
+        });
+        Some(Mapping::Triplanar(corners, normals))
+    }
+
+    /// The colour of a sample on a triangle: linear light, alpha not multiplied in.
+    pub(super) fn color_on(&self, facet: &Facet, x: f64, y: f64, hit: &SlotHit) -> [f32; 4] {
+        let inside = self.inside(facet, x, y, hit);
+        let Some(edges) = &facet.edges else {
+            return inside;
+        };
+        let coverage = edges.coverage(x, y, self.line_width);
+        over(self.line_color, coverage, inside)
+    }
+
+    /// The colour of a sample on a triangle, without lines.
+    fn inside(&self, facet: &Facet, x: f64, y: f64, hit: &SlotHit) -> [f32; 4] {
+        let display = |value: Vec3| opaque(value.to_array().map(|v| self.tables.display(v)).into());
+        match self.shading.mode {
+            Mode::Color => opaque(facet.color),
+            Mode::Texture => opaque(self.surface_color(facet, hit)),
+            Mode::Flat => {
+                let light = self.lights.on(facet.normal, facet.to_eye);
+                opaque(self.surface_color(facet, hit) * light)
+            }
+            Mode::Smooth => {
+                let to_eye = self.to_eye_at(x, y);
+                let light = self.lights.on(facet.normal_at(hit.u, hit.v), to_eye);
+                opaque(self.surface_color(facet, hit) * light)
+            }
+            Mode::Normals => display(facet.normal_at(hit.u, hit.v) * 0.5 + 0.5),
+            Mode::Depth => display(Vec3::splat(self.depth.grey(hit.t))),
+            Mode::Barycentric => display(Vec3::new(1.0 - hit.u - hit.v, hit.u, hit.v)),
+            Mode::Uv => {
+                let uv = facet.uvs.map_or(Vec2::ZERO, |uvs| blend(uvs, hit.u, hit.v));
+                let uv = uv - uv.floor();
+                display(Vec3::new(uv.x, uv.y, 0.25))
+            }
+            Mode::Wireframe => self.backdrop(y),
+        }
+    }
+
+    /// The unit vector from a sample to the eye.
+    fn to_eye_at(&self, x: f64, y: f64) -> Vec3 {
+        let [corner, right, down] = self.to_eye;
+        let to_eye = corner + right * x as f32 + down * y as f32;
+        to_eye * (1.0 / to_eye.length())
+    }
+
+    /// The triangle's colour and its object's texture, mixed in linear light.
+    fn surface_color(&self, facet: &Facet, hit: &SlotHit) -> Vec3 {
+        let Some(mapping) = &facet.texture else {
+            return facet.color;
+        };
+        let Some(texture) = &self.scene.objects[facet.object as usize].texture else {
+            return facet.color;
+        };
+        let [r, g, b, a] = self.texture_color(facet, mapping, texture, hit);
+        let blend = self.shading.blend;
+        facet.color * (1.0 - a * blend) + Vec3::new(r, g, b) * blend
+    }
+
+    /// The texture's colour at a hit: linear light, alpha multiplied in.
+    fn texture_color(
         &self,
-        _rect: crate::camera::Rect,
-        _hits: &[SlotHit],
-        _pixels: &mut [[u8; 4]],
-    ) {
-        unimplemented!()
+        facet: &Facet,
+        mapping: &Mapping,
+        texture: &Texture,
+        hit: &SlotHit,
+    ) -> [f32; 4] {
+        let read = |u, v| sample(self.tables, texture, u, v, self.shading.filter);
+        match mapping {
+            Mapping::Uv(uvs) => {
+                // In double precision: large coordinates keep their place within a repeat.
+                let [a, b, c] = uvs.map(|uv| uv.as_dvec2());
+                let (u, v) = (f64::from(hit.u), f64::from(hit.v));
+                let uv = a + (b - a) * u + (c - a) * v;
+                read(uv.x, uv.y)
+            }
+            Mapping::Triplanar(corners, normals) => {
+                let Some(triplanar) = &self.triplanar[facet.object as usize] else {
+                    return [0.0; 4];
+                };
+                let point = blend(*corners, hit.u, hit.v);
+                let normal = blend(*normals, hit.u, hit.v).normalize_or_zero();
+                let mut color = [0.0; 4];
+                for side in triplanar.sides(point, normal) {
+                    if side.weight > 0.0 {
+                        let part = read(side.uv[0], side.uv[1]);
+                        for (sum, channel) in color.iter_mut().zip(part) {
+                            *sum += channel * side.weight;
+                        }
+                    }
+                }
+                color
+            }
+        }
     }
 }
 
-/// Linear light to 8-bit sRGB.
-pub(crate) fn encode(_color: [f32; 4]) -> [u8; 4] {
-    unimplemented!()
+/// What a picture's mode asks of triangles.
+fn needs(scene: &Scene, shading: &Shading) -> Needs {
+    let colored = matches!(
+        shading.mode,
+        Mode::Color | Mode::Flat | Mode::Smooth | Mode::Texture
+    );
+    let has_normals = || scene.objects.iter().any(|object| object.mesh.has_normals());
+    let has_texture = || scene.objects.iter().any(|object| object.texture.is_some());
+    Needs {
+        normal: matches!(shading.mode, Mode::Flat | Mode::Smooth | Mode::Normals),
+        smooth: matches!(shading.mode, Mode::Smooth | Mode::Normals) && has_normals(),
+        color: colored,
+        texture: colored && shading.mode != Mode::Color && shading.blend > 0.0 && has_texture(),
+        uvs: shading.mode == Mode::Uv,
+        edges: shading.wireframe.is_some() || shading.mode == Mode::Wireframe,
+    }
+}
+
+/// For each object, world-space normals from its own: the inverse transpose.
+fn world_normals(scene: &Scene) -> Vec<Option<Mat3>> {
+    let transforms = scene
+        .world_from_objects()
+        .unwrap_or_else(|_| vec![DAffine3::IDENTITY; scene.objects.len()]);
+    transforms
+        .iter()
+        .map(|world_from_object| {
+            // Its scale does not matter: normals are made unit length. Dividing by the largest
+            // entry keeps it in the range of single precision.
+            let normal_matrix = world_from_object.matrix3.inverse().transpose();
+            let largest = normal_matrix
+                .to_cols_array()
+                .into_iter()
+                .fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
+            (normal_matrix.is_finite() && largest > 0.0)
+                .then(|| DMat3::as_mat3(&(normal_matrix * (1.0 / largest))))
+        })
+        .collect()
+}
+
+/// From hits to the eye: through the picture's corner, and what a pixel to the right and down adds.
+fn to_eye(camera: &Camera) -> [Vec3; 3] {
+    let direction = |x, y| -camera.direction(x, y) / camera.distance();
+    let corner = match camera.projection() {
+        Projection::Perspective => direction(0.0, 0.0),
+        Projection::Orthographic => -camera.forward(),
+    };
+    let (right, down) = match camera.projection() {
+        Projection::Perspective => {
+            let pixel = camera.plane().step / camera.distance();
+            (camera.right() * -pixel, camera.up() * pixel)
+        }
+        Projection::Orthographic => (DVec3::ZERO, DVec3::ZERO),
+    };
+    [corner, right, down].map(|vector| vector.as_vec3())
+}
+
+/// An opaque colour.
+fn opaque(color: Vec3) -> [f32; 4] {
+    [color.x, color.y, color.z, 1.0]
+}
+
+/// A colour that covers a part of what is under it; alpha not multiplied in.
+fn over(color: Vec3, coverage: f32, [r, g, b, a]: [f32; 4]) -> [f32; 4] {
+    if coverage == 0.0 {
+        return [r, g, b, a];
+    }
+    let alpha = coverage + a * (1.0 - coverage);
+    let mixed = (color * coverage + Vec3::new(r, g, b) * (a * (1.0 - coverage))) / alpha;
+    [mixed.x, mixed.y, mixed.z, alpha]
 }

@@ -1,0 +1,56 @@
+//! JPEG, by the `image` crate.
+
+use super::encode::over_black;
+use super::{ImageError, Picture};
+use image::ExtendedColorType;
+use image::codecs::jpeg::JpegEncoder;
+
+/// Of 100: what is lost cannot be seen beside the original.
+const QUALITY: u8 = 92;
+
+/// The most pixels a JPEG's side can have.
+const SIDE_LIMIT: u32 = 65_535;
+
+pub(super) fn encode(picture: &Picture) -> Result<Vec<u8>, ImageError> {
+    if picture.width.max(picture.height) > SIDE_LIMIT {
+        return Err(ImageError::Encode(format!(
+            "a JPEG has at most {SIDE_LIMIT} pixels a side"
+        )));
+    }
+    let mut bytes = Vec::new();
+    JpegEncoder::new_with_quality(&mut bytes, QUALITY)
+        .encode(
+            &over_black(&picture.pixels),
+            picture.width,
+            picture.height,
+            ExtendedColorType::Rgb8,
+        )
+        .map_err(|error| ImageError::Encode(error.to_string()))?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Format, Picture};
+
+    #[test]
+    fn comes_back_nearly() {
+        // A JPEG is lossy: a smooth ramp at this quality comes back within a few levels.
+        let mut picture = Picture::blank(64, 32, false);
+        for (i, pixel) in picture.pixels.iter_mut().enumerate() {
+            let (x, y) = (i as u32 % 64, i as u32 / 64);
+            *pixel = [x as u8 * 4, 128, y as u8 * 8, 255];
+        }
+        let bytes = picture.encode(Format::Jpeg).expect("encodes");
+        assert_eq!(bytes, picture.encode(Format::Jpeg).expect("encodes"));
+        let back = image::load_from_memory_with_format(&bytes, image::ImageFormat::Jpeg)
+            .expect("decodes")
+            .to_rgb8();
+        assert_eq!(back.dimensions(), (64, 32));
+        for (found, made) in back.pixels().zip(&picture.pixels) {
+            for (a, b) in found.0.iter().zip(made) {
+                assert!(a.abs_diff(*b) <= 8, "{found:?} for {made:?}");
+            }
+        }
+    }
+}

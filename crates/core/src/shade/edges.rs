@@ -1,0 +1,202 @@
+//! Lines along a triangle's edges, as wide in pixels near as far.
+
+use crate::camera::{Camera, Projection};
+use glam::DVec3;
+
+/// Triangles this many line widths high, or lower, would be all line: there lines begin to fade.
+const FADE_WIDTHS: f64 = 8.0;
+
+/// How far lines fade in triangles smaller than a pixel.
+const FAINTEST: f64 = 0.1;
+
+/// What turns a pixel's place into its distance from each edge of one triangle.
+///
+/// Seen from an eye, an edge from B to C lies in the plane with normal B × C (both relative to the
+/// eye), and `d · (B × C)` is linear in the pixel's place because the direction `d` is, before it is
+/// made unit length. Divided by its gradient it is the distance in pixels from the edge's line. The
+/// origins of orthographic rays are linear in the pixel's place in the same way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Edges {
+    /// Coefficients of x, y and 1 for each edge. An edge that is seen as a point is infinitely far
+    /// from every pixel.
+    lines: [[f64; 3]; 3],
+    /// The triangle's least height in pixels.
+    height: f64,
+}
+
+impl Edges {
+    /// The edges of a triangle with corners relative to the eye.
+    pub(super) fn new(camera: &Camera, corners: [DVec3; 3]) -> Self {
+        let plane = camera.plane();
+        let (right, up, forward) = (camera.right(), camera.up(), camera.forward());
+        let across = right * plane.step;
+        let down = up * -plane.step;
+        let first =
+            across * (-0.5 * f64::from(plane.columns)) + down * (-0.5 * f64::from(plane.rows));
+        // Distances in the picture do not change with the scene's scale; products stay in range.
+        let scale = corners
+            .iter()
+            .map(|corner| corner.abs().max_element())
+            .fold(0.0, f64::max);
+        let [a, b, c] = corners.map(|corner| corner / scale);
+        let edge = |from: DVec3, to: DVec3, opposite: DVec3| {
+            // A linear function of the pixel's place, zero on the edge, and its value at the
+            // opposite corner.
+            let (normal, constant, at_opposite) = match camera.projection() {
+                Projection::Perspective => {
+                    let normal = (to - from).cross(from + to);
+                    let reach = opposite.dot(forward) / camera.distance();
+                    let at_opposite = if reach > 0.0 {
+                        normal.dot(opposite) / reach
+                    } else {
+                        // Behind the eye: the triangle has no end in the picture.
+                        f64::INFINITY
+                    };
+                    let constant = normal.dot(first + forward * camera.distance());
+                    (normal, constant, at_opposite)
+                }
+                Projection::Orthographic => {
+                    let normal = (to - from).cross(forward);
+                    let constant = normal.dot(first / scale - from);
+                    (normal / scale, constant, normal.dot(opposite - from))
+                }
+            };
+            let (x, y) = (normal.dot(across), normal.dot(down));
+            let gradient = (x * x + y * y).sqrt();
+            if gradient.is_normal() {
+                (
+                    [x / gradient, y / gradient, constant / gradient],
+                    at_opposite.abs() / gradient,
+                )
+            } else {
+                ([0.0, 0.0, f64::INFINITY], f64::INFINITY)
+            }
+        };
+        let edges = [edge(a, b, c), edge(b, c, a), edge(c, a, b)];
+        Self {
+            lines: edges.map(|(line, _)| line),
+            height: edges
+                .map(|(_, height)| height)
+                .into_iter()
+                .fold(f64::INFINITY, f64::min),
+        }
+    }
+
+    /// The distance in pixels from (x, y) to the nearest edge's line.
+    pub(super) fn distance(&self, x: f64, y: f64) -> f64 {
+        self.lines
+            .iter()
+            .map(|line| (line[0] * x + line[1] * y + line[2]).abs())
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// How much of the line's colour shows at (x, y): 0 to 1, over a pixel from none to all.
+    ///
+    /// Half of a line lies in each of the two triangles at an edge. In triangles that are only a few
+    /// line widths high lines fade, so that a far mesh keeps its shading.
+    pub(super) fn coverage(&self, x: f64, y: f64, width: f64) -> f32 {
+        let covered = (width * 0.5 + 0.5 - self.distance(x, y)).clamp(0.0, width.clamp(0.0, 1.0));
+        let fade = (self.height / (FADE_WIDTHS * width.max(1.0))).clamp(FAINTEST, 1.0);
+        (covered * fade) as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{ImagePlane, Placement};
+
+    fn camera(projection: Projection, eye: DVec3) -> Camera {
+        let plane = ImagePlane::new(200, 100, 0.02).expect("a good plane");
+        let placement = Placement {
+            eye,
+            target: DVec3::new(0.1, 0.2, 0.3),
+            up: DVec3::Y,
+        };
+        Camera::new(placement, projection, plane)
+    }
+
+    /// The distance from a point to the line through two others: the truth, in the picture.
+    fn to_line(p: (f64, f64), a: (f64, f64), b: (f64, f64)) -> f64 {
+        let (dx, dy) = (b.0 - a.0, b.1 - a.1);
+        ((p.0 - a.0) * dy - (p.1 - a.1) * dx).abs() / (dx * dx + dy * dy).sqrt()
+    }
+
+    #[test]
+    fn distances_are_those_between_projected_points() {
+        // The truth: corners projected into the picture, and plane geometry there.
+        let corners = [
+            DVec3::new(-0.5, -0.3, 0.2),
+            DVec3::new(0.7, -0.1, -0.4),
+            DVec3::new(0.2, 0.6, 0.5),
+        ];
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            for eye in [DVec3::new(3.0, 2.0, 4.0), DVec3::new(-1.0, 0.5, 1.5)] {
+                let camera = camera(projection, eye);
+                let edges = Edges::new(&camera, corners.map(|corner| corner - eye));
+                let [a, b, c] =
+                    corners.map(|corner| camera.project(corner).expect("in front of the eye"));
+                for p in [(100.0, 50.0), (90.5, 47.5), (3.0, 99.0)] {
+                    let truth = [(a, b), (b, c), (c, a)]
+                        .map(|(from, to)| to_line(p, from, to))
+                        .into_iter()
+                        .fold(f64::INFINITY, f64::min);
+                    let found = edges.distance(p.0, p.1);
+                    assert!((found - truth).abs() < 1e-9, "{found} for {truth}");
+                }
+                let height = to_line(a, b, c).min(to_line(b, c, a)).min(to_line(c, a, b));
+                assert!((edges.height - height).abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn lines_are_as_wide_far_as_near() {
+        // The same shape ten times as far and ten times as large looks the same.
+        let camera = camera(Projection::Perspective, DVec3::new(0.1, 0.2, 5.0));
+        let corners = [
+            DVec3::new(-1.0, -1.0, -5.0),
+            DVec3::new(1.0, -1.0, -6.0),
+            DVec3::new(0.0, 1.0, -4.0),
+        ];
+        let near = Edges::new(&camera, corners);
+        let far = Edges::new(&camera, corners.map(|corner| corner * 1e20));
+        for (x, y) in [(100.0, 50.0), (70.5, 20.5)] {
+            assert!((near.coverage(x, y, 2.0) - far.coverage(x, y, 2.0)).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn coverage_runs_from_all_to_none_over_a_pixel() {
+        let edges = Edges {
+            lines: [[1.0, 0.0, 0.0], [0.0, 1.0, 1e3], [0.0, 1.0, 2e3]],
+            height: 1e3,
+        };
+        let at = |x| edges.coverage(x, 0.0, 3.0);
+        assert_eq!((at(0.0), at(1.0), at(1.5), at(2.0)), (1.0, 1.0, 0.5, 0.0));
+        // A line half a pixel wide never covers more than half a pixel.
+        assert_eq!(edges.coverage(0.0, 0.0, 0.5), 0.5);
+        assert_eq!(edges.coverage(0.0, 0.0, 0.0), 0.0);
+    }
+
+    #[test]
+    fn lines_fade_in_small_triangles() {
+        let edges = |height| Edges {
+            lines: [[1.0, 0.0, 0.0], [0.0, 1.0, 1e3], [0.0, 1.0, 2e3]],
+            height,
+        };
+        assert_eq!(edges(0.01).coverage(0.0, 0.0, 1.0), FAINTEST as f32);
+        assert_eq!(edges(4.0).coverage(0.0, 0.0, 1.0), 0.5);
+        assert_eq!(edges(50.0).coverage(0.0, 0.0, 1.0), 1.0);
+    }
+
+    #[test]
+    fn triangles_seen_from_within_their_plane_are_no_error() {
+        let camera = camera(Projection::Perspective, DVec3::ZERO);
+        let forward = camera.forward();
+        let edges = Edges::new(&camera, [forward, forward * 2.0, forward * 3.0]);
+        assert!(!edges.coverage(10.5, 10.5, 1.0).is_nan());
+        let behind = Edges::new(&camera, [forward, -forward, forward + camera.right()]);
+        assert!(!behind.coverage(10.5, 10.5, 1.0).is_nan());
+    }
+}

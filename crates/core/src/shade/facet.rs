@@ -1,0 +1,163 @@
+//! What all pixels of a triangle share.
+
+use super::edges::Edges;
+use glam::{DVec3, Vec2, Vec3};
+
+/// What a mode asks of each triangle; nothing else is worked out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Needs {
+    /// The surface's direction.
+    pub(super) normal: bool,
+    /// The mesh's own normals.
+    pub(super) smooth: bool,
+    /// The triangle's colour.
+    pub(super) color: bool,
+    /// The object's texture.
+    pub(super) texture: bool,
+    /// Texture coordinates themselves.
+    pub(super) uvs: bool,
+    /// Lines.
+    pub(super) edges: bool,
+}
+
+/// A triangle made ready for its pixels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Facet {
+    pub(super) object: u32,
+    /// The unit normal in world space, towards the eye.
+    pub(super) normal: Vec3,
+    /// The mesh's own normals at the corners, in world space.
+    pub(super) normals: Option<[Vec3; 3]>,
+    /// The triangle's colour, linear light.
+    pub(super) color: Vec3,
+    /// From its middle to the eye, unit length.
+    pub(super) to_eye: Vec3,
+    /// How its texture lies on it.
+    pub(super) texture: Option<Mapping>,
+    /// Texture coordinates at the corners.
+    pub(super) uvs: Option<[Vec2; 3]>,
+    pub(super) edges: Option<Edges>,
+}
+
+/// How a texture lies on a triangle.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Mapping {
+    /// By texture coordinates at its corners.
+    Uv([Vec2; 3]),
+    /// By its corners and normals in object space.
+    Triplanar([Vec3; 3], [Vec3; 3]),
+}
+
+impl Facet {
+    /// A triangle of no particular shape or colour, which faces the eye.
+    pub(super) fn plain(object: u32, to_eye: Vec3) -> Self {
+        Self {
+            object,
+            normal: to_eye,
+            normals: None,
+            color: Vec3::ZERO,
+            to_eye,
+            texture: None,
+            uvs: None,
+            edges: None,
+        }
+    }
+
+    /// The unit normal at barycentrics (u, v): the mesh's own where it has them, on the side that
+    /// the triangle shows.
+    pub(super) fn normal_at(&self, u: f32, v: f32) -> Vec3 {
+        let Some(normals) = self.normals else {
+            return self.normal;
+        };
+        let normal = blend(normals, u, v);
+        let length = normal.length();
+        if !(length > 1e-6 && length.is_finite()) {
+            return self.normal;
+        }
+        let side = if normal.dot(self.normal) < 0.0 {
+            -length
+        } else {
+            length
+        };
+        normal / side
+    }
+}
+
+/// A triangle's unit normal on the side of the eye; zero for a triangle without area.
+///
+/// `corners` are relative to the eye. `forward` decides for an orthographic camera, whose rays do
+/// not start in the eye.
+pub(super) fn facing_normal(corners: [DVec3; 3], forward: Option<DVec3>) -> Vec3 {
+    let [a, b, c] = corners;
+    let normal = unit(unit_scaled(b - a).cross(unit_scaled(c - a)));
+    let away = normal.dot(forward.unwrap_or(a)) > 0.0;
+    if away { -normal } else { normal }.as_vec3()
+}
+
+/// A vector divided by its largest component, so that products of two stay in range.
+fn unit_scaled(vector: DVec3) -> DVec3 {
+    vector / vector.abs().max_element()
+}
+
+/// A unit vector, or zero where there is no direction.
+pub(super) fn unit(vector: DVec3) -> DVec3 {
+    let length = vector.length();
+    if length.is_finite() && length > 0.0 {
+        vector / length
+    } else {
+        DVec3::ZERO
+    }
+}
+
+/// Corner values at barycentrics (u, v).
+pub(super) fn blend<T>([a, b, c]: [T; 3], u: f32, v: f32) -> T
+where
+    T: std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>,
+{
+    a * (1.0 - u - v) + b * u + c * v
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn facing(z: f64, scale: f64) -> [DVec3; 3] {
+        [
+            DVec3::new(-1.0, 0.0, z),
+            DVec3::new(1.0, 0.0, z),
+            DVec3::new(0.0, 1.0, z),
+        ]
+        .map(|corner| corner * scale)
+    }
+
+    #[test]
+    fn normals_face_the_eye_at_any_scale() {
+        for scale in [1e-150, 1e-20, 1.0, 1e18, 1e150] {
+            for (z, towards) in [(-3.0, Vec3::Z), (3.0, Vec3::NEG_Z)] {
+                assert_eq!(facing_normal(facing(z, scale), None), towards);
+                let [a, b, c] = facing(z, scale);
+                assert_eq!(facing_normal([a, c, b], None), towards);
+            }
+            let forward = Some(DVec3::NEG_Z);
+            assert_eq!(facing_normal(facing(3.0, scale), forward), Vec3::Z);
+        }
+        assert_eq!(facing_normal([DVec3::ONE; 3], None), Vec3::ZERO);
+    }
+
+    #[test]
+    fn smooth_normals_stay_on_the_side_that_shows() {
+        let normals = [Vec3::NEG_Z, Vec3::new(0.6, 0.0, -0.8), Vec3::NEG_Z];
+        let facet = Facet {
+            normals: Some(normals),
+            ..Facet::plain(0, Vec3::Z)
+        };
+        assert_eq!(facet.normal_at(0.0, 0.0), Vec3::Z);
+        let turned = facet.normal_at(1.0, 0.0);
+        assert!((turned - Vec3::new(-0.6, 0.0, 0.8)).length() < 1e-6);
+        let cancelled = Facet {
+            normals: Some([Vec3::X, Vec3::NEG_X, Vec3::X]),
+            ..facet
+        };
+        assert_eq!(cancelled.normal_at(0.5, 0.0), Vec3::Z);
+    }
+}

@@ -1,0 +1,216 @@
+//! Between sRGB bytes and linear light (IEC 61966-2-1), by tables: exact to the last byte, and no
+//! power in any pixel's loop.
+
+use crate::scene::Color;
+use glam::Vec3;
+use std::sync::LazyLock;
+
+/// The tables, made on first use.
+static TABLES: LazyLock<Tables> = LazyLock::new(Tables::new);
+
+/// Below this every value is the byte 0: byte 1 begins at 0.5 / 255 / 12.92 ≈ 1.24 · 2⁻¹³.
+const DARKEST: f32 = 1.0 / 8192.0;
+
+/// The largest value below one.
+const BRIGHTEST: f32 = 1.0 - f32::EPSILON / 2.0;
+
+/// Mantissa bits that are left out of a bucket's number, so that a bucket is a 128th of a binade.
+///
+/// Neighbouring bytes begin at least 2.4 / 269 of their value apart, more than a 128th: a bucket
+/// has the beginning of one byte at most.
+const BUCKET_SHIFT: u32 = 23 - 7;
+
+/// Buckets from [`DARKEST`] to one: 13 binades.
+const BUCKETS: usize = 13 * 128;
+
+/// Both directions.
+#[derive(Debug)]
+pub(crate) struct Tables {
+    /// The linear light of each byte.
+    linear: [f32; 256],
+    /// The least linear light that rounds to each byte; infinity after the last.
+    begins: [f32; 257],
+    /// The byte at each bucket's lower end.
+    bucket: [u8; BUCKETS],
+}
+
+/// Linear light from an sRGB value, both 0 to 1.
+fn to_linear(value: f64) -> f64 {
+    if value <= 0.04045 {
+        value / 12.92
+    } else {
+        ((value + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+impl Tables {
+    fn new() -> Self {
+        let mut begins = [f32::INFINITY; 257];
+        for (byte, begin) in begins.iter_mut().take(256).enumerate() {
+            // The first single-precision number at or above the real threshold.
+            let threshold = to_linear(((byte as f64 - 0.5) / 255.0).max(0.0));
+            let nearest = threshold as f32;
+            *begin = if f64::from(nearest) < threshold {
+                nearest.next_up()
+            } else {
+                nearest
+            };
+        }
+        let bucket = std::array::from_fn(|index| {
+            let lower = f32::from_bits(DARKEST.to_bits() + ((index as u32) << BUCKET_SHIFT));
+            (begins.partition_point(|&begin| begin <= lower) - 1) as u8
+        });
+        Self {
+            linear: std::array::from_fn(|byte| to_linear(byte as f64 / 255.0) as f32),
+            begins,
+            bucket,
+        }
+    }
+
+    /// The linear light of a byte.
+    pub(crate) fn decode(&self, byte: u8) -> f32 {
+        self.linear[usize::from(byte)]
+    }
+
+    /// The nearest byte; below zero and NaN give 0, above one gives 255.
+    pub(crate) fn encode(&self, linear: f32) -> u8 {
+        // `max` takes its other operand for NaN.
+        let linear = linear.max(DARKEST).min(BRIGHTEST);
+        let index = (linear.to_bits() - DARKEST.to_bits()) >> BUCKET_SHIFT;
+        let byte = self.bucket[index as usize];
+        byte + u8::from(linear >= self.begins[usize::from(byte) + 1])
+    }
+
+    /// The bytes of an opaque colour.
+    pub(crate) fn encode_opaque(&self, linear: Vec3) -> [u8; 4] {
+        [
+            self.encode(linear.x),
+            self.encode(linear.y),
+            self.encode(linear.z),
+            u8::MAX,
+        ]
+    }
+
+    /// The linear light of a value between 0 and 1 that is meant as sRGB: that of its nearest byte.
+    pub(crate) fn display(&self, value: f32) -> f32 {
+        // The cast is saturating, and NaN becomes zero.
+        self.decode((value * 255.0 + 0.5) as u8)
+    }
+}
+
+/// The tables, for loops that should not look for them at each pixel.
+pub(crate) fn tables() -> &'static Tables {
+    &TABLES
+}
+
+/// The linear light of a colour that a person chose.
+pub(crate) fn linear(color: Color) -> Vec3 {
+    Vec3::from(color.0.map(|byte| TABLES.decode(byte)))
+}
+
+/// Linear light with alpha multiplied in, from linear light with it apart.
+pub(crate) fn premultiply([r, g, b, a]: [f32; 4]) -> [f32; 4] {
+    [r * a, g * a, b * a, a]
+}
+
+/// sRGB bytes with alpha apart, from linear light with alpha multiplied in.
+pub(crate) fn encode_premultiplied([r, g, b, a]: [f32; 4]) -> [u8; 4] {
+    if a == 1.0 {
+        return TABLES.encode_opaque(Vec3::new(r, g, b));
+    }
+    let alpha = (a * 255.0 + 0.5) as u8;
+    if alpha == 0 {
+        return [0; 4];
+    }
+    let [r, g, b] = [r / a, g / a, b / a].map(|channel| TABLES.encode(channel));
+    [r, g, b, alpha]
+}
+
+/// sRGB bytes from linear light, alpha apart in both: the same bytes as by way of
+/// [`premultiply`], so that a picture's bytes follow from its layers.
+pub(crate) fn encode(color: [f32; 4]) -> [u8; 4] {
+    encode_premultiplied(premultiply(color))
+}
+
+/// sRGB bytes laid over black in linear light.
+pub(crate) fn over_black([r, g, b, a]: [u8; 4]) -> [u8; 3] {
+    let alpha = f32::from(a) / 255.0;
+    [r, g, b].map(|byte| TABLES.encode(TABLES.decode(byte) * alpha))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The byte by the standard's own formula in double precision, before rounding.
+    fn formula(linear: f64) -> f64 {
+        let value = if linear <= 0.04045 / 12.92 {
+            linear * 12.92
+        } else {
+            1.055 * linear.powf(1.0 / 2.4) - 0.055
+        };
+        value * 255.0
+    }
+
+    #[test]
+    fn bytes_come_back() {
+        for byte in 0..=255 {
+            assert_eq!(TABLES.encode(TABLES.decode(byte)), byte);
+            assert_eq!(TABLES.display(f32::from(byte) / 255.0), TABLES.decode(byte));
+        }
+        assert_eq!((TABLES.decode(0), TABLES.decode(255)), (0.0, 1.0));
+    }
+
+    #[test]
+    fn rounds_as_the_formula_does() {
+        // Values over five decades and up to one, from a fixed generator; the truth is the
+        // standard's formula in double precision, whose error is far below the 1e-6 allowed.
+        let mut state = 1u64;
+        let mut next = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 40) as f32 / (1u64 << 24) as f32
+        };
+        for _ in 0..100_000 {
+            let even = next();
+            for value in [even, even * even * even, even * 1e-3] {
+                let error = f64::from(TABLES.encode(value)) - formula(f64::from(value));
+                assert!(error.abs() <= 0.5 + 1e-6, "{value} is off by {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_threshold_is_sharp() {
+        for byte in 1..=255u8 {
+            let begin = TABLES.begins[usize::from(byte)];
+            assert_eq!(TABLES.encode(begin), byte);
+            assert_eq!(TABLES.encode(begin.next_down()), byte - 1);
+            assert!((formula(f64::from(begin)) - (f64::from(byte) - 0.5)).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn out_of_range_is_clamped() {
+        for (value, byte) in [
+            (f32::NAN, 0),
+            (-1.0, 0),
+            (f32::NEG_INFINITY, 0),
+            (1.5, 255),
+            (f32::INFINITY, 255),
+        ] {
+            assert_eq!(TABLES.encode(value), byte, "{value}");
+        }
+    }
+
+    #[test]
+    fn alpha_apart_and_multiplied_in_agree() {
+        for alpha in [0.0, 0.1, 1.0 / 3.0, 0.5, 0.75, 1.0] {
+            let color = [0.2, 0.7, 1.0, alpha];
+            assert_eq!(encode(color), encode_premultiplied(premultiply(color)));
+        }
+        assert_eq!(encode([1.0, 0.0, 1.0, 0.5]), [255, 0, 255, 128]);
+        assert_eq!(encode([1.0, 1.0, 1.0, 0.0]), [0; 4]);
+    }
+}

@@ -1,0 +1,113 @@
+//! A texture from three sides, for surfaces that have no place in it of their own.
+
+use crate::scene::{Bounds, Mesh};
+use glam::{DVec3, Vec3};
+
+/// How an object's texture lies on it: one repeat over the longest side of its box, centred, upright
+/// and unmirrored on the sides that face ±X and ±Z, and with −Z up on those that face ±Y.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Triplanar {
+    center: DVec3,
+    scale: f64,
+}
+
+/// One side's part in a point's colour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Side {
+    /// 0 to 1; the three of a point add up to one.
+    pub(super) weight: f32,
+    /// Texture coordinates.
+    pub(super) uv: [f64; 2],
+}
+
+impl Triplanar {
+    pub(super) fn new(mesh: &Mesh) -> Self {
+        Self::over(&mesh.bounds(), mesh.offset())
+    }
+
+    /// Over a box, for points relative to `offset`.
+    fn over(bounds: &Bounds, offset: DVec3) -> Self {
+        let longest = bounds.size().max_element();
+        Self {
+            center: bounds.center() - offset,
+            scale: if longest > 0.0 { 1.0 / longest } else { 0.0 },
+        }
+    }
+
+    /// The three sides' parts in the colour of a point with this unit normal, both in object space.
+    pub(super) fn sides(&self, point: Vec3, normal: Vec3) -> [Side; 3] {
+        let [x, y, z] = ((point.as_dvec3() - self.center) * self.scale).to_array();
+        let squared = normal * normal;
+        let fourth = squared * squared;
+        let sum = fourth.x + fourth.y + fourth.z;
+        let weights = if sum > 0.0 { fourth / sum } else { Vec3::Z };
+        let sign = |component: f32| if component < 0.0 { -1.0 } else { 1.0 };
+        let side = |weight, u, v| Side {
+            weight,
+            uv: [u + 0.5, v + 0.5],
+        };
+        [
+            side(weights.x, -z * sign(normal.x), y),
+            side(weights.y, x, -z * sign(normal.y)),
+            side(weights.z, x * sign(normal.z), y),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn triplanar() -> Triplanar {
+        let bounds = Bounds {
+            min: DVec3::new(9.0, 0.0, -1.0),
+            max: DVec3::new(13.0, 2.0, 1.0),
+        };
+        Triplanar::over(&bounds, DVec3::new(10.0, 0.0, 0.0))
+    }
+
+    #[test]
+    fn the_longest_side_is_one_repeat() {
+        let [_, _, z] = triplanar().sides(Vec3::new(-1.0, 1.0, 1.0), Vec3::Z);
+        assert_eq!((z.weight, z.uv), (1.0, [0.0, 0.5]));
+        let [_, _, z] = triplanar().sides(Vec3::new(3.0, 2.0, 1.0), Vec3::Z);
+        assert_eq!((z.weight, z.uv), (1.0, [1.0, 0.75]));
+    }
+
+    #[test]
+    fn no_side_is_mirrored() {
+        // Seen from outside with +Y up, u grows to the right on all four walls.
+        for (normal, right) in [
+            (Vec3::X, Vec3::NEG_Z),
+            (Vec3::NEG_X, Vec3::Z),
+            (Vec3::Z, Vec3::X),
+            (Vec3::NEG_Z, Vec3::NEG_X),
+        ] {
+            let u = |point| {
+                let sides = triplanar().sides(point, normal);
+                sides
+                    .iter()
+                    .map(|s| f64::from(s.weight) * s.uv[0])
+                    .sum::<f64>()
+            };
+            assert!(u(right) > u(-right), "{normal}");
+        }
+    }
+
+    #[test]
+    fn weights_add_up_to_one() {
+        for normal in [
+            Vec3::new(0.6, 0.0, 0.8),
+            Vec3::ONE.normalize(),
+            Vec3::NEG_Y,
+            Vec3::ZERO,
+        ] {
+            let sum: f32 = triplanar()
+                .sides(Vec3::ONE, normal)
+                .iter()
+                .map(|s| s.weight)
+                .sum();
+            assert!((sum - 1.0).abs() < 1e-6);
+        }
+    }
+}
