@@ -8,7 +8,7 @@ use raycast_core::formats::{read_mesh, read_scene, read_texture};
 use raycast_core::glam::DVec3;
 use raycast_core::image::{Format, Picture};
 use raycast_core::intersect::Cull;
-use raycast_core::scene::{Color, ColorRule, Object, Scene, Transform};
+use raycast_core::scene::{Color, ColorRule, Crop, Object, Scene, Transform};
 use raycast_core::shade::{Background, Filter, Mode, Shading, Wireframe};
 use raycast_tests::check::{Stage, camera, render};
 use raycast_tests::meshes;
@@ -120,7 +120,10 @@ fn colors() {
 fn flat_orthographic() {
     let stage = ball_over_board();
     let camera = above(Projection::Orthographic, 5.0);
-    compare("flat-orthographic", &shoot(&stage, camera, shading(Mode::Flat), 1));
+    compare(
+        "flat-orthographic",
+        &shoot(&stage, camera, shading(Mode::Flat), 1),
+    );
 }
 
 #[test]
@@ -134,7 +137,10 @@ fn depth() {
 fn barycentric() {
     let stage = ball_over_board();
     let camera = above(Projection::Perspective, 4.5);
-    compare("barycentric", &shoot(&stage, camera, shading(Mode::Barycentric), 1));
+    compare(
+        "barycentric",
+        &shoot(&stage, camera, shading(Mode::Barycentric), 1),
+    );
 }
 
 #[test]
@@ -164,6 +170,14 @@ fn normals_of_the_torus() {
 fn texture_on_the_cube() {
     let path = asset("leopard.png");
     let texture = read_texture(&path).unwrap_or_else(|error| panic!("{error}"));
+    // Few texels, so that what lies between them shows.
+    let crop = Crop {
+        x: 40,
+        y: 60,
+        width: 24,
+        height: 24,
+    };
+    let texture = texture.cropped(crop).expect("a part of the image");
     let cube = Object {
         texture: Some(Arc::new(texture)),
         ..read("cube.obj")
