@@ -1,1 +1,462 @@
 //! What a command line may hold.
+
+mod values;
+
+pub use values::{OrbitArg, SceneColor};
+
+use clap::{Args, Parser, Subcommand};
+use raycast_core::camera::{Grid, Projection};
+use raycast_core::glam::DVec3;
+use raycast_core::intersect::Cull;
+use raycast_core::render::Precision;
+use raycast_core::scene::Crop;
+use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+const EXAMPLES: &str = "\
+Examples:
+  raycast                                      the demo scene in a window
+  raycast bunny.obj                            a mesh in a window
+  raycast render bunny.obj -o bunny.png        its picture, without a window
+  raycast render bunny.obj -o close.png --orbit 40,10,0.2 --size 1920x1080 --samples 4
+  raycast render spot.obj -o spot.png --mode texture --texture spot_texture.png
+  raycast render bunny.obj -o part.png --tiles 3x2 --sub-camera 1,0
+  raycast info bunny.obj";
+
+/// Look at meshes through exact rays, in a window or without one.
+#[derive(Debug, Parser)]
+#[command(
+    name = "raycast",
+    version,
+    args_conflicts_with_subcommands = true,
+    after_help = EXAMPLES
+)]
+pub struct Cli {
+    /// What to do without a window.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// Meshes or scene files to open in the window [default: the demo scene]
+    pub files: Vec<PathBuf>,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Open files in the window, whatever they are called
+    View {
+        /// Meshes or scene files [default: the demo scene]
+        files: Vec<PathBuf>,
+    },
+    /// Render a picture, or one fragment of it, to an image file
+    Render(Box<RenderArgs>),
+    /// Answer a file of rays with a file of hits
+    Cast(CastArgs),
+    /// Put fragments together into the picture that the full camera would have made
+    Stitch(StitchArgs),
+    /// Tell what files hold
+    Info(InfoArgs),
+    /// Measure frame times on this machine; prints JSON
+    Bench(BenchArgs),
+}
+
+/// `raycast render`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Size, step and field of view are bound by `rows x step = 2 x distance x tan(fov / 2)`: give two of
+the three at most. The eye, by default, is where the whole scene is in view.
+
+In --stats, cast_ms and shade_ms are the render's wall-clock time, shared out as the tiles' own
+times for visibility and for everything else are.
+
+Examples:
+  raycast render bunny.obj -o bunny.png
+  raycast render bunny.obj -o dense.exr --step 0.0001 --fov 30
+  raycast render scene.raycast.toml -o scene.png --samples 16 --stats -
+  raycast render a.obj b.obj -o both.png --eye -1,2,5 --target 0,0.5,0")]
+pub struct RenderArgs {
+    /// Meshes, or a scene file whose camera, image and shading are then the defaults
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// The image to write: .png, .ppm, .jpg or .exr (a fragment: .png or .exr)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Where from.
+    #[command(flatten)]
+    pub camera: CameraArgs,
+    /// In which colours.
+    #[command(flatten)]
+    pub shading: ShadingArgs,
+    /// In which parts.
+    #[command(flatten)]
+    pub tiles: TileArgs,
+    /// Rays a pixel, 1 to 4096; the first goes through its centre [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub samples: Option<u32>,
+    /// How rays meet triangles.
+    #[command(flatten)]
+    pub casting: CastingArgs,
+    /// Write what it took to this file as JSON; `-` is standard output
+    #[arg(long, value_name = "FILE")]
+    pub stats: Option<PathBuf>,
+}
+
+/// Where the camera stands and what its rays are.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Camera")]
+pub struct CameraArgs {
+    /// Columns and rows of rays [default: 1280x720]
+    #[arg(long, value_name = "WxH", value_parser = values::size)]
+    pub size: Option<(u32, u32)>,
+    /// Distance between neighbouring rays at the target, in scene units
+    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = values::positive)]
+    pub step: Option<f64>,
+    /// Vertical field of view in degrees [default: 45]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = values::fov)]
+    pub fov: Option<f64>,
+    /// How rays leave the camera [default: perspective]
+    #[arg(long, value_name = "KIND", value_parser = values::named(values::PROJECTIONS))]
+    pub projection: Option<Projection>,
+    /// Where the camera stands
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
+    pub eye: Option<DVec3>,
+    /// What it looks at [default: the scene's centre]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
+    pub target: Option<DVec3>,
+    /// Which way is up [default: 0,1,0]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
+    pub up: Option<DVec3>,
+    /// Degrees about the scene's centre and above its horizon; distance in scene units [default:
+    /// 22,16, as far as the whole scene needs]
+    #[arg(
+        long,
+        value_name = "YAW,PITCH[,DISTANCE]",
+        allow_hyphen_values = true,
+        conflicts_with = "eye",
+        value_parser = values::orbit
+    )]
+    pub orbit: Option<OrbitArg>,
+}
+
+/// In which colours a picture is made.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Shading")]
+pub struct ShadingArgs {
+    /// What the picture shows [default: smooth]
+    #[arg(long, value_name = "MODE", value_parser = values::named(values::MODES))]
+    pub mode: Option<Mode>,
+    /// Draw triangles' edges over the mode, so many pixels wide [default width: 1]
+    #[arg(
+        long,
+        value_name = "WIDTH",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "1",
+        value_parser = values::line_width
+    )]
+    pub wireframe: Option<f32>,
+    /// An image for the surface of every object
+    #[arg(long, value_name = "IMAGE")]
+    pub texture: Option<PathBuf>,
+    /// The part of the texture's image to use, in its pixels from the top left
+    #[arg(long, value_name = "X,Y,W,H", requires = "texture", value_parser = values::crop)]
+    pub crop: Option<Crop>,
+    /// How surfaces find their place in the texture [default: uv]
+    #[arg(long, value_name = "KIND", value_parser = values::named(values::TEXTURE_PROJECTIONS))]
+    pub texture_projection: Option<TextureProjection>,
+    /// From the object's colours (0) to its texture (1) [default: 1]
+    #[arg(long, value_name = "0..1", allow_hyphen_values = true, value_parser = values::blend)]
+    pub blend: Option<f32>,
+    /// How the texture is read between its texels [default: bilinear]
+    #[arg(long, value_name = "KIND", value_parser = values::named(values::FILTERS))]
+    pub filter: Option<Filter>,
+    /// Every object's colours: `file`, `per-triangle[:SEED]` or `#rrggbb` [default: the file's own,
+    /// or one a triangle where it has none]
+    #[arg(long, value_name = "COLOR", value_parser = values::scene_color)]
+    pub color: Option<SceneColor>,
+    /// What lies behind: `#top,#bottom`, `#rrggbb` or `transparent`
+    #[arg(long, value_name = "COLORS", value_parser = values::background)]
+    pub background: Option<Background>,
+}
+
+/// How a picture is split.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Tiles")]
+pub struct TileArgs {
+    /// Split the picture into a grid of so many sub-cameras
+    #[arg(long, value_name = "CxR", conflicts_with = "tile_size", value_parser = values::counts)]
+    pub tiles: Option<(u32, u32)>,
+    /// Split the picture into squares of so many pixels [default: 64]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub tile_size: Option<u32>,
+    /// Render that column and row of the grid alone, from 0,0, and write it as a fragment
+    #[arg(long, value_name = "C,R", value_parser = values::cell)]
+    pub sub_camera: Option<(u32, u32)>,
+}
+
+impl TileArgs {
+    /// The grid that was asked for.
+    pub fn grid(&self) -> Grid {
+        match (self.tiles, self.tile_size) {
+            (Some((columns, rows)), _) => Grid::Count { columns, rows },
+            (None, Some(size)) => Grid::Size(size),
+            (None, None) => Grid::default(),
+        }
+    }
+}
+
+/// How rays meet triangles.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Casting")]
+pub struct CastingArgs {
+    /// Workers, 0 to 256; 0 is one for each of the machine's
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::threads())]
+    pub threads: u16,
+    /// How sure a picture's triangles are
+    #[arg(long, value_name = "KIND", default_value = "exact", value_parser = values::named(values::PRECISIONS))]
+    pub precision: Precision,
+    /// Which faces rays pass through: none, or those seen from the back
+    #[arg(long, value_name = "FACES", default_value = "none", value_parser = values::named(values::CULLS))]
+    pub cull: Cull,
+}
+
+/// `raycast cast`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Both files are little-endian. A ray is eight 32-bit floats: origin x y z, t_min, direction x y z,
+t_max. A hit is 20 bytes: t (float, infinity at a miss), object, triangle (unsigned, 4294967295 at a
+miss), u, v (float), with the point at (1-u-v) a + u b + v c. A ray with a number that is not finite
+or a direction of zero is a miss, and counted on standard error.
+
+Example:
+  raycast cast bunny.obj --rays rays.bin --hits hits.bin --stats -")]
+pub struct CastArgs {
+    /// Meshes or scene files
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// The rays, 32 bytes each
+    #[arg(long, value_name = "FILE")]
+    pub rays: PathBuf,
+    /// The hits to write, 20 bytes each, in the rays' order
+    #[arg(long, value_name = "FILE")]
+    pub hits: PathBuf,
+    /// Which faces rays pass through: none, or those seen from the back
+    #[arg(long, value_name = "FACES", default_value = "none", value_parser = values::named(values::CULLS))]
+    pub cull: Cull,
+    /// Workers, 0 to 256; 0 is one for each of the machine's
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::threads())]
+    pub threads: u16,
+    /// Write what it took to this file as JSON; `-` is standard output
+    #[arg(long, value_name = "FILE")]
+    pub stats: Option<PathBuf>,
+}
+
+/// `raycast stitch`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Example:
+  raycast render bunny.obj --tiles 2x1 --sub-camera 0,0 -o left.png
+  raycast render bunny.obj --tiles 2x1 --sub-camera 1,0 -o right.png
+  raycast stitch left.png right.png -o bunny.png")]
+pub struct StitchArgs {
+    /// What `raycast render --sub-camera` wrote
+    #[arg(required = true)]
+    pub fragments: Vec<PathBuf>,
+    /// The image to write: .png, .ppm, .jpg or .exr
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+}
+
+/// `raycast info`.
+#[derive(Debug, Args)]
+pub struct InfoArgs {
+    /// Meshes or scene files
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// Print a JSON array, an element a file
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `raycast bench`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Views are `medium` (the scene's bounding sphere fills the frame's height) and `close` (half as far),
+both from yaw 22, pitch 16; with --eye it is that view alone, named `given`.
+
+cast_ms is a frame's wall-clock time for visibility alone; frame_ms is visibility, shading and the
+picture; mrays_per_s comes from the median cast_ms.
+
+Example:
+  raycast bench bunny.obj dragon.obj --frames 50 --threads 1")]
+pub struct BenchArgs {
+    /// Meshes or scene files
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// Frames to measure a view, after one that is not
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub frames: u32,
+    /// Columns and rows of rays
+    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = values::size)]
+    pub size: (u32, u32),
+    /// Vertical field of view in degrees
+    #[arg(long, value_name = "DEG", default_value_t = 45.0, allow_hyphen_values = true, value_parser = values::fov)]
+    pub fov: f64,
+    /// Measure the view from here alone
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
+    pub eye: Option<DVec3>,
+    /// What the given view looks at [default: the scene's centre]
+    #[arg(long, value_name = "X,Y,Z", requires = "eye", allow_hyphen_values = true, value_parser = values::point)]
+    pub target: Option<DVec3>,
+    /// Which way is up in the given view [default: 0,1,0]
+    #[arg(long, value_name = "X,Y,Z", requires = "eye", allow_hyphen_values = true, value_parser = values::point)]
+    pub up: Option<DVec3>,
+    /// What the pictures show
+    #[arg(long, value_name = "MODE", default_value = "smooth", value_parser = values::named(values::MODES))]
+    pub mode: Mode,
+    /// How rays meet triangles.
+    #[command(flatten)]
+    pub casting: CastingArgs,
+    /// Measure obvhs's own traversal (BVH2, medium build) on the same rays, frame by frame in turn,
+    /// and brute force on a sample of them
+    #[arg(long)]
+    pub baselines: bool,
+}
+
+/// Says on standard error what is wrong with a command line, in one line; help and version go to
+/// standard output in full. Returns the exit status.
+pub fn refuse(error: &clap::Error) -> ExitCode {
+    if !error.use_stderr() {
+        // A reader that went away early has seen enough.
+        let _ = error.print();
+        return ExitCode::SUCCESS;
+    }
+    eprintln!("raycast: {}", one_line(&error.to_string()));
+    ExitCode::from(2)
+}
+
+/// clap's message without its usage: `error: …`, details on lines of their own, then hints.
+fn one_line(message: &str) -> String {
+    let told: Vec<_> = message
+        .lines()
+        .map(str::trim)
+        .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"))
+        .filter(|line| !line.is_empty())
+        .collect();
+    let told = told.join(" ");
+    let told = told.strip_prefix("error: ").unwrap_or(&told);
+    if told.is_empty() {
+        "no such command line; see `raycast --help`".to_owned()
+    } else {
+        format!("{told} (see `raycast --help`)")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    fn parse(line: &str) -> Result<Cli, clap::Error> {
+        Cli::try_parse_from(std::iter::once("raycast").chain(line.split_whitespace()))
+    }
+
+    fn render(line: &str) -> RenderArgs {
+        match parse(line).expect("a good command line").command {
+            Some(Command::Render(args)) => *args,
+            other => panic!("not a render: {other:?}"),
+        }
+    }
+
+    #[test]
+    fn the_declaration_holds_together() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn files_open_the_window_beside_the_commands() {
+        let cli = parse("a.obj b.obj").expect("files");
+        assert!(cli.command.is_none());
+        assert_eq!(cli.files, ["a.obj", "b.obj"].map(PathBuf::from));
+        assert!(parse("").expect("nothing").files.is_empty());
+        match parse("view render").expect("a file named render").command {
+            Some(Command::View { files }) => assert_eq!(files, [PathBuf::from("render")]),
+            other => panic!("not a view: {other:?}"),
+        }
+        let after = parse("a.obj render").expect("two files");
+        assert!(after.command.is_none());
+        assert_eq!(after.files.len(), 2);
+    }
+
+    #[test]
+    fn negative_numbers_are_values() {
+        let args = render("render a.obj -o a.png --eye -1,-2.5,3 --target -0,0,-1e3 --up 0,0,-1");
+        assert_eq!(args.camera.eye, Some(DVec3::new(-1.0, -2.5, 3.0)));
+        assert_eq!(args.camera.target, Some(DVec3::new(0.0, 0.0, -1000.0)));
+        assert_eq!(args.camera.up, Some(DVec3::NEG_Z));
+        let orbit = render("render a.obj -o a.png --orbit -30,-10").camera.orbit;
+        assert_eq!(
+            orbit.map(|o| (o.yaw, o.pitch, o.distance)),
+            Some((-30.0, -10.0, None))
+        );
+    }
+
+    #[test]
+    fn wireframe_takes_its_width_after_an_equals_sign_alone() {
+        assert_eq!(
+            render("render -o a.png --wireframe a.obj")
+                .shading
+                .wireframe,
+            Some(1.0)
+        );
+        assert_eq!(
+            render("render -o a.png --wireframe=2.5 a.obj")
+                .shading
+                .wireframe,
+            Some(2.5)
+        );
+        assert_eq!(render("render -o a.png a.obj").shading.wireframe, None);
+    }
+
+    #[test]
+    fn bad_usage_is_refused() {
+        for line in [
+            "render a.obj",
+            "render -o a.png",
+            "render a.obj -o a.png --size 0x5",
+            "render a.obj -o a.png --size 5",
+            "render a.obj -o a.png --size 70000x5",
+            "render a.obj -o a.png --fov 180",
+            "render a.obj -o a.png --fov -1",
+            "render a.obj -o a.png --step 0",
+            "render a.obj -o a.png --step nan",
+            "render a.obj -o a.png --eye 1,2",
+            "render a.obj -o a.png --eye 1,2,inf",
+            "render a.obj -o a.png --eye 0,0,1 --orbit 0,0",
+            "render a.obj -o a.png --orbit 0,91",
+            "render a.obj -o a.png --orbit 0,0,0",
+            "render a.obj -o a.png --tiles 2x2 --tile-size 8",
+            "render a.obj -o a.png --tiles 0x2",
+            "render a.obj -o a.png --tile-size 0",
+            "render a.obj -o a.png --samples 0",
+            "render a.obj -o a.png --samples 4097",
+            "render a.obj -o a.png --threads 257",
+            "render a.obj -o a.png --blend 1.5",
+            "render a.obj -o a.png --mode pretty",
+            "render a.obj -o a.png --crop 0,0,1,1",
+            "render a.obj -o a.png --wireframe=0",
+            "render a.obj -o a.png --background #000000,#ffffff,#000000",
+            "cast a.obj --rays r",
+            "stitch a.png",
+            "bench",
+            "bench a.obj --target 0,0,0",
+            "info",
+            "--colour",
+        ] {
+            let error = parse(line).expect_err(line);
+            assert_eq!(error.exit_code(), 2, "{line}");
+            let told = one_line(&error.to_string());
+            assert!(!told.contains('\n') && told.len() > 20, "{line}: {told}");
+        }
+    }
+}

@@ -1,7 +1,12 @@
 //! The `raycast` binary.
 
+use clap::Parser;
+use raycast_viewer::{cli, commands};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    raycast_viewer::app::run(&[])
+    match cli::Cli::try_parse() {
+        Ok(cli) => commands::run(cli),
+        Err(error) => cli::refuse(&error),
+    }
 }

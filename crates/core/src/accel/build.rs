@@ -1,7 +1,7 @@
 //! Placing triangles in the world, and building the tree with obvhs.
 
 use super::tree::{Box32, DEPTH_LIMIT, Node, Subtree, Tree};
-use super::{Accel, Triangle};
+use super::{Accel, Simd, Triangle};
 use crate::scene::{COORDINATE_LIMIT, Scene, SceneError};
 use glam::{DAffine3, DVec3, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
@@ -33,6 +33,7 @@ pub(super) fn build(scene: &Scene) -> Result<Accel, SceneError> {
         origin,
         triangles,
         tree,
+        simd: Simd::best(),
         first_numbers,
         out_of_range,
     })
@@ -316,13 +317,10 @@ impl Layout {
             }
         };
         for index in (0..self.nodes.len()).rev() {
-            let node = &mut self.nodes[index];
-            let children = node.children.map(|child| enclose(child, &around));
-            for axis in 0..3 {
-                node.min[axis] = children.map(|child| child.min[axis]);
-                node.max[axis] = children.map(|child| child.max[axis]);
-            }
-            around[index] = children[0].union(children[1]);
+            let children = self.nodes[index].children;
+            let boxes = children.map(|child| enclose(child, &around));
+            self.nodes[index] = Node::of(boxes, children);
+            around[index] = boxes[0].union(boxes[1]);
         }
         let bounds = self
             .root

@@ -1,6 +1,8 @@
 //! The scene made ready for casting: world-space triangles in the order of a tree's leaves.
 
 mod build;
+mod frustum;
+mod simd;
 mod slab;
 mod tile;
 mod traverse;
@@ -10,6 +12,7 @@ use crate::camera::Ray;
 use crate::intersect::{Cull, Hit, Nearest, PreparedRay};
 use crate::scene::{Scene, SceneError};
 use glam::{DVec3, Vec3};
+pub use simd::Simd;
 use tree::Tree;
 
 /// Marks a ray that meets nothing, in place of a triangle's slot.
@@ -63,6 +66,8 @@ pub struct Accel {
     origin: DVec3,
     triangles: Vec<Triangle>,
     tree: Tree,
+    /// The instruction set for tiles.
+    simd: Simd,
     /// The first number of each object, and the number after the last.
     first_numbers: Vec<u32>,
     /// Triangles that were finite in their mesh but left single precision's range in the world.
@@ -149,6 +154,17 @@ impl Accel {
             first => first.partition_point(|&first| first <= number) - 1,
         };
         (object as u32, number - self.first_numbers[object])
+    }
+
+    /// The instruction set that tiles are cast with; it changes no answer.
+    pub fn simd(&self) -> Simd {
+        self.simd
+    }
+
+    /// Casts tiles with another instruction set, or with the best this machine has below it.
+    pub fn with_simd(mut self, simd: Simd) -> Self {
+        self.simd = simd.min(Simd::best());
+        self
     }
 
     /// How many triangles can be met.

@@ -1,26 +1,553 @@
-//! A tile of rays against the tree: the seam where a kernel for whole tiles plugs in.
+//! A tile of rays against the tree: one walk for many rays.
+//!
+//! A large block of rays walks down the tree until it has a short list of sub-trees that its frustum
+//! touches; its blocks of 8 × 8 rays start from that list, from near to far (Reshetov, Soupikov,
+//! Hurley, "Multi-Level Ray Tracing Algorithm", 2005). Rays that a block cannot decide go the way of
+//! the single ray.
 
-use super::{Accel, SlotHit};
-use crate::camera::Lattice;
-use crate::intersect::{Cull, Precision};
+use super::frustum::{Frustum, Window};
+use super::simd::{Work, dispatch};
+use super::tree::{Box32, DEPTH_LIMIT, Node, Subtree};
+use super::{Accel, MISS, SlotHit};
+use crate::camera::{Lattice, Projection};
+use crate::intersect::block::{Batch, Block, BlockRays, SIDE};
+use crate::intersect::{Cull, Detail, Precision, PreparedRay};
+use glam::{DVec3, Vec3};
+
+/// Rays along the side of a block that walks down the tree first.
+const LARGE_SIDE: u32 = 64;
+
+/// Sub-trees at which the large block's walk ends: below, each small block sorts out its own.
+const LIST_LENGTH: usize = 24;
+
+/// How much further than the horizon a box must begin to be left out: rounding of the horizon's
+/// inverse and of the box's distance are each a few 2⁻²⁴.
+const BEYOND: f32 = 1.0 + 1e-5;
 
 impl Accel {
     /// Casts every ray of a lattice: its hits row by row, in place of what `hits` held.
     ///
-    /// Each is what [`Accel::cast_slot`] answers for that ray.
+    /// Each is what [`Accel::cast_slot`] answers for that ray, as far as `detail` asks for it.
     pub fn cast_lattice(
         &self,
         lattice: &Lattice,
         cull: Cull,
         _precision: Precision,
+        detail: Detail,
         hits: &mut Vec<SlotHit>,
     ) {
         hits.clear();
-        hits.reserve(lattice.len());
-        for row in 0..lattice.rows {
-            for column in 0..lattice.columns {
-                hits.push(self.cast_slot(&lattice.ray(column, row), cull));
+        hits.resize(lattice.len(), SlotHit::NONE);
+        if self.tree.root.is_none() {
+            return;
+        }
+        dispatch(
+            self.simd,
+            Tile {
+                accel: self,
+                lattice,
+                cull,
+                detail,
+                hits,
+            },
+        );
+    }
+}
+
+struct Tile<'a> {
+    accel: &'a Accel,
+    lattice: &'a Lattice,
+    cull: Cull,
+    detail: Detail,
+    hits: &'a mut [SlotHit],
+}
+
+/// A rectangle of a lattice's rays.
+#[derive(Clone, Copy)]
+struct Part {
+    column: u32,
+    row: u32,
+    columns: u32,
+    rows: u32,
+}
+
+impl Work for Tile<'_> {
+    #[inline(always)]
+    fn run(mut self) {
+        let Lattice { columns, rows, .. } = *self.lattice;
+        let mut walk = Walk::new(self.accel, self.lattice);
+        for row in (0..rows).step_by(LARGE_SIDE as usize) {
+            for column in (0..columns).step_by(LARGE_SIDE as usize) {
+                let large = Part {
+                    column,
+                    row,
+                    columns: LARGE_SIDE.min(columns - column),
+                    rows: LARGE_SIDE.min(rows - row),
+                };
+                walk.list(&large);
+                if walk.pairs.is_empty() {
+                    continue;
+                }
+                for row in (large.row..large.row + large.rows).step_by(SIDE) {
+                    for column in (large.column..large.column + large.columns).step_by(SIDE) {
+                        let part = Part {
+                            column,
+                            row,
+                            columns: (SIDE as u32).min(large.column + large.columns - column),
+                            rows: (SIDE as u32).min(large.row + large.rows - row),
+                        };
+                        self.cast_part(&mut walk, &part);
+                    }
+                }
             }
         }
+    }
+}
+
+impl Tile<'_> {
+    #[inline(always)]
+    fn cast_part(&mut self, walk: &mut Walk<'_>, part: &Part) {
+        let block = walk.cast(part, self.cull);
+        for row in 0..part.rows {
+            for column in 0..part.columns {
+                let ray = row as usize * SIDE + column as usize;
+                let (column, row) = (part.column + column, part.row + row);
+                let at = (row * self.lattice.columns + column) as usize;
+                self.hits[at] = match block.slot(ray) {
+                    Some(MISS) => SlotHit::NONE,
+                    Some(slot) if self.detail == Detail::Triangle => SlotHit {
+                        slot,
+                        t: 0.0,
+                        u: 0.0,
+                        v: 0.0,
+                    },
+                    Some(slot) => self.evaluate(slot, column, row),
+                    None => self.cast_one(column, row),
+                };
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate(&self, slot: u32, column: u32, row: u32) -> SlotHit {
+        let ray = self.lattice.ray(column, row);
+        PreparedRay::new(&ray, self.accel.origin, self.cull).map_or(SlotHit::NONE, |ray| {
+            ray.evaluate(slot, self.accel.corners(slot)).to_slot_hit()
+        })
+    }
+
+    #[inline(never)]
+    fn cast_one(&self, column: u32, row: u32) -> SlotHit {
+        let hit = self
+            .accel
+            .cast_slot(&self.lattice.ray(column, row), self.cull);
+        match self.detail {
+            Detail::Triangle if !hit.is_miss() => SlotHit {
+                t: 0.0,
+                u: 0.0,
+                v: 0.0,
+                ..hit
+            },
+            _ => hit,
+        }
+    }
+}
+
+/// The walk of a lattice's blocks through the tree.
+struct Walk<'a> {
+    accel: &'a Accel,
+    lattice: &'a Lattice,
+    eye: DVec3,
+    eye_error: f64,
+    /// The large block's sub-trees in pairs, from near to far, as nodes of their own.
+    pairs: Vec<Node>,
+    /// Where each pair begins along the view axis.
+    nears: Vec<f32>,
+    list: Vec<(Subtree, Box32, f32)>,
+    next: Vec<(Subtree, Box32, f32)>,
+    batch: Batch,
+}
+
+impl<'a> Walk<'a> {
+    fn new(accel: &'a Accel, lattice: &'a Lattice) -> Self {
+        let eye_in_world = lattice.camera.placement().eye;
+        let eye = eye_in_world - accel.origin;
+        let off = accel.origin != DVec3::ZERO;
+        let eye_error = if off {
+            eye.abs().max_element() * f64::EPSILON * 0.5
+        } else {
+            0.0
+        };
+        Self {
+            accel,
+            lattice,
+            eye,
+            eye_error,
+            pairs: Vec::new(),
+            nears: Vec::new(),
+            list: Vec::new(),
+            next: Vec::new(),
+            batch: Batch::new(),
+        }
+    }
+
+    /// The window of the image plane that a part's rays go through.
+    fn window(&self, part: &Part) -> Window {
+        let (x0, y0) = self.lattice.place(part.column, part.row);
+        let (x1, y1) = self
+            .lattice
+            .place(part.column + part.columns - 1, part.row + part.rows - 1);
+        let (left, top) = self.lattice.camera.across_and_along(x0, y0);
+        let (right, bottom) = self.lattice.camera.across_and_along(x1, y1);
+        Window {
+            across: (left, right),
+            along: (bottom, top),
+        }
+    }
+
+    fn frustum(&self, part: &Part) -> Frustum {
+        Frustum::new(
+            &self.lattice.camera,
+            self.eye,
+            self.eye_error,
+            &self.window(part),
+            &self.accel.tree.bounds,
+        )
+    }
+
+    /// Makes the list of sub-trees that a large block's frustum touches.
+    #[inline(always)]
+    fn list(&mut self, large: &Part) {
+        let tree = &self.accel.tree;
+        self.list.clear();
+        self.pairs.clear();
+        self.nears.clear();
+        let Some(root) = tree.root else { return };
+        let frustum = self.frustum(large);
+        self.list.push((root, tree.bounds, f32::NEG_INFINITY));
+        let mut deepened = true;
+        while deepened && self.list.len() < LIST_LENGTH {
+            deepened = false;
+            self.next.clear();
+            for &(subtree, bounds, near) in &self.list {
+                if subtree.count > 0 {
+                    self.next.push((subtree, bounds, near));
+                    continue;
+                }
+                deepened = true;
+                let node = &tree.nodes[subtree.first as usize];
+                let entered = frustum.enter(node);
+                for (child, (near, inside)) in entered.into_iter().enumerate() {
+                    if inside {
+                        self.next
+                            .push((node.children[child], node.bounds(child), near));
+                    }
+                }
+            }
+            std::mem::swap(&mut self.list, &mut self.next);
+        }
+        self.list.sort_unstable_by(|a, b| a.2.total_cmp(&b.2));
+        for pair in self.list.chunks(2) {
+            let (first, second) = (&pair[0], pair.get(1));
+            // An empty box is outside every frustum: its lowest corner is above its highest.
+            let nothing = (
+                Subtree::default(),
+                Box32 {
+                    min: Vec3::MAX,
+                    max: Vec3::MIN,
+                },
+                f32::INFINITY,
+            );
+            let second = second.unwrap_or(&nothing);
+            self.pairs
+                .push(Node::of([first.1, second.1], [first.0, second.0]));
+            self.nears.push(first.2);
+        }
+    }
+
+    /// Casts a small block's rays.
+    #[inline(always)]
+    fn cast(&mut self, part: &Part, cull: Cull) -> Block {
+        let mut block = Block::new(part.columns as usize, part.rows as usize);
+        let frustum = self.frustum(part);
+        let rays = self.block_rays(part, cull);
+        let mut limit = f32::INFINITY;
+        let mut stack = [(Subtree::default(), 0.0f32); DEPTH_LIMIT + 2];
+        for pair in 0..self.pairs.len() {
+            if self.nears[pair] > limit {
+                break;
+            }
+            let mut depth = 0;
+            self.push(&self.pairs[pair], &frustum, limit, &mut stack, &mut depth);
+            while depth > 0 {
+                depth -= 1;
+                let (subtree, near) = stack[depth];
+                if near > limit {
+                    continue;
+                }
+                if subtree.count == 0 {
+                    let node = &self.accel.tree.nodes[subtree.first as usize];
+                    self.push(node, &frustum, limit, &mut stack, &mut depth);
+                    continue;
+                }
+                for slot in subtree.first..subtree.first + subtree.count {
+                    let full = self
+                        .batch
+                        .push(slot, &self.accel.triangles[slot as usize].corners);
+                    if full {
+                        block.meet(&rays, &mut self.batch);
+                        limit = self.limit(block.horizon());
+                    }
+                }
+            }
+        }
+        block.meet(&rays, &mut self.batch);
+        block
+    }
+
+    /// Pushes the children that the frustum touches before the limit, the nearer one last.
+    #[inline(always)]
+    fn push(
+        &self,
+        node: &Node,
+        frustum: &Frustum,
+        limit: f32,
+        stack: &mut [(Subtree, f32); DEPTH_LIMIT + 2],
+        depth: &mut usize,
+    ) {
+        let [(near_a, inside_a), (near_b, inside_b)] = frustum.enter(node);
+        let [a, b] = node.children;
+        let (a_meets, b_meets) = (inside_a & (near_a <= limit), inside_b & (near_b <= limit));
+        let (first, second) = if near_b < near_a {
+            (((b, near_b), b_meets), ((a, near_a), a_meets))
+        } else {
+            (((a, near_a), a_meets), ((b, near_b), b_meets))
+        };
+        for (entry, meets) in [second, first] {
+            if meets {
+                stack[*depth] = entry;
+                *depth += 1;
+            }
+        }
+    }
+
+    fn block_rays(&self, part: &Part, cull: Cull) -> BlockRays {
+        let stride = f64::from(self.lattice.stride);
+        let (x, y) = self.lattice.place(part.column, part.row);
+        let half = (SIDE as f64 - 1.0) * 0.5 * stride;
+        BlockRays::new(
+            &self.lattice.camera,
+            self.eye,
+            self.eye_error,
+            (x + half, y + half),
+            stride,
+            cull,
+        )
+    }
+
+    /// How far along the view axis a box may begin and still hold something nearer than `horizon`.
+    #[inline(always)]
+    fn limit(&self, horizon: f32) -> f32 {
+        match self.lattice.camera.projection() {
+            // The nearness is the target's distance by the depth.
+            Projection::Perspective if horizon > 0.0 => {
+                self.lattice.camera.distance() as f32 / horizon * BEYOND
+            }
+            Projection::Perspective => f32::INFINITY,
+            Projection::Orthographic => -horizon + horizon.abs() * (BEYOND - 1.0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::Simd;
+    use crate::camera::{Camera, ImagePlane, Orbit, Rect};
+    use crate::scene::{Mesh, MeshData, Object, Scene};
+    use std::sync::Arc;
+
+    /// Waves of triangles over a square, `side²` quads of them.
+    fn waves(side: u32, size: f64, offset: DVec3) -> Accel {
+        let positions = (0..=side)
+            .flat_map(|y| (0..=side).map(move |x| (x, y)))
+            .map(|(x, y)| {
+                let (x, y) = (
+                    f64::from(x) / f64::from(side) - 0.5,
+                    f64::from(y) / f64::from(side) - 0.5,
+                );
+                DVec3::new(x, 0.1 * (x * 20.0).sin() * (y * 17.0).cos(), y) * size + offset
+            })
+            .collect();
+        let row = side + 1;
+        let triangles = (0..side * side)
+            .flat_map(|cell| {
+                let a = cell / side * row + cell % side;
+                [[a, a + row, a + row + 1], [a, a + row + 1, a + 1]]
+            })
+            .collect();
+        let mesh = Mesh::new(MeshData {
+            positions,
+            triangles,
+            ..MeshData::default()
+        });
+        let scene = Scene {
+            objects: vec![Object::new("waves", Arc::new(mesh))],
+        };
+        Accel::build(&scene).expect("a valid scene")
+    }
+
+    fn assert_tiles_equal_rays(accel: &Accel, camera: Camera) -> usize {
+        let plane = camera.plane();
+        let rect = Rect {
+            x: 0,
+            y: 0,
+            width: plane.columns,
+            height: plane.rows,
+        };
+        let mut hits = Vec::new();
+        let mut met = 0;
+        for (stride, phase) in [(1, (0, 0)), (4, (2, 0))] {
+            for cull in [Cull::None, Cull::Back] {
+                let lattice = Lattice::new(camera, rect, stride, phase);
+                accel.cast_lattice(&lattice, cull, Precision::Exact, Detail::Full, &mut hits);
+                assert_eq!(hits.len(), lattice.len());
+                for (at, hit) in hits.iter().enumerate() {
+                    let (column, row) = (at as u32 % lattice.columns, at as u32 / lattice.columns);
+                    let expected = accel.cast_slot(&lattice.ray(column, row), cull);
+                    assert_eq!(*hit, expected, "{column} {row} {camera:?}");
+                    met += usize::from(!hit.is_miss());
+                }
+            }
+        }
+        met
+    }
+
+    fn cameras(size: f64, offset: DVec3) -> Vec<Camera> {
+        let mut cameras = Vec::new();
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            for (yaw, pitch, distance) in [
+                (22.0, 16.0, 1.5),
+                (0.0, 90.0, 1.0),
+                (0.0, 0.0, 1.0),
+                (130.0, -20.0, 0.6),
+                (77.0, 3.0, 0.05),
+            ] {
+                let orbit = Orbit {
+                    pivot: offset,
+                    yaw,
+                    pitch,
+                    distance: distance * size,
+                };
+                let plane =
+                    ImagePlane::new(101, 75, 0.012 * size * distance).expect("a good plane");
+                cameras.push(Camera::new(orbit.placement(), projection, plane));
+            }
+        }
+        cameras
+    }
+
+    #[test]
+    fn tiles_answer_as_single_rays_do() {
+        for (size, offset) in [
+            (1.0, DVec3::ZERO),
+            (1e-12, DVec3::ZERO),
+            (1e9, DVec3::ZERO),
+            (30.0, DVec3::new(148376.0, 1234.0, -223423.0)),
+        ] {
+            let accel = waves(40, size, offset);
+            let met: usize = cameras(size, offset)
+                .into_iter()
+                .map(|camera| assert_tiles_equal_rays(&accel, camera))
+                .sum();
+            assert!(met > 50_000, "{met}");
+        }
+    }
+
+    #[test]
+    fn lattices_aimed_at_vertices_are_decided_exactly() {
+        // A flat grid of unit cells, and rays exactly through its vertices, edges and middles.
+        let side = 32;
+        let positions = (0..=side)
+            .flat_map(|y| (0..=side).map(move |x| DVec3::new(f64::from(x), f64::from(y), 0.0)))
+            .collect();
+        let row = side + 1;
+        let triangles = (0..side * side)
+            .flat_map(|cell| {
+                let a: u32 = cell / side * row + cell % side;
+                [[a, a + 1, a + row + 1], [a, a + row + 1, a + row]]
+            })
+            .collect();
+        let mesh = Mesh::new(MeshData {
+            positions,
+            triangles,
+            ..MeshData::default()
+        });
+        let scene = Scene {
+            objects: vec![Object::new("grid", Arc::new(mesh))],
+        };
+        let accel = Accel::build(&scene).expect("a valid scene");
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let orbit = Orbit {
+                pivot: DVec3::new(16.0, 16.0, 0.0),
+                yaw: 0.0,
+                pitch: 0.0,
+                distance: 8.0,
+            };
+            let plane = ImagePlane::new(64, 64, 0.5).expect("a good plane");
+            let camera = Camera::new(orbit.placement(), projection, plane);
+            let rect = Rect {
+                x: 0,
+                y: 0,
+                width: 64,
+                height: 64,
+            };
+            let mut lattice = Lattice::new(camera, rect, 1, (0, 0));
+            lattice.offset = (0.0, 0.0);
+            let mut hits = Vec::new();
+            accel.cast_lattice(
+                &lattice,
+                Cull::None,
+                Precision::Exact,
+                Detail::Full,
+                &mut hits,
+            );
+            for (at, hit) in hits.iter().enumerate() {
+                let ray = lattice.ray(at as u32 % 64, at as u32 / 64);
+                assert_eq!(*hit, accel.cast_slot(&ray, Cull::None));
+                assert_eq!(
+                    accel.cast(&ray, Cull::None),
+                    accel.cast_brute_force(&ray, Cull::None)
+                );
+                assert!(!hit.is_miss(), "a hole at ray {at}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_instruction_set_gives_the_same_bits() {
+        let camera = cameras(1.0, DVec3::ZERO)[0];
+        let rect = Rect {
+            x: 0,
+            y: 0,
+            width: 101,
+            height: 75,
+        };
+        let lattice = Lattice::new(camera, rect, 1, (0, 0));
+        let cast = |simd| {
+            let mut hits = Vec::new();
+            let accel = waves(40, 1.0, DVec3::ZERO).with_simd(simd);
+            accel.cast_lattice(
+                &lattice,
+                Cull::None,
+                Precision::Exact,
+                Detail::Full,
+                &mut hits,
+            );
+            hits
+        };
+        let plain = cast(Simd::Plain);
+        assert_eq!(plain, cast(Simd::Avx2));
+        assert_eq!(plain, cast(Simd::Avx512));
     }
 }

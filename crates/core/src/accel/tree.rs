@@ -55,6 +55,29 @@ impl Box32 {
     }
 }
 
+impl Node {
+    /// A node of these boxes and children.
+    pub(crate) fn of(boxes: [Box32; 2], children: [Subtree; 2]) -> Self {
+        let by_axis = |corner: fn(&Box32) -> Vec3| {
+            std::array::from_fn(|axis| [corner(&boxes[0])[axis], corner(&boxes[1])[axis]])
+        };
+        Self {
+            min: by_axis(|b| b.min),
+            max: by_axis(|b| b.max),
+            children,
+        }
+    }
+
+    /// A child's box.
+    pub(crate) fn bounds(&self, child: usize) -> Box32 {
+        let corner = |by_axis: &[[f32; 2]; 3]| Vec3::from_array(by_axis.map(|c| c[child]));
+        Box32 {
+            min: corner(&self.min),
+            max: corner(&self.max),
+        }
+    }
+}
+
 /// The tree: nodes in depth-first order, so that a child follows its parent.
 #[derive(Debug)]
 pub(crate) struct Tree {

@@ -72,9 +72,7 @@ impl Camera {
     /// at (c + ½, r + ½). The direction is of unit length, so `t` is the distance from the eye, or
     /// from the image plane of an orthographic camera.
     pub fn ray(&self, x: f64, y: f64) -> Ray {
-        let across = (x - f64::from(self.plane.columns) * 0.5) * self.plane.step;
-        let along = (f64::from(self.plane.rows) * 0.5 - y) * self.plane.step;
-        let on_plane = self.right * across + self.up * along;
+        let on_plane = self.on_plane(x, y);
         match self.projection {
             Projection::Perspective => {
                 let direction = on_plane + self.forward * self.distance;
@@ -84,17 +82,27 @@ impl Camera {
         }
     }
 
+    /// How far (x, y) of the picture is to the right of and above the view axis, in scene units at
+    /// the target.
+    pub(crate) fn across_and_along(&self, x: f64, y: f64) -> (f64, f64) {
+        let across = (x - f64::from(self.plane.columns) * 0.5) * self.plane.step;
+        let along = (f64::from(self.plane.rows) * 0.5 - y) * self.plane.step;
+        (across, along)
+    }
+
+    /// From the view axis to (x, y) of the picture, on the plane through the target.
+    pub(crate) fn on_plane(&self, x: f64, y: f64) -> DVec3 {
+        let (across, along) = self.across_and_along(x, y);
+        self.right * across + self.up * along
+    }
+
     /// The direction through (x, y) before it is made unit length: linear in x and y.
     ///
     /// Perspective: from the eye to the point on the plane through the target.
     /// Orthographic: the view axis.
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
         match self.projection {
-            Projection::Perspective => {
-                let across = (x - f64::from(self.plane.columns) * 0.5) * self.plane.step;
-                let along = (f64::from(self.plane.rows) * 0.5 - y) * self.plane.step;
-                self.right * across + self.up * along + self.forward * self.distance
-            }
+            Projection::Perspective => self.on_plane(x, y) + self.forward * self.distance,
             Projection::Orthographic => self.forward,
         }
     }

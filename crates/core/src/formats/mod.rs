@@ -1,39 +1,205 @@
 //! Reading files: meshes, textures, scene files. The one place in the core that touches a disk.
 
 mod error;
+mod files;
+mod kind;
+mod mesh_file;
+mod mtl;
+mod obj;
+mod obj_text;
 mod scene_file;
+mod scene_read;
+mod scene_toml;
+mod scene_write;
+mod texture;
+mod triangle_text;
 
 pub use error::{FormatError, Place};
 pub use scene_file::{CameraFile, ImageFile, SceneFile, ShadingFile};
+pub use scene_write::SaveError;
 
-use crate::scene::{Mesh, Texture};
+use crate::scene::{Mesh, Object, Scene, Texture};
+use files::{Disk, Files, Held};
 use std::path::Path;
+use std::sync::Arc;
 
 /// A step of loading, for whoever shows progress: a share of the whole, 0 to 1.
 pub type Progress<'a> = &'a (dyn Fn(f32) + Sync);
 
+/// How much of loading a mesh file is reading its bytes.
+const READING: f32 = 0.2;
+
 /// Reads a mesh file; its kind is known from the content where it can be, else from the extension.
+///
+/// What [`read_scene`] would warn of (materials that cannot be read) is passed over.
 ///
 /// # Errors
 /// A file that cannot be read, or is not a mesh of a kind we know: with file, line and what was
 /// expected.
-pub fn read_mesh(_path: &Path, _progress: Progress<'_>) -> Result<Mesh, FormatError> {
-    unimplemented!()
+pub fn read_mesh(path: &Path, progress: Progress<'_>) -> Result<Mesh, FormatError> {
+    let bytes = read_bytes(path, &|share| progress(share * READING))?;
+    let read = mesh_file::read(path, &bytes, &Disk, &|share| {
+        progress(READING + share * (1.0 - READING));
+    })?;
+    Ok(read.mesh)
 }
 
-/// Reads an image file as a texture.
+/// Reads an image file as a texture: PNG, JPEG or PNM, known by its content.
 ///
 /// # Errors
-/// A file that cannot be read or is not an image of a kind we know.
-pub fn read_texture(_path: &Path) -> Result<Texture, FormatError> {
-    unimplemented!()
+/// A file that cannot be read, is not an image of a kind we know, or has a side longer than
+/// 32768 texels.
+pub fn read_texture(path: &Path) -> Result<Texture, FormatError> {
+    texture::decode(path, &read_bytes(path, &|_| ())?)
 }
 
 /// Reads a scene file (`.raycast.toml`) and every mesh and texture that it names, or a mesh file as
-/// a scene of one object named after the file.
+/// a scene of one object named after the file, with the texture that its materials name for all
+/// of it.
 ///
 /// # Errors
 /// As [`read_mesh`]; a scene file that does not parse, with its line.
-pub fn read_scene(_path: &Path, _progress: Progress<'_>) -> Result<SceneFile, FormatError> {
-    unimplemented!()
+pub fn read_scene(path: &Path, progress: Progress<'_>) -> Result<SceneFile, FormatError> {
+    let bytes = read_bytes(path, &|share| progress(share * READING))?;
+    let rest = |share: f32| progress(READING + share * (1.0 - READING));
+    if kind::is_scene(path, &bytes) {
+        return scene_read::read(path, &bytes, &Disk, &rest);
+    }
+    let read = mesh_file::read(path, &bytes, &Disk, &rest)?;
+    let mut warnings = read.warnings;
+    let mut object = Object::new(mesh_file::name(path), Arc::new(read.mesh));
+    object.source = Some(Disk.source(path));
+    if let Some(image) = read.texture {
+        match read_texture(&image) {
+            Ok(texture) => {
+                object.texture = Some(Arc::new(texture));
+                object.texture_source = Some(Disk.source(&image));
+            }
+            Err(error) => warnings.push(error.to_string()),
+        }
+    }
+    Ok(SceneFile {
+        scene: Scene {
+            objects: vec![object],
+        },
+        warnings,
+        ..SceneFile::default()
+    })
+}
+
+/// Reads a scene file's text, and what it names from a store of the caller's: `resolve` gives the
+/// bytes of a file by its path relative to the scene, `/` between its parts. No disk is touched.
+///
+/// Errors name the text itself `scene`. The objects' sources are the relative paths.
+///
+/// # Errors
+/// As [`read_scene`]; a file that `resolve` does not have.
+pub fn read_scene_from(
+    toml_text: &str,
+    resolve: &dyn Fn(&str) -> Option<Vec<u8>>,
+) -> Result<SceneFile, FormatError> {
+    scene_read::read(
+        Path::new("scene"),
+        toml_text.as_bytes(),
+        &Held(resolve),
+        &|_| (),
+    )
+}
+
+fn read_bytes(path: &Path, progress: Progress<'_>) -> Result<Vec<u8>, FormatError> {
+    Disk.read(path, progress)
+        .map_err(|error| FormatError::io(path, error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::PathBuf;
+    use std::sync::Mutex;
+
+    /// A folder that is gone when the test is.
+    struct Folder(PathBuf);
+
+    impl Folder {
+        fn new(name: &str) -> Self {
+            let folder =
+                std::env::temp_dir().join(format!("raycast-formats-{}-{name}", std::process::id()));
+            std::fs::create_dir_all(folder.join("deep")).expect("a folder can be made");
+            Self(folder)
+        }
+
+        fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
+            let path = self.0.join(name);
+            std::fs::write(&path, bytes).expect("a file can be written");
+            path
+        }
+    }
+
+    impl Drop for Folder {
+        fn drop(&mut self) {
+            // What is left behind does not change what was tested.
+            let _ = std::fs::remove_dir_all(&self.0);
+        }
+    }
+
+    #[test]
+    fn a_mesh_file_is_a_scene_of_one_object() {
+        let folder = Folder::new("mesh");
+        folder.write("a.mtl", b"newmtl x\nmap_Kd deep\\t.ppm\n");
+        let image = folder.write("deep/t.ppm", b"P3\n1 1\n255\n1 2 3\n");
+        let mesh = folder.write(
+            "my cube.obj",
+            b"mtllib a.mtl\nusemtl x\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+        );
+        let shares = Mutex::new(Vec::new());
+        let note = |share| shares.lock().expect("no one panicked").push(share);
+        let file = read_scene(&mesh, &note).expect("a good mesh");
+        let object = &file.scene.objects[0];
+        assert_eq!(object.name, "my cube");
+        assert_eq!(object.source.as_ref(), Some(&mesh));
+        assert_eq!(object.texture_source.as_ref(), Some(&image));
+        assert!(object.texture.is_some());
+        let shares = shares.into_inner().expect("no one panicked");
+        assert!(shares.is_sorted(), "{shares:?}");
+        assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)));
+        assert_eq!(shares.last(), Some(&1.0));
+
+        // Saved elsewhere, it still finds its files.
+        let text = file
+            .to_toml(&folder.0.join("deep"))
+            .expect("it can be saved");
+        assert!(text.contains("mesh = \"../my cube.obj\""), "{text}");
+        let scene = folder.write("deep/saved.raycast.toml", text.as_bytes());
+        let again = read_scene(&scene, &|_| ()).expect("a good scene");
+        assert_eq!(again.scene.objects[0].texture, object.texture);
+
+        std::fs::remove_file(&image).expect("it was there");
+        let file = read_scene(&mesh, &|_| ()).expect("a mesh without its image");
+        assert!(file.scene.objects[0].texture.is_none());
+        assert_eq!(file.warnings.len(), 1, "{:?}", file.warnings);
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_named() {
+        let folder = Folder::new("faults");
+        let check = |path: &Path| {
+            let errors = [
+                read_scene(path, &|_| ()).expect_err("no scene").to_string(),
+                read_mesh(path, &|_| ()).expect_err("no mesh").to_string(),
+                read_texture(path).expect_err("no image").to_string(),
+            ];
+            for message in errors {
+                assert!(
+                    message.starts_with(&path.display().to_string()),
+                    "{message}"
+                );
+                assert_eq!(message.lines().count(), 1, "{message}");
+            }
+        };
+        check(&folder.0.join("not there.obj"));
+        check(&folder.0);
+        check(&folder.write("empty.obj", b""));
+        check(&folder.write("bad.raycast.toml", b"[camera\n"));
+        check(&folder.write("latin.raycast.toml", b"# caf\xe9\n"));
+    }
 }

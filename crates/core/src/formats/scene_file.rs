@@ -12,8 +12,10 @@ pub struct SceneFile {
     pub camera: Option<CameraFile>,
     /// `[image]`.
     pub image: ImageFile,
-    /// `[shading]`.
+    /// `[shading]`, with the background of `[image]`.
     pub shading: Option<ShadingFile>,
+    /// What was not as it should be, and did not matter enough to stop: a line each. Never saved.
+    pub warnings: Vec<String>,
 }
 
 /// A scene file's camera.
@@ -38,3 +40,21 @@ pub struct ImageFile {
 
 /// A scene file's shading.
 pub type ShadingFile = Shading;
+
+impl SceneFile {
+    /// Adds another file's objects behind these, and takes from it the settings that this one does
+    /// not have.
+    pub fn append(&mut self, other: Self) {
+        let shift = self.scene.objects.len();
+        let moved = other.scene.objects.into_iter().map(|mut object| {
+            object.parent = object.parent.map(|parent| parent + shift);
+            object
+        });
+        self.scene.objects.extend(moved);
+        self.camera = self.camera.or(other.camera);
+        self.image.size = self.image.size.or(other.image.size);
+        self.image.samples = self.image.samples.or(other.image.samples);
+        self.shading = self.shading.or(other.shading);
+        self.warnings.extend(other.warnings);
+    }
+}

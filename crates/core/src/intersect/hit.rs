@@ -32,3 +32,13 @@ pub enum Precision {
     #[default]
     Exact,
 }
+
+/// How much is wanted of a hit: what is not asked for costs nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Detail {
+    /// Which triangle; parameter and weights are zero.
+    Triangle,
+    /// Parameter and weights too.
+    #[default]
+    Full,
+}

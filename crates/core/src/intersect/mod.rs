@@ -1,10 +1,11 @@
 //! Rays against triangles: which are met, where, and which is nearest, decided exactly.
 
+pub(crate) mod block;
 pub(crate) mod exact;
 mod hit;
 mod nearest;
 mod triangle;
 
-pub use hit::{Cull, Hit, Precision};
+pub use hit::{Cull, Detail, Hit, Precision};
 pub(crate) use nearest::Nearest;
 pub(crate) use triangle::PreparedRay;

@@ -126,6 +126,15 @@ impl PreparedRay {
         }
     }
 
+    /// The hit at a triangle that the ray is known to meet.
+    pub(crate) fn evaluate(&self, slot: u32, corners: [Vec3; 3]) -> Nearest {
+        match self.judge(slot, corners) {
+            Verdict::Hit(hit) => hit,
+            _ => ExactHit::new(&self.ray, corners, self.frame, self.cull)
+                .map_or(Nearest::NONE, |hit| hit.rounded(slot)),
+        }
+    }
+
     /// Decides in doubles, or leaves open what they cannot.
     ///
     /// Error bounds, with ε = 2⁻⁵³, m the largest coordinate of the corners relative to the ray's

@@ -1,10 +1,11 @@
 //! One tile's way through the passes.
 
 use super::sample::sample_offset;
-use super::{Pass, Tile, TileStats, View};
+use super::{Pass, Settings, Tile, TileStats, View};
 use crate::accel::SlotHit;
 use crate::camera::{Lattice, Rect};
 use crate::image::Layers;
+use crate::intersect::Detail;
 use crate::render::Clock;
 use crate::shade::{self, Shader};
 use std::time::Duration;
@@ -192,9 +193,12 @@ impl Work<'_> {
     fn cast(&mut self, lattice: &Lattice) {
         let settings = &self.view.settings;
         let begin = (self.clock)();
+        let Settings {
+            cull, precision, ..
+        } = *settings;
         self.view
             .accel
-            .cast_lattice(lattice, settings.cull, settings.precision, &mut self.hits);
+            .cast_lattice(lattice, cull, precision, Detail::Full, &mut self.hits);
         self.stats.cast += self.since(begin);
         self.stats.rays += self.hits.len() as u64;
         self.stats.hits += self.hits.iter().filter(|hit| !hit.is_miss()).count() as u64;

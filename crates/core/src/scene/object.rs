@@ -1,5 +1,6 @@
 use super::{Bounds, Color, ColorRule, Mesh, Texture, Transform};
 use glam::{DAffine3, DVec3};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A mesh in its place, with its colours.
@@ -17,6 +18,11 @@ pub struct Object {
     pub color: ColorRule,
     /// An image for its surface.
     pub texture: Option<Arc<Texture>>,
+    /// The file that its mesh was read from, for saving the scene: absolute, or relative where the
+    /// mesh came from a caller's own store of files.
+    pub source: Option<PathBuf>,
+    /// The file that its texture was read from, likewise.
+    pub texture_source: Option<PathBuf>,
 }
 
 impl Object {
@@ -34,6 +40,8 @@ impl Object {
             parent: None,
             color,
             texture: None,
+            source: None,
+            texture_source: None,
         }
     }
 

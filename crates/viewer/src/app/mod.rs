@@ -1,11 +1,397 @@
 //! The window's state and what its commands do to it.
+//!
+//! [`state`] is plain values; panels and [`input`] make [`command::Command`]s; [`update`] carries
+//! them out and is the only one that changes the state. Here is what ties that to eframe: once a
+//! frame it takes in what workers sent, shows the panels, carries out what was asked, and asks for
+//! a new picture if anything that decides it has changed. Nothing here waits.
 
-use std::path::PathBuf;
+pub mod canvas;
+pub mod command;
+pub mod input;
+pub mod log;
+pub mod settings;
+pub mod state;
+pub mod theme;
+pub mod update;
+
+use crate::panels::{self, Commands, Status, overlay::TileOverlay};
+use crate::worker::files::Files;
+use crate::worker::render::{Renderer, Request};
+use crate::worker::{Clock, Wake};
+use canvas::Canvas;
+use log::{FrameLine, FrameLog};
+use raycast_core::camera::{Camera, Grid};
+use raycast_core::render::Settings;
+use settings::Remembered;
+use state::State;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use update::{Effect, News};
+
+/// What the window is opened with.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Meshes and scenes to open together; the demo scene if there are none.
+    pub files: Vec<PathBuf>,
+    /// Where to write the window's [frame log](log). Such a window starts from the default settings
+    /// and remembers nothing, so that two logs can be compared.
+    pub log: Option<PathBuf>,
+}
 
 /// Opens the window on `files`; on the demo scene if there are none. Returns when it is closed.
 ///
 /// With no display it prints one line that names `raycast render`, and exits with 1.
-pub fn run(_files: &[PathBuf]) -> ExitCode {
+pub fn run(files: &[PathBuf]) -> ExitCode {
+    run_with(Options {
+        files: files.to_vec(),
+        log: None,
+    })
+}
+
+/// As [`run`], with everything that can be asked for.
+pub fn run_with(options: Options) -> ExitCode {
+    let log = match options.log.as_deref().map(FrameLog::create).transpose() {
+        Ok(log) => log,
+        Err(error) => {
+            let name = options.log.unwrap_or_default();
+            return refuse(&format!("{}: {error}", name.display()));
+        }
+    };
+    if !has_display() {
+        return refuse(NO_DISPLAY);
+    }
+    let remembers = log.is_none();
+    let native = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_app_id("raycast")
+            .with_title("RayCast")
+            .with_inner_size([1280.0, 800.0])
+            .with_min_inner_size([640.0, 400.0])
+            .with_drag_and_drop(true),
+        renderer: eframe::Renderer::Glow,
+        persist_window: remembers,
+        ..Default::default()
+    };
+    // winit panics on some displays that are named but not there; its words go to no one.
+    let hook = std::panic::take_hook();
+    std::panic::set_hook(Box::new(|_| {}));
+    let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+        eframe::run_native(
+            "raycast",
+            native,
+            Box::new(move |context| {
+                std::panic::set_hook(hook);
+                Ok(Box::new(App::new(context, options.files, log)?))
+            }),
+        )
+    }));
+    match outcome {
+        Ok(Ok(())) => ExitCode::SUCCESS,
+        Ok(Err(error)) => refuse(&format!("{NO_WINDOW} ({})", one_line(&error.to_string()))),
+        Err(_) => refuse(NO_WINDOW),
+    }
+}
+
+const NO_DISPLAY: &str =
+    "there is no display to open a window on; `raycast render` makes pictures without one";
+const NO_WINDOW: &str =
+    "the window could not be opened; `raycast render` makes pictures without one";
+
+#[expect(
+    clippy::print_stderr,
+    reason = "the one line that says why there is no window"
+)]
+fn refuse(reason: &str) -> ExitCode {
+    eprintln!("raycast: {reason}");
     ExitCode::FAILURE
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Whether anything says where windows go. Elsewhere than on X11 and Wayland there always is.
+fn has_display() -> bool {
+    if !cfg!(all(unix, not(target_vendor = "apple"))) {
+        return true;
+    }
+    ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"]
+        .iter()
+        .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
+}
+
+/// Everything that decides the picture.
+#[derive(Clone, Copy, PartialEq)]
+struct Wanted {
+    document: u64,
+    edits: u64,
+    camera: Camera,
+    settings: Settings,
+    grid: Grid,
+    threads: usize,
+}
+
+/// The window.
+pub struct App {
+    state: State,
+    canvas: Canvas,
+    overlay: TileOverlay,
+    renderer: Renderer,
+    files: Files,
+    clock: Clock,
+    log: Option<FrameLog>,
+    remembers: bool,
+    commands: Commands,
+    wanted: Option<Wanted>,
+    generation: u64,
+    frame_started: Duration,
+    title: String,
+}
+
+impl App {
+    /// A window on `files`.
+    ///
+    /// # Errors
+    /// The system's refusal to start a thread.
+    pub fn new(
+        creation: &eframe::CreationContext<'_>,
+        files: Vec<PathBuf>,
+        log: Option<FrameLog>,
+    ) -> std::io::Result<Self> {
+        let context = &creation.egui_ctx;
+        theme::apply(context);
+        let opened = Instant::now();
+        let clock: Clock = Arc::new(move || opened.elapsed());
+        let wake: Wake = {
+            let context = context.clone();
+            Arc::new(move || context.request_repaint())
+        };
+        let mut state = State::default();
+        let remembers = log.is_none();
+        if remembers
+            && let Some(storage) = creation.storage
+            && let Some(remembered) = eframe::get_value::<Remembered>(storage, settings::KEY)
+        {
+            remembered.restore(&mut state);
+        }
+        let tasks = Files::new(Arc::clone(&wake));
+        let renderer = Renderer::start(Arc::clone(&clock), wake, tasks.fault())?;
+        tasks.open(files);
+        Ok(Self {
+            state,
+            canvas: Canvas::default(),
+            overlay: TileOverlay::default(),
+            renderer,
+            files: tasks,
+            clock,
+            log,
+            remembers,
+            commands: Commands::new(),
+            wanted: None,
+            generation: 0,
+            frame_started: Duration::ZERO,
+            title: String::new(),
+        })
+    }
+
+    /// Takes in what workers sent since the last frame.
+    fn take_in(&mut self, context: &egui::Context) {
+        let now = (self.clock)();
+        for news in self.files.fetch() {
+            if matches!(news, News::Loaded(_)) {
+                self.canvas.clear();
+            }
+            let effect = update::receive(&mut self.state, news, now);
+            self.carry_out(effect);
+        }
+        for batch in self.renderer.outbox().fetch(now) {
+            self.canvas.take_in(batch);
+        }
+        if let Some(next) = update::expire_toasts(&mut self.state, now) {
+            context.request_repaint_after(next);
+        }
+        self.state.side_limit = context.input(|input| input.max_texture_side as u32).max(1);
+        let dropped = context.input(|input| input.raw.dropped_files.clone());
+        let paths: Vec<_> = dropped
+            .into_iter()
+            .map(|file| file.path().to_path_buf())
+            .collect();
+        self.drop_in(paths);
+    }
+
+    /// Opens what was dropped: an image becomes the texture, anything else the scene.
+    fn drop_in(&mut self, paths: Vec<PathBuf>) {
+        let (images, scenes): (Vec<_>, Vec<_>) = paths.into_iter().partition(|path| is_image(path));
+        if !scenes.is_empty() {
+            self.files.open(scenes);
+        } else if let Some(image) = images.into_iter().next() {
+            self.files.load_texture(image);
+        }
+    }
+
+    fn carry_out(&mut self, effect: Option<Effect>) {
+        match effect {
+            None => {}
+            Some(Effect::Open(paths)) => self.files.open(paths),
+            Some(Effect::LoadTexture(path)) => self.files.load_texture(path),
+            Some(Effect::Dialog(kind)) => {
+                self.files.ask(kind, update::suggested_name(&self.state));
+            }
+            Some(Effect::Save(path)) => {
+                if let Some(view) = self.state.view() {
+                    let state = &self.state;
+                    self.files.save(view, state.grid, state.threads, path);
+                }
+            }
+        }
+    }
+
+    fn show(&mut self, ui: &mut egui::Ui) {
+        let context = ui.ctx().clone();
+        let mut commands = std::mem::take(&mut self.commands);
+        commands.extend(input::keys(&context, &self.state));
+        let status = Status {
+            progress: self.progress(),
+            activity: self.files.activity(),
+            tile_times: self.overlay.times(),
+        };
+        let state = &self.state;
+        let panel = egui::Frame::new()
+            .fill(theme::PANEL)
+            .inner_margin(egui::Margin::symmetric(10, 6));
+        if state.panel {
+            egui::Panel::right("side")
+                .resizable(false)
+                .exact_size(panels::side::WIDTH)
+                .frame(panel)
+                .show(ui, |ui| {
+                    panels::side::show(ui, state, &status, &mut commands)
+                });
+        }
+        egui::Panel::bottom("status")
+            .resizable(false)
+            .exact_size(26.0)
+            .frame(panel.inner_margin(egui::Margin::symmetric(10, 2)))
+            .show(ui, |ui| panels::status::show(ui, state, &status));
+        let (canvas, overlay) = (&mut self.canvas, &mut self.overlay);
+        let shown = egui::CentralPanel::no_frame().show(ui, |ui| {
+            let room = ui.max_rect();
+            let place = panels::viewport::show(ui, state, canvas, overlay, &mut commands);
+            (room, place)
+        });
+        let (room, place) = shown.inner;
+        panels::banner::show(&context, room, state, &status, &mut commands);
+        if state.help {
+            panels::help::show(&context, &mut commands);
+        }
+        self.state.viewport = place.pixels;
+        self.state.hover = place.hover;
+        for command in commands.drain(..) {
+            let effect = update::update(&mut self.state, command);
+            self.carry_out(effect);
+            // What a command changed is seen in the next frame, which must therefore come.
+            context.request_repaint();
+        }
+        self.commands = commands;
+    }
+
+    /// How far the newest picture is: not at all while an older one is on screen.
+    fn progress(&self) -> canvas::Progress {
+        let mut progress = self.canvas.progress();
+        progress.complete &= self.canvas.generation() == self.generation;
+        progress
+    }
+
+    /// Asks for a new picture if anything that decides it has changed.
+    fn request(&mut self) {
+        let Some(view) = self.state.view() else {
+            return;
+        };
+        let Some(document) = &self.state.document else {
+            return;
+        };
+        let wanted = Wanted {
+            document: document.number,
+            edits: document.edits,
+            camera: view.camera,
+            settings: view.settings,
+            grid: self.state.grid,
+            threads: self.state.threads,
+        };
+        if self.wanted == Some(wanted) {
+            return;
+        }
+        self.wanted = Some(wanted);
+        self.generation += 1;
+        if let Some(log) = &mut self.log {
+            let now = (self.clock)();
+            log.request(now, self.generation, self.state.size(), wanted.threads);
+        }
+        self.renderer.request(Request {
+            generation: self.generation,
+            document: wanted.document,
+            view,
+            grid: wanted.grid,
+            threads: wanted.threads,
+        });
+    }
+
+    fn set_title(&mut self, context: &egui::Context) {
+        let title = match &self.state.document {
+            Some(document) => format!("{} – RayCast", document.name),
+            None => "RayCast".to_owned(),
+        };
+        if title != self.title {
+            context.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+}
+
+impl eframe::App for App {
+    fn logic(&mut self, context: &egui::Context, _frame: &mut eframe::Frame) {
+        self.frame_started = (self.clock)();
+        self.take_in(context);
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
+        self.show(ui);
+        self.request();
+        self.set_title(ui.ctx());
+        let now = (self.clock)();
+        let line = FrameLine {
+            now,
+            frame: now.saturating_sub(self.frame_started),
+            last_with_painting: frame.info().cpu_usage,
+            asked: self.generation,
+            shown: self.canvas.generation(),
+            progress: self.canvas.progress(),
+        };
+        if let Some(log) = &mut self.log {
+            log.frame(line);
+        }
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        if self.remembers {
+            eframe::set_value(storage, settings::KEY, &Remembered::of(&self.state));
+        }
+    }
+
+    fn persist_egui_memory(&self) -> bool {
+        self.remembers
+    }
+
+    fn clear_color(&self, _visuals: &egui::Visuals) -> [f32; 4] {
+        theme::BACKDROP.to_normalized_gamma_f32()
+    }
+}
+
+/// Whether a file is an image by its name.
+fn is_image(path: &Path) -> bool {
+    path.extension()
+        .map(|extension| extension.to_string_lossy().to_ascii_lowercase())
+        .is_some_and(|extension| ["png", "jpg", "jpeg", "ppm"].contains(&extension.as_str()))
 }

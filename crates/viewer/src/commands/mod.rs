@@ -1,1 +1,57 @@
 //! Commands that need no window.
+
+mod baseline;
+mod bench;
+mod cast;
+mod failure;
+mod info;
+mod render;
+mod stitch;
+
+pub use failure::Failure;
+
+use crate::cli::{Cli, Command};
+use crate::{app, output};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::process::ExitCode;
+
+/// Does what the command line says; tells a failure in one line on standard error.
+///
+/// The exit status is 0 for done, 1 for could not, 2 for bad usage; Ctrl-C exits with 130.
+pub fn run(cli: Cli) -> ExitCode {
+    let command = match cli.command {
+        None => return app::run(&cli.files),
+        Some(Command::View { files }) => return app::run(&files),
+        Some(command) => command,
+    };
+    output::remove_unfinished_on_interrupt();
+    let done = match command {
+        Command::View { .. } => Ok(()),
+        Command::Render(args) => render::run(&args),
+        Command::Cast(args) => cast::run(&args),
+        Command::Stitch(args) => stitch::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Bench(args) => bench::run(&args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("raycast: {failure}");
+            failure.exit_code()
+        }
+    }
+}
+
+/// So many workers; 0 for one each of the machine's.
+fn workers(threads: u16) -> Result<ThreadPool, Failure> {
+    ThreadPoolBuilder::new()
+        .num_threads(threads.into())
+        .thread_name(|index| format!("raycast-{index}"))
+        .build()
+        .map_err(|error| Failure::could_not(format!("the workers could not be started: {error}")))
+}
+
+/// Says on standard error what is odd but no failure.
+fn warn(text: &str) {
+    eprintln!("raycast: warning: {text}");
+}

@@ -1,1 +1,34 @@
 //! Parts of the window, one a file: each shows state and emits commands.
+
+pub mod banner;
+pub mod format;
+pub mod help;
+mod look;
+mod objects;
+pub mod overlay;
+mod picture;
+mod render;
+pub mod side;
+pub mod status;
+mod tiles;
+pub mod viewport;
+mod widgets;
+
+use crate::app::canvas::Progress;
+use crate::app::command::Command;
+use crate::worker::files::Activity;
+use std::time::Duration;
+
+/// Where panels put what a person asks for.
+pub type Commands = Vec<Command>;
+
+/// What panels show besides the state: news of the moment.
+#[derive(Clone, Debug, Default)]
+pub struct Status {
+    /// How far the picture is.
+    pub progress: Progress,
+    /// What is being read, built or written.
+    pub activity: Option<Activity>,
+    /// The least and the most that a tile took.
+    pub tile_times: Option<(Duration, Duration)>,
+}

@@ -1,1 +1,30 @@
 //! Loading, building and rendering, away from the window's thread.
+//!
+//! Each worker is a named thread. What it makes it sends as owned values: tiles through
+//! [`outbox::Outbox`], scenes, textures and messages as [`News`](crate::app::News).
+
+pub mod demo;
+pub mod files;
+pub mod mailbox;
+pub mod outbox;
+pub mod pace;
+mod priority;
+pub mod render;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Tells the window that there is something to look at; callable from any thread.
+pub type Wake = Arc<dyn Fn() + Send + Sync>;
+
+/// The window's clock: time since it was opened.
+pub type Clock = Arc<dyn Fn() -> Duration + Send + Sync>;
+
+/// What a caught panic said.
+fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
+    panic
+        .downcast_ref::<&str>()
+        .map(|text| (*text).to_owned())
+        .or_else(|| panic.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "an unknown fault".to_owned())
+}

@@ -1,0 +1,182 @@
+use super::error::FormatError;
+use std::path::Path;
+
+/// A kind of file that holds a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum MeshKind {
+    Obj,
+    TriangleText,
+}
+
+/// What a mesh file may be, for messages.
+const MESHES: &str = "a mesh (OBJ, or triangle text)";
+
+/// How many lines are looked at for a word that tells the kind.
+const LINES: usize = 200;
+
+/// Words that open a line of an OBJ file.
+const OBJ_WORDS: [&str; 14] = [
+    "v", "vt", "vn", "vp", "f", "l", "p", "o", "g", "s", "mtllib", "usemtl", "cstype", "mg",
+];
+
+/// Whether a file is a scene: by its name, or by the table that it opens with.
+pub(super) fn is_scene(path: &Path, bytes: &[u8]) -> bool {
+    has_extension(path, "toml")
+        || first_lines(bytes).next().is_some_and(|line| {
+            ["[camera]", "[image]", "[shading]", "[[object]]"]
+                .iter()
+                .any(|table| line.starts_with(table))
+        })
+}
+
+/// The kind of mesh in a file: from the content where it can be, else from the extension.
+///
+/// # Errors
+/// A file that holds no mesh of a kind we know; the message says what it looks like.
+pub(super) fn mesh_kind(path: &Path, bytes: &[u8]) -> Result<MeshKind, FormatError> {
+    let found = |what: &str| Err(FormatError::unexpected(path, None, MESHES, what));
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return found("an empty file");
+    }
+    if let Some(kind) = foreign_kind(bytes) {
+        return found(kind);
+    }
+    if is_scene(path, bytes) {
+        return found("a scene file");
+    }
+    for line in first_lines(bytes) {
+        let word = line.split_whitespace().next().unwrap_or_default();
+        if line.starts_with('(') {
+            return Ok(MeshKind::TriangleText);
+        }
+        if OBJ_WORDS.contains(&word) {
+            return Ok(MeshKind::Obj);
+        }
+    }
+    if has_extension(path, "obj") {
+        Ok(MeshKind::Obj)
+    } else if has_extension(path, "txt") {
+        Ok(MeshKind::TriangleText)
+    } else {
+        found("text of another kind")
+    }
+}
+
+/// What a file that is neither OBJ nor triangle text looks like; `None` where nothing gives it
+/// away.
+pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
+    const SIGNATURES: [(&[u8], &str); 17] = [
+        (b"\x89PNG", "a PNG image"),
+        (b"\xff\xd8\xff", "a JPEG image"),
+        (b"\x76\x2f\x31\x01", "an OpenEXR image"),
+        (b"GIF8", "a GIF image"),
+        (b"II*\0", "a TIFF image"),
+        (b"MM\0*", "a TIFF image"),
+        (b"RIFF", "a RIFF file (WebP, perhaps)"),
+        (b"glTF", "a binary glTF mesh (GLB), which is not read yet"),
+        (b"ply\n", "a PLY mesh, which is not read yet"),
+        (b"ply\r", "a PLY mesh, which is not read yet"),
+        (b"Kaydara FBX Binary", "an FBX file"),
+        (b"BLENDER", "a Blender file"),
+        (b"PK\x03\x04", "a ZIP archive"),
+        (b"\x1f\x8b", "a gzip archive"),
+        (b"%PDF", "a PDF document"),
+        (b"\xff\xfe", "UTF-16 text (save it as UTF-8)"),
+        (b"\xfe\xff", "UTF-16 text (save it as UTF-8)"),
+    ];
+    let head = &bytes[..bytes.len().min(4096)];
+    if let Some((_, kind)) = SIGNATURES
+        .iter()
+        .find(|(signature, _)| head.starts_with(signature))
+    {
+        return Some(kind);
+    }
+    if let [b'P', b'1'..=b'6', space, ..] = head
+        && space.is_ascii_whitespace()
+    {
+        return Some("a PNM image");
+    }
+    // A binary STL has 80 bytes of anything, a count, and 50 bytes a triangle.
+    if let Some(&[a, b, c, d]) = bytes.get(80..84)
+        && bytes.len() as u64 == 84 + 50 * u64::from(u32::from_le_bytes([a, b, c, d]))
+        && head.contains(&0)
+    {
+        return Some("a binary STL mesh, which is not read yet");
+    }
+    let text = String::from_utf8_lossy(head);
+    let text = text.trim_start();
+    if text.starts_with("solid") && text.contains("facet") {
+        return Some("an STL mesh, which is not read yet");
+    }
+    if text.starts_with('{') && text.contains("\"asset\"") {
+        return Some("a glTF mesh, which is not read yet");
+    }
+    if text.starts_with('<') {
+        return Some("XML or HTML");
+    }
+    head.contains(&0).then_some("binary data")
+}
+
+/// The first lines that are neither empty nor comments, without the space around them.
+fn first_lines(bytes: &[u8]) -> impl Iterator<Item = String> {
+    without_mark(bytes)
+        .split(|&b| b == b'\n' || b == b'\r')
+        .take(LINES)
+        .map(|line| {
+            String::from_utf8_lossy(&line[..line.len().min(256)])
+                .trim()
+                .to_owned()
+        })
+        .filter(|line| !line.is_empty() && !line.starts_with('#'))
+}
+
+/// The bytes without UTF-8's byte order mark.
+pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+}
+
+/// Whether a file's name ends in this extension, in any case.
+fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension()
+        .is_some_and(|found| found.eq_ignore_ascii_case(extension))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn content_goes_before_extension() {
+        let kind = |name: &str, text: &str| mesh_kind(Path::new(name), text.as_bytes()).ok();
+        let (obj, text) = (Some(MeshKind::Obj), Some(MeshKind::TriangleText));
+        assert_eq!(kind("a.txt", "# made by hand\r\n\r\nv 0 0 0\n"), obj);
+        assert_eq!(kind("a.obj", "\n (0,0,0);(1,0,0);(0,1,0)"), text);
+        assert_eq!(kind("a", "\u{feff}v 0 0 0"), obj);
+        assert_eq!(kind("a.OBJ", "nothing of note"), obj);
+        assert_eq!(kind("a.txt", "nothing of note"), text);
+        assert_eq!(kind("a.md", "nothing of note"), None);
+    }
+
+    #[test]
+    fn names_what_is_no_mesh() {
+        let check = |bytes: &[u8], expected: &str| {
+            let error = mesh_kind(Path::new("a.obj"), bytes).expect_err("no mesh");
+            let message = error.to_string();
+            assert!(message.contains(expected), "{message}");
+            assert!(message.starts_with("a.obj: expected a mesh"), "{message}");
+        };
+        check(b"", "an empty file");
+        check(b" \r\n ", "an empty file");
+        check(b"\x89PNG\r\n\x1a\n", "PNG");
+        check(b"\xff\xd8\xff\xe0\x00\x10JFIF", "JPEG");
+        check(b"\x76\x2f\x31\x01\x02", "OpenEXR");
+        check(b"P6\n1 1\n255\n", "PNM");
+        check(b"glTF\x02\0\0\0", "GLB");
+        check(b"{\"asset\": {}}", "a glTF mesh");
+        check(b"ply\nformat ascii 1.0\n", "PLY");
+        check(b"solid cube\n facet normal 0 0 1\n", "STL");
+        check(&[&[0; 80][..], &[1, 0, 0, 0], &[9; 50]].concat(), "STL");
+        check(b"\x7fELF\x02\0", "binary data");
+        check(b"[camera]\neye = [0, 0, 1]\n", "a scene file");
+    }
+}

@@ -1,0 +1,588 @@
+use super::error::{FormatError, quote};
+use super::files::{Files, beside};
+use super::kind::without_mark;
+use super::mesh_file;
+use super::scene_file::{CameraFile, ImageFile, SceneFile};
+use super::scene_toml::{
+    BackgroundToml, CameraToml, ImageToml, ObjectToml, SceneToml, ShadingToml,
+};
+use super::{Progress, texture};
+use crate::camera::{ImagePlane, Placement, Projection};
+use crate::scene::{Mesh, Object, Scene, Texture, Transform};
+use crate::shade::{Background, Shading, Wireframe};
+use glam::DVec3;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use toml::Spanned;
+
+/// The vertical field of view, in degrees, of a perspective camera that names none.
+const DEFAULT_FOV: f64 = 45.0;
+
+/// The most rays a pixel.
+const SAMPLE_LIMIT: u32 = 65_536;
+
+/// Reads a scene file's text, and through `files` what it names.
+pub(super) fn read(
+    path: &Path,
+    bytes: &[u8],
+    files: &dyn Files,
+    progress: Progress<'_>,
+) -> Result<SceneFile, FormatError> {
+    let bytes = without_mark(bytes);
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        let line = line_at(bytes, error.valid_up_to());
+        FormatError::unexpected(path, Some(line), "UTF-8 text", "other bytes")
+    })?;
+    let reader = Reader { path, text, files };
+    let parsed: SceneToml = toml::from_str(text).map_err(|error| {
+        let line = error.span().map(|span| line_at(bytes, span.start));
+        FormatError::refused(path, line, error.message())
+    })?;
+    let mut warnings = Vec::new();
+    let camera = parsed.camera.map(|camera| reader.camera(&camera));
+    let image = reader.image(&parsed.image)?;
+    let shading = reader.shading(parsed.shading.as_ref(), &parsed.image)?;
+    let objects = reader.objects(&parsed.objects, progress, &mut warnings)?;
+    Ok(SceneFile {
+        scene: Scene { objects },
+        camera: camera.transpose()?,
+        image,
+        shading,
+        warnings,
+    })
+}
+
+/// The line, from 1, that holds the byte at `offset`.
+fn line_at(bytes: &[u8], offset: usize) -> usize {
+    let before = &bytes[..offset.min(bytes.len())];
+    1 + before.iter().filter(|&&b| b == b'\n').count()
+}
+
+/// What objects share: a file is read once.
+type Shared<T> = HashMap<PathBuf, T>;
+
+struct Reader<'a> {
+    path: &'a Path,
+    text: &'a str,
+    files: &'a dyn Files,
+}
+
+impl Reader<'_> {
+    fn line<T>(&self, value: &Spanned<T>) -> Option<usize> {
+        Some(line_at(self.text.as_bytes(), value.span().start))
+    }
+
+    fn fault<T>(&self, value: &Spanned<T>, expected: &str, found: &str) -> FormatError {
+        FormatError::unexpected(self.path, self.line(value), expected, found)
+    }
+
+    /// Three finite numbers.
+    fn vector(&self, value: &Spanned<[f64; 3]>) -> Result<DVec3, FormatError> {
+        let vector = DVec3::from_array(*value.get_ref());
+        if vector.is_finite() {
+            Ok(vector)
+        } else {
+            Err(self.fault(value, "finite numbers", &format!("{:?}", value.get_ref())))
+        }
+    }
+
+    fn camera(&self, camera: &Spanned<CameraToml>) -> Result<CameraFile, FormatError> {
+        let line = self.line(camera);
+        let camera = camera.get_ref();
+        let projection = camera.projection.into();
+        let misplaced = |value: &Spanned<f64>, key, other| {
+            let found = format!("`{key}`, which is for {other} cameras");
+            self.fault(value, "another key", &found)
+        };
+        let frame = match (projection, &camera.fov, &camera.frame) {
+            (Projection::Perspective, _, Some(frame)) => {
+                return Err(misplaced(frame, "frame", "orthographic"));
+            }
+            (Projection::Orthographic, Some(fov), _) => {
+                return Err(misplaced(fov, "fov", "perspective"));
+            }
+            (Projection::Perspective, None, None) => DEFAULT_FOV,
+            (Projection::Perspective, Some(fov), None) => {
+                let degrees = *fov.get_ref();
+                if !(degrees > 0.0 && degrees < 180.0) {
+                    let expected = "a field of view above 0 and below 180 degrees";
+                    return Err(self.fault(fov, expected, &degrees.to_string()));
+                }
+                degrees
+            }
+            (Projection::Orthographic, None, Some(frame)) => {
+                let height = *frame.get_ref();
+                if !(height > 0.0 && height.is_finite()) {
+                    let expected = "a frame's height above 0";
+                    return Err(self.fault(frame, expected, &height.to_string()));
+                }
+                height
+            }
+            (Projection::Orthographic, None, None) => {
+                let expected = "`frame`, the height of an orthographic camera's frame";
+                return Err(FormatError::unexpected(self.path, line, expected, "none"));
+            }
+        };
+        let placement = Placement {
+            eye: self.vector(&camera.eye)?,
+            target: self.vector(&camera.target)?,
+            up: camera
+                .up
+                .as_ref()
+                .map_or(Ok(DVec3::Y), |up| self.vector(up))?,
+        };
+        if placement.eye == placement.target {
+            return Err(self.fault(
+                &camera.target,
+                "a target away from the eye",
+                "the eye itself",
+            ));
+        }
+        Ok(CameraFile {
+            placement,
+            projection,
+            frame,
+        })
+    }
+
+    fn image(&self, image: &ImageToml) -> Result<ImageFile, FormatError> {
+        let size = image.size.as_ref().map(|size| {
+            let [columns, rows] = *size.get_ref();
+            ImagePlane::new(columns, rows, 1.0)
+                .map(|_| (columns, rows))
+                .map_err(|error| {
+                    FormatError::refused(self.path, self.line(size), &error.to_string())
+                })
+        });
+        let samples = image.samples.as_ref().map(|samples| {
+            let count = *samples.get_ref();
+            if (1..=SAMPLE_LIMIT).contains(&count) {
+                Ok(count)
+            } else {
+                let expected = format!("1 to {SAMPLE_LIMIT} samples");
+                Err(self.fault(samples, &expected, &count.to_string()))
+            }
+        });
+        Ok(ImageFile {
+            size: size.transpose()?,
+            samples: samples.transpose()?,
+        })
+    }
+
+    /// `[shading]` and the background; `None` where the file has neither.
+    fn shading(
+        &self,
+        shading: Option<&ShadingToml>,
+        image: &ImageToml,
+    ) -> Result<Option<Shading>, FormatError> {
+        if shading.is_none() && image.background.is_none() {
+            return Ok(None);
+        }
+        let defaults = Shading::default();
+        let empty = ShadingToml::default();
+        let file = shading.unwrap_or(&empty);
+        let ranged = |value: &Option<Spanned<f32>>, default, most: f32, expected: &str| match value
+        {
+            None => Ok(default),
+            Some(value) if (0.0..=most).contains(value.get_ref()) => Ok(*value.get_ref()),
+            Some(value) => Err(self.fault(value, expected, &value.get_ref().to_string())),
+        };
+        let lines = Wireframe::default();
+        let lines = Wireframe {
+            width: ranged(
+                &file.wireframe_width,
+                lines.width,
+                1000.0,
+                "a width from 0 to 1000 pixels",
+            )?,
+            color: file.wireframe_color.map_or(lines.color, |color| color.0),
+        };
+        Ok(Some(Shading {
+            mode: file.mode.map_or(defaults.mode, Into::into),
+            wireframe: file.wireframe.unwrap_or(false).then_some(lines),
+            background: match image.background.as_ref().map(Spanned::get_ref) {
+                None => defaults.background,
+                Some(BackgroundToml::Word(_)) => Background::Transparent,
+                Some(BackgroundToml::Gradient([top, bottom])) => {
+                    Background::Gradient(top.0, bottom.0)
+                }
+            },
+            blend: ranged(&file.blend, defaults.blend, 1.0, "a blend from 0 to 1")?,
+            filter: file.filter.map_or(defaults.filter, Into::into),
+            projection: file
+                .texture_projection
+                .map_or(defaults.projection, Into::into),
+        }))
+    }
+
+    fn objects(
+        &self,
+        tables: &[Spanned<ObjectToml>],
+        progress: Progress<'_>,
+        warnings: &mut Vec<String>,
+    ) -> Result<Vec<Object>, FormatError> {
+        // Parents first: they cost nothing, and a fault in them is known before anything is read.
+        let parents = self.parents(tables)?;
+        let mut meshes: Shared<Arc<Mesh>> = HashMap::new();
+        let mut textures: Shared<Arc<Texture>> = HashMap::new();
+        let mut objects = Vec::with_capacity(tables.len());
+        let share = 1.0 / tables.len().max(1) as f32;
+        for (index, (table, parent)) in tables.iter().zip(parents).enumerate() {
+            let table = table.get_ref();
+            let step = |part: f32| progress((index as f32 + part) * share);
+            let mesh_path = beside(self.path, table.mesh.get_ref());
+            let source = self.files.source(&mesh_path);
+            let mesh = match meshes.get(&source) {
+                Some(mesh) => Arc::clone(mesh),
+                None => {
+                    let bytes = self.bytes(&table.mesh, &mesh_path, &|part| step(part * 0.5))?;
+                    let read = mesh_file::read(&mesh_path, &bytes, self.files, &|part| {
+                        step(0.5 + part * 0.5);
+                    })?;
+                    warnings.extend(read.warnings);
+                    let mesh = Arc::new(read.mesh);
+                    meshes.insert(source.clone(), Arc::clone(&mesh));
+                    mesh
+                }
+            };
+            let name = match &table.name {
+                Some(name) => name.clone(),
+                None => mesh_file::name(&mesh_path),
+            };
+            let mut object = Object::new(name, mesh);
+            object.source = Some(source);
+            object.parent = parent;
+            if let Some(color) = table.color {
+                object.color = color.rule(table.seed);
+            }
+            if let Some(named) = &table.texture {
+                let path = beside(self.path, named.get_ref());
+                let source = self.files.source(&path);
+                let texture = match textures.get(&source) {
+                    Some(texture) => Arc::clone(texture),
+                    None => {
+                        let bytes = self.bytes(named, &path, &|_| ())?;
+                        let texture = Arc::new(texture::decode(&path, &bytes)?);
+                        textures.insert(source.clone(), Arc::clone(&texture));
+                        texture
+                    }
+                };
+                object.texture = Some(texture);
+                object.texture_source = Some(source);
+            }
+            let place = |value: &Option<Spanned<[f64; 3]>>, default| match value {
+                Some(value) => self.vector(value),
+                None => Ok(default),
+            };
+            object.transform = Transform {
+                translate: place(&table.translate, DVec3::ZERO)?,
+                rotate: place(&table.rotate, DVec3::ZERO)?,
+                scale: place(&table.scale, DVec3::ONE)?,
+            };
+            objects.push(object);
+        }
+        progress(1.0);
+        Ok(objects)
+    }
+
+    /// The bytes of a file that the scene names.
+    fn bytes(
+        &self,
+        named: &Spanned<String>,
+        path: &Path,
+        progress: Progress<'_>,
+    ) -> Result<Vec<u8>, FormatError> {
+        self.files.read(path, progress).map_err(|error| {
+            let reason = format!("{} cannot be read: {error}", path.display());
+            FormatError::refused(self.path, self.line(named), &reason)
+        })
+    }
+
+    /// Each object's parent, by index: one that exists, has its name alone, and is no descendant.
+    fn parents(&self, tables: &[Spanned<ObjectToml>]) -> Result<Vec<Option<usize>>, FormatError> {
+        let mut named: HashMap<&str, Vec<usize>> = HashMap::new();
+        for (index, table) in tables.iter().enumerate() {
+            if let Some(name) = &table.get_ref().name {
+                named.entry(name).or_default().push(index);
+            }
+        }
+        let parent_of = |table: &Spanned<ObjectToml>| {
+            let Some(parent) = &table.get_ref().parent else {
+                return Ok(None);
+            };
+            match named.get(parent.get_ref().as_str()).map(Vec::as_slice) {
+                Some(&[index]) => Ok(Some(index)),
+                None | Some([]) => {
+                    let found = quote(parent.get_ref());
+                    Err(self.fault(parent, "the name of an object as parent", &found))
+                }
+                Some(several) => {
+                    let found = format!("{} of {} objects", quote(parent.get_ref()), several.len());
+                    Err(self.fault(parent, "the name of one object as parent", &found))
+                }
+            }
+        };
+        let parents: Vec<Option<usize>> = tables.iter().map(parent_of).collect::<Result<_, _>>()?;
+        for (start, table) in tables.iter().enumerate() {
+            let ancestors = std::iter::successors(parents[start], |&index| parents[index]);
+            // A walk up that comes back has done so after as many steps as there are objects.
+            if let Some(parent) = &table.get_ref().parent
+                && ancestors.take(tables.len()).any(|index| index == start)
+            {
+                let found = format!("{}, its own descendant", quote(parent.get_ref()));
+                return Err(self.fault(parent, "a parent that is no descendant", &found));
+            }
+        }
+        Ok(parents)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::read_scene_from;
+    use super::*;
+    use crate::scene::{Color, ColorRule};
+    use crate::shade::{Filter, Mode, TextureProjection};
+
+    const WHOLE: &str = r##"# A scene with everything.
+[camera]
+projection = "perspective"
+eye = [3, 2.5, 5]
+target = [0, 0, 0.1]
+up = [0.0, 1.0, 0.0]
+fov = 40.0
+
+[image]
+size = [1280, 720]
+samples = 4
+background = ["#20242c", "#3A4454"]
+
+[shading]
+mode = "barycentric"
+wireframe = true
+wireframe-width = 1.3
+blend = 0.7
+filter = "nearest"
+texture-projection = "triplanar"
+
+[[object]]
+name = "moon"
+mesh = "./parts/a.obj"
+color = "per-triangle"
+seed = 3
+texture = "t.ppm"
+translate = [4, 0, 0]
+parent = "planet"
+
+[[object]]
+name = "planet"
+mesh = "parts/a.obj"
+color = "#ff8000"
+rotate = [0, 90, 0]
+scale = [1, 2, -1]
+
+[[object]]
+mesh = "b.txt"
+texture = "t.ppm"
+"##;
+
+    fn files(name: &str) -> Option<Vec<u8>> {
+        match name {
+            "parts/a.obj" => {
+                Some("mtllib a.mtl\nusemtl x\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3".into())
+            }
+            "parts/a.mtl" => Some("newmtl x\nKd 0 1 0".into()),
+            "b.txt" => Some("(0,0,0);(1,0,0);(0,1,0)".into()),
+            "t.ppm" => Some("P3\n1 1\n255\n1 2 3\n".into()),
+            "bad.obj" => Some("v 0 0 0\nf 1 2 3\n".into()),
+            _ => None,
+        }
+    }
+
+    fn parse(text: &str) -> SceneFile {
+        read_scene_from(text, &files).expect("a good scene")
+    }
+
+    #[test]
+    fn reads_everything() {
+        let file = parse(WHOLE);
+        let camera = file.camera.expect("a camera");
+        assert_eq!(camera.placement.eye, DVec3::new(3.0, 2.5, 5.0));
+        assert_eq!(camera.placement.target, DVec3::new(0.0, 0.0, 0.1));
+        assert_eq!(
+            (camera.projection, camera.frame),
+            (Projection::Perspective, 40.0)
+        );
+        assert_eq!(file.image.size, Some((1280, 720)));
+        assert_eq!(file.image.samples, Some(4));
+        let shading = Shading {
+            mode: Mode::Barycentric,
+            wireframe: Some(Wireframe {
+                width: 1.3,
+                ..Wireframe::default()
+            }),
+            background: Background::default(),
+            blend: 0.7,
+            filter: Filter::Nearest,
+            projection: TextureProjection::Triplanar,
+        };
+        assert_eq!(file.shading, Some(shading));
+        let [moon, planet, plain] = &file.scene.objects[..] else {
+            panic!("three objects");
+        };
+        assert_eq!((moon.parent, planet.parent), (Some(1), None));
+        assert_eq!(moon.color, ColorRule::PerTriangle { seed: 3 });
+        assert_eq!(planet.color, ColorRule::Uniform(Color([255, 128, 0])));
+        assert_eq!(planet.transform.scale, DVec3::new(1.0, 2.0, -1.0));
+        assert_eq!(plain.name, "b");
+        assert!(Arc::ptr_eq(&moon.mesh, &planet.mesh), "one mesh, read once");
+        let image = |object: &Object| object.texture.clone().expect("a texture");
+        assert!(Arc::ptr_eq(&image(moon), &image(plain)));
+        assert_eq!(moon.source.as_deref(), Some(Path::new("parts/a.obj")));
+        assert_eq!(moon.mesh.materials()[0].color, Color([0, 255, 0]));
+    }
+
+    #[test]
+    fn what_is_left_out_is_left_to_the_caller() {
+        let file = parse("");
+        assert!(file.camera.is_none() && file.shading.is_none() && file.scene.objects.is_empty());
+        assert_eq!(file.image, ImageFile::default());
+        let file = parse("[image]\nbackground = \"transparent\"\n");
+        let shading = Shading {
+            background: Background::Transparent,
+            ..Shading::default()
+        };
+        assert_eq!(file.shading, Some(shading));
+    }
+
+    #[test]
+    fn says_where_and_what() {
+        let check = |text: &str, place: &str, what: &str| {
+            let message = read_scene_from(text, &files)
+                .expect_err("a bad scene")
+                .to_string();
+            assert!(message.starts_with(&format!("{place}: ")), "{message}");
+            assert!(message.contains(what), "{message}");
+            assert_eq!(message.lines().count(), 1, "{message}");
+        };
+        let edit = |from: &str, to: &str| {
+            assert_eq!(WHOLE.matches(from).count(), 1, "{from}");
+            WHOLE.replace(from, to)
+        };
+        check("[camera", "scene:1", "");
+        check(
+            &edit("samples", "sample"),
+            "scene:11",
+            "unknown field `sample`",
+        );
+        check(&edit("samples = 4", "samples = 0"), "scene:11", "found 0");
+        check(&edit("[1280, 720]", "[0, 720]"), "scene:10", "0x720");
+        check(&edit("[1280, 720]", "[-1, 720]"), "scene:10", "");
+        check(&edit("[1280, 720]", "[1280]"), "scene:10", "length");
+        check(
+            &edit("\"barycentric\"", "\"pretty\""),
+            "scene:15",
+            "`pretty`",
+        );
+        check(&edit("0.7", "1.5"), "scene:18", "found 1.5");
+        check(&edit("[3, 2.5, 5]", "[nan, 0, 0]"), "scene:4", "finite");
+        check(
+            &edit("[3, 2.5, 5]", "[0, 0, 0.1]"),
+            "scene:5",
+            "away from the eye",
+        );
+        check(&edit("fov = 40.0", "fov = 180"), "scene:7", "found 180");
+        check(&edit("fov = 40.0", "frame = 2"), "scene:7", "orthographic");
+        check(
+            &edit("\"perspective\"", "\"orthographic\""),
+            "scene:7",
+            "perspective",
+        );
+        check(&edit("#20242c", "20242"), "scene:12", "transparent");
+        check(&edit("\"#ff8000\"", "\"red\""), "scene:34", "found \"red\"");
+        check(
+            &edit("\"b.txt\"", "\"c.txt\""),
+            "scene:39",
+            "c.txt cannot be read",
+        );
+        check(&edit("\"b.txt\"", "\"bad.obj\""), "bad.obj:2", "found 2");
+        check(
+            &edit("parent = \"planet\"", "parent = \"sun\""),
+            "scene:29",
+            "\"sun\"",
+        );
+        check(
+            &edit("parent = \"planet\"", "parent = \"moon\""),
+            "scene:29",
+            "descendant",
+        );
+        check(
+            &edit("rotate = [0, 90, 0]", "parent = \"moon\""),
+            "scene:29",
+            "descendant",
+        );
+        check(
+            &edit("name = \"moon\"", "name = \"planet\""),
+            "scene:29",
+            "2 objects",
+        );
+    }
+
+    #[test]
+    fn saved_scenes_read_the_same() {
+        let orthographic = WHOLE
+            .replace("\"perspective\"", "\"orthographic\"")
+            .replace("fov = 40.0", "frame = 2.125")
+            .replace("[\"#20242c\", \"#3A4454\"]", "\"transparent\"")
+            .replace("wireframe = true\nwireframe-width = 1.3\n", "");
+        for text in [WHOLE, &orthographic, "", "[[object]]\nmesh = \"b.txt\""] {
+            let file = parse(text);
+            let saved = file
+                .to_toml(Path::new("/nowhere"))
+                .expect("it can be saved");
+            let again = parse(&saved);
+            assert_eq!(file.camera, again.camera);
+            assert_eq!(file.image, again.image);
+            assert_eq!(file.shading, again.shading);
+            assert_eq!(file.scene.objects.len(), again.scene.objects.len());
+            for (object, other) in file.scene.objects.iter().zip(&again.scene.objects) {
+                assert_eq!(object.name, other.name);
+                assert_eq!(object.transform, other.transform);
+                assert_eq!(object.parent, other.parent);
+                assert_eq!(object.color, other.color);
+                assert_eq!(object.source, other.source);
+                assert_eq!(object.texture, other.texture);
+                assert_eq!(object.texture_source, other.texture_source);
+            }
+            assert_eq!(again.to_toml(Path::new("/nowhere")).ok(), Some(saved));
+        }
+    }
+
+    #[test]
+    fn saving_gives_parents_names_of_their_own() {
+        let mut file = parse(WHOLE);
+        for object in &mut file.scene.objects {
+            object.name = "same".into();
+        }
+        let saved = file
+            .to_toml(Path::new("/nowhere"))
+            .expect("it can be saved");
+        let again = parse(&saved);
+        assert_eq!(again.scene.objects[0].parent, Some(1));
+        assert_eq!(again.scene.objects[1].name, "same 2");
+        file.scene.objects[2].source = None;
+        let error = file.to_toml(Path::new("/nowhere")).expect_err("no file");
+        assert!(error.to_string().contains("\"same\""), "{error}");
+    }
+
+    #[test]
+    fn files_append() {
+        let mut file = parse("[image]\nsamples = 2\n[[object]]\nmesh = \"b.txt\"");
+        file.append(parse(WHOLE));
+        assert_eq!(file.scene.objects.len(), 4);
+        assert_eq!(file.scene.objects[1].parent, Some(2));
+        assert_eq!(file.image.samples, Some(2));
+        assert_eq!(file.image.size, Some((1280, 720)));
+    }
+}

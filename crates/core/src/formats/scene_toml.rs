@@ -1,0 +1,214 @@
+//! The tables of a `.raycast.toml`, as they stand in the file.
+
+use crate::camera::Projection;
+use crate::scene::{Color, ColorRule};
+use crate::shade::{Filter, Mode, TextureProjection};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+use toml::Spanned;
+
+#[derive(Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SceneToml {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) camera: Option<Spanned<CameraToml>>,
+    #[serde(default, skip_serializing_if = "ImageToml::is_empty")]
+    pub(super) image: ImageToml,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) shading: Option<ShadingToml>,
+    #[serde(default, rename = "object", skip_serializing_if = "Vec::is_empty")]
+    pub(super) objects: Vec<Spanned<ObjectToml>>,
+}
+
+#[derive(Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CameraToml {
+    #[serde(default)]
+    pub(super) projection: ProjectionToml,
+    pub(super) eye: Spanned<[f64; 3]>,
+    pub(super) target: Spanned<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) up: Option<Spanned<[f64; 3]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) fov: Option<Spanned<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) frame: Option<Spanned<f64>>,
+}
+
+#[derive(Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ImageToml {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) size: Option<Spanned<[u32; 2]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) samples: Option<Spanned<u32>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) background: Option<Spanned<BackgroundToml>>,
+}
+
+impl ImageToml {
+    fn is_empty(&self) -> bool {
+        self.size.is_none() && self.samples.is_none() && self.background.is_none()
+    }
+}
+
+#[derive(Debug, Deserialize, Serialize)]
+#[serde(
+    untagged,
+    expecting = "\"transparent\" or two colours, [\"#rrggbb\", \"#rrggbb\"]"
+)]
+pub(super) enum BackgroundToml {
+    Word(Transparent),
+    Gradient([ColorToml; 2]),
+}
+
+#[derive(Debug, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Transparent {
+    Transparent,
+}
+
+#[derive(Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub(super) struct ShadingToml {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) mode: Option<ModeToml>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) wireframe: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) wireframe_width: Option<Spanned<f32>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) wireframe_color: Option<ColorToml>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) blend: Option<Spanned<f32>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) filter: Option<FilterToml>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) texture_projection: Option<TextureProjectionToml>,
+}
+
+#[derive(Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ObjectToml {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) name: Option<String>,
+    pub(super) mesh: Spanned<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) color: Option<ColorRuleToml>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) seed: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) texture: Option<Spanned<String>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) translate: Option<Spanned<[f64; 3]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) rotate: Option<Spanned<[f64; 3]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) scale: Option<Spanned<[f64; 3]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) parent: Option<Spanned<String>>,
+}
+
+/// A colour as `#rrggbb`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ColorToml(pub(super) Color);
+
+impl<'de> Deserialize<'de> for ColorToml {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        text.parse().map(Self).map_err(D::Error::custom)
+    }
+}
+
+impl Serialize for ColorToml {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(&self.0)
+    }
+}
+
+/// An object's colour rule; the seed stands beside it.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum ColorRuleToml {
+    File,
+    PerTriangle,
+    Uniform(Color),
+}
+
+impl<'de> Deserialize<'de> for ColorRuleToml {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        match text.as_str() {
+            "file" => Ok(Self::File),
+            "per-triangle" => Ok(Self::PerTriangle),
+            color => color.parse().map(Self::Uniform).map_err(|_| {
+                D::Error::custom(format!(
+                    "expected a colour as \"file\", \"per-triangle\" or \"#rrggbb\", found {color:?}"
+                ))
+            }),
+        }
+    }
+}
+
+impl Serialize for ColorRuleToml {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::File => serializer.serialize_str("file"),
+            Self::PerTriangle => serializer.serialize_str("per-triangle"),
+            Self::Uniform(color) => serializer.collect_str(color),
+        }
+    }
+}
+
+impl ColorRuleToml {
+    pub(super) fn rule(self, seed: Option<u32>) -> ColorRule {
+        match self {
+            Self::File => ColorRule::File,
+            Self::PerTriangle => ColorRule::PerTriangle {
+                seed: seed.unwrap_or(0),
+            },
+            Self::Uniform(color) => ColorRule::Uniform(color),
+        }
+    }
+
+    /// The rule and the seed as the file has them.
+    pub(super) fn from_rule(rule: ColorRule) -> (Self, Option<u32>) {
+        match rule {
+            ColorRule::File => (Self::File, None),
+            ColorRule::PerTriangle { seed } => (Self::PerTriangle, Some(seed)),
+            ColorRule::Uniform(color) => (Self::Uniform(color), None),
+        }
+    }
+}
+
+/// An enum whose words in the file are the kebab-case names of another's variants.
+macro_rules! words {
+    ($name:ident for $target:ident { $($variant:ident),+ }) => {
+        #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+        #[serde(rename_all = "kebab-case")]
+        pub(super) enum $name { $($variant),+ }
+
+        impl From<$name> for $target {
+            fn from(word: $name) -> Self {
+                match word { $($name::$variant => Self::$variant),+ }
+            }
+        }
+
+        impl From<$target> for $name {
+            fn from(value: $target) -> Self {
+                match value { $($target::$variant => Self::$variant),+ }
+            }
+        }
+    };
+}
+
+words!(ProjectionToml for Projection { Perspective, Orthographic });
+words!(ModeToml for Mode {
+    Color, Flat, Smooth, Normals, Depth, Barycentric, Uv, Texture, Wireframe
+});
+words!(FilterToml for Filter { Nearest, Bilinear });
+words!(TextureProjectionToml for TextureProjection { Uv, Triplanar });
+
+impl Default for ProjectionToml {
+    fn default() -> Self {
+        Projection::default().into()
+    }
+}

@@ -1,0 +1,185 @@
+use super::files::relative;
+use super::scene_file::{CameraFile, SceneFile};
+use super::scene_toml::{
+    BackgroundToml, CameraToml, ColorRuleToml, ColorToml, ImageToml, ObjectToml, SceneToml,
+    ShadingToml, Transparent,
+};
+use crate::camera::Projection;
+use crate::scene::{Scene, SceneError, Transform};
+use crate::shade::{Background, Shading};
+use std::path::Path;
+use toml::Spanned;
+
+/// Why a scene cannot be saved.
+#[derive(Debug, thiserror::Error)]
+pub enum SaveError {
+    /// An object whose mesh came from no file.
+    #[error("object {object:?} has a mesh that is in no file: a scene file cannot name it")]
+    NoSource {
+        /// The object's name.
+        object: String,
+    },
+    /// An object whose texture came from no file.
+    #[error("object {object:?} has a texture that is in no file: a scene file cannot name it")]
+    NoTextureSource {
+        /// The object's name.
+        object: String,
+    },
+    /// A file whose name is not Unicode.
+    #[error("object {object:?} has a file whose name is not Unicode: a scene file cannot name it")]
+    NotUnicode {
+        /// The object's name.
+        object: String,
+    },
+    /// Parents that do not exist, or go round in a circle, or a transform that is not finite.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The encoder's own words.
+    #[error("the scene cannot be written: {0}")]
+    Encode(String),
+}
+
+impl SceneFile {
+    /// The text of a scene file in the folder `base_dir`, which need not exist yet.
+    ///
+    /// Paths are relative to that folder; a source that is relative already (a file from the store
+    /// that [`super::read_scene_from`] was given) is written as it is, and is the caller's to put
+    /// there. Parents that share their name with others get one of their own. Reading it again
+    /// gives the same scene.
+    ///
+    /// # Errors
+    /// An object whose mesh or texture came from no file, or from one whose name is not Unicode;
+    /// parents or transforms that are not valid.
+    pub fn to_toml(&self, base_dir: &Path) -> Result<String, SaveError> {
+        self.scene.world_from_objects()?;
+        let names = names(&self.scene);
+        let objects = (0..names.len())
+            .map(|index| Ok(spanned(object(&self.scene, index, &names, base_dir)?)))
+            .collect::<Result<_, SaveError>>()?;
+        let file = SceneToml {
+            camera: self.camera.map(|camera| spanned(camera_table(&camera))),
+            image: ImageToml {
+                size: self
+                    .image
+                    .size
+                    .map(|(columns, rows)| spanned([columns, rows])),
+                samples: self.image.samples.map(spanned),
+                background: self.shading.map(|shading| {
+                    spanned(match shading.background {
+                        Background::Transparent => BackgroundToml::Word(Transparent::Transparent),
+                        Background::Gradient(top, bottom) => {
+                            BackgroundToml::Gradient([ColorToml(top), ColorToml(bottom)])
+                        }
+                    })
+                }),
+            },
+            shading: self.shading.map(|shading| shading_table(&shading)),
+            objects,
+        };
+        toml::to_string(&file).map_err(|error| SaveError::Encode(error.to_string()))
+    }
+}
+
+/// A value with no place yet.
+fn spanned<T>(value: T) -> Spanned<T> {
+    Spanned::new(0..0, value)
+}
+
+fn camera_table(camera: &CameraFile) -> CameraToml {
+    let frame = Some(spanned(camera.frame));
+    let (fov, frame) = match camera.projection {
+        Projection::Perspective => (frame, None),
+        Projection::Orthographic => (None, frame),
+    };
+    CameraToml {
+        projection: camera.projection.into(),
+        eye: spanned(camera.placement.eye.to_array()),
+        target: spanned(camera.placement.target.to_array()),
+        up: Some(spanned(camera.placement.up.to_array())),
+        fov,
+        frame,
+    }
+}
+
+fn shading_table(shading: &Shading) -> ShadingToml {
+    ShadingToml {
+        mode: Some(shading.mode.into()),
+        wireframe: Some(shading.wireframe.is_some()),
+        wireframe_width: shading.wireframe.map(|lines| spanned(lines.width)),
+        wireframe_color: shading.wireframe.map(|lines| ColorToml(lines.color)),
+        blend: Some(spanned(shading.blend)),
+        filter: Some(shading.filter.into()),
+        texture_projection: Some(shading.projection.into()),
+    }
+}
+
+/// Every object's name in the file: its own, but that a parent's is no other's.
+fn names(scene: &Scene) -> Vec<String> {
+    let mut names: Vec<String> = scene.objects.iter().map(|o| o.name.clone()).collect();
+    let mut parents: Vec<usize> = scene.objects.iter().filter_map(|o| o.parent).collect();
+    parents.sort_unstable();
+    parents.dedup();
+    for parent in parents {
+        let is_taken = |name: &str, names: &[String]| {
+            let mut others = names.iter().enumerate();
+            others.any(|(index, other)| index != parent && other == name)
+        };
+        let mut number = 1;
+        let mut name = names[parent].clone();
+        while is_taken(&name, &names) {
+            number += 1;
+            name = format!("{} {number}", names[parent]);
+        }
+        names[parent] = name;
+    }
+    names
+}
+
+fn object(
+    scene: &Scene,
+    index: usize,
+    names: &[String],
+    base_dir: &Path,
+) -> Result<ObjectToml, SaveError> {
+    let object = &scene.objects[index];
+    let named = |path: &Path| {
+        relative(path, base_dir)
+            .map(spanned)
+            .ok_or_else(|| SaveError::NotUnicode {
+                object: object.name.clone(),
+            })
+    };
+    let source = object
+        .source
+        .as_deref()
+        .ok_or_else(|| SaveError::NoSource {
+            object: object.name.clone(),
+        })?;
+    let texture = match (&object.texture, &object.texture_source) {
+        (None, _) => None,
+        (Some(_), Some(path)) => Some(named(path)?),
+        (Some(_), None) => {
+            return Err(SaveError::NoTextureSource {
+                object: object.name.clone(),
+            });
+        }
+    };
+    let (color, seed) = ColorRuleToml::from_rule(object.color);
+    let Transform {
+        translate,
+        rotate,
+        scale,
+    } = object.transform;
+    let at_rest = Transform::IDENTITY;
+    Ok(ObjectToml {
+        name: Some(names[index].clone()),
+        mesh: named(source)?,
+        color: Some(color),
+        seed,
+        texture,
+        translate: (translate != at_rest.translate).then(|| spanned(translate.to_array())),
+        rotate: (rotate != at_rest.rotate).then(|| spanned(rotate.to_array())),
+        scale: (scale != at_rest.scale).then(|| spanned(scale.to_array())),
+        parent: object.parent.map(|parent| spanned(names[parent].clone())),
+    })
+}

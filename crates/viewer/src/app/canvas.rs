@@ -1,0 +1,336 @@
+//! The picture as the window holds it: pixels in memory, and their copy on the graphics side.
+
+use crate::worker::outbox::{Batch, Layout, PassReport};
+use egui::{Color32, ColorImage, TextureHandle, TextureOptions};
+use raycast_core::camera::Rect;
+use raycast_core::render::{Pass, Tile, TileStats};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// What is known of one tile of the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TileNote {
+    /// Its statistics in the last pass that it was in.
+    pub stats: TileStats,
+    /// Its place in that pass's order of arrival, from zero.
+    pub order: u32,
+}
+
+/// How far the picture is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Progress {
+    /// The pass of the newest tile.
+    pub pass: Option<Pass>,
+    /// The last pass that was finished.
+    pub report: Option<PassReport>,
+    /// Rays of all finished passes.
+    pub rays: u64,
+    /// Whether nothing is left to do.
+    pub complete: bool,
+    /// From the request until now, or until it was complete.
+    pub elapsed: Duration,
+}
+
+/// Pixels, what is known of the tiles, and the texture.
+#[derive(Default)]
+pub struct Canvas {
+    image: Arc<ColorImage>,
+    texture: Option<TextureHandle>,
+    dirty: Dirty,
+    generation: u64,
+    layout: Arc<Layout>,
+    notes: Vec<Option<TileNote>>,
+    progress: Progress,
+    /// Counts changes of the notes, for who draws them.
+    pub notes_version: u64,
+}
+
+/// What the texture does not have yet.
+#[derive(Debug, Default, PartialEq)]
+enum Dirty {
+    #[default]
+    Nothing,
+    Tiles(Vec<Rect>),
+    All,
+}
+
+impl Canvas {
+    /// Columns and rows of what is shown; zero before the first picture.
+    pub fn size(&self) -> (u32, u32) {
+        (self.image.width() as u32, self.image.height() as u32)
+    }
+
+    /// Which request the picture is of.
+    pub fn generation(&self) -> u64 {
+        self.generation
+    }
+
+    /// How far it is.
+    pub fn progress(&self) -> Progress {
+        self.progress
+    }
+
+    /// The tiles and what is known of each.
+    pub fn notes(&self) -> impl ExactSizeIterator<Item = (Rect, Option<TileNote>)> {
+        self.layout
+            .tiles
+            .iter()
+            .copied()
+            .zip(self.notes.iter().copied())
+    }
+
+    /// Forgets the picture: another scene is coming.
+    pub fn clear(&mut self) {
+        let image = Arc::make_mut(&mut self.image);
+        image.pixels.fill(Color32::TRANSPARENT);
+        self.dirty = Dirty::All;
+        self.progress = Progress::default();
+    }
+
+    /// Takes in what workers sent. Older pictures than the one shown are ignored, and so are tiles
+    /// that do not fit.
+    pub fn take_in(&mut self, batch: Batch) {
+        if batch.generation < self.generation {
+            return;
+        }
+        if batch.generation > self.generation || self.size() != batch.layout.size {
+            self.generation = batch.generation;
+            self.progress = Progress::default();
+            self.resize(batch.layout.size);
+            if !Arc::ptr_eq(&self.layout, &batch.layout) {
+                self.notes = vec![None; batch.layout.tiles.len()];
+                self.layout = Arc::clone(&batch.layout);
+            }
+        }
+        for arrival in batch.tiles {
+            if !copy(Arc::make_mut(&mut self.image), &arrival.tile) {
+                continue;
+            }
+            self.dirty.add(arrival.tile.rect);
+            self.progress.pass = Some(arrival.pass);
+            if let Some(note) = self.notes.get_mut(arrival.place) {
+                *note = Some(TileNote {
+                    stats: arrival.tile.stats,
+                    order: arrival.order,
+                });
+            }
+        }
+        for report in batch.reports {
+            self.progress.rays += report.stats.rays;
+            self.progress.report = Some(report);
+        }
+        self.progress.complete |= batch.complete;
+        self.progress.elapsed = batch.elapsed;
+        self.notes_version += 1;
+    }
+
+    /// A picture of another size starts from the last one, scaled, so that nothing flashes.
+    fn resize(&mut self, (columns, rows): (u32, u32)) {
+        let (old_columns, old_rows) = self.size();
+        if (columns, rows) == (old_columns, old_rows) {
+            return;
+        }
+        let mut image = ColorImage::filled([columns as usize, rows as usize], Color32::TRANSPARENT);
+        if old_columns > 0 && old_rows > 0 && columns > 0 {
+            let source = |at: usize, new: u32, old: u32| at * old as usize / new as usize;
+            let from: Vec<_> = (0..columns as usize)
+                .map(|x| source(x, columns, old_columns))
+                .collect();
+            for (y, row) in image.pixels.chunks_exact_mut(columns as usize).enumerate() {
+                let start = source(y, rows, old_rows) * old_columns as usize;
+                for (pixel, &x) in row.iter_mut().zip(&from) {
+                    *pixel = self.image.pixels[start + x];
+                }
+            }
+        }
+        self.image = Arc::new(image);
+        self.dirty = Dirty::All;
+    }
+
+    /// Brings the texture up to date: at most one transfer of the whole picture, or the few tiles
+    /// that are new. `None` before the first picture.
+    pub fn texture(&mut self, context: &egui::Context) -> Option<egui::TextureId> {
+        if self.image.pixels.is_empty() {
+            return None;
+        }
+        // Nearest: few rays show as the blocks that they are.
+        let options = TextureOptions::NEAREST;
+        let size = self.image.size;
+        let dirty = std::mem::take(&mut self.dirty);
+        match &mut self.texture {
+            Some(texture) if texture.size() == size => match dirty {
+                Dirty::Nothing => {}
+                Dirty::Tiles(rects) if few(&rects, size) => {
+                    for rect in rects {
+                        let corner = [rect.x as usize, rect.y as usize];
+                        texture.set_partial(corner, part(&self.image, rect), options);
+                    }
+                }
+                // All at once, shared, without a copy: and into the storage that is there.
+                _ => texture.set_partial([0, 0], Arc::clone(&self.image), options),
+            },
+            texture => {
+                let image = Arc::clone(&self.image);
+                *texture = Some(context.load_texture("picture", image, options));
+            }
+        }
+        self.texture.as_ref().map(TextureHandle::id)
+    }
+}
+
+impl Dirty {
+    fn add(&mut self, rect: Rect) {
+        match self {
+            Self::All => {}
+            Self::Nothing => *self = Self::Tiles(vec![rect]),
+            Self::Tiles(rects) => rects.push(rect),
+        }
+    }
+}
+
+/// Whether tiles are worth transfers of their own: each copies its pixels once more, and costs a
+/// call, while the whole picture goes as it is.
+fn few(rects: &[Rect], size: [usize; 2]) -> bool {
+    let area: usize = rects.iter().map(Rect::area).sum();
+    rects.len() <= 32 && area * 4 <= size[0] * size[1]
+}
+
+/// A copy of a rectangle of the picture.
+fn part(image: &ColorImage, rect: Rect) -> ColorImage {
+    let width = image.width();
+    let pixels = (rect.y as usize..rect.bottom() as usize)
+        .flat_map(|y| &image.pixels[y * width + rect.x as usize..y * width + rect.right() as usize])
+        .copied()
+        .collect();
+    ColorImage::new([rect.width as usize, rect.height as usize], pixels)
+}
+
+/// Copies a tile into its place; `false`, and nothing copied, where it does not fit.
+fn copy(image: &mut ColorImage, tile: &Tile) -> bool {
+    let (width, height) = (image.width(), image.height());
+    let rect = tile.rect;
+    let columns = rect.width as usize;
+    if columns == 0
+        || tile.pixels.len() != rect.area()
+        || rect.right() as usize > width
+        || rect.bottom() as usize > height
+    {
+        return false;
+    }
+    for (y, row) in (rect.y as usize..).zip(tile.pixels.chunks_exact(columns)) {
+        let start = y * width + rect.x as usize;
+        for (pixel, &[r, g, b, a]) in image.pixels[start..start + columns].iter_mut().zip(row) {
+            *pixel = if a == 255 {
+                Color32::from_rgb(r, g, b)
+            } else {
+                Color32::from_rgba_unmultiplied(r, g, b, a)
+            };
+        }
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::worker::outbox::Arrival;
+    use raycast_core::camera::Grid;
+
+    const PASS: Pass = Pass {
+        stride: 1,
+        samples: 1,
+    };
+
+    fn batch(generation: u64, size: (u32, u32), places: &[usize], value: u8) -> Batch {
+        let layout = Arc::new(Layout::new(size, Grid::Size(4).tiles(size.0, size.1)));
+        let tiles = places
+            .iter()
+            .zip(0..)
+            .map(|(&place, order)| Arrival {
+                place,
+                order,
+                pass: PASS,
+                tile: Tile {
+                    rect: layout.tiles[place],
+                    pixels: vec![[value, value, value, 255]; layout.tiles[place].area()],
+                    layers: None,
+                    stats: TileStats::default(),
+                },
+            })
+            .collect();
+        Batch {
+            generation,
+            layout,
+            tiles,
+            reports: Vec::new(),
+            complete: false,
+            elapsed: Duration::ZERO,
+        }
+    }
+
+    fn values(canvas: &Canvas) -> Vec<u8> {
+        canvas.image.pixels.iter().map(|pixel| pixel.r()).collect()
+    }
+
+    #[test]
+    fn stale_pictures_are_ignored() {
+        let mut canvas = Canvas::default();
+        canvas.take_in(batch(2, (8, 4), &[0, 1], 20));
+        canvas.take_in(batch(1, (8, 4), &[0, 1], 10));
+        assert_eq!(canvas.generation(), 2);
+        assert!(values(&canvas).iter().all(|&value| value == 20));
+    }
+
+    #[test]
+    fn tiles_land_in_their_places_over_what_was_there() {
+        let mut canvas = Canvas::default();
+        canvas.take_in(batch(1, (8, 4), &[0, 1], 10));
+        canvas.take_in(batch(2, (8, 4), &[1], 20));
+        for (index, value) in values(&canvas).into_iter().enumerate() {
+            assert_eq!(value, if index % 8 < 4 { 10 } else { 20 });
+        }
+        let orders: Vec<_> = canvas
+            .notes()
+            .map(|(_, note)| note.map(|n| n.order))
+            .collect();
+        assert_eq!(orders, [None, Some(0)]);
+    }
+
+    #[test]
+    fn another_size_starts_from_the_last_picture() {
+        let mut canvas = Canvas::default();
+        canvas.take_in(batch(1, (8, 4), &[0, 1], 10));
+        canvas.take_in(batch(2, (12, 8), &[0], 20));
+        assert_eq!(canvas.size(), (12, 8));
+        let values = values(&canvas);
+        assert_eq!((values[0], values[11], values[12 * 7]), (20, 10, 10));
+    }
+
+    #[test]
+    fn a_tile_that_does_not_fit_is_refused() {
+        let mut canvas = Canvas::default();
+        let mut wrong = batch(1, (8, 4), &[0], 10);
+        wrong.tiles[0].tile.rect.x = 6;
+        canvas.take_in(wrong);
+        assert!(values(&canvas).iter().all(|&value| value == 0));
+    }
+
+    #[test]
+    fn the_texture_follows() {
+        let context = egui::Context::default();
+        let mut canvas = Canvas::default();
+        assert_eq!(canvas.texture(&context), None);
+        canvas.take_in(batch(1, (64, 64), &[0], 10));
+        let id = canvas.texture(&context);
+        assert!(id.is_some());
+        canvas.take_in(batch(2, (64, 64), &[5], 20));
+        assert_eq!(canvas.dirty, Dirty::Tiles(vec![canvas.layout.tiles[5]]));
+        assert_eq!(canvas.texture(&context), id);
+        assert_eq!(canvas.dirty, Dirty::Nothing);
+        let delta = context.tex_manager().write().take_delta();
+        assert_eq!(
+            id.and_then(|id| delta.set.get(&id)).map(|sets| sets.len()),
+            Some(2)
+        );
+    }
+}

@@ -1,0 +1,136 @@
+//! What is remembered from one session to the next: how a person likes to work, not what was open.
+
+use super::state::{Overlay, State, Tint, default_threads};
+use raycast_core::camera::{FrameLock, Grid};
+use serde::{Deserialize, Serialize};
+
+/// Where eframe keeps it.
+pub const KEY: &str = "raycast";
+
+/// The settings that are kept.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Remembered {
+    threads: Option<usize>,
+    panel: bool,
+    keep_resolution: bool,
+    tile_size: Option<u32>,
+    tile_grid: Option<(u32, u32)>,
+    borders: bool,
+    order: bool,
+    tint: String,
+}
+
+impl Default for Remembered {
+    fn default() -> Self {
+        Self::of(&State::default())
+    }
+}
+
+impl Remembered {
+    /// What of a state is kept.
+    pub fn of(state: &State) -> Self {
+        Self {
+            // As many as cores is no choice: on another machine it is another number.
+            threads: (state.threads != default_threads()).then_some(state.threads),
+            panel: state.panel,
+            keep_resolution: state.lock == FrameLock::KeepResolution,
+            tile_size: match state.grid {
+                Grid::Size(size) => Some(size),
+                Grid::Count { .. } => None,
+            },
+            tile_grid: match state.grid {
+                Grid::Size(_) => None,
+                Grid::Count { columns, rows } => Some((columns, rows)),
+            },
+            borders: state.overlay.borders,
+            order: state.overlay.order,
+            tint: match state.overlay.tint {
+                Tint::None => "none",
+                Tint::Time => "time",
+                Tint::Worker => "worker",
+            }
+            .to_owned(),
+        }
+    }
+
+    /// Puts it back.
+    pub fn restore(&self, state: &mut State) {
+        if let Some(threads) = self.threads {
+            state.threads = threads.clamp(1, 256);
+        }
+        state.panel = self.panel;
+        state.lock = if self.keep_resolution {
+            FrameLock::KeepResolution
+        } else {
+            FrameLock::KeepFrame
+        };
+        state.grid = match (self.tile_grid, self.tile_size) {
+            (Some((columns, rows)), _) => Grid::Count {
+                columns: columns.clamp(1, 256),
+                rows: rows.clamp(1, 256),
+            },
+            (None, Some(size)) => Grid::Size(size.clamp(16, 4096)),
+            (None, None) => Grid::default(),
+        };
+        state.overlay = Overlay {
+            borders: self.borders,
+            order: self.order,
+            tint: match self.tint.as_str() {
+                "time" => Tint::Time,
+                "worker" => Tint::Worker,
+                _ => Tint::None,
+            },
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn comes_back_as_it_was() {
+        let state = State {
+            threads: default_threads() + 3,
+            panel: false,
+            lock: FrameLock::KeepResolution,
+            grid: Grid::Count {
+                columns: 3,
+                rows: 2,
+            },
+            overlay: Overlay {
+                borders: true,
+                order: true,
+                tint: Tint::Worker,
+            },
+            ..State::default()
+        };
+        let kept = serde_json::to_string(&Remembered::of(&state)).expect("writes");
+        let kept: Remembered = serde_json::from_str(&kept).expect("reads");
+        let mut other = State::default();
+        kept.restore(&mut other);
+        assert_eq!(
+            (
+                other.threads,
+                other.panel,
+                other.lock,
+                other.grid,
+                other.overlay
+            ),
+            (
+                state.threads,
+                state.panel,
+                state.lock,
+                state.grid,
+                state.overlay
+            )
+        );
+    }
+
+    #[test]
+    fn an_older_file_fills_in_with_defaults() {
+        let kept: Remembered = serde_json::from_str("{}").expect("reads");
+        assert_eq!(kept, Remembered::default());
+    }
+}

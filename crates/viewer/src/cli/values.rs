@@ -1,0 +1,309 @@
+//! From the words of a command line to values.
+
+use clap::builder::{PossibleValuesParser, RangedI64ValueParser, TypedValueParser};
+use raycast_core::camera::{ImagePlane, Projection};
+use raycast_core::glam::DVec3;
+use raycast_core::intersect::Cull;
+use raycast_core::render::Precision;
+use raycast_core::scene::{Color, ColorRule, Crop};
+use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
+use std::str::FromStr;
+
+/// `--orbit`: degrees, and scene units where they were given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OrbitArg {
+    /// Degrees about +Y.
+    pub yaw: f64,
+    /// Degrees above the horizon.
+    pub pitch: f64,
+    /// From the centre to the eye; `None` for as far as the whole scene needs.
+    pub distance: Option<f64>,
+}
+
+/// `--color`: the rule for every object.
+pub type SceneColor = ColorRule;
+
+/// Names of a kind of thing, in the order that help lists them.
+pub(super) type Names<T> = &'static [(&'static str, T)];
+
+pub(super) const PROJECTIONS: Names<Projection> = &[
+    ("perspective", Projection::Perspective),
+    ("orthographic", Projection::Orthographic),
+];
+
+pub(super) const MODES: Names<Mode> = &[
+    ("color", Mode::Color),
+    ("flat", Mode::Flat),
+    ("smooth", Mode::Smooth),
+    ("normals", Mode::Normals),
+    ("depth", Mode::Depth),
+    ("barycentric", Mode::Barycentric),
+    ("uv", Mode::Uv),
+    ("texture", Mode::Texture),
+    ("wireframe", Mode::Wireframe),
+];
+
+pub(super) const TEXTURE_PROJECTIONS: Names<TextureProjection> = &[
+    ("uv", TextureProjection::Uv),
+    ("triplanar", TextureProjection::Triplanar),
+];
+
+pub(super) const FILTERS: Names<Filter> =
+    &[("nearest", Filter::Nearest), ("bilinear", Filter::Bilinear)];
+
+pub(super) const PRECISIONS: Names<Precision> =
+    &[("fast", Precision::Fast), ("exact", Precision::Exact)];
+
+pub(super) const CULLS: Names<Cull> = &[("none", Cull::None), ("back", Cull::Back)];
+
+/// Reads one of `names`.
+pub(super) fn named<T: Copy + Send + Sync + 'static>(
+    names: Names<T>,
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(names.iter().map(|(name, _)| *name)).map(move |given| {
+        names
+            .iter()
+            .find(|(name, _)| *name == given)
+            .map(|(_, value)| *value)
+            .expect("clap lets only listed names through")
+    })
+}
+
+/// Reads a count of workers.
+pub(super) fn threads() -> RangedI64ValueParser<u16> {
+    clap::value_parser!(u16).range(0..=256)
+}
+
+/// Reads a picture's size.
+pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
+    let (columns, rows) = by(text, "a size as WIDTHxHEIGHT")?;
+    ImagePlane::new(columns, rows, 1.0).map_err(|error| error.to_string())?;
+    Ok((columns, rows))
+}
+
+/// Reads a grid's counts.
+pub(super) fn counts(text: &str) -> Result<(u32, u32), String> {
+    match by(text, "a grid as COLUMNSxROWS")? {
+        (0, _) | (_, 0) => Err("a grid needs at least one column and one row".to_owned()),
+        counts => Ok(counts),
+    }
+}
+
+/// Reads a cell of a grid.
+pub(super) fn cell(text: &str) -> Result<(u32, u32), String> {
+    let [column, row] = list(text, "a sub-camera as COLUMN,ROW")?;
+    Ok((column, row))
+}
+
+/// Reads a point or a direction.
+pub(super) fn point(text: &str) -> Result<DVec3, String> {
+    let point = DVec3::from_array(list(text, "three numbers as X,Y,Z")?);
+    if point.is_finite() {
+        Ok(point)
+    } else {
+        Err("expected three finite numbers".to_owned())
+    }
+}
+
+/// Reads a length.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|value: &f64| value.is_finite() && *value > 0.0)
+        .ok_or_else(|| "expected a positive number".to_owned())
+}
+
+/// Reads a field of view in degrees.
+pub(super) fn fov(text: &str) -> Result<f64, String> {
+    positive(text)
+        .ok()
+        .filter(|degrees| *degrees < 180.0)
+        .ok_or_else(|| "expected degrees, above 0 and below 180".to_owned())
+}
+
+/// Reads yaw, pitch and perhaps a distance.
+pub(super) fn orbit(text: &str) -> Result<OrbitArg, String> {
+    const EXPECTED: &str = "YAW,PITCH or YAW,PITCH,DISTANCE";
+    let (yaw, pitch, distance) = match text.split(',').count() {
+        3 => {
+            let [yaw, pitch, distance] = list::<f64, 3>(text, EXPECTED)?;
+            (yaw, pitch, Some(distance))
+        }
+        _ => {
+            let [yaw, pitch] = list(text, EXPECTED)?;
+            (yaw, pitch, None)
+        }
+    };
+    if !yaw.is_finite() || !(-90.0..=90.0).contains(&pitch) {
+        return Err("expected a finite yaw and a pitch of -90 to 90 degrees".to_owned());
+    }
+    if distance.is_some_and(|distance: f64| !(distance.is_finite() && distance > 0.0)) {
+        return Err("expected a positive distance".to_owned());
+    }
+    Ok(OrbitArg {
+        yaw,
+        pitch,
+        distance,
+    })
+}
+
+/// Reads a line's width in pixels.
+pub(super) fn line_width(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|width: &f32| *width > 0.0 && *width <= 100.0)
+        .ok_or_else(|| "expected a width in pixels, above 0 and at most 100".to_owned())
+}
+
+/// Reads a share.
+pub(super) fn blend(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|share: &f32| (0.0..=1.0).contains(share))
+        .ok_or_else(|| "expected a number from 0 to 1".to_owned())
+}
+
+/// Reads a part of an image.
+pub(super) fn crop(text: &str) -> Result<Crop, String> {
+    let [x, y, width, height] = list(text, "four whole numbers as X,Y,WIDTH,HEIGHT")?;
+    if width == 0 || height == 0 {
+        return Err("a crop needs at least one pixel".to_owned());
+    }
+    Ok(Crop {
+        x,
+        y,
+        width,
+        height,
+    })
+}
+
+/// Reads a colour rule.
+pub(super) fn scene_color(text: &str) -> Result<SceneColor, String> {
+    const EXPECTED: &str = "expected file, per-triangle, per-triangle:SEED or #rrggbb";
+    match text.split_once(':') {
+        None if text == "file" => Ok(ColorRule::File),
+        None if text == "per-triangle" => Ok(ColorRule::PerTriangle { seed: 0 }),
+        Some(("per-triangle", seed)) => match seed.parse() {
+            Ok(seed) => Ok(ColorRule::PerTriangle { seed }),
+            Err(_) => Err(format!("{EXPECTED}, a seed being 0 to {}", u32::MAX)),
+        },
+        _ => text
+            .parse()
+            .map(ColorRule::Uniform)
+            .map_err(|_| EXPECTED.to_owned()),
+    }
+}
+
+/// Reads what lies behind everything.
+pub(super) fn background(text: &str) -> Result<Background, String> {
+    if text == "transparent" {
+        return Ok(Background::Transparent);
+    }
+    let color = |text: &str| {
+        text.parse::<Color>()
+            .map_err(|_| "expected #top,#bottom, #rrggbb or transparent".to_owned())
+    };
+    let (top, bottom) = text.split_once(',').unwrap_or((text, text));
+    Ok(Background::Gradient(color(top)?, color(bottom)?))
+}
+
+/// Reads two whole numbers with an `x` between them.
+fn by(text: &str, expected: &str) -> Result<(u32, u32), String> {
+    text.split_once(['x', 'X'])
+        .and_then(|(left, right)| Some((left.parse().ok()?, right.parse().ok()?)))
+        .ok_or_else(|| format!("expected {expected}"))
+}
+
+/// Reads `N` values with commas between them.
+fn list<T: FromStr, const N: usize>(text: &str, expected: &str) -> Result<[T; N], String> {
+    text.split(',')
+        .map(|part| part.trim().parse().ok())
+        .collect::<Option<Vec<T>>>()
+        .and_then(|values| values.try_into().ok())
+        .ok_or_else(|| format!("expected {expected}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_limits() {
+        assert_eq!(size("1280x720"), Ok((1280, 720)));
+        for bad in [
+            "0x5",
+            "5x0",
+            "-1x5",
+            "65537x1",
+            "40000x40000",
+            "5",
+            "x",
+            "1x2x3",
+            "1.5x2",
+        ] {
+            assert!(size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn lists_have_their_length() {
+        assert_eq!(point("1,-2, 3e2"), Ok(DVec3::new(1.0, -2.0, 300.0)));
+        assert!(point("1,2,3,4").is_err() && point("1,2").is_err() && point("1,2,x").is_err());
+        assert!(point("1,2,NaN").is_err());
+        assert_eq!(cell("2,0"), Ok((2, 0)));
+        assert!(cell("-1,0").is_err());
+        assert_eq!(
+            crop("1,2,3,4").map(|c| (c.x, c.y, c.width, c.height)),
+            Ok((1, 2, 3, 4))
+        );
+        assert!(crop("1,2,0,4").is_err());
+    }
+
+    #[test]
+    fn color_rules() {
+        assert_eq!(scene_color("file"), Ok(ColorRule::File));
+        assert_eq!(
+            scene_color("per-triangle"),
+            Ok(ColorRule::PerTriangle { seed: 0 })
+        );
+        assert_eq!(
+            scene_color("per-triangle:7"),
+            Ok(ColorRule::PerTriangle { seed: 7 })
+        );
+        assert_eq!(
+            scene_color("#0102ff"),
+            Ok(ColorRule::Uniform(Color([1, 2, 255])))
+        );
+        for bad in ["", "per-triangle:", "per-triangle:-1", "file:1", "#12345"] {
+            assert!(scene_color(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn backgrounds() {
+        let (black, white) = (Color([0; 3]), Color([255; 3]));
+        assert_eq!(
+            background("#000000,#ffffff"),
+            Ok(Background::Gradient(black, white))
+        );
+        assert_eq!(
+            background("#ffffff"),
+            Ok(Background::Gradient(white, white))
+        );
+        assert_eq!(background("transparent"), Ok(Background::Transparent));
+        assert!(background("#000000,").is_err());
+    }
+
+    #[test]
+    fn orbits() {
+        let with_distance = OrbitArg {
+            yaw: -400.0,
+            pitch: 90.0,
+            distance: Some(2.0),
+        };
+        assert_eq!(orbit("-400,90,2"), Ok(with_distance));
+        for bad in ["1", "1,2,3,4", "0,90.1", "0,0,-1", "inf,0", "0,nan"] {
+            assert!(orbit(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,272 @@
+use super::baseline::{Baseline, BaselineFigures};
+use super::{Failure, workers};
+use crate::cli::BenchArgs;
+use crate::output::print;
+use crate::progress::Progress;
+use crate::stats::{self, Shares, json, milliseconds};
+use raycast_core::accel::Accel;
+use raycast_core::camera::{
+    Camera, Grid, Orbit, Placement, PlaneRequest, Projection, fov_to_frame,
+};
+use raycast_core::formats;
+use raycast_core::glam::DVec3;
+use raycast_core::render::{Cancel, Precision, Settings, TileStats, View};
+use raycast_core::scene::Scene;
+use raycast_core::shade::Shading;
+use rayon::ThreadPool;
+use serde::Serialize;
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// A file's figures.
+#[derive(Debug, Serialize)]
+struct FileFigures {
+    file: String,
+    triangles: usize,
+    build_ms: f64,
+    threads: usize,
+    simd: &'static str,
+    precision: &'static str,
+    views: Vec<ViewFigures>,
+}
+
+/// A view's figures.
+#[derive(Debug, Serialize)]
+struct ViewFigures {
+    view: &'static str,
+    rays: u64,
+    hits: u64,
+    cast_ms: Spread,
+    frame_ms: Spread,
+    mrays_per_s: f64,
+    #[serde(flatten)]
+    baseline: Option<BaselineFigures>,
+}
+
+/// The least and the middle of several times, in milliseconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub(super) struct Spread {
+    min: f64,
+    median: f64,
+}
+
+impl Spread {
+    /// Of times, in any order.
+    pub(super) fn of(times: &mut [Duration]) -> Self {
+        times.sort_unstable();
+        Self {
+            min: times.first().copied().map_or(0.0, milliseconds),
+            median: milliseconds(median(times)),
+        }
+    }
+}
+
+/// The middle of sorted times; of an even number the mean of the two.
+pub(super) fn median(sorted: &[Duration]) -> Duration {
+    match (sorted.get(sorted.len() / 2), sorted.len() % 2) {
+        (None, _) => Duration::ZERO,
+        (Some(&middle), 1) => middle,
+        (Some(&upper), _) => (sorted[sorted.len() / 2 - 1] + upper) / 2,
+    }
+}
+
+/// Measures frame times and prints them.
+pub(super) fn run(args: &BenchArgs) -> Result<(), Failure> {
+    let pool = workers(args.casting.threads)?;
+    let mut figures = Vec::with_capacity(args.files.len());
+    for file in &args.files {
+        figures.push(measure_file(args, file, &pool)?);
+    }
+    print(&json(&figures)?)
+}
+
+fn measure_file(args: &BenchArgs, path: &Path, pool: &ThreadPool) -> Result<FileFigures, Failure> {
+    let progress = Progress::new();
+    progress.loading();
+    let scene = formats::read_scene(path, &|share| progress.loaded(share))?.scene;
+    progress.building();
+    let building = Instant::now();
+    let accel = Arc::new(pool.install(|| Accel::build(&scene))?);
+    let build_time = building.elapsed();
+    let cameras = cameras(args, &scene)?;
+    let baseline = args
+        .baselines
+        .then(|| pool.install(|| Baseline::build(&accel)));
+
+    let scene = Arc::new(scene);
+    progress.counting(
+        "measuring",
+        cameras.len() as u64 * (u64::from(args.frames) + 1),
+    );
+    let mut views = Vec::with_capacity(cameras.len());
+    for (name, camera) in cameras {
+        let view = View {
+            scene: Arc::clone(&scene),
+            accel: Arc::clone(&accel),
+            camera,
+            settings: Settings {
+                shading: Shading {
+                    mode: args.mode,
+                    ..Shading::default()
+                },
+                cull: args.casting.cull,
+                precision: args.casting.precision,
+                samples: 1,
+                layers: false,
+            },
+        };
+        let measured =
+            pool.install(|| measure_view(name, &view, baseline.as_ref(), args.frames, &progress));
+        views.push(measured?);
+    }
+    Ok(FileFigures {
+        file: path.display().to_string(),
+        triangles: scene.triangle_count(),
+        build_ms: milliseconds(build_time),
+        threads: pool.current_num_threads(),
+        simd: stats::simd(),
+        precision: match args.casting.precision {
+            Precision::Fast => "fast",
+            Precision::Exact => "exact",
+        },
+        views,
+    })
+}
+
+/// The views to measure, by name.
+fn cameras(args: &BenchArgs, scene: &Scene) -> Result<Vec<(&'static str, Camera)>, Failure> {
+    let (center, radius) = scene.bounding_sphere();
+    let camera = |placement: Placement| -> Result<Camera, Failure> {
+        let distance = placement.eye.distance(placement.target);
+        let plane = PlaneRequest {
+            size: Some(args.size),
+            ..PlaneRequest::default()
+        }
+        .resolve(args.size, fov_to_frame(args.fov, distance))?;
+        Ok(Camera::new(placement, Projection::Perspective, plane))
+    };
+    if let Some(eye) = args.eye {
+        let given = Placement {
+            eye,
+            target: args.target.unwrap_or(center),
+            up: args.up.unwrap_or(DVec3::Y),
+        };
+        return Ok(vec![("given", camera(given)?)]);
+    }
+    let (yaw, pitch) = Orbit::DEFAULT_ANGLES;
+    let filling = radius / (args.fov.to_radians() * 0.5).sin();
+    let from = |distance: f64| {
+        let orbit = Orbit {
+            pivot: center,
+            yaw,
+            pitch,
+            // A scene that is a point, or nothing, has no size to fill the frame with.
+            distance: if distance > 0.0 { distance } else { 1.0 },
+        };
+        camera(orbit.placement())
+    };
+    Ok(vec![
+        ("medium", from(filling)?),
+        ("close", from(filling * 0.5)?),
+    ])
+}
+
+/// Measures frames of one view, and the baseline's in turn with them, after one that warms up.
+fn measure_view(
+    name: &'static str,
+    view: &View,
+    baseline: Option<&Baseline<'_>>,
+    frames: u32,
+    progress: &Progress,
+) -> Result<ViewFigures, Failure> {
+    let mut cast_times = Vec::new();
+    let mut frame_times = Vec::new();
+    let mut baseline_times = Vec::new();
+    let mut tiles = TileStats::default();
+    for frame in 0..=frames {
+        let (cast, wall, sum) = render_frame(view)?;
+        let reference = baseline.map(|baseline| baseline.frame(&view.camera));
+        if frame > 0 {
+            cast_times.push(cast);
+            frame_times.push(wall);
+            baseline_times.extend(reference);
+            tiles = sum;
+        }
+        progress.done(1);
+    }
+    let cast_ms = Spread::of(&mut cast_times);
+    Ok(ViewFigures {
+        view: name,
+        rays: tiles.rays,
+        hits: tiles.hits,
+        cast_ms,
+        frame_ms: Spread::of(&mut frame_times),
+        mrays_per_s: stats::mrays_per_s(tiles.rays, median(&cast_times)),
+        baseline: baseline.map(|baseline| {
+            baseline.figures(
+                &view.camera,
+                view.settings.cull,
+                tiles.rays,
+                &mut baseline_times,
+            )
+        }),
+    })
+}
+
+/// One frame: its time for visibility alone, its whole time, and what its tiles counted.
+fn render_frame(view: &View) -> Result<(Duration, Duration, TileStats), Failure> {
+    let started = Instant::now();
+    let sum = Mutex::new(TileStats::default());
+    let picture = view.render(
+        Grid::default(),
+        &|| started.elapsed(),
+        &Cancel::default(),
+        &|tile| *sum.lock().unwrap_or_else(PoisonError::into_inner) += tile.stats,
+    );
+    let wall = started.elapsed();
+    if picture.is_none() {
+        return Err(Failure::could_not("the render was stopped"));
+    }
+    let sum = sum.into_inner().unwrap_or_else(PoisonError::into_inner);
+    Ok((Shares::new(wall, &sum).cast, wall, sum))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spreads_are_least_and_middle() {
+        let ms = Duration::from_millis;
+        let odd = Spread::of(&mut [ms(5), ms(1), ms(3)]);
+        assert_eq!((odd.min, odd.median), (1.0, 3.0));
+        let even = Spread::of(&mut [ms(4), ms(1), ms(2), ms(9)]);
+        assert_eq!((even.min, even.median), (1.0, 3.0));
+        assert_eq!(Spread::of(&mut []), Spread::default());
+    }
+
+    #[test]
+    fn json_is_as_promised() {
+        let figures = ViewFigures {
+            view: "medium",
+            rays: 2,
+            hits: 1,
+            cast_ms: Spread::default(),
+            frame_ms: Spread::default(),
+            mrays_per_s: 1.0,
+            baseline: None,
+        };
+        let value = serde_json::to_value(figures).expect("JSON");
+        let mut keys: Vec<_> = value.as_object().expect("an object").keys().collect();
+        keys.sort();
+        assert_eq!(
+            keys,
+            ["cast_ms", "frame_ms", "hits", "mrays_per_s", "rays", "view"]
+        );
+        assert_eq!(
+            value["cast_ms"],
+            serde_json::json!({"min": 0.0, "median": 0.0})
+        );
+    }
+}

@@ -1,0 +1,306 @@
+use super::{Failure, warn, workers};
+use crate::cli::CastArgs;
+use crate::output::Output;
+use crate::progress::Progress;
+use crate::setup;
+use crate::stats::{self, Stats, StatsTarget, milliseconds};
+use raycast_core::accel::Accel;
+use raycast_core::camera::Ray;
+use raycast_core::glam::DVec3;
+use raycast_core::intersect::{Cull, Hit};
+use rayon::prelude::*;
+use std::fs::File;
+use std::io::{Read, Write};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Bytes of a ray: origin, t_min, direction, t_max.
+const RAY_BYTES: usize = 32;
+
+/// Bytes of a hit: t, object, triangle, u, v.
+const HIT_BYTES: usize = 20;
+
+/// Rays held at once: enough to keep every worker busy, few enough to hold for any file.
+const RAYS_AT_ONCE: usize = 1 << 18;
+
+/// Rays that a worker takes at a time.
+const RAYS_A_TASK: usize = 1 << 10;
+
+/// How many rays were what.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Counts {
+    rays: u64,
+    hits: u64,
+    invalid: u64,
+}
+
+impl std::ops::Add for Counts {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            rays: self.rays + other.rays,
+            hits: self.hits + other.hits,
+            invalid: self.invalid + other.invalid,
+        }
+    }
+}
+
+/// Answers a file of rays with a file of hits.
+pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
+    let started = Instant::now();
+    let mut inputs: Vec<&Path> = args.files.iter().map(AsRef::as_ref).collect();
+    inputs.push(&args.rays);
+    let output = Output::at(&args.hits, &inputs)?;
+    inputs.push(&args.hits);
+    let stats_target = StatsTarget::at(args.stats.as_deref(), &inputs)?;
+    let (rays_file, bytes) = open_rays(&args.rays)?;
+    let pool = workers(args.threads)?;
+
+    let progress = Progress::new();
+    progress.loading();
+    let scene = setup::load(&args.files, &|share| progress.loaded(share))?.scene;
+    let load_time = started.elapsed();
+    progress.building();
+    let building = Instant::now();
+    let accel = pool.install(|| Accel::build(&scene))?;
+    let build_time = building.elapsed();
+
+    progress.counting("casting", bytes / RAY_BYTES as u64);
+    let mut hits_file = output.create()?;
+    let (counts, cast_time) = answer(
+        &args.rays,
+        rays_file,
+        |bytes| {
+            hits_file.write_all(bytes).map_err(|error| {
+                Failure::could_not(format!(
+                    "{}: cannot be written: {error}",
+                    args.hits.display()
+                ))
+            })
+        },
+        |rays| pool.install(|| cast_all(&accel, args.cull, rays, &progress)),
+    )?;
+    progress.clear();
+
+    if counts.invalid > 0 {
+        warn(&format!(
+            "{} of {} rays are misses for a number that is not finite or a direction of zero",
+            counts.invalid, counts.rays
+        ));
+    }
+    stats_target.write(&Stats {
+        triangles: scene.triangle_count() as u64,
+        dropped: setup::dropped(&scene).total().into(),
+        load_ms: milliseconds(load_time),
+        build_ms: milliseconds(build_time),
+        cast_ms: milliseconds(cast_time),
+        shade_ms: 0.0,
+        total_ms: milliseconds(started.elapsed()),
+        rays: counts.rays,
+        hits: counts.hits,
+        invalid_rays: counts.invalid,
+        mrays_per_s: stats::mrays_per_s(counts.rays, cast_time),
+        threads: pool.current_num_threads(),
+        simd: stats::simd(),
+        peak_bytes: stats::peak_bytes(),
+    })?;
+    hits_file.finish()
+}
+
+/// Opens a file of rays and tells its length, 0 for one that has none (a pipe).
+fn open_rays(path: &Path) -> Result<(File, u64), Failure> {
+    let cannot = |error: std::io::Error| Failure::could_not(format!("{}: {error}", path.display()));
+    let file = File::open(path).map_err(cannot)?;
+    let found = file.metadata().map_err(cannot)?;
+    if found.is_dir() {
+        return Err(Failure::could_not(format!(
+            "{}: expected a file of rays, found a directory",
+            path.display()
+        )));
+    }
+    let bytes = if found.is_file() { found.len() } else { 0 };
+    if bytes % RAY_BYTES as u64 != 0 {
+        return Err(cut_short(path, bytes));
+    }
+    Ok((file, bytes))
+}
+
+fn cut_short(path: &Path, bytes: u64) -> Failure {
+    Failure::could_not(format!(
+        "{}: expected a multiple of {RAY_BYTES} bytes ({RAY_BYTES} a ray), found {bytes} bytes",
+        path.display()
+    ))
+}
+
+/// Reads rays, lets `cast` answer them, and hands the hits' bytes to `write`, a part at a time.
+/// Returns the counts and the time that `cast` took.
+fn answer(
+    path: &Path,
+    mut rays: impl Read,
+    mut write: impl FnMut(&[u8]) -> Result<(), Failure>,
+    cast: impl Fn(&[u8]) -> (Vec<u8>, Counts),
+) -> Result<(Counts, Duration), Failure> {
+    let mut counts = Counts::default();
+    let mut time = Duration::ZERO;
+    let mut part = Vec::new();
+    loop {
+        part.clear();
+        rays.by_ref()
+            .take((RAYS_AT_ONCE * RAY_BYTES) as u64)
+            .read_to_end(&mut part)
+            .map_err(|error| Failure::could_not(format!("{}: {error}", path.display())))?;
+        if part.is_empty() {
+            return Ok((counts, time));
+        }
+        if part.len() % RAY_BYTES != 0 {
+            let before = counts.rays * RAY_BYTES as u64;
+            return Err(cut_short(path, before + part.len() as u64));
+        }
+        let started = Instant::now();
+        let (hits, more) = cast(&part);
+        time += started.elapsed();
+        counts = counts + more;
+        write(&hits)?;
+    }
+}
+
+/// The hits of whole rays, in parallel on the current pool.
+fn cast_all(accel: &Accel, cull: Cull, rays: &[u8], progress: &Progress) -> (Vec<u8>, Counts) {
+    let mut hits = vec![0; rays.len() / RAY_BYTES * HIT_BYTES];
+    let counts = rays
+        .par_chunks(RAYS_A_TASK * RAY_BYTES)
+        .zip(hits.par_chunks_mut(RAYS_A_TASK * HIT_BYTES))
+        .map(|(rays, hits)| {
+            let mut counts = Counts::default();
+            for (ray, hit) in rays
+                .chunks_exact(RAY_BYTES)
+                .zip(hits.chunks_exact_mut(HIT_BYTES))
+            {
+                let ray = decode(ray);
+                let met = if ray.is_valid() {
+                    accel.cast(&ray, cull)
+                } else {
+                    counts.invalid += 1;
+                    None
+                };
+                counts.hits += u64::from(met.is_some());
+                hit.copy_from_slice(&encode(met));
+            }
+            counts.rays = (rays.len() / RAY_BYTES) as u64;
+            progress.done(counts.rays);
+            counts
+        })
+        .reduce(Counts::default, |a, b| a + b);
+    (hits, counts)
+}
+
+/// A ray from its 32 bytes.
+fn decode(bytes: &[u8]) -> Ray {
+    let number = |index: usize| {
+        let word = &bytes[index * 4..index * 4 + 4];
+        f64::from(f32::from_le_bytes([word[0], word[1], word[2], word[3]]))
+    };
+    Ray {
+        origin: DVec3::new(number(0), number(1), number(2)),
+        t_min: number(3),
+        direction: DVec3::new(number(4), number(5), number(6)),
+        t_max: number(7),
+    }
+}
+
+/// A hit's 20 bytes.
+fn encode(hit: Option<Hit>) -> [u8; HIT_BYTES] {
+    let (t, object, triangle, u, v) = match hit {
+        Some(hit) => (
+            hit.t as f32,
+            hit.object,
+            hit.triangle,
+            hit.u as f32,
+            hit.v as f32,
+        ),
+        None => (f32::INFINITY, u32::MAX, u32::MAX, 0.0, 0.0),
+    };
+    let mut bytes = [0; HIT_BYTES];
+    bytes[0..4].copy_from_slice(&t.to_le_bytes());
+    bytes[4..8].copy_from_slice(&object.to_le_bytes());
+    bytes[8..12].copy_from_slice(&triangle.to_le_bytes());
+    bytes[12..16].copy_from_slice(&u.to_le_bytes());
+    bytes[16..20].copy_from_slice(&v.to_le_bytes());
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_and_hits_are_laid_out_as_promised() {
+        let numbers: [f32; 8] = [1.0, -2.0, 3.5, 0.25, 0.0, 0.0, -1.0, 100.0];
+        let bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
+        let ray = decode(&bytes);
+        assert_eq!(ray.origin, DVec3::new(1.0, -2.0, 3.5));
+        assert_eq!(ray.direction, DVec3::NEG_Z);
+        assert_eq!((ray.t_min, ray.t_max), (0.25, 100.0));
+
+        let hit = Hit {
+            object: 1,
+            triangle: 0x0403_0201,
+            t: 2.0,
+            u: 0.5,
+            v: 0.25,
+        };
+        let bytes = encode(Some(hit));
+        assert_eq!(bytes[0..4], 2f32.to_le_bytes());
+        assert_eq!(bytes[4..12], [1, 0, 0, 0, 1, 2, 3, 4]);
+        assert_eq!(bytes[12..16], 0.5f32.to_le_bytes());
+        assert_eq!(bytes[16..20], 0.25f32.to_le_bytes());
+        let miss = encode(None);
+        assert_eq!(miss[0..4], f32::INFINITY.to_le_bytes());
+        assert_eq!(miss[4..12], [0xff; 8]);
+    }
+
+    #[test]
+    fn rays_come_in_parts_and_stay_in_order() {
+        let count = RAYS_AT_ONCE + 3;
+        let rays: Vec<u8> = (0..count)
+            .flat_map(|number| [(number as u32).to_le_bytes(); RAY_BYTES / 4].concat())
+            .collect();
+        let mut written = Vec::new();
+        let (counts, _) = answer(
+            Path::new("rays"),
+            rays.as_slice(),
+            |bytes| {
+                written.extend_from_slice(bytes);
+                Ok(())
+            },
+            |rays| {
+                let firsts = rays.chunks(RAY_BYTES).flat_map(|ray| ray[..4].to_vec());
+                let counts = Counts {
+                    rays: (rays.len() / RAY_BYTES) as u64,
+                    ..Counts::default()
+                };
+                (firsts.collect(), counts)
+            },
+        )
+        .expect("whole rays");
+        assert_eq!(counts.rays, count as u64);
+        let expected: Vec<u8> = (0..count as u32).flat_map(u32::to_le_bytes).collect();
+        assert_eq!(written, expected);
+    }
+
+    #[test]
+    fn a_file_cut_short_is_refused() {
+        let refused = answer(
+            Path::new("rays"),
+            [0u8; 33].as_slice(),
+            |_| Ok(()),
+            |_| (Vec::new(), Counts::default()),
+        );
+        let Err(failure) = refused else {
+            panic!("33 bytes are no rays");
+        };
+        let told = failure.to_string();
+        assert!(told.contains("33") && told.contains("32"), "{told}");
+    }
+}

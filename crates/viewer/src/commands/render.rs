@@ -1,0 +1,231 @@
+use super::{Failure, warn, workers};
+use crate::cli::{RenderArgs, TileArgs};
+use crate::output::Output;
+use crate::progress::Progress;
+use crate::stats::{self, Shares, Stats, StatsTarget, milliseconds};
+use crate::{identity, setup};
+use raycast_core::accel::Accel;
+use raycast_core::camera::{Grid, Rect};
+use raycast_core::formats::SceneFile;
+use raycast_core::image::{Format, Fragment, Picture};
+use raycast_core::render::{Cancel, Clock, Settings, TileStats, View};
+use rayon::prelude::*;
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+/// Renders a picture, or a fragment of one, to a file.
+pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
+    let started = Instant::now();
+    let format = Format::from_name(&args.output.to_string_lossy())?;
+    if args.tiles.sub_camera.is_some() {
+        check_fragment(&args.tiles, format)?;
+    }
+    let mut inputs: Vec<&Path> = args.files.iter().map(AsRef::as_ref).collect();
+    inputs.extend(args.shading.texture.as_deref());
+    let output = Output::at(&args.output, &inputs)?;
+    inputs.push(&args.output);
+    let stats_target = StatsTarget::at(args.stats.as_deref(), &inputs)?;
+    let pool = workers(args.casting.threads)?;
+
+    let progress = Progress::new();
+    progress.loading();
+    let loading = Instant::now();
+    let mut file = setup::load(&args.files, &|share| progress.loaded(share))?;
+    setup::paint(&mut file.scene, &args.shading)?;
+    let load_time = loading.elapsed();
+    let camera = setup::camera(
+        &args.camera,
+        file.camera.as_ref(),
+        file.image.size,
+        &file.scene.bounds(),
+    )?;
+    let settings = Settings {
+        shading: setup::shading(&args.shading, file.shading),
+        cull: args.casting.cull,
+        precision: args.casting.precision,
+        samples: args.samples.or(file.image.samples).unwrap_or(1).max(1),
+        layers: format == Format::Exr,
+    };
+    let plane = camera.plane();
+    let grid = args.tiles.grid();
+    let cell = match args.tiles.sub_camera {
+        Some(cell) => Some(tile_at(grid, cell, (plane.columns, plane.rows))?),
+        None => None,
+    };
+
+    progress.building();
+    let building = Instant::now();
+    let SceneFile { scene, .. } = file;
+    let accel = pool.install(|| Accel::build(&scene))?;
+    let build_time = building.elapsed();
+    let view = View {
+        scene: Arc::new(scene),
+        accel: Arc::new(accel),
+        camera,
+        settings,
+    };
+
+    let rendering = Instant::now();
+    let clock = || rendering.elapsed();
+    let (bytes, tiles, wall) = match cell {
+        Some(rect) => {
+            let (picture, tiles) = pool.install(|| render_part(&view, rect, &clock, &progress));
+            let wall = rendering.elapsed();
+            let fragment = Fragment {
+                full_size: (plane.columns, plane.rows),
+                rect,
+                view: identity::of_view(&view),
+                picture,
+            };
+            (fragment.encode(format)?, tiles, wall)
+        }
+        None => {
+            let (picture, tiles) = pool.install(|| render_whole(&view, grid, &clock, &progress))?;
+            let wall = rendering.elapsed();
+            (picture.encode(format)?, tiles, wall)
+        }
+    };
+    let file = output.write(&bytes)?;
+    progress.clear();
+
+    let dropped = setup::dropped(&view.scene);
+    if dropped.total() > 0 {
+        warn(&format!(
+            "{} of {} triangles were dropped: {}",
+            dropped.total(),
+            view.scene.triangle_count(),
+            setup::reasons(&dropped)
+        ));
+    }
+    let shares = Shares::new(wall, &tiles);
+    stats_target.write(&Stats {
+        triangles: view.scene.triangle_count() as u64,
+        dropped: dropped.total().into(),
+        load_ms: milliseconds(load_time),
+        build_ms: milliseconds(build_time),
+        cast_ms: milliseconds(shares.cast),
+        shade_ms: milliseconds(shares.shade),
+        total_ms: milliseconds(started.elapsed()),
+        rays: tiles.rays,
+        hits: tiles.hits,
+        invalid_rays: 0,
+        mrays_per_s: stats::mrays_per_s(tiles.rays, shares.cast),
+        threads: pool.current_num_threads(),
+        simd: stats::simd(),
+        peak_bytes: stats::peak_bytes(),
+    })?;
+    file.finish()
+}
+
+/// Whether a fragment was asked for in a way that it can be had.
+fn check_fragment(tiles: &TileArgs, format: Format) -> Result<(), Failure> {
+    if tiles.tiles.is_none() && tiles.tile_size.is_none() {
+        return Err(Failure::usage(
+            "--sub-camera names a tile of a grid: give --tiles or --tile-size with it",
+        ));
+    }
+    match format {
+        Format::Png | Format::Exr => Ok(()),
+        Format::Ppm | Format::Jpeg => Err(Failure::usage(
+            "a fragment (--sub-camera) is written as .png or .exr, which can hold its place",
+        )),
+    }
+}
+
+/// The rectangle of a grid's cell.
+fn tile_at(grid: Grid, cell: (u32, u32), size: (u32, u32)) -> Result<Rect, Failure> {
+    let (across, down) = grid.counts(size.0, size.1);
+    let (column, row) = cell;
+    let index = row as usize * across as usize + column as usize;
+    match grid.tiles(size.0, size.1).get(index) {
+        Some(rect) if column < across && row < down => Ok(*rect),
+        _ => Err(Failure::usage(format!(
+            "there is no sub-camera {column},{row} in a grid of {across}x{down}: the last is {},{}",
+            across - 1,
+            down - 1
+        ))),
+    }
+}
+
+/// The whole picture, and what all tiles together took.
+fn render_whole(
+    view: &View,
+    grid: Grid,
+    clock: Clock<'_>,
+    progress: &Progress,
+) -> Result<(Picture, TileStats), Failure> {
+    let plane = view.camera.plane();
+    let (across, down) = grid.counts(plane.columns, plane.rows);
+    progress.counting("rendering", u64::from(across) * u64::from(down));
+    let sum = Mutex::new(TileStats::default());
+    let picture = view.render(grid, clock, &Cancel::default(), &|tile| {
+        *sum.lock().unwrap_or_else(PoisonError::into_inner) += tile.stats;
+        progress.done(1);
+    });
+    let sum = sum.into_inner().unwrap_or_else(PoisonError::into_inner);
+    match picture {
+        Some(picture) => Ok((picture, sum)),
+        None => Err(Failure::could_not("the render was stopped")),
+    }
+}
+
+/// One sub-camera's picture, made in parallel, and what it took.
+fn render_part(
+    view: &View,
+    rect: Rect,
+    clock: Clock<'_>,
+    progress: &Progress,
+) -> (Picture, TileStats) {
+    let parts = Grid::default().tiles(rect.width, rect.height);
+    progress.counting("rendering", parts.len() as u64);
+    let blank = Picture::blank(rect.width, rect.height, view.settings.layers);
+    let made = Mutex::new((blank, TileStats::default()));
+    parts.par_iter().for_each(|part| {
+        let tile = view.render_rect(
+            Rect {
+                x: rect.x + part.x,
+                y: rect.y + part.y,
+                ..*part
+            },
+            clock,
+        );
+        let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
+        made.0.place(*part, &tile.pixels, tile.layers.as_ref());
+        made.1 += tile.stats;
+        progress.done(1);
+    });
+    made.into_inner().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_columns_and_rows_of_the_grid() {
+        let grid = Grid::Count {
+            columns: 3,
+            rows: 2,
+        };
+        let tiles = grid.tiles(10, 7);
+        assert_eq!(tile_at(grid, (0, 0), (10, 7)), Ok(tiles[0]));
+        assert_eq!(tile_at(grid, (1, 1), (10, 7)), Ok(tiles[4]));
+        for outside in [(3, 0), (0, 2), (u32::MAX, u32::MAX)] {
+            let refused = tile_at(grid, outside, (10, 7));
+            assert!(matches!(refused, Err(Failure::Usage(_))), "{outside:?}");
+        }
+    }
+
+    #[test]
+    fn fragments_need_a_grid_and_a_file_that_holds_their_place() {
+        let none = TileArgs::default();
+        assert!(check_fragment(&none, Format::Png).is_err());
+        let some = TileArgs {
+            tiles: Some((2, 2)),
+            ..TileArgs::default()
+        };
+        assert!(check_fragment(&some, Format::Png).is_ok());
+        assert!(check_fragment(&some, Format::Jpeg).is_err());
+    }
+}

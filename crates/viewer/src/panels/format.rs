@@ -1,0 +1,136 @@
+//! Numbers as people read them: thousands apart, units by size.
+
+use std::time::Duration;
+
+/// Between thousands. It does not break, so that a number stays on its line.
+const GAP: char = '\u{a0}';
+
+/// A written number with its thousands apart: `-1234567.25` becomes `-1 234 567.25`.
+pub fn group(number: &str) -> String {
+    let digits = number.trim_start_matches('-');
+    let whole = digits
+        .find(|c: char| !c.is_ascii_digit())
+        .unwrap_or(digits.len());
+    if whole < 5 {
+        return number.to_owned();
+    }
+    let mut grouped = number[..number.len() - digits.len()].to_owned();
+    for (index, digit) in digits[..whole].chars().enumerate() {
+        if index > 0 && (whole - index).is_multiple_of(3) {
+            grouped.push(GAP);
+        }
+        grouped.push(digit);
+    }
+    grouped.push_str(&digits[whole..]);
+    grouped
+}
+
+/// Reads what [`group`] wrote, and what people type.
+pub fn parse(text: &str) -> Option<f64> {
+    let plain: String = text
+        .chars()
+        .filter(|c| !c.is_whitespace() && *c != GAP)
+        .collect();
+    plain.parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+/// `1 600 000`.
+pub fn count(number: u64) -> String {
+    group(&number.to_string())
+}
+
+/// `41.3 Mrays/s`.
+pub fn rate(rays: u64, time: Duration) -> String {
+    let seconds = time.as_secs_f64();
+    if seconds <= 0.0 {
+        return "–".to_owned();
+    }
+    let rate = rays as f64 / seconds;
+    match rate {
+        1e9.. => format!("{} Grays/s", three(rate * 1e-9)),
+        1e6.. => format!("{} Mrays/s", three(rate * 1e-6)),
+        _ => format!("{} krays/s", three(rate * 1e-3)),
+    }
+}
+
+/// `850 µs`, `38 ms`, `1.24 s`.
+pub fn time(time: Duration) -> String {
+    let seconds = time.as_secs_f64();
+    match seconds {
+        1.0.. => format!("{} s", three(seconds)),
+        1e-3.. => format!("{} ms", three(seconds * 1e3)),
+        _ => format!("{} µs", three(seconds * 1e6)),
+    }
+}
+
+/// `12.3 MB`.
+pub fn bytes(bytes: usize) -> String {
+    let bytes = bytes as f64;
+    match bytes {
+        1e9.. => format!("{} GB", three(bytes * 1e-9)),
+        1e6.. => format!("{} MB", three(bytes * 1e-6)),
+        1e3.. => format!("{} kB", three(bytes * 1e-3)),
+        _ => format!("{bytes:.0} B"),
+    }
+}
+
+/// Three digits that count: `1.24`, `38.1`, `412`.
+pub fn three(number: f64) -> String {
+    match number.abs() {
+        99.95.. => group(&format!("{number:.0}")),
+        9.995.. => format!("{number:.1}"),
+        _ => format!("{number:.2}"),
+    }
+}
+
+/// A length in scene units: five digits that count, with a power of ten where that is shorter.
+pub fn length(number: f64) -> String {
+    if number == 0.0 {
+        return "0".to_owned();
+    }
+    let magnitude = number.abs().log10().floor();
+    if !(-4.0..7.0).contains(&magnitude) {
+        return format!("{number:.3e}");
+    }
+    let decimals = (4.0 - magnitude).clamp(0.0, 8.0) as usize;
+    group(&format!("{number:.decimals$}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plain(text: &str) -> String {
+        text.replace(GAP, " ")
+    }
+
+    #[test]
+    fn thousands_stand_apart() {
+        assert_eq!(plain(&count(1_600_000)), "1 600 000");
+        assert_eq!(plain(&count(9999)), "9999");
+        assert_eq!(plain(&group("-12345.6789")), "-12 345.6789");
+        assert_eq!(plain(&group("1234567")), "1 234 567");
+        assert_eq!(group("inf"), "inf");
+        assert_eq!(parse(&count(1_600_000)), Some(1_600_000.0));
+        assert_eq!(parse("1 0.5"), Some(10.5));
+        assert_eq!(parse("nan"), None);
+    }
+
+    #[test]
+    fn units_follow_size() {
+        assert_eq!(rate(1_600_000, Duration::from_millis(40)), "40.0 Mrays/s");
+        assert_eq!(rate(1, Duration::ZERO), "–");
+        assert_eq!(time(Duration::from_micros(850)), "850 µs");
+        assert_eq!(time(Duration::from_micros(38_120)), "38.1 ms");
+        assert_eq!(time(Duration::from_millis(1240)), "1.24 s");
+        assert_eq!(bytes(12_345_678), "12.3 MB");
+    }
+
+    #[test]
+    fn lengths_keep_their_digits() {
+        assert_eq!(length(0.0021374), "0.0021374");
+        assert_eq!(plain(&length(123_456.7)), "123 457");
+        assert_eq!(length(1.0), "1.0000");
+        assert_eq!(length(1.5e-9), "1.500e-9");
+    }
+}

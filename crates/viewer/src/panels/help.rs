@@ -1,0 +1,40 @@
+//! All keys and gestures.
+
+use super::Commands;
+use crate::app::command::Command;
+use crate::app::input::{GESTURES, KEYS, KeyHelp};
+use crate::app::theme;
+use egui::{Grid, Id, Modal, RichText, Ui};
+
+/// Shows them over the window; a click beside them, Esc or F1 closes them.
+pub fn show(context: &egui::Context, out: &mut Commands) {
+    let response = Modal::new(Id::unique("help")).show(context, |ui| {
+        ui.set_width(430.0);
+        ui.heading("Keys and gestures");
+        ui.add_space(6.0);
+        table(ui, "Mouse", GESTURES);
+        table(ui, "Keys", KEYS);
+        ui.add_space(4.0);
+        if ui.button("Close").clicked() {
+            out.push(Command::ToggleHelp);
+        }
+    });
+    if response.backdrop_response.clicked() {
+        out.push(Command::ToggleHelp);
+    }
+}
+
+fn table(ui: &mut Ui, title: &str, entries: &[KeyHelp]) {
+    ui.add_space(4.0);
+    ui.label(RichText::new(title).strong().color(theme::ACCENT));
+    Grid::new(title)
+        .num_columns(2)
+        .spacing([16.0, 4.0])
+        .show(ui, |ui| {
+            for entry in entries {
+                ui.label(RichText::new(entry.key).color(egui::Color32::WHITE));
+                ui.label(RichText::new(entry.does).color(theme::QUIET));
+                ui.end_row();
+            }
+        });
+}

@@ -1,0 +1,278 @@
+//! Colours: the mode, lines, texture, triangles, background.
+
+use super::Commands;
+use super::widgets::{Number, choice, color, row, section, tick};
+use crate::app::command::{Command, PromptKind};
+use crate::app::input::MODES;
+use crate::app::state::State;
+use egui::{Button, Ui, vec2};
+use raycast_core::intersect::Cull;
+use raycast_core::scene::{Color, ColorRule};
+use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
+
+pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
+    section(ui, "Look", true, |ui| {
+        modes(ui, state, out);
+        lines(ui, state, out);
+        colors(ui, state, out);
+        texture(ui, state, out);
+        row(ui, "Faces", "Which faces rays meet", |ui, _| {
+            let options = [
+                (Cull::None, "Both sides", "Rays meet fronts and backs"),
+                (
+                    Cull::Back,
+                    "Fronts only",
+                    "Rays pass through the backs of triangles",
+                ),
+            ];
+            out.extend(choice(ui, state.settings.cull, &options).map(Command::SetCull));
+        });
+        background(ui, state, out);
+    });
+}
+
+fn modes(ui: &mut Ui, state: &State, out: &mut Commands) {
+    let gap = 2.0;
+    let width = (ui.available_width() - 2.0 * gap) / 3.0;
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing = vec2(gap, gap);
+        for (line, modes) in MODES.chunks(3).enumerate() {
+            ui.horizontal(|ui| {
+                for (column, &(mode, name, hint)) in modes.iter().enumerate() {
+                    let selected = state.settings.shading.mode == mode;
+                    let button = Button::new(name)
+                        .selected(selected)
+                        .min_size(vec2(width, 0.0));
+                    let key = line * 3 + column + 1;
+                    if ui
+                        .add(button)
+                        .on_hover_text(format!("{hint} ({key})"))
+                        .clicked()
+                    {
+                        out.push(Command::SetMode(mode));
+                    }
+                }
+            });
+        }
+    });
+}
+
+fn lines(ui: &mut Ui, state: &State, out: &mut Commands) {
+    let shading = &state.settings.shading;
+    let lines = shading.wireframe;
+    row(
+        ui,
+        "Lines",
+        "Lines along the triangles' edges",
+        |ui, label| {
+            out.extend(
+                tick(
+                    ui,
+                    lines.is_some(),
+                    "Wireframe",
+                    "Lines along the triangles' edges, over any mode (W)",
+                )
+                .map(Command::SetWireframe),
+            );
+            if lines.is_some() || shading.mode == Mode::Wireframe {
+                let lines = lines.unwrap_or_default();
+                let number = Number {
+                    value: f64::from(lines.width),
+                    range: 0.25..=16.0,
+                    speed: 0.05,
+                    decimals: Some(2),
+                    suffix: " px",
+                    width: 52.0,
+                    hint: "The lines' width in pixels, the same near and far",
+                };
+                out.extend(
+                    number
+                        .show(ui, label)
+                        .map(|w| Command::SetWireframeWidth(w as f32)),
+                );
+                let hint = "The lines' color";
+                out.extend(color(ui, lines.color, label, hint).map(Command::SetWireframeColor));
+            }
+        },
+    );
+}
+
+fn colors(ui: &mut Ui, state: &State, out: &mut Commands) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    let objects = &document.scene.objects;
+    let Some(first) = objects.first().map(|object| object.color) else {
+        return;
+    };
+    let kind = objects
+        .iter()
+        .all(|object| std::mem::discriminant(&object.color) == std::mem::discriminant(&first))
+        .then_some(first);
+    row(ui, "Colors", "How triangles get their colors", |ui, _| {
+        let current = kind.map(|rule| match rule {
+            ColorRule::File => 0,
+            ColorRule::Uniform(_) => 1,
+            ColorRule::PerTriangle { .. } => 2,
+        });
+        let options = [
+            (Some(0), "File", "The file's own materials"),
+            (Some(1), "One", "One color for every object"),
+            (
+                Some(2),
+                "Triangle",
+                "A color a triangle, from its number and a seed",
+            ),
+        ];
+        let rule = choice(ui, current, &options)
+            .flatten()
+            .map(|kind| match kind {
+                0 => ColorRule::File,
+                1 => ColorRule::Uniform(Color::DEFAULT),
+                _ => ColorRule::PerTriangle { seed: 0 },
+            });
+        out.extend(rule.map(|rule| Command::SetColorRule(None, rule)));
+    });
+    match kind {
+        Some(ColorRule::Uniform(current)) => row(ui, "", "", |ui, label| {
+            let picked = color(ui, current, label, "The color of every object");
+            out.extend(picked.map(|c| Command::SetColorRule(None, ColorRule::Uniform(c))));
+            ui.weak(current.to_string());
+        }),
+        Some(ColorRule::PerTriangle { seed }) => row(
+            ui,
+            "Seed",
+            "Picks one of 2³² sets of colors",
+            |ui, label| {
+                let number = Number {
+                    value: f64::from(seed),
+                    range: 0.0..=f64::from(u32::MAX),
+                    speed: 0.1,
+                    decimals: Some(0),
+                    suffix: "",
+                    width: 58.0,
+                    hint: "The same seed gives the same colors",
+                };
+                let rule = |seed: f64| ColorRule::PerTriangle { seed: seed as u32 };
+                out.extend(
+                    number
+                        .show(ui, label)
+                        .map(|n| Command::SetColorRule(None, rule(n))),
+                );
+            },
+        ),
+        _ => {}
+    }
+}
+
+fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
+    let textured = state
+        .document
+        .as_ref()
+        .is_some_and(|document| document.scene.objects.iter().any(|o| o.texture.is_some()));
+    row(ui, "Texture", "An image on the surface", |ui, _| {
+        let load = Button::new("Load…").min_size(vec2(60.0, 0.0));
+        let hint = "Put an image on every object";
+        if ui
+            .add_enabled(state.document.is_some(), load)
+            .on_hover_text(hint)
+            .clicked()
+        {
+            out.push(Command::Ask(PromptKind::Texture));
+        }
+        if textured
+            && ui
+                .button("Remove")
+                .on_hover_text("Take all textures off")
+                .clicked()
+        {
+            out.push(Command::RemoveTextures);
+        }
+    });
+    if !textured {
+        return;
+    }
+    let shading = &state.settings.shading;
+    row(ui, "Filter", "What is between texels", |ui, _| {
+        let options = [
+            (Filter::Nearest, "Nearest", "The nearest texel: blocks"),
+            (
+                Filter::Bilinear,
+                "Bilinear",
+                "Four texels, blended in linear light",
+            ),
+        ];
+        out.extend(choice(ui, shading.filter, &options).map(Command::SetFilter));
+    });
+    row(
+        ui,
+        "Mapping",
+        "How surfaces find their place in the texture",
+        |ui, _| {
+            let options = [
+                (
+                    TextureProjection::Uv,
+                    "By UV",
+                    "The mesh's texture coordinates",
+                ),
+                (
+                    TextureProjection::Triplanar,
+                    "Triplanar",
+                    "From three sides along the object's axes",
+                ),
+            ];
+            out.extend(choice(ui, shading.projection, &options).map(Command::SetTextureProjection));
+        },
+    );
+    row(
+        ui,
+        "Blend",
+        "From the object's colors (0) to its texture (1)",
+        |ui, label| {
+            let mut blend = shading.blend;
+            ui.spacing_mut().slider_width = 110.0;
+            let slider = egui::Slider::new(&mut blend, 0.0..=1.0).fixed_decimals(2);
+            let hint = "From the object's colors (0) to its texture (1)";
+            if ui
+                .add(slider)
+                .labelled_by(label)
+                .on_hover_text(hint)
+                .changed()
+            {
+                out.push(Command::SetBlend(blend));
+            }
+        },
+    );
+}
+
+fn background(ui: &mut Ui, state: &State, out: &mut Commands) {
+    row(
+        ui,
+        "Background",
+        "What lies behind everything",
+        |ui, label| {
+            let current = state.settings.shading.background;
+            if let Background::Gradient(top, bottom) = current {
+                if let Some(top) = color(ui, top, label, "At the top of the picture") {
+                    out.push(Command::SetBackground(Background::Gradient(top, bottom)));
+                }
+                if let Some(bottom) = color(ui, bottom, label, "At the bottom of the picture") {
+                    out.push(Command::SetBackground(Background::Gradient(top, bottom)));
+                }
+            }
+            let clear = current == Background::Transparent;
+            if let Some(clear) = tick(
+                ui,
+                clear,
+                "Transparent",
+                "Nothing: saved pictures are clear there",
+            ) {
+                out.push(Command::SetBackground(if clear {
+                    Background::Transparent
+                } else {
+                    Background::default()
+                }));
+            }
+        },
+    );
+}

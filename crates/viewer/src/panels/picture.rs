@@ -1,0 +1,200 @@
+//! Size, step and field of view, and what of these follows.
+
+use super::widgets::{Number, choice, row, section};
+use super::{Commands, format};
+use crate::app::command::Command;
+use crate::app::state::{FOV_RANGE, Resolution, SAMPLES_LIMIT, State};
+use egui::Ui;
+use raycast_core::camera::{FrameLock, Projection};
+
+pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
+    section(ui, "Picture", true, |ui| {
+        size(ui, state, out);
+        step(ui, state, out);
+        frame(ui, state, out);
+        row(
+            ui,
+            "On new step",
+            "What stays when the step changes",
+            |ui, _| {
+                let options = [
+                    (
+                        FrameLock::KeepFrame,
+                        "Keep frame",
+                        "Half the step doubles the resolution: the view stays",
+                    ),
+                    (
+                        FrameLock::KeepResolution,
+                        "Keep size",
+                        "Half the step zooms in: the frame shrinks, the resolution stays",
+                    ),
+                ];
+                out.extend(choice(ui, state.lock, &options).map(Command::SetLock));
+            },
+        );
+        row(
+            ui,
+            "Projection",
+            "How rays leave the camera (O)",
+            |ui, _| {
+                let options = [
+                    (
+                        Projection::Perspective,
+                        "Perspective",
+                        "All rays from the eye (O)",
+                    ),
+                    (
+                        Projection::Orthographic,
+                        "Orthographic",
+                        "Rays side by side (O)",
+                    ),
+                ];
+                out.extend(choice(ui, state.projection, &options).map(Command::SetProjection));
+            },
+        );
+        row(
+            ui,
+            "Samples",
+            "Rays a pixel: more make edges smooth",
+            |ui, label| {
+                let number = Number {
+                    value: f64::from(state.settings.samples),
+                    range: 1.0..=f64::from(SAMPLES_LIMIT),
+                    speed: 0.05,
+                    decimals: Some(0),
+                    suffix: "",
+                    width: 58.0,
+                    hint: "Rays a pixel: more make edges smooth",
+                };
+                out.extend(
+                    number
+                        .show(ui, label)
+                        .map(|n| Command::SetSamples(n.round() as u32)),
+                );
+                ui.weak("a pixel");
+            },
+        );
+    });
+}
+
+fn size(ui: &mut Ui, state: &State, out: &mut Commands) {
+    let (columns, rows) = state.size();
+    row(ui, "Resolution", "Columns × rows of rays", |ui, label| {
+        let side = |value: u32, hint| Number {
+            value: f64::from(value),
+            range: 1.0..=f64::from(state.side_limit),
+            speed: 2.0,
+            decimals: Some(0),
+            suffix: "",
+            width: 50.0,
+            hint,
+        };
+        ui.spacing_mut().item_spacing.x = 4.0;
+        if let Some(columns) = side(columns, "Columns of rays").show(ui, label) {
+            out.push(Command::SetSize(columns.round() as u32, rows));
+        }
+        ui.weak("×");
+        if let Some(rows) = side(rows, "Rows of rays").show(ui, label) {
+            out.push(Command::SetSize(columns, rows.round() as u32));
+        }
+        let fits = state.resolution == Resolution::Window { density: 1.0 };
+        let button = egui::Button::new("Fit")
+            .selected(fits)
+            .min_size(egui::vec2(ui.available_width(), 0.0));
+        let hint = "A ray for each pixel of the window, whatever its size";
+        let response = ui.add(button).on_hover_text(hint);
+        response.widget_info(|| {
+            egui::WidgetInfo::selected(egui::Role::Button, true, fits, "Fit the window")
+        });
+        if response.clicked() {
+            out.push(Command::FitWindow);
+        }
+    });
+}
+
+fn step(ui: &mut Ui, state: &State, out: &mut Commands) {
+    let Ok(plane) = state.plane() else {
+        return;
+    };
+    row(
+        ui,
+        "Step",
+        "The distance between neighbouring rays at the target, in scene units",
+        |ui, label| {
+            let number = Number {
+                value: plane.step,
+                range: f64::MIN_POSITIVE..=f64::MAX,
+                speed: plane.step * 0.01,
+                decimals: None,
+                suffix: "",
+                width: 90.0,
+                hint: "The distance between neighbouring rays at the target, in scene units. Smaller is denser.",
+            };
+            out.extend(number.show(ui, label).map(Command::SetStep));
+            let side = egui::vec2(24.0, 0.0);
+            for (name, spoken, hint, factor) in [
+                (
+                    "÷2",
+                    "Halve the step",
+                    "Half the step: denser rays (+)",
+                    0.5,
+                ),
+                (
+                    "×2",
+                    "Double the step",
+                    "Double the step: sparser rays (−)",
+                    2.0,
+                ),
+            ] {
+                let response = ui
+                    .add(egui::Button::new(name).min_size(side))
+                    .on_hover_text(hint);
+                response
+                    .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, spoken));
+                if response.clicked() {
+                    out.push(Command::ScaleStep(factor));
+                }
+            }
+        },
+    );
+}
+
+fn frame(ui: &mut Ui, state: &State, out: &mut Commands) {
+    match state.projection {
+        Projection::Perspective => row(ui, "FOV", "The vertical field of view", |ui, label| {
+            let number = Number {
+                value: state.fov,
+                range: FOV_RANGE.0..=FOV_RANGE.1,
+                speed: 0.2,
+                decimals: Some(2),
+                suffix: "°",
+                width: 70.0,
+                hint: "The vertical field of view, in degrees",
+            };
+            out.extend(number.show(ui, label).map(Command::SetFov));
+            ui.weak(format!("frame {}", format::length(state.frame_height())))
+                .on_hover_text("The frame's height at the target, in scene units: rows × step");
+        }),
+        Projection::Orthographic => {
+            let height = state.frame_height();
+            row(
+                ui,
+                "Frame",
+                "The frame's height, in scene units",
+                |ui, label| {
+                    let number = Number {
+                        value: height,
+                        range: f64::MIN_POSITIVE..=f64::MAX,
+                        speed: height * 0.01,
+                        decimals: None,
+                        suffix: "",
+                        width: 90.0,
+                        hint: "The frame's height, in scene units: rows × step",
+                    };
+                    out.extend(number.show(ui, label).map(Command::SetFrame));
+                    ui.weak("high");
+                },
+            );
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! The line below the picture: what is under the cursor, and how far the picture is.
+
+use super::render::pass_name;
+use super::{Status, format};
+use crate::app::state::State;
+use crate::app::theme;
+use egui::{Align, Label, Layout, RichText, Ui};
+
+/// Shows it.
+pub fn show(ui: &mut Ui, state: &State, status: &Status) {
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        let (text, color, hint) = progress(state, status);
+        ui.label(RichText::new(text).color(color)).on_hover_text(hint);
+        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+            let hint = "What the ray under the cursor meets: t is the distance, u and v the weights of the triangle's second and third corners";
+            ui.add(Label::new(RichText::new(under_cursor(state)).color(theme::QUIET)).truncate())
+                .on_hover_text(hint);
+        });
+    });
+}
+
+/// What the ray under the cursor meets, in words.
+fn under_cursor(state: &State) -> String {
+    let Some(document) = &state.document else {
+        return String::new();
+    };
+    let Some((x, y)) = state.hover else {
+        return document.name.clone();
+    };
+    // The pixel's own ray goes through its centre: what is told is what is drawn.
+    let pixel = (x.floor(), y.floor());
+    let place = format!("{}, {}", pixel.0, pixel.1);
+    match state.pick(pixel.0 + 0.5, pixel.1 + 0.5) {
+        Some(pick) => {
+            let hit = pick.hit;
+            let object = document
+                .scene
+                .objects
+                .get(hit.object as usize)
+                .map_or("?", |object| object.name.as_str());
+            format!(
+                "{place}   {object}   triangle {}   t {}   u {:.3}   v {:.3}   at {}, {}, {}",
+                format::count(hit.triangle.into()),
+                format::length(hit.t),
+                hit.u,
+                hit.v,
+                format::length(pick.point.x),
+                format::length(pick.point.y),
+                format::length(pick.point.z),
+            )
+        }
+        None => format!("{place}   nothing"),
+    }
+}
+
+fn progress(state: &State, status: &Status) -> (String, egui::Color32, &'static str) {
+    let progress = status.progress;
+    match progress.report {
+        _ if state.document.is_none() => (String::new(), theme::QUIET, ""),
+        Some(report) if progress.complete => (
+            format!(
+                "{} rays   {}   {}",
+                format::count(progress.rays),
+                format::rate(report.stats.rays, report.time),
+                format::time(progress.elapsed)
+            ),
+            theme::DONE,
+            "The full picture: rays cast, speed of the last pass, time from request to done",
+        ),
+        Some(report) => (
+            format!("{}…", pass_name(report.pass)),
+            theme::ACCENT,
+            "The picture is getting finer",
+        ),
+        None => (
+            "first rays…".to_owned(),
+            theme::ACCENT,
+            "The picture is under way",
+        ),
+    }
+}

@@ -1,0 +1,120 @@
+//! The picture, and the mouse over it.
+
+use super::Commands;
+use super::overlay::TileOverlay;
+use crate::app::canvas::Canvas;
+use crate::app::input;
+use crate::app::state::{Resolution, State};
+use crate::app::theme;
+use egui::{Color32, Pos2, Rect, Sense, Ui, pos2, vec2};
+use raycast_core::shade::Background;
+
+/// What the picture's place in the window tells the state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Its size in device pixels.
+    pub pixels: (u32, u32),
+    /// The point of the picture under the cursor.
+    pub hover: Option<(f64, f64)>,
+}
+
+/// Shows the picture in all the room that there is.
+pub fn show(
+    ui: &mut Ui,
+    state: &State,
+    canvas: &mut Canvas,
+    overlay: &mut TileOverlay,
+    out: &mut Commands,
+) -> Place {
+    let points = ui.ctx().pixels_per_point();
+    let room = ui.available_rect_before_wrap();
+    let response = ui.allocate_rect(room, Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "The picture"));
+    let pixels = (
+        (room.width() * points).round().max(1.0) as u32,
+        (room.height() * points).round().max(1.0) as u32,
+    );
+    let painter = ui.painter_at(room);
+    painter.rect_filled(room, 0.0, theme::BACKDROP);
+    let rect = picture_rect(room, state, points);
+    if state.settings.shading.background == Background::Transparent {
+        checkers(&painter, rect);
+    }
+    if let Some(texture) = canvas.texture(ui.ctx()) {
+        let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        painter.image(texture, rect, uv, Color32::WHITE);
+        overlay.show(&painter, canvas, rect, state.overlay);
+    }
+    let (columns, rows) = state.size();
+    let scale = f64::from(columns) / f64::from(rect.width().max(1.0));
+    let at = |position: Pos2| {
+        (
+            f64::from(position.x - rect.left()) * scale,
+            f64::from(position.y - rect.top()) * scale,
+        )
+    };
+    out.extend(input::mouse(ui, &response, scale, at));
+    let hover = response.hover_pos().map(at).filter(|&(x, y)| {
+        (0.0..f64::from(columns)).contains(&x) && (0.0..f64::from(rows)).contains(&y)
+    });
+    if response.dragged() {
+        ui.ctx().set_cursor_icon(egui::CursorIcon::Grabbing);
+    }
+    Place { pixels, hover }
+}
+
+/// Where the picture goes: all of the room, or as much as its shape leaves, in the middle.
+fn picture_rect(room: Rect, state: &State, points: f32) -> Rect {
+    match state.resolution {
+        Resolution::Window { .. } => room,
+        Resolution::Fixed(columns, rows) => {
+            let size = vec2(columns as f32, rows as f32);
+            let scale = (room.size() / size).min_elem();
+            // Whole device pixels, so that blocks have sharp edges.
+            let whole = |length: f32| (length * points).round().max(1.0) / points;
+            let size = vec2(whole(size.x * scale), whole(size.y * scale));
+            let corner = room.center() - size * 0.5;
+            Rect::from_min_size(pos2(whole(corner.x), whole(corner.y)), size)
+        }
+    }
+}
+
+/// Light and dark squares: what is behind a clear picture.
+fn checkers(painter: &egui::Painter, rect: Rect) {
+    const SIDE: f32 = 12.0;
+    painter.rect_filled(rect, 0.0, Color32::from_gray(46));
+    let mut mesh = egui::Mesh::default();
+    let (columns, rows) = (
+        (rect.width() / SIDE).ceil() as usize,
+        (rect.height() / SIDE).ceil() as usize,
+    );
+    for row in 0..rows {
+        for column in (row % 2..columns).step_by(2) {
+            let corner = rect.min + vec2(column as f32, row as f32) * SIDE;
+            let square = Rect::from_min_size(corner, vec2(SIDE, SIDE)).intersect(rect);
+            mesh.add_colored_rect(square, Color32::from_gray(58));
+        }
+    }
+    painter.add(mesh);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fixed_picture_keeps_its_shape_in_the_middle() {
+        let room = Rect::from_min_size(pos2(10.0, 20.0), vec2(400.0, 400.0));
+        let state = State {
+            resolution: Resolution::Fixed(200, 100),
+            ..State::default()
+        };
+        let rect = picture_rect(room, &state, 1.0);
+        assert_eq!(
+            rect,
+            Rect::from_min_size(pos2(10.0, 120.0), vec2(400.0, 200.0))
+        );
+        let fits = picture_rect(room, &State::default(), 1.0);
+        assert_eq!(fits, room);
+    }
+}

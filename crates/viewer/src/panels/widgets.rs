@@ -1,0 +1,118 @@
+//! Small parts that the panels share.
+
+use super::format;
+use crate::app::theme;
+use egui::{Button, CollapsingHeader, DragValue, Id, Response, RichText, Ui, vec2};
+use raycast_core::scene::Color;
+use std::ops::RangeInclusive;
+
+/// Where controls start, in points from the left of their row.
+const LABEL_WIDTH: f32 = 78.0;
+
+/// A part of the panel with a title, which opens and closes.
+pub(super) fn section(ui: &mut Ui, title: &str, open: bool, body: impl FnOnce(&mut Ui)) {
+    ui.separator();
+    CollapsingHeader::new(RichText::new(title).strong())
+        .default_open(open)
+        .show_unindented(ui, |ui| {
+            ui.add_space(1.0);
+            body(ui);
+            ui.add_space(3.0);
+        });
+}
+
+/// A name, and what belongs to it; `body` gets the name's id to label its controls with.
+pub(super) fn row(ui: &mut Ui, name: &str, hint: &str, body: impl FnOnce(&mut Ui, Id)) {
+    ui.horizontal(|ui| {
+        let text = RichText::new(name).color(theme::QUIET);
+        let height = ui.spacing().interact_size.y;
+        let layout = egui::Layout::left_to_right(egui::Align::Center);
+        let label = ui
+            .allocate_ui_with_layout(vec2(LABEL_WIDTH, height), layout, |ui| {
+                ui.set_min_width(LABEL_WIDTH);
+                ui.label(text).on_hover_text(hint)
+            })
+            .inner;
+        body(ui, label.id);
+    });
+}
+
+/// A name and a value that only tells.
+pub(super) fn fact(ui: &mut Ui, name: &str, hint: &str, value: &str) {
+    row(ui, name, hint, |ui, _| {
+        ui.add(egui::Label::new(value).truncate())
+            .on_hover_text(hint);
+    });
+}
+
+/// How a number is dragged and shown.
+pub(super) struct Number<'a> {
+    pub(super) value: f64,
+    pub(super) range: RangeInclusive<f64>,
+    pub(super) speed: f64,
+    pub(super) decimals: Option<usize>,
+    pub(super) suffix: &'a str,
+    pub(super) width: f32,
+    pub(super) hint: &'a str,
+}
+
+impl Number<'_> {
+    /// Shows it; what a person made of it.
+    pub(super) fn show(self, ui: &mut Ui, label: Id) -> Option<f64> {
+        let mut value = self.value;
+        let drag = DragValue::new(&mut value)
+            .range(self.range)
+            .speed(self.speed)
+            .suffix(self.suffix)
+            .custom_parser(format::parse)
+            .update_while_editing(false)
+            .min_size(vec2(self.width, 0.0));
+        let drag = match self.decimals {
+            Some(decimals) => drag.fixed_decimals(decimals),
+            None => drag.custom_formatter(|value, _| format::length(value)),
+        };
+        let response = ui.add(drag).labelled_by(label).on_hover_text(self.hint);
+        (response.changed() && value != self.value).then_some(value)
+    }
+}
+
+/// Some choices side by side, of equal width; the one that was clicked.
+pub(super) fn choice<T: PartialEq + Copy>(
+    ui: &mut Ui,
+    current: T,
+    options: &[(T, &str, &str)],
+) -> Option<T> {
+    let gap = 2.0;
+    let width = (ui.available_width() - gap * (options.len() - 1) as f32) / options.len() as f32;
+    let mut chosen = None;
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.x = gap;
+        ui.spacing_mut().button_padding.x = 3.0;
+        for &(value, name, hint) in options {
+            let button = Button::new(name)
+                .selected(value == current)
+                .min_size(vec2(width, 0.0));
+            if ui.add(button).on_hover_text(hint).clicked() && value != current {
+                chosen = Some(value);
+            }
+        }
+    });
+    chosen
+}
+
+/// A box to tick; its new state if it was clicked.
+pub(super) fn tick(ui: &mut Ui, on: bool, name: &str, hint: &str) -> Option<bool> {
+    let mut now = on;
+    ui.checkbox(&mut now, name)
+        .on_hover_text(hint)
+        .changed()
+        .then_some(now)
+}
+
+/// A colour to pick.
+pub(super) fn color(ui: &mut Ui, current: Color, label: Id, hint: &str) -> Option<Color> {
+    let mut now = current.0;
+    let response = ui.color_edit_button_srgb(&mut now);
+    let response: Response = response.labelled_by(label).on_hover_text(hint);
+    (response.changed() && now != current.0).then_some(Color(now))
+}

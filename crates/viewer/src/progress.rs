@@ -1,0 +1,82 @@
+//! How far a command is, on standard error, where that is a terminal.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal;
+use std::time::Duration;
+
+/// Parts of a whole that loading counts in: finer than a terminal can show.
+const SHARES: u64 = 1000;
+
+/// A bar of one stage after another. Its counts are atomic: workers add to them, and a thread of
+/// the bar's own draws.
+#[derive(Debug)]
+pub struct Progress {
+    bar: ProgressBar,
+}
+
+impl Progress {
+    /// A bar on standard error, or none at all where that is no terminal.
+    pub fn new() -> Self {
+        let bar = if std::io::stderr().is_terminal() {
+            ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())
+        } else {
+            ProgressBar::hidden()
+        };
+        bar.enable_steady_tick(Duration::from_millis(100));
+        Self { bar }
+    }
+
+    /// Begins to load files.
+    pub fn loading(&self) {
+        self.begin("loading", "{msg:>9} {bar:40} {percent:>3} %", SHARES);
+    }
+
+    /// How much is loaded, 0 to 1.
+    pub fn loaded(&self, share: f32) {
+        self.bar
+            .set_position((f64::from(share) * SHARES as f64) as u64);
+    }
+
+    /// Begins to build the tree, of which no share is known.
+    pub fn building(&self) {
+        self.begin("building", "{msg:>9} {spinner} {elapsed}", 1);
+    }
+
+    /// Begins to do `count` things, counted by [`Progress::done`].
+    pub fn counting(&self, what: &'static str, count: u64) {
+        self.begin(what, "{msg:>9} {bar:40} {pos}/{len} {eta}", count);
+    }
+
+    /// So many more of them are done.
+    pub fn done(&self, count: u64) {
+        self.bar.inc(count);
+    }
+
+    /// Takes the bar away.
+    pub fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    fn begin(&self, what: &'static str, template: &str, length: u64) {
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            self.bar.set_style(style.progress_chars("=> "));
+        }
+        self.bar.set_message(what);
+        self.bar.set_length(length);
+        self.bar.set_position(0);
+        self.bar.reset_elapsed();
+    }
+}
+
+impl Default for Progress {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Drop for Progress {
+    /// An error's line must not share a line with the bar.
+    fn drop(&mut self) {
+        self.clear();
+    }
+}

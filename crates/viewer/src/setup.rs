@@ -1,0 +1,414 @@
+//! From files and options to what a command works on: scene, camera, shading.
+
+use crate::cli::{CameraArgs, ShadingArgs};
+use crate::commands::Failure;
+use raycast_core::camera::{
+    Camera, Orbit, Placement, PlaneError, PlaneRequest, Projection, fit_distance, fov_to_frame,
+    frame_to_fov,
+};
+use raycast_core::formats::{self, CameraFile, FormatError, Progress, SceneFile};
+use raycast_core::glam::DVec3;
+use raycast_core::scene::{Bounds, Dropped, Scene};
+use raycast_core::shade::{Shading, Wireframe};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// The picture's size where nobody says another.
+pub const DEFAULT_SIZE: (u32, u32) = (1280, 720);
+
+/// The vertical field of view in degrees where nobody says another.
+pub const DEFAULT_FOV: f64 = 45.0;
+
+/// Reads files into one scene, their objects in the order of the files. The camera, image and
+/// shading of a scene file are kept where it is the only file.
+///
+/// # Errors
+/// The first file that cannot be read.
+pub fn load(files: &[PathBuf], progress: Progress<'_>) -> Result<SceneFile, FormatError> {
+    if let [file] = files {
+        return formats::read_scene(file, progress);
+    }
+    let mut scene = Scene::default();
+    for (index, file) in files.iter().enumerate() {
+        let share = |share: f32| progress((index as f32 + share) / files.len() as f32);
+        append(&mut scene, formats::read_scene(file, &share)?.scene);
+    }
+    Ok(SceneFile {
+        scene,
+        ..SceneFile::default()
+    })
+}
+
+/// Adds one scene's objects to another's, parents with them.
+fn append(scene: &mut Scene, more: Scene) {
+    let first = scene.objects.len();
+    scene
+        .objects
+        .extend(more.objects.into_iter().map(|mut object| {
+            object.parent = object.parent.map(|parent| parent + first);
+            object
+        }));
+}
+
+/// Gives every object the texture and the colours that were asked for.
+///
+/// # Errors
+/// A texture that cannot be read, a crop that leaves it.
+pub fn paint(scene: &mut Scene, args: &ShadingArgs) -> Result<(), Failure> {
+    if let Some(path) = &args.texture {
+        let mut texture = formats::read_texture(path)?;
+        if let Some(crop) = args.crop {
+            texture = texture.cropped(crop).ok_or_else(|| {
+                Failure::usage(format!(
+                    "the crop {},{},{},{} leaves {}, which is {}x{}",
+                    crop.x,
+                    crop.y,
+                    crop.width,
+                    crop.height,
+                    path.display(),
+                    texture.width(),
+                    texture.height()
+                ))
+            })?;
+        }
+        let texture = Arc::new(texture);
+        for object in &mut scene.objects {
+            object.texture = Some(Arc::clone(&texture));
+        }
+    }
+    if let Some(rule) = args.color {
+        for object in &mut scene.objects {
+            object.color = rule;
+        }
+    }
+    Ok(())
+}
+
+/// The shading that was asked for, over the scene file's, over the defaults.
+pub fn shading(args: &ShadingArgs, file: Option<Shading>) -> Shading {
+    let base = file.unwrap_or_default();
+    let wireframe = args.wireframe.map(|width| Wireframe {
+        width,
+        ..base.wireframe.unwrap_or_default()
+    });
+    Shading {
+        mode: args.mode.unwrap_or(base.mode),
+        wireframe: wireframe.or(base.wireframe),
+        background: args.background.unwrap_or(base.background),
+        blend: args.blend.unwrap_or(base.blend),
+        filter: args.filter.unwrap_or(base.filter),
+        projection: args.texture_projection.unwrap_or(base.projection),
+    }
+}
+
+/// The camera that was asked for, over the scene file's, over one that has all of `bounds` in view.
+///
+/// # Errors
+/// Size, step and field of view out of range or at odds.
+pub fn camera(
+    args: &CameraArgs,
+    file: Option<&CameraFile>,
+    file_size: Option<(u32, u32)>,
+    bounds: &Bounds,
+) -> Result<Camera, PlaneError> {
+    let default_size = file_size.unwrap_or(DEFAULT_SIZE);
+    let projection = args
+        .projection
+        .or(file.map(|file| file.projection))
+        .unwrap_or_default();
+    let fov = args.fov.or(file.map(fov_of)).unwrap_or(DEFAULT_FOV);
+    let (columns, rows) = args.size.unwrap_or(default_size);
+    let aspect = f64::from(columns) / f64::from(rows);
+
+    let placement = placement(args, file, bounds, |orbit| {
+        fit_distance(bounds, orbit, projection, fov, aspect)
+    });
+    let sight = placement.eye.distance(placement.target);
+    // A camera in its own target looks from one unit away.
+    let distance = if sight > 0.0 { sight } else { 1.0 };
+    let frame = match file {
+        // As the file says it: through an angle and back it would be rounded.
+        Some(file)
+            if file.projection == Projection::Orthographic
+                && projection == Projection::Orthographic
+                && placement == file.placement
+                && args.fov.is_none() =>
+        {
+            file.frame
+        }
+        _ => fov_to_frame(fov, distance),
+    };
+    let plane = PlaneRequest {
+        size: args.size,
+        step: args.step,
+        frame_height: args.fov.map(|fov| fov_to_frame(fov, distance)),
+    }
+    .resolve(default_size, frame)?;
+    Ok(Camera::new(placement, projection, plane))
+}
+
+/// A scene file's vertical field of view, or the one that its orthographic frame has from its eye.
+fn fov_of(file: &CameraFile) -> f64 {
+    match file.projection {
+        Projection::Perspective => file.frame,
+        Projection::Orthographic => {
+            let distance = file.placement.eye.distance(file.placement.target);
+            frame_to_fov(file.frame, if distance > 0.0 { distance } else { 1.0 })
+        }
+    }
+}
+
+/// Where the camera stands; `fit` says how far from its pivot an orbit must be.
+fn placement(
+    args: &CameraArgs,
+    file: Option<&CameraFile>,
+    bounds: &Bounds,
+    fit: impl Fn(&Orbit) -> f64,
+) -> Placement {
+    let orbit = |yaw: f64, pitch: f64, distance: Option<f64>| {
+        let mut orbit = Orbit {
+            pivot: args.target.unwrap_or(bounds.center()),
+            yaw,
+            pitch,
+            distance: 1.0,
+        };
+        orbit.distance = distance.unwrap_or_else(|| fit(&orbit));
+        let placement = orbit.placement();
+        Placement {
+            up: args.up.unwrap_or(placement.up),
+            ..placement
+        }
+    };
+    let file = file.map(|file| file.placement);
+    if let Some(asked) = args.orbit {
+        orbit(asked.yaw, asked.pitch, asked.distance)
+    } else if let Some(eye) = args.eye.or(file.map(|file| file.eye)) {
+        Placement {
+            eye,
+            target: args
+                .target
+                .or(file.map(|file| file.target))
+                .unwrap_or(bounds.center()),
+            up: args.up.or(file.map(|file| file.up)).unwrap_or(DVec3::Y),
+        }
+    } else {
+        let (yaw, pitch) = Orbit::DEFAULT_ANGLES;
+        orbit(yaw, pitch, None)
+    }
+}
+
+/// What was dropped from a scene, by reason.
+pub fn dropped(scene: &Scene) -> Dropped {
+    let mut sum = Dropped::default();
+    for object in &scene.objects {
+        let dropped = object.mesh.dropped();
+        sum.not_finite += dropped.not_finite;
+        sum.too_far += dropped.too_far;
+        sum.bad_index += dropped.bad_index;
+        sum.zero_area += dropped.zero_area;
+    }
+    sum
+}
+
+/// The reasons why triangles were dropped, in words: `3 without area, 1 not finite`.
+pub fn reasons(dropped: &Dropped) -> String {
+    let counts = [
+        (dropped.zero_area, "without area"),
+        (dropped.not_finite, "not finite"),
+        (dropped.too_far, "too far away"),
+        (dropped.bad_index, "with a vertex that is not there"),
+    ];
+    let told: Vec<_> = counts
+        .iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, reason)| format!("{count} {reason}"))
+        .collect();
+    told.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::OrbitArg;
+    use raycast_core::scene::{Mesh, MeshData, Object};
+    use raycast_core::shade::Mode;
+
+    const UNIT: Bounds = Bounds {
+        min: DVec3::new(0.0, 1.0, 2.0),
+        max: DVec3::new(1.0, 2.0, 3.0),
+    };
+
+    fn made(args: &CameraArgs) -> Camera {
+        camera(args, None, None, &UNIT).expect("a camera")
+    }
+
+    #[test]
+    fn the_whole_scene_is_in_view_by_default() {
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let camera = made(&CameraArgs {
+                projection: Some(projection),
+                ..CameraArgs::default()
+            });
+            assert_eq!((camera.plane().columns, camera.plane().rows), DEFAULT_SIZE);
+            assert_eq!(camera.placement().target, UNIT.center());
+            for corner in UNIT.corners() {
+                let (x, y) = camera.project(corner).expect("in front");
+                assert!((0.0..=1280.0).contains(&x) && (0.0..=720.0).contains(&y));
+            }
+        }
+    }
+
+    #[test]
+    fn two_of_three() {
+        let eye = Some(UNIT.center() + DVec3::new(0.0, 0.0, 10.0));
+        let base = CameraArgs {
+            eye,
+            ..CameraArgs::default()
+        };
+        let by_size_and_step = made(&CameraArgs {
+            size: Some((100, 50)),
+            step: Some(0.1),
+            ..base.clone()
+        });
+        let fov = by_size_and_step.fov_degrees().expect("perspective");
+        assert!((fov - 2.0 * 0.25f64.atan().to_degrees()).abs() < 1e-9);
+
+        let by_step_and_fov = made(&CameraArgs {
+            step: Some(0.1),
+            fov: Some(fov),
+            ..base.clone()
+        });
+        assert_eq!(by_step_and_fov.plane().rows, 50);
+
+        let at_odds = CameraArgs {
+            size: Some((100, 50)),
+            step: Some(0.1),
+            fov: Some(90.0),
+            ..base.clone()
+        };
+        let refused = camera(&at_odds, None, None, &UNIT);
+        assert!(matches!(refused, Err(PlaneError::AtOdds { .. })));
+        let agreed = CameraArgs {
+            fov: Some(fov),
+            ..at_odds
+        };
+        assert!(camera(&agreed, None, None, &UNIT).is_ok());
+    }
+
+    #[test]
+    fn an_eye_looks_at_the_centre_unless_told_otherwise() {
+        let eye = DVec3::new(5.0, -3.0, 2.0);
+        let args = CameraArgs {
+            eye: Some(eye),
+            ..CameraArgs::default()
+        };
+        let placement = made(&args).placement();
+        assert_eq!((placement.eye, placement.target), (eye, UNIT.center()));
+        let args = CameraArgs {
+            target: Some(DVec3::X),
+            up: Some(DVec3::Z),
+            ..args
+        };
+        let placement = made(&args).placement();
+        assert_eq!((placement.target, placement.up), (DVec3::X, DVec3::Z));
+    }
+
+    #[test]
+    fn an_orbit_is_about_the_centre() {
+        let args = CameraArgs {
+            orbit: Some(OrbitArg {
+                yaw: 90.0,
+                pitch: 0.0,
+                distance: Some(4.0),
+            }),
+            ..CameraArgs::default()
+        };
+        let eye = made(&args).placement().eye;
+        assert!(
+            eye.distance(UNIT.center() + DVec3::X * 4.0) < 1e-12,
+            "{eye}"
+        );
+    }
+
+    #[test]
+    fn a_scene_file_gives_defaults_and_options_override_them() {
+        let file = CameraFile {
+            placement: Placement {
+                eye: DVec3::new(0.0, 0.0, 8.0),
+                target: DVec3::ZERO,
+                up: DVec3::X,
+            },
+            projection: Projection::Orthographic,
+            frame: 3.0,
+        };
+        let made =
+            |args: &CameraArgs| camera(args, Some(&file), Some((30, 60)), &UNIT).expect("a camera");
+        let as_it_is = made(&CameraArgs::default());
+        assert_eq!(as_it_is.placement(), file.placement);
+        assert_eq!(as_it_is.plane().frame_height(), 3.0);
+        assert_eq!((as_it_is.plane().columns, as_it_is.plane().rows), (30, 60));
+
+        let perspective = made(&CameraArgs {
+            projection: Some(Projection::Perspective),
+            size: Some((10, 10)),
+            ..CameraArgs::default()
+        });
+        assert!((perspective.plane().frame_height() - 3.0).abs() < 1e-12);
+        assert_eq!(perspective.plane().rows, 10);
+
+        let elsewhere = made(&CameraArgs {
+            eye: Some(DVec3::new(0.0, 0.0, 4.0)),
+            ..CameraArgs::default()
+        });
+        assert_eq!(elsewhere.placement().target, DVec3::ZERO);
+        assert!((elsewhere.plane().frame_height() - 1.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn shading_options_override_one_by_one() {
+        let file = Shading {
+            mode: Mode::Depth,
+            blend: 0.25,
+            ..Shading::default()
+        };
+        let args = ShadingArgs {
+            wireframe: Some(2.0),
+            blend: Some(0.5),
+            ..ShadingArgs::default()
+        };
+        let made = shading(&args, Some(file));
+        assert_eq!((made.mode, made.blend), (Mode::Depth, 0.5));
+        assert_eq!(made.wireframe.map(|lines| lines.width), Some(2.0));
+        assert_eq!(shading(&ShadingArgs::default(), None), Shading::default());
+    }
+
+    #[test]
+    fn parents_move_with_their_scene() {
+        let mesh = Arc::new(Mesh::new(MeshData::default()));
+        let object = |parent| {
+            let mut object = Object::new("object", Arc::clone(&mesh));
+            object.parent = parent;
+            object
+        };
+        let mut scene = Scene {
+            objects: vec![object(None)],
+        };
+        let more = Scene {
+            objects: vec![object(None), object(Some(0))],
+        };
+        append(&mut scene, more);
+        let parents: Vec<_> = scene.objects.iter().map(|object| object.parent).collect();
+        assert_eq!(parents, [None, None, Some(1)]);
+    }
+
+    #[test]
+    fn reasons_are_told_where_there_are_any() {
+        let dropped = Dropped {
+            zero_area: 3,
+            not_finite: 1,
+            ..Dropped::default()
+        };
+        assert_eq!(reasons(&dropped), "3 without area, 1 not finite");
+        assert_eq!(reasons(&Dropped::default()), "");
+    }
+}

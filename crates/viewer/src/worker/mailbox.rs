@@ -1,0 +1,136 @@
+//! A place for the newest request: a new one replaces the one that waits, and ends the one that
+//! runs, but not before that has something to show.
+
+use raycast_core::render::Cancel;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+
+/// The newest request, and the one that runs.
+#[derive(Debug)]
+pub struct Mailbox<T> {
+    slot: Mutex<Slot<T>>,
+    bell: Condvar,
+}
+
+#[derive(Debug)]
+struct Slot<T> {
+    waiting: Option<T>,
+    running: Cancel,
+    ripe: bool,
+    closed: bool,
+}
+
+impl<T> Default for Mailbox<T> {
+    fn default() -> Self {
+        Self {
+            slot: Mutex::new(Slot {
+                waiting: None,
+                running: Cancel::default(),
+                ripe: true,
+                closed: false,
+            }),
+            bell: Condvar::new(),
+        }
+    }
+}
+
+impl<T> Mailbox<T> {
+    /// Leaves a request. Never waits for the work itself.
+    pub fn post(&self, request: T) {
+        let mut slot = self.lock();
+        slot.waiting = Some(request);
+        if slot.ripe {
+            slot.running.cancel();
+        }
+        drop(slot);
+        self.bell.notify_one();
+    }
+
+    /// Waits for a request: the newest, and what will tell it to stop. `None` once closed.
+    pub fn take(&self) -> Option<(T, Cancel)> {
+        let mut slot = self.lock();
+        loop {
+            if slot.closed {
+                return None;
+            }
+            if let Some(request) = slot.waiting.take() {
+                slot.running = Cancel::default();
+                slot.ripe = false;
+                return Some((request, slot.running.clone()));
+            }
+            slot = self.bell.wait(slot).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// The running request has something to show: from now on a new one ends it. Without this a
+    /// camera that moves faster than pictures come would never show any.
+    pub fn ripen(&self) {
+        let mut slot = self.lock();
+        slot.ripe = true;
+        if slot.waiting.is_some() {
+            slot.running.cancel();
+        }
+    }
+
+    /// Ends everything.
+    pub fn close(&self) {
+        let mut slot = self.lock();
+        slot.closed = true;
+        slot.waiting = None;
+        slot.running.cancel();
+        drop(slot);
+        self.bell.notify_all();
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Slot<T>> {
+        // A slot is whole between any two of the steps above: a panic elsewhere leaves it usable.
+        self.slot.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+
+    #[test]
+    fn the_newest_request_wins() {
+        let mailbox = Mailbox::default();
+        for number in 0..5 {
+            mailbox.post(number);
+        }
+        let (request, cancel) = mailbox.take().expect("open");
+        assert_eq!(request, 4);
+        assert!(!cancel.is_cancelled());
+    }
+
+    #[test]
+    fn a_request_is_not_ended_before_it_has_something_to_show() {
+        let mailbox = Mailbox::default();
+        mailbox.post('a');
+        let (_, first) = mailbox.take().expect("open");
+        mailbox.post('b');
+        assert!(!first.is_cancelled());
+        mailbox.ripen();
+        assert!(first.is_cancelled(), "b waits");
+        let (request, second) = mailbox.take().expect("open");
+        assert_eq!(request, 'b');
+        mailbox.ripen();
+        assert!(!second.is_cancelled(), "nothing waits");
+        mailbox.post('c');
+        assert!(second.is_cancelled());
+    }
+
+    #[test]
+    fn closing_wakes_who_waits_and_ends_who_runs() {
+        let mailbox = Arc::new(Mailbox::default());
+        mailbox.post(());
+        let (_, cancel) = mailbox.take().expect("open");
+        let waiter = {
+            let mailbox = Arc::clone(&mailbox);
+            std::thread::spawn(move || mailbox.take().is_none())
+        };
+        mailbox.close();
+        assert!(cancel.is_cancelled());
+        assert!(waiter.join().expect("no panic"));
+    }
+}

@@ -1,0 +1,355 @@
+//! Where rendered tiles wait for the window.
+//!
+//! It is bounded without ever making a worker wait: a tile of a finer pass takes the place of the
+//! coarser one that nobody has fetched, so that at most one picture waits, and the first pass of
+//! the one before it. A window that is slow, or hidden, costs nothing and misses nothing.
+
+use raycast_core::camera::Rect;
+use raycast_core::render::{Pass, Tile, TileStats};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+/// How long tiles of a first pass are held back for it to be complete, so that a moving camera
+/// shows whole pictures; slower pictures are seen to fill in.
+pub const HOLD: Duration = Duration::from_millis(40);
+
+/// A picture's tiles in reading order, and the place of each in that order.
+#[derive(Debug, Default)]
+pub struct Layout {
+    /// Columns and rows of the picture.
+    pub size: (u32, u32),
+    /// The tiles.
+    pub tiles: Vec<Rect>,
+    places: HashMap<(u32, u32), u32>,
+}
+
+impl Layout {
+    /// The layout of these tiles.
+    pub fn new(size: (u32, u32), tiles: Vec<Rect>) -> Self {
+        let places = tiles
+            .iter()
+            .zip(0..)
+            .map(|(rect, place)| ((rect.x, rect.y), place))
+            .collect();
+        Self {
+            size,
+            tiles,
+            places,
+        }
+    }
+
+    /// Which tile this rectangle is.
+    pub fn place(&self, rect: Rect) -> Option<usize> {
+        let place = *self.places.get(&(rect.x, rect.y))? as usize;
+        (self.tiles[place] == rect).then_some(place)
+    }
+}
+
+/// What a finished pass took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PassReport {
+    /// Which.
+    pub pass: Pass,
+    /// Rays, hits and worker times of all its tiles.
+    pub stats: TileStats,
+    /// From its first ray to its last, on the clock.
+    pub time: Duration,
+}
+
+/// What the window fetches: tiles and reports of one picture.
+#[derive(Debug)]
+pub struct Batch {
+    /// Which request it belongs to.
+    pub generation: u64,
+    /// Its tiles.
+    pub layout: Arc<Layout>,
+    /// Place in the layout, place in its pass's order of arrival, pass, and the tile.
+    pub tiles: Vec<Arrival>,
+    /// Passes that were finished.
+    pub reports: Vec<PassReport>,
+    /// Whether that was all.
+    pub complete: bool,
+    /// From the request to its last tile so far.
+    pub elapsed: Duration,
+}
+
+/// A tile as it came.
+#[derive(Debug)]
+pub struct Arrival {
+    /// Its place in the layout.
+    pub place: usize,
+    /// How many of its pass came before it.
+    pub order: u32,
+    /// Its pass.
+    pub pass: Pass,
+    /// The tile.
+    pub tile: Tile,
+}
+
+/// Tiles on their way to the window.
+#[derive(Debug, Default)]
+pub struct Outbox {
+    inner: Mutex<Inner>,
+}
+
+#[derive(Debug, Default)]
+struct Inner {
+    ready: Option<Current>,
+    current: Option<Current>,
+}
+
+#[derive(Debug)]
+struct Current {
+    generation: u64,
+    layout: Arc<Layout>,
+    slots: Vec<Option<Arrival>>,
+    waiting: Vec<usize>,
+    reports: Vec<PassReport>,
+    started: Duration,
+    elapsed: Duration,
+    arrived: u32,
+    pass: Option<Pass>,
+    first_pass_done: bool,
+    complete: bool,
+    news: bool,
+    woken: Duration,
+}
+
+/// What came of a tile that was put in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Posted {
+    /// It was the last of its pass.
+    pub pass_done: bool,
+    /// The window should look.
+    pub wake: bool,
+}
+
+impl Outbox {
+    /// Starts a picture. What waits of the last one stays only if its first pass is whole.
+    pub fn begin(&self, generation: u64, layout: Arc<Layout>, now: Duration) {
+        let mut inner = self.lock();
+        if let Some(last) = inner.current.take()
+            && last.first_pass_done
+            && last.news
+        {
+            inner.ready = Some(last);
+        }
+        inner.current = Some(Current {
+            generation,
+            slots: layout.tiles.iter().map(|_| None).collect(),
+            layout,
+            waiting: Vec::new(),
+            reports: Vec::new(),
+            started: now,
+            elapsed: Duration::ZERO,
+            arrived: 0,
+            pass: None,
+            first_pass_done: false,
+            complete: false,
+            news: false,
+            woken: now,
+        });
+    }
+
+    /// Puts a tile in. Tiles of one pass must all be in before the next pass's first.
+    pub fn put(&self, pass: Pass, tile: Tile, now: Duration) -> Posted {
+        let mut inner = self.lock();
+        let Some(current) = &mut inner.current else {
+            return Posted::default();
+        };
+        let Some(place) = current.layout.place(tile.rect) else {
+            return Posted::default();
+        };
+        if current.pass != Some(pass) {
+            current.pass = Some(pass);
+            current.arrived = 0;
+        }
+        let order = current.arrived;
+        current.arrived += 1;
+        current.news = true;
+        current.elapsed = now.saturating_sub(current.started);
+        let arrival = Arrival {
+            place,
+            order,
+            pass,
+            tile,
+        };
+        if current.slots[place].replace(arrival).is_none() {
+            current.waiting.push(place);
+        }
+        let pass_done = current.arrived as usize == current.layout.tiles.len();
+        current.first_pass_done |= pass_done;
+        // Each look costs the window a frame: at most one every other screen refresh.
+        let due = now.saturating_sub(current.woken) >= Duration::from_millis(33)
+            && current.can_be_seen(now);
+        if due {
+            current.woken = now;
+        }
+        Posted {
+            pass_done,
+            wake: due,
+        }
+    }
+
+    /// Notes that a pass is over.
+    pub fn report(&self, report: PassReport) {
+        if let Some(current) = &mut self.lock().current {
+            current.reports.push(report);
+            current.news = true;
+        }
+    }
+
+    /// Notes that the picture is done.
+    pub fn finish(&self, now: Duration) {
+        if let Some(current) = &mut self.lock().current {
+            current.complete = true;
+            current.elapsed = now.saturating_sub(current.started);
+            current.news = true;
+        }
+    }
+
+    /// Takes what there is to show, oldest first.
+    pub fn fetch(&self, now: Duration) -> Vec<Batch> {
+        let mut inner = self.lock();
+        let mut batches = Vec::new();
+        if let Some(mut ready) = inner.ready.take() {
+            batches.push(ready.drain());
+        }
+        if let Some(current) = &mut inner.current
+            && current.news
+            && current.can_be_seen(now)
+        {
+            batches.push(current.drain());
+        }
+        batches
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Inner> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Current {
+    fn can_be_seen(&self, now: Duration) -> bool {
+        self.first_pass_done || now.saturating_sub(self.started) >= HOLD
+    }
+
+    fn drain(&mut self) -> Batch {
+        self.news = false;
+        let tiles = std::mem::take(&mut self.waiting)
+            .into_iter()
+            .filter_map(|place| self.slots[place].take())
+            .collect();
+        Batch {
+            generation: self.generation,
+            layout: Arc::clone(&self.layout),
+            tiles,
+            reports: std::mem::take(&mut self.reports),
+            complete: self.complete,
+            elapsed: self.elapsed,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raycast_core::camera::Grid;
+
+    const COARSE: Pass = Pass {
+        stride: 2,
+        samples: 1,
+    };
+    const FINE: Pass = Pass {
+        stride: 1,
+        samples: 1,
+    };
+
+    fn layout() -> Arc<Layout> {
+        Arc::new(Layout::new((8, 4), Grid::Size(4).tiles(8, 4)))
+    }
+
+    fn tile(layout: &Layout, place: usize, value: u8) -> Tile {
+        let rect = layout.tiles[place];
+        Tile {
+            rect,
+            pixels: vec![[value; 4]; rect.area()],
+            layers: None,
+            stats: TileStats::default(),
+        }
+    }
+
+    #[test]
+    fn a_first_pass_is_held_until_it_is_whole() {
+        let (outbox, layout) = (Outbox::default(), layout());
+        let now = Duration::from_millis(1);
+        outbox.begin(1, Arc::clone(&layout), Duration::ZERO);
+        assert!(!outbox.put(COARSE, tile(&layout, 1, 1), now).pass_done);
+        assert!(outbox.fetch(now).is_empty());
+        assert!(outbox.put(COARSE, tile(&layout, 0, 1), now).pass_done);
+        let batches = outbox.fetch(now);
+        assert_eq!(batches.len(), 1);
+        let orders: Vec<_> = batches[0]
+            .tiles
+            .iter()
+            .map(|a| (a.place, a.order))
+            .collect();
+        assert_eq!(orders, [(1, 0), (0, 1)]);
+        assert!(
+            outbox.fetch(now).is_empty(),
+            "each tile is handed over once"
+        );
+    }
+
+    #[test]
+    fn a_slow_first_pass_is_seen_to_fill_in() {
+        let (outbox, layout) = (Outbox::default(), layout());
+        outbox.begin(1, Arc::clone(&layout), Duration::ZERO);
+        outbox.put(COARSE, tile(&layout, 0, 1), HOLD);
+        assert_eq!(outbox.fetch(HOLD).len(), 1);
+    }
+
+    #[test]
+    fn finer_tiles_take_the_place_of_coarser_ones() {
+        let (outbox, layout) = (Outbox::default(), layout());
+        outbox.begin(1, Arc::clone(&layout), Duration::ZERO);
+        for (pass, value) in [(COARSE, 1), (FINE, 2)] {
+            for place in 0..2 {
+                outbox.put(pass, tile(&layout, place, value), Duration::ZERO);
+            }
+        }
+        outbox.finish(Duration::from_millis(5));
+        let batches = outbox.fetch(Duration::ZERO);
+        assert_eq!(batches[0].tiles.len(), 2, "one picture waits, not two");
+        assert!(batches[0].tiles.iter().all(|a| a.tile.pixels[0] == [2; 4]));
+        assert!(batches[0].complete);
+    }
+
+    #[test]
+    fn a_whole_first_pass_survives_the_next_request_and_a_torn_one_does_not() {
+        let (outbox, layout) = (Outbox::default(), layout());
+        outbox.begin(1, Arc::clone(&layout), Duration::ZERO);
+        outbox.put(COARSE, tile(&layout, 0, 1), Duration::ZERO);
+        outbox.put(COARSE, tile(&layout, 1, 1), Duration::ZERO);
+        outbox.begin(2, Arc::clone(&layout), Duration::ZERO);
+        outbox.put(COARSE, tile(&layout, 0, 2), Duration::ZERO);
+        outbox.begin(3, Arc::clone(&layout), Duration::ZERO);
+        let generations: Vec<_> = outbox
+            .fetch(Duration::ZERO)
+            .iter()
+            .map(|b| b.generation)
+            .collect();
+        assert_eq!(generations, [1]);
+    }
+
+    #[test]
+    fn tiles_of_another_layout_are_refused() {
+        let (outbox, layout) = (Outbox::default(), layout());
+        outbox.begin(1, Arc::clone(&layout), Duration::ZERO);
+        let mut stranger = tile(&layout, 0, 1);
+        stranger.rect.width = 3;
+        assert_eq!(outbox.put(FINE, stranger, HOLD), Posted::default());
+        assert!(outbox.fetch(HOLD).is_empty());
+    }
+}

@@ -1,0 +1,89 @@
+//! How coarse a picture must start for its first pass to be there in time.
+
+use raycast_core::render::Pass;
+use std::time::Duration;
+
+/// What the first pass may take: two screen refreshes.
+const BUDGET: Duration = Duration::from_millis(28);
+/// The coarsest first pass: every 32nd ray along both sides.
+const COARSEST: usize = 5;
+/// Before anything was measured: a slow machine's nanoseconds a ray.
+const FIRST_GUESS: f64 = 60.0;
+
+/// Times of passes past, by their stride.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pace {
+    nanoseconds_per_ray: [Option<f64>; COARSEST + 1],
+}
+
+impl Pace {
+    /// Takes in a finished pass.
+    pub fn learn(&mut self, pass: Pass, rays: u64, time: Duration) {
+        let level = pass.stride.trailing_zeros() as usize;
+        if pass.samples > 1 || level > COARSEST || rays == 0 {
+            return;
+        }
+        let measured = time.as_nanos() as f64 / rays as f64;
+        let known = &mut self.nanoseconds_per_ray[level];
+        // Half the weight on the newest: a camera that comes nearer soon sees dearer rays.
+        *known = Some(known.map_or(measured, |known| 0.5 * (known + measured)));
+    }
+
+    /// Forgets all: another scene, or another number of threads.
+    pub fn forget(&mut self) {
+        *self = Self::default();
+    }
+
+    /// The finest first stride whose pass fits the budget for a picture of `pixels`.
+    pub fn first_stride(&self, pixels: u64) -> u32 {
+        (0..=COARSEST)
+            .find(|&level| {
+                let rays = pixels as f64 / f64::from(1_u32 << (2 * level));
+                rays * self.cost(level) <= BUDGET.as_nanos() as f64
+            })
+            .map_or(1 << COARSEST, |level| 1 << level)
+    }
+
+    /// Nanoseconds for a ray at a stride: as measured there; else as at the nearest stride that
+    /// was, where a ray of twice the stride is taken to cost twice as much (fewer share a tile).
+    fn cost(&self, level: usize) -> f64 {
+        (0..=COARSEST)
+            .filter_map(|known| Some((known, self.nanoseconds_per_ray[known]?)))
+            .min_by_key(|(known, _)| known.abs_diff(level))
+            .map_or(FIRST_GUESS, |(known, cost)| {
+                cost * 2_f64.powi(level as i32 - known as i32)
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MEGAPIXELS: u64 = 1_600_000;
+
+    fn pass(stride: u32) -> Pass {
+        Pass { stride, samples: 1 }
+    }
+
+    #[test]
+    fn starts_fine_where_there_is_time_and_coarse_where_there_is_not() {
+        let mut pace = Pace::default();
+        assert!(pace.first_stride(MEGAPIXELS) > 1, "nothing is known yet");
+        pace.learn(pass(1), MEGAPIXELS, Duration::from_millis(10));
+        assert_eq!(pace.first_stride(MEGAPIXELS), 1);
+        pace.forget();
+        pace.learn(pass(1), MEGAPIXELS, Duration::from_millis(100));
+        assert_eq!(pace.first_stride(MEGAPIXELS), 4);
+        pace.learn(pass(2), MEGAPIXELS / 4, Duration::from_millis(20));
+        assert_eq!(pace.first_stride(MEGAPIXELS), 2, "measured beats guessed");
+    }
+
+    #[test]
+    fn the_slowest_scene_still_gets_a_stride() {
+        let mut pace = Pace::default();
+        pace.learn(pass(32), 10, Duration::from_secs(10));
+        assert_eq!(pace.first_stride(MEGAPIXELS), 32);
+        assert_eq!(pace.first_stride(0), 1);
+    }
+}
