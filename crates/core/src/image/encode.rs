@@ -126,7 +126,11 @@ mod tests {
         assert_eq!(Format::from_name("c.jpeg").ok(), Some(Format::Jpeg));
         for bad in ["", "a.gif", "a.png.bak", "a."] {
             let error = Format::from_name(bad).expect_err("names no kind");
-            assert!(error.to_string().contains("expected a name that ends in .png"));
+            assert!(
+                error
+                    .to_string()
+                    .contains("expected a name that ends in .png")
+            );
         }
     }
 

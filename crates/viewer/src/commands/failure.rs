@@ -71,7 +71,7 @@ impl From<ImageError> for Failure {
     fn from(error: ImageError) -> Self {
         match error {
             ImageError::UnknownFormat { .. } => Self::Usage(error.to_string()),
-            ImageError::Encode(_) => Self::CouldNot(error.to_string()),
+            _ => Self::CouldNot(error.to_string()),
         }
     }
 }
