@@ -1,0 +1,649 @@
+//! The real binary, from outside: pictures the same for every split, errors of one line, file
+//! formats, JSON.
+
+use raycast_core::camera::Ray;
+use raycast_core::formats::read_mesh;
+use raycast_core::glam::{DVec3, Vec3};
+use raycast_core::intersect::Cull;
+use raycast_tests::binary::{command, refuse, run, succeed};
+use raycast_tests::check::Stage;
+use raycast_tests::models;
+use raycast_tests::random::Random;
+use serde_json::Value;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a folder for temporary files")
+}
+
+fn asset(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../assets")
+        .join(name);
+    assert!(path.is_file(), "{} is missing", path.display());
+    path
+}
+
+fn bytes(path: &Path) -> Vec<u8> {
+    std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+fn names(folder: &Path) -> Vec<OsString> {
+    let entries = std::fs::read_dir(folder).expect("the folder can be listed");
+    let mut names: Vec<_> = entries
+        .map(|entry| entry.expect("the folder can be listed").file_name())
+        .collect();
+    names.sort();
+    names
+}
+
+/// Arguments: words, and paths where they stand between them.
+macro_rules! arguments {
+    ($($argument:expr),* $(,)?) => {
+        vec![$(OsString::from($argument)),*]
+    };
+}
+
+// Sameness.
+
+/// Renders whole, and split in several ways: identical bytes.
+fn assert_splits_agree(mesh: &Path, more: &[OsString]) {
+    let folder = folder();
+    let render = |name: &str, split: &[&str]| {
+        let output = folder.path().join(name);
+        let mut arguments = arguments!["render", mesh, "-o", &output];
+        arguments.extend(more.iter().cloned());
+        arguments.extend(split.iter().map(OsString::from));
+        succeed(arguments);
+        bytes(&output)
+    };
+    let whole = render("whole.png", &[]);
+    let image = image::load_from_memory(&whole).expect("a PNG").into_rgba8();
+    let first = *image.get_pixel(0, 0);
+    let middle = image.pixels().filter(|&&pixel| pixel != first).count();
+    assert!(middle > 1000, "{}: an empty picture", mesh.display());
+    for (name, split) in [
+        ("a.png", &["--tiles", "3x2"][..]),
+        ("b.png", &["--tile-size", "17"]),
+        ("c.png", &["--threads", "1"]),
+        ("d.png", &["--threads", "3", "--tiles", "1x1"]),
+    ] {
+        assert!(
+            render(name, split) == whole,
+            "{}: {split:?} makes another picture",
+            mesh.display()
+        );
+    }
+}
+
+#[test]
+fn splits_agree_on_the_demo_assets() {
+    for name in ["cube.obj", "monkey.obj", "dahlia.obj", "demo.raycast.toml"] {
+        let size = ["--size", "320x240"].map(OsString::from);
+        assert_splits_agree(&asset(name), &size);
+        let mode = ["--size", "200x200", "--mode", "color"].map(OsString::from);
+        assert_splits_agree(&asset(name), &mode);
+    }
+    let mut textured = arguments!["--size", "240x180", "--mode", "texture"];
+    textured.extend(arguments!["--texture", asset("leopard.png"), "--samples", "3"]);
+    assert_splits_agree(&asset("torus.obj"), &textured);
+}
+
+#[test]
+fn splits_agree_on_real_meshes() {
+    let color = ["--size", "800x800", "--mode", "color"].map(OsString::from);
+    for mesh in models::meshes() {
+        assert_splits_agree(&mesh, &color);
+    }
+    if let (Some(spot), Some(texture)) = (models::file("spot.obj"), models::file("spot_texture.png"))
+    {
+        let textured = arguments![
+            "--size", "800x800", "--mode", "texture", "--texture", texture
+        ];
+        assert_splits_agree(&spot, &textured);
+    }
+}
+
+/// Fragments that processes of their own wrote, stitched by another: the whole's own bytes.
+#[test]
+fn fragments_of_other_processes_stitch_to_the_whole() {
+    let mesh = asset("monkey.obj");
+    for extension in ["png", "exr"] {
+        let folder = folder();
+        let at = |name: &str| folder.path().join(format!("{name}.{extension}"));
+        let view = ["--size", "203x151", "--orbit", "40,10"];
+        let render = |output: &Path, more: &[&str]| {
+            let mut arguments = arguments!["render", &mesh, "-o", output];
+            arguments.extend(view.iter().chain(more).map(OsString::from));
+            succeed(arguments);
+        };
+        render(&at("whole"), &[]);
+        let mut arguments = arguments!["stitch"];
+        for cell in ["2,1", "0,0", "1,0", "2,0", "0,1", "1,1"] {
+            let part = at(cell);
+            render(&part, &["--tiles", "3x2", "--sub-camera", cell]);
+            arguments.push(part.into());
+        }
+        arguments.extend(arguments!["-o", at("stitched")]);
+        succeed(arguments);
+        assert!(
+            bytes(&at("stitched")) == bytes(&at("whole")),
+            "{extension}: stitched is not whole"
+        );
+
+        // A part that is missing, and a part of another view.
+        let stitch = |parts: &[&str]| {
+            let mut arguments = arguments!["stitch"];
+            arguments.extend(parts.iter().map(|part| OsString::from(at(part))));
+            arguments.extend(arguments!["-o", at("bad")]);
+            refuse(1, arguments);
+            assert!(!at("bad").exists());
+        };
+        stitch(&["0,0", "1,0", "2,0", "0,1", "1,1"]);
+        render(
+            &at("other"),
+            &["--tiles", "3x2", "--sub-camera", "2,1", "--cull", "back", "--mode", "depth"],
+        );
+        stitch(&["0,0", "1,0", "2,0", "0,1", "1,1", "whole"]);
+        stitch(&["0,0", "0,0", "1,0", "2,0", "0,1", "1,1", "2,1"]);
+        stitch(&["0,0", "1,0", "2,0", "0,1", "1,1", "other"]);
+    }
+}
+
+/// The channels that the format promises, with the truth in them.
+#[test]
+fn exr_holds_depth_and_numbers() {
+    use exr::prelude::*;
+    let folder = folder();
+    let output = folder.path().join("a.exr");
+    let mesh = asset("cube.obj");
+    succeed(arguments![
+        "render", &mesh, "-o", &output, "--size", "48x40", "--eye", "0,0,5", "--target", "0,0,0"
+    ]);
+    let image = read_first_flat_layer_from_file(&output).expect("an EXR");
+    let channel = |name: &str| {
+        let channels = &image.layer_data.channel_data.list;
+        let found = channels.iter().find(|channel| channel.name.eq(name));
+        &found.unwrap_or_else(|| panic!("no channel {name}")).sample_data
+    };
+    for name in ["R", "G", "B", "A", "N.X", "N.Y", "N.Z", "uv.U", "uv.V"] {
+        assert_eq!(channel(name).len(), 48 * 40, "{name}");
+    }
+    let (FlatSamples::F32(depth), FlatSamples::U32(object), FlatSamples::U32(triangle)) =
+        (channel("Z"), channel("id.object"), channel("id.triangle"))
+    else {
+        panic!("Z must be 32-bit floats, id.object and id.triangle 32-bit unsigned");
+    };
+    assert_eq!((depth[0], object[0], triangle[0]), (f32::INFINITY, u32::MAX, u32::MAX));
+    let middle = 20 * 48 + 24;
+    assert!(depth[middle] > 1.0 && depth[middle] < 5.0, "{}", depth[middle]);
+    assert_eq!(object[middle], 0);
+    assert!(triangle[middle] < 12);
+}
+
+#[test]
+fn other_kinds_of_image_are_written() {
+    let folder = folder();
+    for (name, start) in [
+        ("a.ppm", &b"P6"[..]),
+        ("a.jpg", b"\xff\xd8"),
+        ("a.PNG", b"\x89PNG"),
+    ] {
+        let output = folder.path().join(name);
+        succeed(arguments![
+            "render", asset("cube.obj"), "-o", &output, "--size", "40x30"
+        ]);
+        assert!(bytes(&output).starts_with(start), "{name}");
+    }
+    assert_eq!(names(folder.path()).len(), 3, "nothing else is left behind");
+}
+
+// Errors.
+
+/// A render that must be refused: one line that names `named`, and no file left.
+fn refuse_render(status: i32, mesh: &Path, more: &[&str], named: &str) {
+    let folder = folder();
+    let mut arguments = arguments!["render", mesh, "-o", folder.path().join("a.png")];
+    arguments.extend(more.iter().map(OsString::from));
+    let line = refuse(status, arguments);
+    assert!(line.contains(named), "{line:?} does not say {named:?}");
+    assert!(names(folder.path()).is_empty(), "{more:?}: a file was left");
+}
+
+fn write(folder: &TempDir, name: &str, bytes: &[u8]) -> PathBuf {
+    let path = folder.path().join(name);
+    std::fs::write(&path, bytes).expect("a temporary file can be written");
+    path
+}
+
+#[test]
+fn bad_files_are_one_line_and_exit_1() {
+    let folder = folder();
+    refuse_render(1, &folder.path().join("none.obj"), &[], "none.obj");
+    refuse_render(1, folder.path(), &[], &folder.path().display().to_string());
+    for name in ["empty.obj", "empty.txt", "empty"] {
+        refuse_render(1, &write(&folder, name, b""), &[], name);
+    }
+    let picture = bytes(&asset("leopard.png"));
+    for name in ["picture.obj", "picture.txt", "picture.png", "picture"] {
+        refuse_render(1, &write(&folder, name, &picture), &[], name);
+    }
+    for (name, text, place) in [
+        ("vertices.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "vertices.obj"),
+        ("cut.obj", "v 0 0 0\nv 1 0 0\nv 0 1", "cut.obj:3"),
+        ("word.obj", "v 0 0 0\nv 1 0 zero\nv 0 1 0\nf 1 2 3\n", "word.obj:2"),
+        ("face.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 x\n", "face.obj:4"),
+        ("cut.txt", "(0,0,0);(1,0,0);(0,1,0)\n(0,0,0);(1,0,0);(0,", "cut.txt:2"),
+        ("two.txt", "(0,0,0);(1,0,0)\n", "two.txt:1"),
+        ("bad.raycast.toml", "[camera\n", "bad.raycast.toml:1"),
+    ] {
+        refuse_render(1, &write(&folder, name, text.as_bytes()), &[], place);
+    }
+}
+
+/// A file that ends anywhere: a picture, or one line; never a panic, and no file left with an error.
+#[test]
+fn a_mesh_cut_anywhere_is_a_picture_or_one_line() {
+    let whole = bytes(&asset("cube.obj"));
+    let folder = folder();
+    let mut random = Random::new(5);
+    let mut refused = 0;
+    for _ in 0..25 {
+        let length = random.below(whole.len() as u32) as usize;
+        let mesh = write(&folder, "cut.obj", &whole[..length]);
+        let output = folder.path().join("a.png");
+        let mut command =
+            command(arguments!["render", &mesh, "-o", &output, "--size", "16x16"]);
+        let told = run(&mut command);
+        match told.status {
+            Some(0) => std::fs::remove_file(&output).expect("a picture"),
+            Some(1) => {
+                refused += 1;
+                let place = mesh.display().to_string();
+                assert_eq!(told.errors.lines().count(), 1, "{length}: {}", told.errors);
+                assert!(told.errors.contains(&place), "{length}: {}", told.errors);
+                assert!(!output.exists(), "{length}");
+            }
+            status => panic!("{length}: {status:?}: {}", told.errors),
+        }
+    }
+    assert!(refused > 5, "{refused}");
+}
+
+#[test]
+fn bad_usage_is_one_line_and_exits_2() {
+    let mesh = asset("cube.obj");
+    for (more, named) in [
+        (&["--size", "0x5"][..], "0x5"),
+        (&["--size", "5x0"], "5x0"),
+        (&["--size", "-5x5"], "size"),
+        (&["--size", "99999999x5"], "size"),
+        (&["--size", "100x100", "--step", "0.5", "--fov", "10"], "odds"),
+        (&["--step", "0"], "step"),
+        (&["--step", "nan"], "step"),
+        (&["--fov", "180"], "fov"),
+        (&["--eye", "1,2"], "eye"),
+        (&["--mode", "beautiful"], "beautiful"),
+        (&["--tiles", "3x2", "--tile-size", "5"], "tile"),
+        (&["--tiles", "3x2", "--sub-camera", "3,0"], "3,0"),
+        (&["--sub-camera", "0,0"], "tile"),
+        (&["--threads", "many"], "many"),
+        (&["--frobnicate"], "frobnicate"),
+    ] {
+        refuse_render(2, &mesh, more, named);
+    }
+    refuse(2, ["render"]);
+    refuse(2, arguments!["render", &mesh]);
+    let folder = folder();
+    let line = refuse(
+        2,
+        arguments!["render", &mesh, "-o", folder.path().join("a.gif")],
+    );
+    assert!(line.contains("a.gif"), "{line}");
+    assert!(names(folder.path()).is_empty());
+}
+
+#[test]
+fn outputs_that_cannot_be_are_one_line_and_exit_1() {
+    let mesh = asset("cube.obj");
+    let folder = folder();
+    let taken = folder.path().join("taken.png");
+    std::fs::create_dir(&taken).expect("a folder can be made");
+    let mut places = vec![folder.path().join("none").join("a.png"), taken];
+    if cfg!(target_os = "linux") {
+        // Even the superuser makes no file there.
+        places.push("/proc/a.png".into());
+    }
+    for place in places {
+        let line = refuse(1, arguments!["render", &mesh, "-o", &place, "--size", "8x8"]);
+        assert!(line.contains(&place.display().to_string()), "{line}");
+    }
+    assert_eq!(names(folder.path()), ["taken.png"]);
+}
+
+/// An output that is an input would lose the mesh.
+#[test]
+fn an_input_is_not_overwritten() {
+    let folder = folder();
+    let mesh = write(&folder, "mesh.png", &bytes(&asset("cube.obj")));
+    let mut command = command(arguments!["render", &mesh, "-o", &mesh, "--size", "8x8"]);
+    let told = run(&mut command);
+    assert!(told.status == Some(1) || told.status == Some(2), "{told:?}");
+    assert!(bytes(&mesh) == bytes(&asset("cube.obj")));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_leaves_no_file() {
+    let folder = folder();
+    let output = folder.path().join("a.png");
+    let mut child = command(arguments![
+        "render", asset("monkey.obj"), "-o", &output, "--size", "4000x4000", "--samples", "256"
+    ])
+    .stderr(std::process::Stdio::null())
+    .spawn()
+    .expect("the program can be started");
+    std::thread::sleep(std::time::Duration::from_millis(700));
+    let id = child.id().to_string();
+    let sent = std::process::Command::new("kill")
+        .args(["-INT", &id])
+        .status()
+        .expect("kill can be started");
+    assert!(sent.success());
+    let status = child.wait().expect("the program ends");
+    assert!(!status.success());
+    assert!(names(folder.path()).is_empty(), "{:?}", names(folder.path()));
+}
+
+/// Without a display the window cannot open: one line that names what works.
+#[cfg(target_os = "linux")]
+#[test]
+fn without_a_display_the_window_says_what_to_do() {
+    for arguments in [vec![], arguments!["view"], arguments![asset("cube.obj")]] {
+        let mut command = command(arguments);
+        command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
+        command.env_remove("WAYLAND_SOCKET");
+        let told = run(&mut command);
+        assert_eq!(told.status, Some(1), "{told:?}");
+        assert_eq!(told.errors.lines().count(), 1, "{told:?}");
+        assert!(told.errors.contains("raycast render"), "{told:?}");
+    }
+}
+
+// Rays and hits.
+
+/// A ray as the file holds it.
+type FileRay = [f32; 8];
+
+fn write_rays(path: &Path, rays: &[FileRay]) {
+    let bytes: Vec<u8> = rays.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+    std::fs::write(path, bytes).expect("a temporary file can be written");
+}
+
+/// t, object, triangle, u, v.
+fn read_hits(path: &Path) -> Vec<(f32, u32, u32, f32, f32)> {
+    let bytes = bytes(path);
+    assert_eq!(bytes.len() % 20, 0, "hits of 20 bytes");
+    let hits = bytes.chunks_exact(20);
+    hits.map(|hit| {
+        let word = |i: usize| [hit[4 * i], hit[4 * i + 1], hit[4 * i + 2], hit[4 * i + 3]];
+        (
+            f32::from_le_bytes(word(0)),
+            u32::from_le_bytes(word(1)),
+            u32::from_le_bytes(word(2)),
+            f32::from_le_bytes(word(3)),
+            f32::from_le_bytes(word(4)),
+        )
+    })
+    .collect()
+}
+
+fn random_rays(stage: &Stage, count: usize) -> Vec<FileRay> {
+    let (center, radius) = stage.scene.bounding_sphere();
+    let mut random = Random::new(count as u64);
+    (0..count)
+        .map(|i| {
+            let origin = (center + random.direction() * radius * 2.0).as_vec3();
+            let target = match i % 3 {
+                0 => (center + random.in_cube() * radius).as_vec3(),
+                _ => {
+                    let slot = random.below(stage.accel.len() as u32);
+                    let corner = stage.accel.corners(slot)[i % 2].as_dvec3();
+                    (stage.accel.origin() + corner).as_vec3()
+                }
+            };
+            let direction = target - origin;
+            let Vec3 { x, y, z } = origin;
+            let [dx, dy, dz] = direction.to_array();
+            [x, y, z, 0.0, dx, dy, dz, f32::MAX]
+        })
+        .collect()
+}
+
+/// `cast` answers what exact arithmetic answers.
+fn assert_cast_is_exact(mesh: &Path, count: usize) {
+    let folder = folder();
+    let (rays_path, hits_path) = (folder.path().join("rays"), folder.path().join("hits"));
+    let read = read_mesh(mesh, &|_| ()).unwrap_or_else(|error| panic!("{error}"));
+    let stage = Stage::of([read]);
+    let rays = random_rays(&stage, count);
+    write_rays(&rays_path, &rays);
+    succeed(arguments![
+        "cast", mesh, "--rays", &rays_path, "--hits", &hits_path
+    ]);
+    let hits = read_hits(&hits_path);
+    assert_eq!(hits.len(), rays.len());
+    let mut met = 0;
+    for (file_ray, &(t, object, triangle, u, v)) in rays.iter().zip(&hits) {
+        let [x, y, z, t_min, dx, dy, dz, t_max] = file_ray.map(f64::from);
+        let ray = Ray {
+            origin: DVec3::new(x, y, z),
+            direction: DVec3::new(dx, dy, dz),
+            t_min,
+            t_max,
+        };
+        let Some(truth) = stage.oracle.nearest(&ray, Cull::None) else {
+            assert_eq!((t, object, triangle), (f32::INFINITY, u32::MAX, u32::MAX));
+            continue;
+        };
+        met += 1;
+        assert_eq!((object, triangle), (truth.object, truth.triangle), "{ray:?}");
+        if truth.cosine > 0.1 {
+            let bound = 4.0 * 2f64.powi(-23);
+            assert!((f64::from(t) - truth.t).abs() <= bound * truth.t, "{ray:?}");
+            let error = (f64::from(u) - truth.u).abs().max((f64::from(v) - truth.v).abs());
+            assert!(error <= bound, "{ray:?}");
+        }
+    }
+    println!("{}: {count} rays, {met} hits, none wrong", mesh.display());
+    assert!(met > count / 2, "only {met} of {count} hit");
+}
+
+#[test]
+fn cast_is_exact_on_the_demo_assets() {
+    for name in ["cube.obj", "monkey.obj", "dahlia.obj"] {
+        assert_cast_is_exact(&asset(name), 20_000);
+    }
+}
+
+#[test]
+fn cast_is_exact_on_real_meshes() {
+    for mesh in models::meshes() {
+        assert_cast_is_exact(&mesh, 30_000);
+    }
+}
+
+#[test]
+fn rays_that_are_no_rays_are_counted_misses() {
+    let folder = folder();
+    let (rays_path, hits_path) = (folder.path().join("rays"), folder.path().join("hits"));
+    let good: FileRay = [0.1, 0.2, 9.0, 0.0, 0.0, 0.0, -1.0, 1e30];
+    let mut rays = vec![good];
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        for place in 0..8 {
+            let mut ray = good;
+            ray[place] = bad;
+            rays.push(ray);
+        }
+    }
+    let mut still = good;
+    still[6] = 0.0;
+    rays.extend([still, good]);
+    write_rays(&rays_path, &rays);
+    let told = succeed(arguments![
+        "cast", asset("cube.obj"), "--rays", &rays_path, "--hits", &hits_path
+    ]);
+    assert!(told.errors.contains("25"), "{}", told.errors);
+    let hits = read_hits(&hits_path);
+    assert_eq!(hits.len(), rays.len());
+    let (first, last) = (hits[0], hits[rays.len() - 1]);
+    assert!(first.0.is_finite() && first == last);
+    for hit in &hits[1..rays.len() - 1] {
+        assert_eq!((hit.0, hit.1, hit.2), (f32::INFINITY, u32::MAX, u32::MAX));
+        assert!(hit.3 == 0.0 && hit.4 == 0.0);
+    }
+}
+
+#[test]
+fn bad_ray_files_are_one_line_and_leave_no_hits() {
+    let folder = folder();
+    let hits = folder.path().join("hits");
+    let cast = |rays: &Path| {
+        let mesh = asset("cube.obj");
+        let line = refuse(1, arguments!["cast", mesh, "--rays", rays, "--hits", &hits]);
+        assert!(line.contains(&rays.display().to_string()), "{line}");
+        assert!(!hits.exists());
+    };
+    cast(&folder.path().join("none"));
+    cast(&write(&folder, "truncated", &[0; 32 * 3 + 5]));
+    cast(folder.path());
+    // No rays at all are no error.
+    let none = write(&folder, "no-rays", b"");
+    succeed(arguments![
+        "cast", asset("cube.obj"), "--rays", none, "--hits", &hits
+    ]);
+    assert_eq!(bytes(&hits).len(), 0);
+}
+
+// JSON.
+
+fn json(bytes: &[u8]) -> Value {
+    serde_json::from_slice(bytes)
+        .unwrap_or_else(|error| panic!("{error}: {}", String::from_utf8_lossy(bytes)))
+}
+
+#[test]
+fn stats_have_their_keys() {
+    let folder = folder();
+    let rays = folder.path().join("rays");
+    write_rays(&rays, &[[0.0, 0.0, 9.0, 0.0, 0.0, 0.0, -1.0, 1e9]; 10]);
+    let mesh = asset("cube.obj");
+    let render = arguments![
+        "render", &mesh, "-o", folder.path().join("a.png"), "--size", "30x20", "--threads", "2",
+        "--stats", "-"
+    ];
+    let cast = arguments![
+        "cast", &mesh, "--rays", rays, "--hits", folder.path().join("h"), "--threads", "2",
+        "--stats", "-"
+    ];
+    for (arguments, rays) in [(render, 600), (cast, 10)] {
+        let stats = json(&succeed(arguments).output);
+        for key in [
+            "triangles",
+            "dropped",
+            "load_ms",
+            "build_ms",
+            "cast_ms",
+            "shade_ms",
+            "total_ms",
+            "rays",
+            "hits",
+            "mrays_per_s",
+            "threads",
+            "peak_bytes",
+        ] {
+            assert!(stats[key].is_number(), "{key}: {stats}");
+        }
+        assert!(stats["simd"].is_string(), "{stats}");
+        assert_eq!(stats["triangles"], 12);
+        assert_eq!(stats["dropped"], 0);
+        assert_eq!(stats["rays"], rays);
+        assert_eq!(stats["threads"], 2);
+        assert!(stats["hits"].as_u64() > Some(0), "{stats}");
+    }
+    let file = folder.path().join("stats.json");
+    succeed(arguments![
+        "render", &mesh, "-o", folder.path().join("b.png"), "--size", "8x8", "--stats", &file
+    ]);
+    assert_eq!(json(&bytes(&file))["rays"], 64);
+}
+
+#[test]
+fn bench_has_its_shape() {
+    let meshes = ["cube.obj", "torus.obj"].map(asset);
+    let told = succeed(arguments![
+        "bench", &meshes[0], &meshes[1], "--frames", "2", "--size", "64x48", "--threads", "1"
+    ]);
+    let figures = json(&told.output);
+    let files = figures.as_array().expect("an array");
+    assert_eq!(files.len(), 2);
+    for (file, mesh) in files.iter().zip(&meshes) {
+        let named = file["file"].as_str().expect("a name");
+        assert!(mesh.display().to_string().ends_with(named) || Path::new(named) == mesh);
+        assert!(file["triangles"].as_u64() >= Some(12));
+        assert!(file["build_ms"].is_number());
+        assert_eq!(file["threads"], 1);
+        assert!(file["simd"].is_string());
+        assert_eq!(file["precision"], "exact");
+        let views = file["views"].as_array().expect("views");
+        let names: Vec<_> = views.iter().map(|view| &view["view"]).collect();
+        assert_eq!(names, ["medium", "close"]);
+        for view in views {
+            assert_eq!(view["rays"], 64 * 48);
+            assert!(view["hits"].as_u64() > Some(100), "{view}");
+            assert!(view["mrays_per_s"].is_number());
+            for times in ["cast_ms", "frame_ms"] {
+                let [min, median] = ["min", "median"].map(|key| view[times][key].as_f64());
+                assert!(min > Some(0.0) && min <= median, "{view}");
+            }
+        }
+    }
+    let told = succeed(arguments![
+        "bench", &meshes[0], "--frames", "1", "--size", "8x8", "--eye", "0,0,9"
+    ]);
+    let figures = json(&told.output);
+    assert_eq!(figures[0]["views"][0]["view"], "given");
+    assert_eq!(figures[0]["views"].as_array().map(Vec::len), Some(1));
+}
+
+#[test]
+fn info_tells_what_a_file_holds() {
+    let mesh = asset("cube.obj");
+    let told = succeed(arguments!["info", &mesh]);
+    let text = String::from_utf8(told.output).expect("UTF-8");
+    assert!(text.contains("cube") && text.contains("12"), "{text}");
+    let folder = folder();
+    let dropped = write(
+        &folder,
+        "dropped.obj",
+        b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\nf 1 1 2\nf 1 2 4\n",
+    );
+    let told = succeed(arguments!["info", "--json", &mesh, &dropped]);
+    let files = json(&told.output);
+    assert_eq!(files[0]["triangles"], 12);
+    assert_eq!(files[1]["triangles"], 3);
+    assert_eq!(files[1]["dropped"]["zero_area"], 1);
+    assert_eq!(files[1]["dropped"]["not_finite"], 1);
+    refuse(1, arguments!["info", folder.path().join("none.obj")]);
+}
+
+#[test]
+fn help_and_version_go_to_output() {
+    for (argument, said) in [("--help", "raycast render"), ("--version", "raycast")] {
+        let told = succeed([argument]);
+        assert!(String::from_utf8_lossy(&told.output).contains(said));
+        assert!(told.errors.is_empty(), "{}", told.errors);
+    }
+}

@@ -1,0 +1,210 @@
+//! The tree's answer, brute force's and the oracle's are the same: on random rays, and on rays
+//! aimed at what is hardest, at random meshes and at real ones.
+//!
+//! How the truth is known: rational arithmetic on the vertices as stored (`raycast_tests::oracle`).
+
+use raycast_core::camera::Ray;
+use raycast_core::glam::DVec3;
+use raycast_core::intersect::Cull;
+use raycast_core::scene::{Mesh, Object, Scene, Transform};
+use raycast_tests::check::Stage;
+use raycast_tests::random::Random;
+use raycast_tests::{meshes, models};
+use std::sync::Arc;
+
+/// A ray at the scene: random, or aimed at a corner, an edge or a face, or within two units in the
+/// last place of one.
+fn ray(random: &mut Random, stage: &Stage, (center, radius): (DVec3, f64)) -> Ray {
+    let origin = match random.below(8) {
+        0 => point(random, stage),
+        1 => center + random.in_cube() * radius,
+        _ => center + random.direction() * radius * random.decade(0.0, 3.0),
+    };
+    let target = match random.below(4) {
+        0 => center + random.in_cube() * radius,
+        1 => {
+            let target = point(random, stage);
+            random.nudge(target, 2)
+        }
+        _ => point(random, stage),
+    };
+    let direction = match random.below(16) {
+        // Along an axis: planes, boxes and edges of grids are met head on.
+        0 => DVec3::AXES[random.below(3) as usize] * (target - origin).length(),
+        _ => target - origin,
+    };
+    let t_max = match random.below(8) {
+        // Ends at the target, more or less.
+        0 => 1.0,
+        _ => f64::MAX,
+    };
+    Ray {
+        t_max,
+        ..Ray::new(origin, direction)
+    }
+}
+
+/// A corner of the scene, or a point on an edge or a face.
+fn point(random: &mut Random, stage: &Stage) -> DVec3 {
+    let accel = &stage.accel;
+    let [a, b, c] = accel
+        .corners(random.below(accel.len() as u32))
+        .map(|corner| accel.origin() + corner.as_dvec3());
+    match random.below(4) {
+        0 => a,
+        1 => (b + c) * 0.5,
+        2 => b + (c - b) * random.between(0.0, 1.0),
+        _ => (a + b + c) / 3.0,
+    }
+}
+
+fn rays(seed: u64, count: usize, stage: &Stage) -> Vec<Ray> {
+    let mut random = Random::new(seed);
+    let sphere = stage.scene.bounding_sphere();
+    (0..count)
+        .map(|_| ray(&mut random, stage, sphere))
+        .collect()
+}
+
+/// Checks `count` rays, one in `brute` of them by brute force too.
+fn check(name: &str, stage: &Stage, count: usize, brute: usize) {
+    let rays = rays(count as u64, count, stage);
+    for cull in [Cull::None, Cull::Back] {
+        let hits = stage.check_all_quickly(&rays, cull);
+        stage.check_all(&rays[..count / brute], cull);
+        println!("{name}: {count} rays, {cull:?}, {hits} hits, none wrong");
+        assert!(hits > count / 5, "{name}: only {hits} hits");
+    }
+}
+
+#[test]
+fn random_meshes_over_many_decades() {
+    let mut random = Random::new(11);
+    let mut checked = 0;
+    let mut hits = 0;
+    for round in 0..250 {
+        let scale = random.decade(-15.0, 15.0);
+        let middle = match round % 3 {
+            0 => DVec3::ZERO,
+            _ => random.direction() * scale * random.decade(0.0, 5.0),
+        };
+        let size = random.decade(-3.0, 0.0);
+        let count = 1 + random.below(60);
+        let stage = Stage::of([meshes::random_soup(&mut random, count, middle, scale, size)]);
+        if stage.accel.is_empty() {
+            continue;
+        }
+        let rays = rays(round, 200, &stage);
+        hits += stage.check_all(&rays, Cull::None);
+        hits += stage.check_all(&rays, Cull::Back);
+        checked += 2 * rays.len();
+    }
+    println!("random meshes: {checked} rays, {hits} hits, none wrong");
+    assert!(hits > checked / 4, "only {hits} hits of {checked}");
+}
+
+#[test]
+fn directions_of_any_length() {
+    let mut random = Random::new(12);
+    let stage = Stage::of([meshes::random_soup(&mut random, 60, DVec3::ZERO, 1.0, 0.5)]);
+    let rays: Vec<Ray> = rays(12, 4000, &stage)
+        .into_iter()
+        .map(|ray| Ray {
+            direction: ray.direction * random.decade(-20.0, 20.0),
+            t_max: f64::MAX,
+            ..ray
+        })
+        .collect();
+    assert!(stage.check_all(&rays, Cull::None) > 2000);
+}
+
+#[test]
+fn height_field() {
+    let stage = Stage::of([meshes::integer_heights(64, 5)]);
+    check("height field", &stage, 100_000, 50);
+}
+
+#[test]
+fn far_sphere() {
+    let center = DVec3::new(148_376.0, 1234.0, -223_423.0);
+    let stage = Stage::of([meshes::sphere(center, 2.0, 60)]);
+    check("far sphere", &stage, 100_000, 50);
+}
+
+#[test]
+fn several_objects_in_their_places() {
+    let mut random = Random::new(13);
+    let mut objects: Vec<Object> = (0..6)
+        .map(|i| {
+            let mesh = match i % 3 {
+                0 => meshes::sphere(DVec3::ZERO, 1.0, 24),
+                1 => meshes::cuboid(DVec3::splat(-1.0), DVec3::ONE),
+                _ => meshes::octahedron(),
+            };
+            Object {
+                transform: Transform {
+                    translate: random.in_cube() * 2.0,
+                    rotate: random.in_cube() * 180.0,
+                    scale: DVec3::ONE + random.in_cube() * 1.5,
+                },
+                parent: (i > 3).then_some(i - 2),
+                ..Object::new(format!("object {i}"), Arc::new(mesh))
+            }
+        })
+        .collect();
+    // Two in the same place: the lower number shows.
+    objects.push(objects[0].clone());
+    let stage = Stage::new(Scene { objects });
+    check("several objects", &stage, 100_000, 25);
+}
+
+/// What a mesh holds is what is cast at: no rounding on the way.
+#[test]
+fn a_mesh_at_rest_is_cast_at_as_stored() {
+    let far = DVec3::new(1e7, -3e5, 40.0);
+    for mesh in [
+        meshes::sphere(DVec3::ZERO, 1.0, 12),
+        meshes::sphere(far, 1.0, 12),
+    ] {
+        let stage = Stage::of([mesh.clone()]);
+        assert_eq!(stage.accel.len(), mesh.kept().len());
+        for slot in 0..stage.accel.len() as u32 {
+            let (object, triangle) = stage.accel.identify(slot);
+            assert_eq!(object, 0);
+            assert_eq!(stage.accel.origin(), mesh.offset());
+            assert_eq!(Some(stage.accel.corners(slot)), mesh.corners(triangle));
+        }
+    }
+}
+
+fn read(path: &std::path::Path) -> Mesh {
+    raycast_core::formats::read_mesh(path, &|_| ())
+        .unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+#[test]
+fn demo_assets() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
+    for name in [
+        "cube.obj",
+        "monkey.obj",
+        "dahlia.obj",
+        "torus.obj",
+        "plinth.obj",
+    ] {
+        check(name, &Stage::of([read(&folder.join(name))]), 10_000, 20);
+    }
+}
+
+#[test]
+fn real_meshes() {
+    for path in models::meshes() {
+        let stage = Stage::of([read(&path)]);
+        let name = path
+            .file_name()
+            .expect("a file")
+            .to_string_lossy()
+            .into_owned();
+        check(&name, &stage, 100_000, 200);
+    }
+}

@@ -1,0 +1,346 @@
+//! The same bytes, however a picture is made: whole, in tiles, on more threads, in passes, by
+//! fragments; and the same triangle as brute force, on every mesh.
+
+use raycast_core::accel::Accel;
+use raycast_core::camera::{Camera, Grid, Orbit, Projection, Rect};
+use raycast_core::formats::{read_mesh, read_scene};
+use raycast_core::glam::DVec3;
+use raycast_core::image::{Format, Fragment, Picture, stitch};
+use raycast_core::intersect::Cull;
+use raycast_core::render::{Cancel, Passes, Settings, View};
+use raycast_core::scene::{Mesh, Object, Scene, Transform};
+use raycast_core::shade::{Mode, Shading, Wireframe};
+use raycast_tests::check::{PROJECTIONS, Stage, camera, on_threads, pixel, render};
+use raycast_tests::{meshes, models};
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+const MODES: [Mode; 8] = [
+    Mode::Color,
+    Mode::Flat,
+    Mode::Smooth,
+    Mode::Normals,
+    Mode::Depth,
+    Mode::Barycentric,
+    Mode::Uv,
+    Mode::Wireframe,
+];
+
+/// Several objects, one of them moved, with edges and vertices on pixels' centres.
+fn stage() -> Stage {
+    let cube = Object::new(
+        "cube",
+        Arc::new(meshes::cuboid(DVec3::splat(-0.5), DVec3::splat(0.5))),
+    );
+    let sphere = Object {
+        transform: Transform {
+            translate: DVec3::new(0.7, 0.4, 0.2),
+            rotate: DVec3::new(10.0, 20.0, 30.0),
+            scale: DVec3::splat(0.6),
+        },
+        ..Object::new("sphere", Arc::new(meshes::sphere(DVec3::ZERO, 1.0, 40)))
+    };
+    let hills = Object {
+        transform: Transform {
+            translate: DVec3::new(-2.0, -0.7, 2.0),
+            rotate: DVec3::new(-90.0, 0.0, 0.0),
+            scale: DVec3::new(0.125, 0.125, 0.03),
+        },
+        ..Object::new("hills", Arc::new(meshes::integer_heights(32, 1)))
+    };
+    Stage::new(Scene {
+        objects: vec![cube, sphere, hills],
+    })
+}
+
+fn front(projection: Projection, size: (u32, u32)) -> Camera {
+    camera(
+        DVec3::new(0.0, 0.0, 4.0),
+        DVec3::ZERO,
+        projection,
+        size,
+        2.5,
+    )
+}
+
+/// Every split and thread count gives the picture that one tile on one thread gives.
+#[test]
+fn stitched_equals_whole() {
+    let stage = stage();
+    let size = (150, 110);
+    let whole = Grid::Count {
+        columns: 1,
+        rows: 1,
+    };
+    for projection in PROJECTIONS {
+        for (index, mode) in MODES.into_iter().enumerate() {
+            let mut view = stage.view(front(projection, size), Cull::None);
+            view.settings.shading = Shading {
+                mode,
+                wireframe: (index % 2 == 1).then(Wireframe::default),
+                ..Shading::default()
+            };
+            view.settings.samples = if index == 0 { 4 } else { 1 };
+            let expected = on_threads(1, || render(&view, whole));
+            for grid in [
+                whole,
+                Grid::Count {
+                    columns: 3,
+                    rows: 2,
+                },
+                Grid::Count {
+                    columns: 11,
+                    rows: 1,
+                },
+                Grid::Size(8),
+                Grid::Size(16),
+                Grid::Size(17),
+                Grid::Size(32),
+                Grid::Size(64),
+                Grid::Size(1000),
+            ] {
+                for threads in [1, 2, 5] {
+                    let picture = on_threads(threads, || render(&view, grid));
+                    assert!(
+                        picture == expected,
+                        "{projection:?} {mode:?} {grid:?} on {threads} threads"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Any rectangle of the picture is what the whole shows there.
+#[test]
+fn a_sub_camera_shows_its_part_of_the_whole() {
+    let stage = stage();
+    let (columns, rows) = (90, 70);
+    for projection in PROJECTIONS {
+        let view = stage.view(front(projection, (columns, rows)), Cull::None);
+        let whole = render(&view, Grid::default());
+        for (x, y, width, height) in [
+            (0, 0, 1, 1),
+            (13, 7, 31, 45),
+            (89, 0, 1, 70),
+            (0, 69, 90, 1),
+        ] {
+            let rect = Rect {
+                x,
+                y,
+                width,
+                height,
+            };
+            let tile = view.render_rect(rect, &|| Duration::ZERO);
+            let mut patched = whole.clone();
+            assert!(patched.place(tile.rect, &tile.pixels, tile.layers.as_ref()));
+            assert!(patched == whole, "{rect:?} {projection:?}");
+            assert_eq!((tile.rect, tile.pixels.len()), (rect, rect.area()));
+        }
+    }
+}
+
+/// After the last pass the picture is the one that is rendered at once.
+#[test]
+fn the_last_pass_equals_the_render() {
+    let stage = stage();
+    let (columns, rows) = (100, 70);
+    for (projection, samples) in [
+        (Projection::Perspective, 1),
+        (Projection::Perspective, 4),
+        (Projection::Orthographic, 3),
+    ] {
+        let mut view = stage.view(front(projection, (columns, rows)), Cull::None);
+        view.settings.samples = samples;
+        view.settings.shading.mode = Mode::Smooth;
+        let expected = render(&view, Grid::default());
+        for tile_size in [16, 33] {
+            let tiles = Grid::Size(tile_size).tiles(columns, rows);
+            let passes = Passes::plan(8, samples);
+            let picture = Mutex::new(Picture::blank(columns, rows, true));
+            let finished = on_threads(2, || {
+                view.render_progressively(
+                    &tiles,
+                    &passes,
+                    &|| Duration::ZERO,
+                    &Cancel::default(),
+                    &|_, tile| {
+                        let mut picture = picture.lock().expect("no worker panicked");
+                        assert!(picture.place(tile.rect, &tile.pixels, tile.layers.as_ref()));
+                    },
+                )
+            });
+            assert!(finished);
+            let picture = picture.into_inner().expect("no worker panicked");
+            assert!(
+                picture.pixels == expected.pixels,
+                "{projection:?} {samples}"
+            );
+            assert!(
+                picture.layers == expected.layers,
+                "{projection:?} {samples}"
+            );
+        }
+    }
+}
+
+/// A render that is told to stop does not say that it is done.
+#[test]
+fn a_cancelled_render_is_none() {
+    let stage = stage();
+    let view = stage.view(front(Projection::Perspective, (200, 200)), Cull::None);
+    let cancel = Cancel::default();
+    let picture = view.render(Grid::Size(8), &|| Duration::ZERO, &cancel, &|_| {
+        cancel.cancel();
+    });
+    assert!(picture.is_none());
+}
+
+/// Fragments written to bytes, read again, and stitched: the same file as the whole, byte for byte.
+#[test]
+fn fragments_stitch_to_the_same_bytes() {
+    let stage = stage();
+    let (columns, rows) = (100, 70);
+    let view = stage.view(front(Projection::Perspective, (columns, rows)), Cull::None);
+    let whole = render(&view, Grid::default());
+    for format in [Format::Png, Format::Exr] {
+        let expected = whole.encode(format).expect("a picture with layers");
+        for grid in [
+            Grid::Count {
+                columns: 3,
+                rows: 2,
+            },
+            Grid::Size(33),
+        ] {
+            let mut fragments: Vec<(String, Fragment)> = grid
+                .tiles(columns, rows)
+                .into_iter()
+                .map(|rect| {
+                    let tile = view.render_rect(rect, &|| Duration::ZERO);
+                    let fragment = Fragment {
+                        full_size: (columns, rows),
+                        rect,
+                        view: 7,
+                        picture: Picture {
+                            width: rect.width,
+                            height: rect.height,
+                            pixels: tile.pixels,
+                            layers: tile.layers,
+                        },
+                    };
+                    let bytes = fragment.encode(format).expect("a fragment");
+                    let name = format!("{},{}", rect.x, rect.y);
+                    let again = Fragment::decode(&name, &bytes).expect("what was written");
+                    assert_eq!((again.rect, again.view), (rect, 7));
+                    (name, again)
+                })
+                .collect();
+            fragments.reverse();
+            let stitched = stitch(&fragments).expect("all parts are there");
+            let bytes = stitched.encode(format).expect("a picture");
+            assert!(bytes == expected, "{format:?} {grid:?}");
+        }
+    }
+}
+
+fn name(path: &Path) -> String {
+    path.file_name()
+        .expect("a file")
+        .to_string_lossy()
+        .into_owned()
+}
+
+fn read(path: &Path) -> Mesh {
+    read_mesh(path, &|_| ()).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+fn demo_meshes() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
+        .expect("the assets can be listed")
+        .map(|entry| entry.expect("the assets can be listed").path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "obj"))
+        .collect();
+    files.sort();
+    assert!(files.len() >= 4, "{files:?}");
+    files
+}
+
+/// A camera that sees a whole scene, from the yaw and pitch that a scene is first shown from.
+fn whole(stage: &Stage, projection: Projection, size: (u32, u32)) -> Camera {
+    let (center, radius) = stage.scene.bounding_sphere();
+    let orbit = Orbit {
+        pivot: center,
+        yaw: Orbit::DEFAULT_ANGLES.0,
+        pitch: Orbit::DEFAULT_ANGLES.1,
+        distance: radius * 3.0,
+    };
+    camera(
+        orbit.placement().eye,
+        center,
+        projection,
+        size,
+        radius * 2.0,
+    )
+}
+
+/// Every mesh renders without a window, and shows brute force's triangle and the oracle's on a grid
+/// of pixels; tiles of other sizes and other threads show the same.
+#[test]
+fn every_mesh_matches_brute_force() {
+    for path in demo_meshes().into_iter().chain(models::meshes()) {
+        let stage = Stage::of([read(&path)]);
+        for projection in PROJECTIONS {
+            let (columns, rows) = (240, 180);
+            let camera = whole(&stage, projection, (columns, rows));
+            let picture = stage.check_picture(camera, Cull::None, 3);
+            let layers = picture.layers.as_ref().expect("layers were asked for");
+            let covered = layers.depth.iter().filter(|z| z.is_finite()).count();
+            assert!(covered > 2000, "{}: {covered} pixels", name(&path));
+            let lattice: Vec<(u32, u32)> = (5..rows)
+                .step_by(11)
+                .flat_map(|y| (5..columns).step_by(11).map(move |x| (x, y)))
+                .collect();
+            lattice.into_par_iter().for_each(|(x, y)| {
+                let ray = camera.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
+                let brute = stage.accel.cast_brute_force(&ray, Cull::None);
+                let expected = brute.map_or((u32::MAX, u32::MAX, f32::INFINITY), |hit| {
+                    (hit.object, hit.triangle, hit.t as f32)
+                });
+                assert_eq!(pixel(layers, columns, x, y), expected, "{x} {y}");
+            });
+            let view = stage.view(camera, Cull::None);
+            let other = on_threads(1, || render(&view, Grid::Size(17)));
+            assert!(other == picture, "{} {projection:?}", name(&path));
+        }
+    }
+}
+
+/// The demo scene: several objects in their places, textured.
+#[test]
+fn the_demo_scene_matches_the_oracle() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/demo.raycast.toml");
+    let file = read_scene(&path, &|_| ()).unwrap_or_else(|error| panic!("{error}"));
+    let shading = file.shading.unwrap_or_default();
+    let stage = Stage::new(file.scene);
+    let camera = whole(&stage, Projection::Perspective, (200, 150));
+    stage.check_picture(camera, Cull::None, 2);
+    let view = View {
+        scene: stage.scene.clone(),
+        accel: Arc::new(Accel::build(&stage.scene).expect("a valid scene")),
+        camera,
+        settings: Settings {
+            shading,
+            samples: 2,
+            layers: true,
+            ..Settings::default()
+        },
+    };
+    let expected = on_threads(1, || render(&view, Grid::Size(1000)));
+    let tiled = on_threads(3, || render(&view, Grid::Size(19)));
+    assert!(tiled == expected);
+    let png = expected.encode(Format::Png).expect("a picture");
+    assert!(tiled.encode(Format::Png).expect("a picture") == png);
+}
