@@ -91,13 +91,18 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub tiles: TileArgs,
     /// Rays a pixel, 1 to 4096; the first goes through its centre [default: 1]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    #[arg(
+        long,
+        value_name = "N",
+        help_heading = "Casting",
+        value_parser = clap::value_parser!(u32).range(1..=4096)
+    )]
     pub samples: Option<u32>,
     /// How rays meet triangles.
     #[command(flatten)]
     pub casting: CastingArgs,
     /// Write what it took to this file as JSON; `-` is standard output
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = None)]
     pub stats: Option<PathBuf>,
 }
 
@@ -340,7 +345,11 @@ fn one_line(message: &str) -> String {
     let told: Vec<_> = message
         .lines()
         .map(str::trim)
-        .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"))
+        .take_while(|line| {
+            !["Usage:", "For more information", "tip: to pass"]
+                .iter()
+                .any(|hint| line.starts_with(hint))
+        })
         .filter(|line| !line.is_empty())
         .collect();
     let told = told.join(" ");

@@ -57,17 +57,7 @@ impl Output {
             output.path = fs::canonicalize(path).map_err(|error| cannot(&error))?;
             output.is_device = !found.is_file();
         }
-        let place = place_of(&output.path);
-        if let Some(other) = inputs
-            .iter()
-            .find(|input| place.is_some() && place_of(input) == place)
-        {
-            return Err(Failure::usage(format!(
-                "{}: would overwrite {}, which this command needs",
-                path.display(),
-                other.display()
-            )));
-        }
+        output.check_against(inputs.iter().copied())?;
         if path.file_name().is_none() {
             return Err(cannot(&"it names no file"));
         }
@@ -81,6 +71,27 @@ impl Output {
             output.create()?;
         }
         Ok(output)
+    }
+
+    /// Checks that the place is none of `inputs`.
+    ///
+    /// # Errors
+    /// The one that it is.
+    pub fn check_against<'p>(
+        &self,
+        inputs: impl IntoIterator<Item = &'p Path>,
+    ) -> Result<(), Failure> {
+        let place = place_of(&self.path);
+        match inputs
+            .into_iter()
+            .find(|input| place.is_some() && place_of(input) == place)
+        {
+            Some(input) => Err(Failure::usage(format!(
+                "{}: cannot be written: this command reads or writes it already",
+                input.display()
+            ))),
+            None => Ok(()),
+        }
     }
 
     /// Begins to write, beside the place itself.

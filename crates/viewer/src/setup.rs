@@ -2,6 +2,7 @@
 
 use crate::cli::{CameraArgs, ShadingArgs};
 use crate::commands::Failure;
+use raycast_core::accel::Accel;
 use raycast_core::camera::{
     Camera, Orbit, Placement, PlaneError, PlaneRequest, Projection, fit_distance, fov_to_frame,
     frame_to_fov,
@@ -10,7 +11,7 @@ use raycast_core::formats::{self, CameraFile, FormatError, Progress, SceneFile};
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{Bounds, Dropped, Scene};
 use raycast_core::shade::{Shading, Wireframe};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The picture's size where nobody says another.
@@ -19,35 +20,28 @@ pub const DEFAULT_SIZE: (u32, u32) = (1280, 720);
 /// The vertical field of view in degrees where nobody says another.
 pub const DEFAULT_FOV: f64 = 45.0;
 
-/// Reads files into one scene, their objects in the order of the files. The camera, image and
-/// shading of a scene file are kept where it is the only file.
+/// Reads files into one scene, their objects in the order of the files, with the camera, image and
+/// shading of the first scene file that has them.
 ///
 /// # Errors
 /// The first file that cannot be read.
 pub fn load(files: &[PathBuf], progress: Progress<'_>) -> Result<SceneFile, FormatError> {
-    if let [file] = files {
-        return formats::read_scene(file, progress);
-    }
-    let mut scene = Scene::default();
+    let mut all = SceneFile::default();
     for (index, file) in files.iter().enumerate() {
         let share = |share: f32| progress((index as f32 + share) / files.len() as f32);
-        append(&mut scene, formats::read_scene(file, &share)?.scene);
+        all.append(formats::read_scene(file, &share)?);
     }
-    Ok(SceneFile {
-        scene,
-        ..SceneFile::default()
-    })
+    Ok(all)
 }
 
-/// Adds one scene's objects to another's, parents with them.
-fn append(scene: &mut Scene, more: Scene) {
-    let first = scene.objects.len();
+/// The files that a scene was read from, beside those that were named.
+pub fn sources(scene: &Scene) -> impl Iterator<Item = &Path> {
     scene
         .objects
-        .extend(more.objects.into_iter().map(|mut object| {
-            object.parent = object.parent.map(|parent| parent + first);
-            object
-        }));
+        .iter()
+        .flat_map(|object| [&object.source, &object.texture_source])
+        .flatten()
+        .map(PathBuf::as_path)
 }
 
 /// Gives every object the texture and the colours that were asked for.
@@ -197,9 +191,12 @@ fn placement(
     }
 }
 
-/// What was dropped from a scene, by reason.
-pub fn dropped(scene: &Scene) -> Dropped {
-    let mut sum = Dropped::default();
+/// What was dropped from a scene, by reason: from its meshes, and by their transforms.
+pub fn dropped(scene: &Scene, accel: &Accel) -> Dropped {
+    let mut sum = Dropped {
+        too_far: accel.out_of_range(),
+        ..Dropped::default()
+    };
     for object in &scene.objects {
         let dropped = object.mesh.dropped();
         sum.not_finite += dropped.not_finite;
@@ -230,7 +227,6 @@ pub fn reasons(dropped: &Dropped) -> String {
 mod tests {
     use super::*;
     use crate::cli::OrbitArg;
-    use raycast_core::scene::{Mesh, MeshData, Object};
     use raycast_core::shade::Mode;
 
     const UNIT: Bounds = Bounds {
@@ -380,25 +376,6 @@ mod tests {
         assert_eq!((made.mode, made.blend), (Mode::Depth, 0.5));
         assert_eq!(made.wireframe.map(|lines| lines.width), Some(2.0));
         assert_eq!(shading(&ShadingArgs::default(), None), Shading::default());
-    }
-
-    #[test]
-    fn parents_move_with_their_scene() {
-        let mesh = Arc::new(Mesh::new(MeshData::default()));
-        let object = |parent| {
-            let mut object = Object::new("object", Arc::clone(&mesh));
-            object.parent = parent;
-            object
-        };
-        let mut scene = Scene {
-            objects: vec![object(None)],
-        };
-        let more = Scene {
-            objects: vec![object(None), object(Some(0))],
-        };
-        append(&mut scene, more);
-        let parents: Vec<_> = scene.objects.iter().map(|object| object.parent).collect();
-        assert_eq!(parents, [None, None, Some(1)]);
     }
 
     #[test]

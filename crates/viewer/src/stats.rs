@@ -128,11 +128,6 @@ pub fn mrays_per_s(rays: u64, time: Duration) -> f64 {
     }
 }
 
-/// The instructions of the core's casting loops on this machine.
-pub fn simd() -> &'static str {
-    "plain"
-}
-
 /// The most memory that this process has held at once, in bytes; 0 where the system does not tell.
 pub fn peak_bytes() -> u64 {
     std::fs::read_to_string("/proc/self/status").map_or(0, |status| high_water_mark(&status))

@@ -196,9 +196,14 @@ impl Work<'_> {
         let Settings {
             cull, precision, ..
         } = *settings;
+        let detail = if settings.layers {
+            Detail::Full
+        } else {
+            self.shader.detail()
+        };
         self.view
             .accel
-            .cast_lattice(lattice, cull, precision, Detail::Full, &mut self.hits);
+            .cast_lattice(lattice, cull, precision, detail, &mut self.hits);
         self.stats.cast += self.since(begin);
         self.stats.rays += self.hits.len() as u64;
         self.stats.hits += self.hits.iter().filter(|hit| !hit.is_miss()).count() as u64;

@@ -41,7 +41,8 @@ pub enum ColorRule {
         /// Picks one of 2³² sets of colours.
         seed: u32,
     },
-    /// The file's materials; [`Color::DEFAULT`] where it names none.
+    /// The file's materials; [`Color::DEFAULT`] where it names none, or, in unlit pictures of a file
+    /// without any, a colour a triangle.
     File,
 }
 

@@ -28,17 +28,12 @@ pub struct Object {
 impl Object {
     /// An object at rest in the file's own coordinates and colours.
     pub fn new(name: impl Into<String>, mesh: Arc<Mesh>) -> Self {
-        let color = if mesh.materials().is_empty() {
-            ColorRule::PerTriangle { seed: 0 }
-        } else {
-            ColorRule::File
-        };
         Self {
             name: name.into(),
             mesh,
             transform: Transform::IDENTITY,
             parent: None,
-            color,
+            color: ColorRule::File,
             texture: None,
             source: None,
             texture_source: None,

@@ -4,15 +4,15 @@ use crate::camera::Camera;
 use glam::Vec3;
 
 /// Brightness of the key light on a surface that faces it.
-const KEY: f32 = 0.76;
+const KEY: f32 = 0.80;
 
 /// How far round the key light reaches past a right angle, as a cosine: the edge of its shadow
 /// side is soft, so that shapes there can still be read.
-const WRAP: f32 = 0.12;
+const WRAP: f32 = 0.10;
 
 /// Fill from above the camera, a little cool, and from below, a little warm and much darker.
-const SKY: Vec3 = Vec3::new(0.205, 0.215, 0.235);
-const GROUND: Vec3 = Vec3::new(0.085, 0.078, 0.072);
+const SKY: Vec3 = Vec3::new(0.160, 0.168, 0.184);
+const GROUND: Vec3 = Vec3::new(0.066, 0.060, 0.055);
 
 /// Brightness of the rim where a surface turns away from the eye.
 const RIM: f32 = 0.10;
@@ -35,7 +35,7 @@ impl Lights {
             -camera.forward().as_vec3(),
         );
         Self {
-            to_key: (up * 0.62 - right * 0.5 + back).normalize(),
+            to_key: (up * 0.7 - right * 0.6 + back * 0.9).normalize(),
             up,
         }
     }

@@ -7,6 +7,8 @@ mod mode;
 mod sample;
 mod shader;
 pub(crate) mod srgb;
+#[cfg(test)]
+mod tests;
 mod tile;
 mod triplanar;
 

@@ -7,7 +7,8 @@ use super::triplanar::Triplanar;
 use super::{Background, Mode, Shading, TextureProjection, TileShader, Wireframe};
 use crate::accel::{Accel, MISS, SlotHit};
 use crate::camera::{Camera, Projection, Rect};
-use crate::scene::{Object, Scene, Texture};
+use crate::intersect::Detail;
+use crate::scene::{Color, ColorRule, Object, Scene, Texture};
 use glam::{DAffine3, DMat3, DVec3, Mat3, Vec2, Vec3};
 
 /// Gives hits their colours: everything about a picture that does not change from pixel to pixel,
@@ -141,6 +142,17 @@ impl<'a> Shader<'a> {
         }
     }
 
+    /// How much the picture asks of hits: colours of triangles alone need no weights.
+    pub fn detail(&self) -> Detail {
+        let needs = self.needs;
+        let weighs = needs.smooth || needs.texture || needs.uvs;
+        if weighs || matches!(self.shading.mode, Mode::Barycentric | Mode::Depth) {
+            Detail::Full
+        } else {
+            Detail::Triangle
+        }
+    }
+
     /// The colour of the sample at (x, y) of the picture, in pixels from its top left corner:
     /// linear light, alpha not multiplied in.
     pub fn color(&self, x: f64, y: f64, hit: &SlotHit) -> [f32; 4] {
@@ -236,7 +248,7 @@ impl<'a> Shader<'a> {
             facet.normals = self.smooth_normals(number, object, triangle);
         }
         if needs.color {
-            facet.color = srgb::linear(object.triangle_color(triangle));
+            facet.color = srgb::linear(self.triangle_color(object, triangle));
         }
         if needs.texture && object.texture.is_some() {
             facet.texture = self.mapping(number, object, triangle);
@@ -245,6 +257,19 @@ impl<'a> Shader<'a> {
             facet.uvs = object.mesh.corner_uvs(triangle);
         }
         facet
+    }
+
+    /// A triangle's own colour. Unlit, a file without materials would be one flat patch: there
+    /// each triangle has its own.
+    fn triangle_color(&self, object: &Object, triangle: u32) -> Color {
+        let colorless = object.color == ColorRule::File && object.mesh.materials().is_empty();
+        if colorless && self.shading.mode == Mode::Color {
+            ColorRule::PerTriangle { seed: 0 }
+                .color(triangle)
+                .unwrap_or(Color::DEFAULT)
+        } else {
+            object.triangle_color(triangle)
+        }
     }
 
     /// Finds which way a triangle with these corners, relative to the eye, faces.

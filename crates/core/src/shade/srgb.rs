@@ -74,8 +74,12 @@ impl Tables {
 
     /// The nearest byte; below zero and NaN give 0, above one gives 255.
     pub(crate) fn encode(&self, linear: f32) -> u8 {
-        // `max` takes its other operand for NaN.
-        let linear = linear.max(DARKEST).min(BRIGHTEST);
+        // NaN compares as false, and becomes the darkest.
+        let linear = if linear > DARKEST {
+            linear.min(BRIGHTEST)
+        } else {
+            DARKEST
+        };
         let index = (linear.to_bits() - DARKEST.to_bits()) >> BUCKET_SHIFT;
         let byte = self.bucket[index as usize];
         byte + u8::from(linear >= self.begins[usize::from(byte) + 1])

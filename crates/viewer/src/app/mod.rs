@@ -40,13 +40,16 @@ pub struct Options {
     pub log: Option<PathBuf>,
 }
 
+/// The environment variable that asks for a [frame log](log), for measurements and tests.
+pub const LOG_VARIABLE: &str = "RAYCAST_FRAME_LOG";
+
 /// Opens the window on `files`; on the demo scene if there are none. Returns when it is closed.
 ///
 /// With no display it prints one line that names `raycast render`, and exits with 1.
 pub fn run(files: &[PathBuf]) -> ExitCode {
     run_with(Options {
         files: files.to_vec(),
-        log: None,
+        log: std::env::var_os(LOG_VARIABLE).map(PathBuf::from),
     })
 }
 
@@ -89,7 +92,7 @@ pub fn run_with(options: Options) -> ExitCode {
     }));
     match outcome {
         Ok(Ok(())) => ExitCode::SUCCESS,
-        Ok(Err(error)) => refuse(&format!("{NO_WINDOW} ({})", one_line(&error.to_string()))),
+        Ok(Err(error)) => refuse(&format!("{NO_WINDOW} ({})", last_words(&error.to_string()))),
         Err(_) => refuse(NO_WINDOW),
     }
 }
@@ -108,8 +111,13 @@ fn refuse(reason: &str) -> ExitCode {
     ExitCode::FAILURE
 }
 
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+/// The last part of an error's chain, on one line: before it stand places in other crates' sources.
+fn last_words(text: &str) -> String {
+    let last = text.rsplit(": ").next().unwrap_or(text);
+    last.trim_end_matches(')')
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 /// Whether anything says where windows go. Elsewhere than on X11 and Wayland there always is.

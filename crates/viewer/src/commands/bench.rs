@@ -125,7 +125,7 @@ fn measure_file(args: &BenchArgs, path: &Path, pool: &ThreadPool) -> Result<File
         triangles: scene.triangle_count(),
         build_ms: milliseconds(build_time),
         threads: pool.current_num_threads(),
-        simd: stats::simd(),
+        simd: accel.simd().name(),
         precision: match args.casting.precision {
             Precision::Fast => "fast",
             Precision::Exact => "exact",
@@ -138,7 +138,9 @@ fn measure_file(args: &BenchArgs, path: &Path, pool: &ThreadPool) -> Result<File
 fn cameras(args: &BenchArgs, scene: &Scene) -> Result<Vec<(&'static str, Camera)>, Failure> {
     let (center, radius) = scene.bounding_sphere();
     let camera = |placement: Placement| -> Result<Camera, Failure> {
-        let distance = placement.eye.distance(placement.target);
+        let sight = placement.eye.distance(placement.target);
+        // A camera in its own target looks from one unit away.
+        let distance = if sight > 0.0 { sight } else { 1.0 };
         let plane = PlaneRequest {
             size: Some(args.size),
             ..PlaneRequest::default()

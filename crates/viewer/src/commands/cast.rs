@@ -1,4 +1,4 @@
-use super::{Failure, warn, workers};
+use super::{Failure, warn, warn_of_reading, workers};
 use crate::cli::CastArgs;
 use crate::output::Output;
 use crate::progress::Progress;
@@ -6,6 +6,7 @@ use crate::setup;
 use crate::stats::{self, Stats, StatsTarget, milliseconds};
 use raycast_core::accel::Accel;
 use raycast_core::camera::Ray;
+use raycast_core::formats::SceneFile;
 use raycast_core::glam::DVec3;
 use raycast_core::intersect::{Cull, Hit};
 use rayon::prelude::*;
@@ -59,7 +60,10 @@ pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
 
     let progress = Progress::new();
     progress.loading();
-    let scene = setup::load(&args.files, &|share| progress.loaded(share))?.scene;
+    let SceneFile {
+        scene, warnings, ..
+    } = setup::load(&args.files, &|share| progress.loaded(share))?;
+    output.check_against(setup::sources(&scene))?;
     let load_time = started.elapsed();
     progress.building();
     let building = Instant::now();
@@ -82,6 +86,7 @@ pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
         |rays| pool.install(|| cast_all(&accel, args.cull, rays, &progress)),
     )?;
     progress.clear();
+    warn_of_reading(&warnings, &scene, &accel);
 
     if counts.invalid > 0 {
         warn(&format!(
@@ -91,7 +96,7 @@ pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
     }
     stats_target.write(&Stats {
         triangles: scene.triangle_count() as u64,
-        dropped: setup::dropped(&scene).total().into(),
+        dropped: setup::dropped(&scene, &accel).total().into(),
         load_ms: milliseconds(load_time),
         build_ms: milliseconds(build_time),
         cast_ms: milliseconds(cast_time),
@@ -102,7 +107,7 @@ pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
         invalid_rays: counts.invalid,
         mrays_per_s: stats::mrays_per_s(counts.rays, cast_time),
         threads: pool.current_num_threads(),
-        simd: stats::simd(),
+        simd: accel.simd().name(),
         peak_bytes: stats::peak_bytes(),
     })?;
     hits_file.finish()

@@ -70,7 +70,9 @@ impl From<SceneError> for Failure {
 impl From<ImageError> for Failure {
     fn from(error: ImageError) -> Self {
         match error {
-            ImageError::UnknownFormat { .. } => Self::Usage(error.to_string()),
+            ImageError::UnknownFormat { .. } | ImageError::NotForFragments => {
+                Self::Usage(error.to_string())
+            }
             _ => Self::CouldNot(error.to_string()),
         }
     }

@@ -5,10 +5,12 @@ use crate::progress::Progress;
 use crate::setup;
 use crate::stats::{json, milliseconds};
 use raycast_core::accel::Accel;
-use raycast_core::formats;
-use raycast_core::scene::{Bounds, Dropped, Object, Scene};
+use raycast_core::formats::{self, SceneFile};
+use raycast_core::scene::{Bounds, Dropped, Object};
 use serde::Serialize;
 use std::fmt::Write;
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 use std::time::Instant;
 
@@ -26,6 +28,7 @@ struct FileInfo {
     tree_bytes: usize,
     tree_bytes_per_triangle: f64,
     objects: Vec<ObjectInfo>,
+    warnings: Vec<String>,
 }
 
 /// What an object is.
@@ -126,7 +129,9 @@ fn inspect(path: &Path) -> Result<FileInfo, Failure> {
     let progress = Progress::new();
     progress.loading();
     let loading = Instant::now();
-    let scene: Scene = formats::read_scene(path, &|share| progress.loaded(share))?.scene;
+    let SceneFile {
+        scene, warnings, ..
+    } = formats::read_scene(path, &|share| progress.loaded(share))?;
     let load_time = loading.elapsed();
     progress.building();
     let building = Instant::now();
@@ -135,28 +140,48 @@ fn inspect(path: &Path) -> Result<FileInfo, Failure> {
     let tree_bytes = accel.retained_bytes();
     Ok(FileInfo {
         file: path.display().to_string(),
-        kind: kind(path),
+        kind: kind(path, &first_bytes(path)),
         triangles: scene.triangle_count() as u64,
-        dropped: (&setup::dropped(&scene)).into(),
+        dropped: (&setup::dropped(&scene, &accel)).into(),
         bounds: BoundsInfo::new(&scene.bounds()),
         load_ms: milliseconds(load_time),
         build_ms: milliseconds(build_time),
         tree_bytes,
         tree_bytes_per_triangle: tree_bytes as f64 / accel.len().max(1) as f64,
         objects: scene.objects.iter().map(ObjectInfo::from).collect(),
+        warnings,
     })
 }
 
-/// What kind of file its name says it is.
-fn kind(path: &Path) -> &'static str {
-    let name = path.to_string_lossy().to_ascii_lowercase();
-    if name.ends_with(".raycast.toml") {
+/// What kind of file it is, of those that can be read: its own first words tell.
+fn kind(path: &Path, first_bytes: &[u8]) -> &'static str {
+    let text = String::from_utf8_lossy(first_bytes);
+    let first = text
+        .trim_start_matches('\u{feff}')
+        .lines()
+        .map(str::trim)
+        .find(|line| !line.is_empty() && !line.starts_with('#'))
+        .unwrap_or_default();
+    let is_toml = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    if is_toml || first.starts_with('[') {
         "scene file"
-    } else if name.ends_with(".obj") {
-        "OBJ"
-    } else {
+    } else if first.starts_with('(') {
         "triangle text"
+    } else {
+        "OBJ"
     }
+}
+
+/// Enough of a file to tell its kind; nothing where it cannot be read.
+fn first_bytes(path: &Path) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    if let Ok(file) = File::open(path) {
+        // What could not be read cannot be told.
+        let _ = file.take(1 << 16).read_to_end(&mut bytes);
+    }
+    bytes
 }
 
 /// The same for people.
@@ -176,6 +201,9 @@ fn describe(info: &FileInfo) -> String {
             info.tree_bytes_per_triangle, info.build_ms
         ),
     );
+    for warning in &info.warnings {
+        line("warning", warning.clone());
+    }
     for object in &info.objects {
         let _ = writeln!(text, "  object {:?}", object.name);
         let mut line = |name: &str, value: String| {
@@ -234,7 +262,7 @@ fn yes_no(is: bool) -> String {
 mod tests {
     use super::*;
     use raycast_core::glam::DVec3;
-    use raycast_core::scene::{Mesh, MeshData};
+    use raycast_core::scene::{Mesh, MeshData, Scene};
     use std::sync::Arc;
 
     fn info() -> FileInfo {
@@ -250,13 +278,14 @@ mod tests {
             file: "part.obj".to_owned(),
             kind: "OBJ",
             triangles: scene.triangle_count() as u64,
-            dropped: (&setup::dropped(&scene)).into(),
+            dropped: (&scene.objects[0].mesh.dropped()).into(),
             bounds: BoundsInfo::new(&scene.bounds()),
             load_ms: 1.0,
             build_ms: 2.0,
             tree_bytes: 100,
             tree_bytes_per_triangle: 100.0,
             objects: scene.objects.iter().map(ObjectInfo::from).collect(),
+            warnings: vec!["part.obj: no such material".to_owned()],
         }
     }
 
@@ -279,9 +308,13 @@ mod tests {
     }
 
     #[test]
-    fn kinds_are_told_by_name() {
-        assert_eq!(kind(Path::new("a/demo.RAYCAST.toml")), "scene file");
-        assert_eq!(kind(Path::new("a.obj")), "OBJ");
-        assert_eq!(kind(Path::new("a.txt")), "triangle text");
+    fn kinds_are_told_by_their_first_words() {
+        let kind = |name: &str, text: &str| kind(Path::new(name), text.as_bytes());
+        assert_eq!(kind("demo.raycast.toml", "# a scene\n"), "scene file");
+        assert_eq!(kind("a.obj", "# a cube\nv 0 0 0\n"), "OBJ");
+        assert_eq!(
+            kind("a.txt", "\n(0,0,0);(1,0,0);(0,1,0)\n"),
+            "triangle text"
+        );
     }
 }

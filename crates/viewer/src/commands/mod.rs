@@ -11,7 +11,9 @@ mod stitch;
 pub use failure::Failure;
 
 use crate::cli::{Cli, Command};
-use crate::{app, output};
+use crate::{app, output, setup};
+use raycast_core::accel::Accel;
+use raycast_core::scene::Scene;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::process::ExitCode;
 
@@ -49,6 +51,22 @@ fn workers(threads: u16) -> Result<ThreadPool, Failure> {
         .thread_name(|index| format!("raycast-{index}"))
         .build()
         .map_err(|error| Failure::could_not(format!("the workers could not be started: {error}")))
+}
+
+/// Says on standard error what reading left out.
+fn warn_of_reading(warnings: &[String], scene: &Scene, accel: &Accel) {
+    for warning in warnings {
+        warn(warning);
+    }
+    let dropped = setup::dropped(scene, accel);
+    if dropped.total() > 0 {
+        warn(&format!(
+            "{} of {} triangles were dropped: {}",
+            dropped.total(),
+            scene.triangle_count(),
+            setup::reasons(&dropped)
+        ));
+    }
 }
 
 /// Says on standard error what is odd but no failure.

@@ -1,4 +1,4 @@
-use super::{Failure, warn, workers};
+use super::{Failure, warn_of_reading, workers};
 use crate::cli::{RenderArgs, TileArgs};
 use crate::output::Output;
 use crate::progress::Progress;
@@ -33,6 +33,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let loading = Instant::now();
     let mut file = setup::load(&args.files, &|share| progress.loaded(share))?;
     setup::paint(&mut file.scene, &args.shading)?;
+    output.check_against(setup::sources(&file.scene))?;
     let load_time = loading.elapsed();
     let camera = setup::camera(
         &args.camera,
@@ -56,7 +57,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
 
     progress.building();
     let building = Instant::now();
-    let SceneFile { scene, .. } = file;
+    let SceneFile {
+        scene, warnings, ..
+    } = file;
     let accel = pool.install(|| Accel::build(&scene))?;
     let build_time = building.elapsed();
     let view = View {
@@ -89,19 +92,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let file = output.write(&bytes)?;
     progress.clear();
 
-    let dropped = setup::dropped(&view.scene);
-    if dropped.total() > 0 {
-        warn(&format!(
-            "{} of {} triangles were dropped: {}",
-            dropped.total(),
-            view.scene.triangle_count(),
-            setup::reasons(&dropped)
-        ));
-    }
+    warn_of_reading(&warnings, &view.scene, &view.accel);
     let shares = Shares::new(wall, &tiles);
     stats_target.write(&Stats {
         triangles: view.scene.triangle_count() as u64,
-        dropped: dropped.total().into(),
+        dropped: setup::dropped(&view.scene, &view.accel).total().into(),
         load_ms: milliseconds(load_time),
         build_ms: milliseconds(build_time),
         cast_ms: milliseconds(shares.cast),
@@ -112,7 +107,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         invalid_rays: 0,
         mrays_per_s: stats::mrays_per_s(tiles.rays, shares.cast),
         threads: pool.current_num_threads(),
-        simd: stats::simd(),
+        simd: view.accel.simd().name(),
         peak_bytes: stats::peak_bytes(),
     })?;
     file.finish()

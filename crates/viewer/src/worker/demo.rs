@@ -1,47 +1,68 @@
-//! The scene that a window without files opens on.
+//! The scene that a window without files opens on: it is in the program, and needs no file.
 
-use raycast_core::formats::SceneFile;
-use raycast_core::glam::{DVec3, Vec2};
-use raycast_core::scene::{Attribute, Mesh, MeshData, Object, Scene};
-use std::sync::Arc;
+use raycast_core::formats::{FormatError, SceneFile, read_scene_from};
+
+/// The scene file, and the files that it names.
+const SCENE: &str = include_str!("../../../../assets/demo.raycast.toml");
+const FILES: &[(&str, &[u8])] = &[
+    ("cube.obj", include_bytes!("../../../../assets/cube.obj")),
+    ("cube.mtl", include_bytes!("../../../../assets/cube.mtl")),
+    (
+        "dahlia.obj",
+        include_bytes!("../../../../assets/dahlia.obj"),
+    ),
+    (
+        "dahlia.mtl",
+        include_bytes!("../../../../assets/dahlia.mtl"),
+    ),
+    (
+        "leopard.png",
+        include_bytes!("../../../../assets/leopard.png"),
+    ),
+    (
+        "monkey.obj",
+        include_bytes!("../../../../assets/monkey.obj"),
+    ),
+    (
+        "monkey.mtl",
+        include_bytes!("../../../../assets/monkey.mtl"),
+    ),
+    (
+        "plinth.obj",
+        include_bytes!("../../../../assets/plinth.obj"),
+    ),
+    (
+        "plinth.mtl",
+        include_bytes!("../../../../assets/plinth.mtl"),
+    ),
+    ("torus.obj", include_bytes!("../../../../assets/torus.obj")),
+    ("torus.mtl", include_bytes!("../../../../assets/torus.mtl")),
+];
 
 /// The demo scene.
-pub fn scene() -> SceneFile {
-    SceneFile {
-        scene: Scene {
-            objects: vec![Object::new("cube", Arc::new(cube()))],
-        },
-        ..SceneFile::default()
-    }
+///
+/// # Errors
+/// None with the files that the program is built from: a test reads them.
+pub fn scene() -> Result<SceneFile, FormatError> {
+    read_scene_from(SCENE, &|name| {
+        let (_, bytes) = FILES.iter().find(|(file, _)| *file == name)?;
+        Some(bytes.to_vec())
+    })
 }
 
-fn cube() -> Mesh {
-    let positions = (0..8)
-        .map(|corner| {
-            let side = |bit: u32| if corner >> bit & 1 == 0 { -0.5 } else { 0.5 };
-            DVec3::new(side(0), side(1), side(2))
-        })
-        .collect();
-    let quads: [[u32; 4]; 6] = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let triangles: Vec<_> = quads
-        .iter()
-        .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
-        .collect();
-    let uvs = Attribute {
-        values: vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y],
-        indices: Some(quads.iter().flat_map(|_| [[0, 1, 2], [0, 2, 3]]).collect()),
-    };
-    Mesh::new(MeshData {
-        positions,
-        triangles,
-        uvs: Some(uvs),
-        ..MeshData::default()
-    })
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_embedded_scene_is_whole() {
+        let file = super::scene().expect("the program's own files");
+        assert!(file.warnings.is_empty(), "{:?}", file.warnings);
+        assert!(file.scene.objects.len() >= 4);
+        assert!(
+            file.scene
+                .objects
+                .iter()
+                .any(|object| object.texture.is_some())
+        );
+        assert!(file.camera.is_some());
+    }
 }

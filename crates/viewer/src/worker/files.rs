@@ -259,13 +259,11 @@ fn load(
         .iter()
         .map(|object| u64::from(object.mesh.dropped().total()))
         .sum();
-    let notes = (dropped > 0)
-        .then(|| {
-            let plural = if dropped == 1 { "" } else { "s" };
-            format!("{dropped} degenerate triangle{plural} left out")
-        })
-        .into_iter()
-        .collect();
+    let mut notes = file.warnings;
+    if dropped > 0 {
+        let plural = if dropped == 1 { "" } else { "s" };
+        notes.push(format!("{dropped} degenerate triangle{plural} left out"));
+    }
     let bounds = file.scene.bounds();
     Ok(Loaded {
         document: Document {
@@ -289,7 +287,7 @@ fn load(
 /// Reads every file into one scene; camera and settings are the first file's that has any.
 fn read(paths: &[PathBuf], progress: &(dyn Fn(f32) + Sync)) -> Result<SceneFile, String> {
     if paths.is_empty() {
-        return Ok(demo::scene());
+        return demo::scene().map_err(|error| error.to_string());
     }
     let mut whole = SceneFile::default();
     for (index, path) in paths.iter().enumerate() {
@@ -303,6 +301,7 @@ fn read(paths: &[PathBuf], progress: &(dyn Fn(f32) + Sync)) -> Result<SceneFile,
                 object.parent = object.parent.map(|parent| parent + first);
                 object
             }));
+        whole.warnings.extend(file.warnings);
         whole.camera = whole.camera.or(file.camera);
         whole.image.samples = whole.image.samples.or(file.image.samples);
         whole.shading = whole.shading.or(file.shading);

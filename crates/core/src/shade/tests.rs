@@ -1,0 +1,364 @@
+//! Whole shaders over small scenes.
+
+use super::*;
+use crate::accel::{Accel, SlotHit};
+use crate::camera::{Camera, ImagePlane, Placement, Projection, Rect};
+use crate::intersect::Cull;
+use crate::scene::{
+    Attribute, Color, ColorRule, Mesh, MeshData, Object, Scene, Texture, Transform,
+};
+use glam::{DVec3, Vec2, Vec3};
+use std::sync::Arc;
+
+const COLUMNS: u32 = 40;
+const ROWS: u32 = 30;
+
+const ALL_MODES: [Mode; 9] = [
+    Mode::Color,
+    Mode::Flat,
+    Mode::Smooth,
+    Mode::Normals,
+    Mode::Depth,
+    Mode::Barycentric,
+    Mode::Uv,
+    Mode::Texture,
+    Mode::Wireframe,
+];
+
+/// A square from −1 to 1 at z = 0, of two triangles, with texture coordinates over it.
+fn square() -> MeshData {
+    let corner = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+    MeshData {
+        positions: vec![
+            corner(-1.0, -1.0),
+            corner(1.0, -1.0),
+            corner(1.0, 1.0),
+            corner(-1.0, 1.0),
+        ],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        uvs: Some(Attribute {
+            values: vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y],
+            indices: None,
+        }),
+        ..MeshData::default()
+    }
+}
+
+fn object(data: MeshData) -> Object {
+    let mut object = Object::new("square", Arc::new(Mesh::new(data)));
+    object.color = ColorRule::Uniform(Color([200, 100, 50]));
+    object
+}
+
+fn camera(projection: Projection, eye: DVec3) -> Camera {
+    let plane = ImagePlane::new(COLUMNS, ROWS, 0.1).expect("a good plane");
+    let placement = Placement {
+        eye,
+        target: DVec3::ZERO,
+        up: DVec3::Y,
+    };
+    Camera::new(placement, projection, plane)
+}
+
+fn front() -> Camera {
+    camera(Projection::Perspective, DVec3::new(0.0, 0.0, 5.0))
+}
+
+/// A scene ready to be asked for the colours of its samples.
+struct Bench {
+    scene: Scene,
+    accel: Accel,
+    camera: Camera,
+}
+
+impl Bench {
+    fn new(objects: Vec<Object>, camera: Camera) -> Self {
+        let scene = Scene { objects };
+        let accel = Accel::build(&scene).expect("a good scene");
+        Self {
+            scene,
+            accel,
+            camera,
+        }
+    }
+
+    fn shader(&self, shading: Shading) -> Shader<'_> {
+        Shader::new(&self.scene, &self.accel, self.camera, shading)
+    }
+
+    fn hit(&self, x: f64, y: f64) -> SlotHit {
+        self.accel.cast_slot(&self.camera.ray(x, y), Cull::None)
+    }
+
+    fn color(&self, shading: Shading, x: f64, y: f64) -> [f32; 4] {
+        self.shader(shading).color(x, y, &self.hit(x, y))
+    }
+}
+
+fn mode(mode: Mode) -> Shading {
+    Shading {
+        mode,
+        ..Shading::default()
+    }
+}
+
+fn linear(bytes: [u8; 3]) -> [f32; 4] {
+    let [r, g, b] = srgb::linear(Color(bytes)).to_array();
+    [r, g, b, 1.0]
+}
+
+#[test]
+fn colors_are_the_triangles_own() {
+    let bench = Bench::new(vec![object(square())], front());
+    assert_eq!(
+        bench.color(mode(Mode::Color), 20.5, 15.5),
+        linear([200, 100, 50])
+    );
+    // Without a texture that mode shows the object's colours too.
+    assert_eq!(
+        bench.color(mode(Mode::Texture), 20.5, 15.5),
+        linear([200, 100, 50])
+    );
+    let shader = bench.shader(mode(Mode::Color));
+    assert_eq!(
+        shader.shade_pixel8(20.5, 15.5, &bench.hit(20.5, 15.5)),
+        [200, 100, 50, 255]
+    );
+}
+
+#[test]
+fn the_background_runs_from_top_to_bottom() {
+    let bench = Bench::new(vec![object(square())], front());
+    let (top, bottom) = (Color([0, 50, 255]), Color([255, 200, 0]));
+    let mut shading = mode(Mode::Flat);
+    shading.background = Background::Gradient(top, bottom);
+    assert_eq!(bench.color(shading, 0.5, 0.0), linear(top.0));
+    assert_eq!(bench.color(shading, 0.5, f64::from(ROWS)), linear(bottom.0));
+    shading.background = Background::Transparent;
+    assert_eq!(bench.color(shading, 0.5, 0.5), [0.0; 4]);
+}
+
+#[test]
+fn backs_are_lit_as_fronts() {
+    for shown in [Mode::Flat, Mode::Smooth, Mode::Normals] {
+        let mut turned = square();
+        for triangle in &mut turned.triangles {
+            triangle.swap(1, 2);
+        }
+        let normals = Some(Attribute {
+            values: vec![Vec3::Z; 4],
+            indices: None,
+        });
+        turned.normals = normals.clone();
+        let mut straight = square();
+        straight.normals = normals;
+        let front_colors = Bench::new(vec![object(straight)], front());
+        let back_colors = Bench::new(vec![object(turned)], front());
+        assert_eq!(
+            front_colors.color(mode(shown), 18.5, 15.5),
+            back_colors.color(mode(shown), 18.5, 15.5),
+            "{shown:?}"
+        );
+    }
+}
+
+#[test]
+fn normals_follow_a_transform_as_planes_do() {
+    // The mesh's own normal at 45° in the xy plane; stretched twice along x, a plane with that
+    // normal has (1/2, 1, 0) by its equation.
+    let mut data = square();
+    data.normals = Some(Attribute {
+        values: vec![Vec3::new(1.0, 1.0, 0.5).normalize(); 4],
+        indices: None,
+    });
+    let mut stretched = object(data);
+    stretched.transform = Transform {
+        scale: DVec3::new(2.0, 1.0, 1.0),
+        translate: DVec3::new(0.3, 0.0, 0.0),
+        ..Transform::IDENTITY
+    };
+    let bench = Bench::new(vec![stretched], front());
+    let (normal, uv) = bench
+        .shader(mode(Mode::Color))
+        .surface(20.0, 15.0, &bench.hit(20.0, 15.0));
+    let expected = Vec3::new(0.5, 1.0, 0.5).normalize();
+    assert!(
+        (Vec3::from(normal) - expected).length() < 1e-6,
+        "{normal:?}"
+    );
+    // The middle of the picture sees x = 0, which is −0.3 / 2 in the square.
+    assert!((uv[0] - (0.5 - 0.075)).abs() < 1e-5 && (uv[1] - 0.5).abs() < 1e-5);
+    let miss = bench
+        .shader(mode(Mode::Color))
+        .surface(0.0, 0.0, &SlotHit::NONE);
+    assert_eq!(miss, ([0.0; 3], [0.0; 2]));
+}
+
+#[test]
+fn normals_and_texture_coordinates_are_shown_as_they_are() {
+    let bench = Bench::new(vec![object(square())], front());
+    assert_eq!(
+        bench.color(mode(Mode::Normals), 20.5, 15.5),
+        linear([128, 128, 255])
+    );
+    // Half a step to the right of the middle and half a step below: 0.05 of two units.
+    let [r, g, _, _] = bench.color(mode(Mode::Uv), 20.5, 15.5);
+    assert_eq!(
+        (r, g),
+        (
+            linear([(0.525f32 * 255.0 + 0.5) as u8; 3])[0],
+            linear([(0.475f32 * 255.0 + 0.5) as u8; 3])[0]
+        )
+    );
+}
+
+#[test]
+fn near_is_lighter_than_far() {
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        let mut far = object(square());
+        far.transform.translate = DVec3::new(1.0, 0.0, -2.0);
+        let bench = Bench::new(
+            vec![object(square()), far],
+            camera(projection, DVec3::new(0.0, 0.0, 5.0)),
+        );
+        let near = bench.color(mode(Mode::Depth), 15.5, 15.5)[0];
+        let far = bench.color(mode(Mode::Depth), 32.5, 15.5)[0];
+        assert!(near > 0.8 && far < 0.4, "{projection:?}: {near} {far}");
+    }
+}
+
+#[test]
+fn textures_mix_with_colors_in_linear_light() {
+    let texture = Texture::new(1, 1, vec![[0, 200, 255, 255]]).expect("a good texture");
+    let mut textured = object(square());
+    textured.texture = Some(Arc::new(texture));
+    let bench = Bench::new(vec![textured], front());
+    let (own, image) = (linear([200, 100, 50]), linear([0, 200, 255]));
+    for projection in [TextureProjection::Uv, TextureProjection::Triplanar] {
+        for blend in [0.0, 0.25, 1.0] {
+            let shading = Shading {
+                blend,
+                projection,
+                ..mode(Mode::Texture)
+            };
+            let found = bench.color(shading, 22.5, 12.5);
+            for channel in 0..4 {
+                let expected = own[channel] * (1.0 - blend) + image[channel] * blend;
+                assert!(
+                    (found[channel] - expected).abs() < 1e-6,
+                    "{found:?} at {blend}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_texture_stands_upright() {
+    // Red above, green below; the square's top is v = 1.
+    let texture = Texture::new(1, 2, vec![[255, 0, 0, 255], [0, 255, 0, 255]]);
+    let mut textured = object(square());
+    textured.texture = texture.map(Arc::new);
+    let bench = Bench::new(vec![textured], front());
+    for projection in [TextureProjection::Uv, TextureProjection::Triplanar] {
+        let shading = Shading {
+            filter: Filter::Nearest,
+            projection,
+            ..mode(Mode::Texture)
+        };
+        assert_eq!(bench.color(shading, 20.5, 8.5), [1.0, 0.0, 0.0, 1.0]);
+        assert_eq!(bench.color(shading, 20.5, 21.5), [0.0, 1.0, 0.0, 1.0]);
+    }
+}
+
+#[test]
+fn lines_lie_on_edges_alone() {
+    let bench = Bench::new(vec![object(square())], front());
+    let line = Wireframe {
+        width: 1.5,
+        color: Color([255, 0, 255]),
+    };
+    let shading = Shading {
+        wireframe: Some(line),
+        background: Background::Transparent,
+        ..mode(Mode::Wireframe)
+    };
+    // The square reaches from column 10 to 30 and from row 5 to 25.
+    let within = bench.color(shading, 24.5, 19.5);
+    assert_eq!(within, [0.0; 4]);
+    let on_edge = bench.color(shading, 10.25, 15.5);
+    assert_eq!(on_edge, linear([255, 0, 255]));
+    let over = Shading {
+        mode: Mode::Color,
+        ..shading
+    };
+    assert_eq!(bench.color(over, 24.5, 19.5), linear([200, 100, 50]));
+    assert_eq!(bench.color(over, 10.25, 15.5), linear([255, 0, 255]));
+    // Without lines of its own that mode draws some all the same.
+    let bare = Shading {
+        wireframe: None,
+        ..shading
+    };
+    assert!(bench.color(bare, 10.25, 15.5)[3] > 0.5);
+}
+
+#[test]
+fn tiles_remember_without_a_trace() {
+    // More triangles than a tile remembers, so that places are taken again.
+    let size = 20;
+    let mut data = MeshData::default();
+    for y in 0..=size {
+        for x in 0..=size {
+            let (x, y) = (f64::from(x) / 10.0 - 1.0, f64::from(y) / 10.0 - 1.0);
+            data.positions.push(DVec3::new(x, y, x * y * 0.5));
+        }
+    }
+    for y in 0..size {
+        for x in 0..size {
+            let at = (y * (size + 1) + x) as u32;
+            let above = at + size as u32 + 1;
+            data.triangles
+                .extend([[at, at + 1, above], [at + 1, above + 1, above]]);
+        }
+    }
+    let mut colorful = object(data);
+    colorful.color = ColorRule::PerTriangle { seed: 3 };
+    colorful.texture = Texture::new(2, 1, vec![[9, 80, 200, 255], [250, 3, 7, 100]]).map(Arc::new);
+    let eye = DVec3::new(2.0, 1.0, 4.0);
+    let bench = Bench::new(
+        vec![colorful, object(square())],
+        camera(Projection::Perspective, eye),
+    );
+    let rect = Rect {
+        x: 3,
+        y: 2,
+        width: 33,
+        height: 27,
+    };
+    let places: Vec<(f64, f64)> = (rect.y..rect.bottom())
+        .flat_map(|y| (rect.x..rect.right()).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)))
+        .collect();
+    let hits: Vec<SlotHit> = places.iter().map(|&(x, y)| bench.hit(x, y)).collect();
+    for shown in ALL_MODES {
+        for wireframe in [None, Some(Wireframe::default())] {
+            for blend in [0.0, 0.7] {
+                let shading = Shading {
+                    wireframe,
+                    blend,
+                    ..mode(shown)
+                };
+                let shader = bench.shader(shading);
+                let mut pixels = vec![[0; 4]; rect.area()];
+                shader.shade_tile(rect, &hits, &mut pixels);
+                let mut tile = shader.tile();
+                for ((&(x, y), hit), pixel) in places.iter().zip(&hits).zip(&pixels) {
+                    assert_eq!(*pixel, shader.shade_pixel8(x, y, hit), "{shading:?}");
+                    assert_eq!(*pixel, tile.pixel8(x, y, hit), "{shading:?}");
+                    let color = shader.color(x, y, hit);
+                    assert_eq!(color, tile.color(x, y, hit), "{shading:?}");
+                    assert!(color.iter().all(|channel| (0.0..=1.0).contains(channel)));
+                }
+            }
+        }
+    }
+}
