@@ -28,7 +28,10 @@ impl Screen {
     /// Starts a screen of so many pixels, on a display number that is free.
     pub fn start(width: u32, height: u32) -> Self {
         let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-nolisten", "tcp", "-screen", "0"])
+            // Without -noreset it starts anew, and refuses connections meanwhile, whenever the last
+            // program leaves: each call of xdotool may be that.
+            .args(["-displayfd", "1", "-noreset", "-nolisten", "tcp"])
+            .args(["-screen", "0"])
             .arg(format!("{width}x{height}x24"))
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
@@ -93,8 +96,13 @@ impl Screen {
 
 impl Drop for Screen {
     fn drop(&mut self) {
-        // Whatever it says, there is nothing left to do.
-        let _ = self.server.kill();
+        // Asked kindly, it removes its lock and its socket.
+        let asked = Command::new("kill")
+            .arg(self.server.id().to_string())
+            .status();
+        if !asked.is_ok_and(|status| status.success()) {
+            let _ = self.server.kill();
+        }
         let _ = self.server.wait();
     }
 }
