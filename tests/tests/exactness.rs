@@ -5,9 +5,10 @@
 
 use raycast_core::camera::Ray;
 use raycast_core::glam::DVec3;
+use raycast_core::image::Picture;
 use raycast_core::intersect::Cull;
 use raycast_core::scene::{Mesh, Object, Scene, Transform};
-use raycast_tests::check::Stage;
+use raycast_tests::check::{PROJECTIONS, Stage, camera};
 use raycast_tests::random::Random;
 use raycast_tests::{meshes, models};
 use std::sync::Arc;
@@ -156,6 +157,86 @@ fn several_objects_in_their_places() {
     objects.push(objects[0].clone());
     let stage = Stage::new(Scene { objects });
     check("several objects", &stage, 100_000, 25);
+}
+
+/// The tiles' way through the tree: random meshes over many decades, from random eyes, every pixel.
+#[test]
+fn pictures_of_random_meshes_over_many_decades() {
+    let mut random = Random::new(14);
+    let mut covered = 0;
+    for round in 0..120 {
+        let scale = random.decade(-12.0, 12.0);
+        let middle = match round % 3 {
+            0 => DVec3::ZERO,
+            _ => random.direction() * scale * random.decade(0.0, 5.0),
+        };
+        let size = random.decade(-2.0, 0.0);
+        let count = 1 + random.below(400);
+        let stage = Stage::of([meshes::random_soup(&mut random, count, middle, scale, size)]);
+        if stage.accel.is_empty() {
+            continue;
+        }
+        let target = middle + random.in_cube() * scale * 0.5;
+        let eye = middle + random.direction() * scale * random.decade(-1.0, 1.5);
+        // Wide and narrow, of odd sizes; down to pixels much smaller than the triangles.
+        let height = (eye - target).length() * random.decade(-4.0, 1.0);
+        let pixels = (20 + random.below(60), 20 + random.below(60));
+        let cull = [Cull::None, Cull::Back][round % 2];
+        for projection in PROJECTIONS {
+            let camera = camera(eye, target, projection, pixels, height);
+            let picture = stage.check_picture(camera, cull, 1);
+            covered += covered_pixels(&picture);
+        }
+    }
+    println!("pictures of random meshes: {covered} pixels covered, none wrong");
+    assert!(covered > 80_000, "{covered}");
+}
+
+/// Vertices and edges on the pixels' own lattice, triangles in one plane over one another, doubles:
+/// every ray meets borders, and ties abound.
+#[test]
+fn pictures_on_a_lattice() {
+    let mut random = Random::new(15);
+    let mut covered = 0;
+    for round in 0..30 {
+        let corners: Vec<[DVec3; 3]> = (0..40)
+            .map(|_| {
+                let z = [0.0, 4.0, -8.0, -24.0][random.below(4) as usize];
+                std::array::from_fn(|_| {
+                    let mut whole = || f64::from(random.below(17)) - 8.0;
+                    DVec3::new(
+                        whole(),
+                        whole(),
+                        if round % 2 == 0 { z } else { z * 0.5 + whole() },
+                    )
+                })
+            })
+            .collect();
+        let shift = match round % 3 {
+            0 => DVec3::ZERO,
+            1 => DVec3::new(1000.0, -2000.0, 0.0),
+            _ => DVec3::new(65_536.0, 0.0, -1e6),
+        };
+        let moved: Vec<[DVec3; 3]> = corners.iter().map(|c| c.map(|p| p + shift)).collect();
+        let stage = Stage::of([meshes::soup(&moved)]);
+        // Half a pixel aside, so that centres lie on multiples of an eighth at the target.
+        let aside = shift + DVec3::new(1.0 / 16.0, -1.0 / 16.0, 0.0);
+        for projection in PROJECTIONS {
+            for back in [8.0, 16.0] {
+                let eye = aside + DVec3::Z * back;
+                let camera = camera(eye, aside, projection, (128, 128), 16.0);
+                let picture = stage.check_picture(camera, Cull::None, 3);
+                covered += covered_pixels(&picture);
+            }
+        }
+    }
+    println!("pictures on a lattice: {covered} pixels covered, none wrong");
+    assert!(covered > 400_000, "{covered}");
+}
+
+fn covered_pixels(picture: &Picture) -> usize {
+    let layers = picture.layers.as_ref().expect("layers were asked for");
+    layers.depth.iter().filter(|z| z.is_finite()).count()
 }
 
 /// What a mesh holds is what is cast at: no rounding on the way.
