@@ -87,7 +87,12 @@ fn splits_agree_on_the_demo_assets() {
         assert_splits_agree(&asset(name), &mode);
     }
     let mut textured = arguments!["--size", "240x180", "--mode", "texture"];
-    textured.extend(arguments!["--texture", asset("leopard.png"), "--samples", "3"]);
+    textured.extend(arguments![
+        "--texture",
+        asset("leopard.png"),
+        "--samples",
+        "3"
+    ]);
     assert_splits_agree(&asset("torus.obj"), &textured);
 }
 
@@ -97,10 +102,16 @@ fn splits_agree_on_real_meshes() {
     for mesh in models::meshes() {
         assert_splits_agree(&mesh, &color);
     }
-    if let (Some(spot), Some(texture)) = (models::file("spot.obj"), models::file("spot_texture.png"))
+    if let (Some(spot), Some(texture)) =
+        (models::file("spot.obj"), models::file("spot_texture.png"))
     {
         let textured = arguments![
-            "--size", "800x800", "--mode", "texture", "--texture", texture
+            "--size",
+            "800x800",
+            "--mode",
+            "texture",
+            "--texture",
+            texture
         ];
         assert_splits_agree(&spot, &textured);
     }
@@ -144,7 +155,16 @@ fn fragments_of_other_processes_stitch_to_the_whole() {
         stitch(&["0,0", "1,0", "2,0", "0,1", "1,1"]);
         render(
             &at("other"),
-            &["--tiles", "3x2", "--sub-camera", "2,1", "--cull", "back", "--mode", "depth"],
+            &[
+                "--tiles",
+                "3x2",
+                "--sub-camera",
+                "2,1",
+                "--cull",
+                "back",
+                "--mode",
+                "depth",
+            ],
         );
         stitch(&["0,0", "1,0", "2,0", "0,1", "1,1", "whole"]);
         stitch(&["0,0", "0,0", "1,0", "2,0", "0,1", "1,1", "2,1"]);
@@ -166,7 +186,9 @@ fn exr_holds_depth_and_numbers() {
     let channel = |name: &str| {
         let channels = &image.layer_data.channel_data.list;
         let found = channels.iter().find(|channel| channel.name.eq(name));
-        &found.unwrap_or_else(|| panic!("no channel {name}")).sample_data
+        &found
+            .unwrap_or_else(|| panic!("no channel {name}"))
+            .sample_data
     };
     for name in ["R", "G", "B", "A", "N.X", "N.Y", "N.Z", "uv.U", "uv.V"] {
         assert_eq!(channel(name).len(), 48 * 40, "{name}");
@@ -176,9 +198,16 @@ fn exr_holds_depth_and_numbers() {
     else {
         panic!("Z must be 32-bit floats, id.object and id.triangle 32-bit unsigned");
     };
-    assert_eq!((depth[0], object[0], triangle[0]), (f32::INFINITY, u32::MAX, u32::MAX));
+    assert_eq!(
+        (depth[0], object[0], triangle[0]),
+        (f32::INFINITY, u32::MAX, u32::MAX)
+    );
     let middle = 20 * 48 + 24;
-    assert!(depth[middle] > 1.0 && depth[middle] < 5.0, "{}", depth[middle]);
+    assert!(
+        depth[middle] > 1.0 && depth[middle] < 5.0,
+        "{}",
+        depth[middle]
+    );
     assert_eq!(object[middle], 0);
     assert!(triangle[middle] < 12);
 }
@@ -193,7 +222,12 @@ fn other_kinds_of_image_are_written() {
     ] {
         let output = folder.path().join(name);
         succeed(arguments![
-            "render", asset("cube.obj"), "-o", &output, "--size", "40x30"
+            "render",
+            asset("cube.obj"),
+            "-o",
+            &output,
+            "--size",
+            "40x30"
         ]);
         assert!(bytes(&output).starts_with(start), "{name}");
     }
@@ -231,11 +265,27 @@ fn bad_files_are_one_line_and_exit_1() {
         refuse_render(1, &write(&folder, name, &picture), &[], name);
     }
     for (name, text, place) in [
-        ("vertices.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "vertices.obj"),
+        (
+            "vertices.obj",
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\n",
+            "vertices.obj",
+        ),
         ("cut.obj", "v 0 0 0\nv 1 0 0\nv 0 1", "cut.obj:3"),
-        ("word.obj", "v 0 0 0\nv 1 0 zero\nv 0 1 0\nf 1 2 3\n", "word.obj:2"),
-        ("face.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 x\n", "face.obj:4"),
-        ("cut.txt", "(0,0,0);(1,0,0);(0,1,0)\n(0,0,0);(1,0,0);(0,", "cut.txt:2"),
+        (
+            "word.obj",
+            "v 0 0 0\nv 1 0 zero\nv 0 1 0\nf 1 2 3\n",
+            "word.obj:2",
+        ),
+        (
+            "face.obj",
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 x\n",
+            "face.obj:4",
+        ),
+        (
+            "cut.txt",
+            "(0,0,0);(1,0,0);(0,1,0)\n(0,0,0);(1,0,0);(0,",
+            "cut.txt:2",
+        ),
         ("two.txt", "(0,0,0);(1,0,0)\n", "two.txt:1"),
         ("bad.raycast.toml", "[camera\n", "bad.raycast.toml:1"),
     ] {
@@ -254,8 +304,9 @@ fn a_mesh_cut_anywhere_is_a_picture_or_one_line() {
         let length = random.below(whole.len() as u32) as usize;
         let mesh = write(&folder, "cut.obj", &whole[..length]);
         let output = folder.path().join("a.png");
-        let mut command =
-            command(arguments!["render", &mesh, "-o", &output, "--size", "16x16"]);
+        let mut command = command(arguments![
+            "render", &mesh, "-o", &output, "--size", "16x16"
+        ]);
         let told = run(&mut command);
         match told.status {
             Some(0) => std::fs::remove_file(&output).expect("a picture"),
@@ -280,7 +331,10 @@ fn bad_usage_is_one_line_and_exits_2() {
         (&["--size", "5x0"], "5x0"),
         (&["--size", "-5x5"], "size"),
         (&["--size", "99999999x5"], "size"),
-        (&["--size", "100x100", "--step", "0.5", "--fov", "10"], "odds"),
+        (
+            &["--size", "100x100", "--step", "0.5", "--fov", "10"],
+            "odds",
+        ),
         (&["--step", "0"], "step"),
         (&["--step", "nan"], "step"),
         (&["--fov", "180"], "fov"),
@@ -317,7 +371,10 @@ fn outputs_that_cannot_be_are_one_line_and_exit_1() {
         places.push("/proc/a.png".into());
     }
     for place in places {
-        let line = refuse(1, arguments!["render", &mesh, "-o", &place, "--size", "8x8"]);
+        let line = refuse(
+            1,
+            arguments!["render", &mesh, "-o", &place, "--size", "8x8"],
+        );
         assert!(line.contains(&place.display().to_string()), "{line}");
     }
     assert_eq!(names(folder.path()), ["taken.png"]);
@@ -340,7 +397,14 @@ fn an_interrupt_leaves_no_file() {
     let folder = folder();
     let output = folder.path().join("a.png");
     let mut child = command(arguments![
-        "render", asset("monkey.obj"), "-o", &output, "--size", "4000x4000", "--samples", "256"
+        "render",
+        asset("monkey.obj"),
+        "-o",
+        &output,
+        "--size",
+        "4000x4000",
+        "--samples",
+        "256"
     ])
     .stderr(std::process::Stdio::null())
     .spawn()
@@ -354,7 +418,11 @@ fn an_interrupt_leaves_no_file() {
     assert!(sent.success());
     let status = child.wait().expect("the program ends");
     assert!(!status.success());
-    assert!(names(folder.path()).is_empty(), "{:?}", names(folder.path()));
+    assert!(
+        names(folder.path()).is_empty(),
+        "{:?}",
+        names(folder.path())
+    );
 }
 
 /// Without a display the window cannot open: one line that names what works.
@@ -378,7 +446,11 @@ fn without_a_display_the_window_says_what_to_do() {
 type FileRay = [f32; 8];
 
 fn write_rays(path: &Path, rays: &[FileRay]) {
-    let bytes: Vec<u8> = rays.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+    let bytes: Vec<u8> = rays
+        .iter()
+        .flatten()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
     std::fs::write(path, bytes).expect("a temporary file can be written");
 }
 
@@ -449,11 +521,17 @@ fn assert_cast_is_exact(mesh: &Path, count: usize) {
             continue;
         };
         met += 1;
-        assert_eq!((object, triangle), (truth.object, truth.triangle), "{ray:?}");
+        assert_eq!(
+            (object, triangle),
+            (truth.object, truth.triangle),
+            "{ray:?}"
+        );
         if truth.cosine > 0.1 {
             let bound = 4.0 * 2f64.powi(-23);
             assert!((f64::from(t) - truth.t).abs() <= bound * truth.t, "{ray:?}");
-            let error = (f64::from(u) - truth.u).abs().max((f64::from(v) - truth.v).abs());
+            let error = (f64::from(u) - truth.u)
+                .abs()
+                .max((f64::from(v) - truth.v).abs());
             assert!(error <= bound, "{ray:?}");
         }
     }
@@ -493,7 +571,12 @@ fn rays_that_are_no_rays_are_counted_misses() {
     rays.extend([still, good]);
     write_rays(&rays_path, &rays);
     let told = succeed(arguments![
-        "cast", asset("cube.obj"), "--rays", &rays_path, "--hits", &hits_path
+        "cast",
+        asset("cube.obj"),
+        "--rays",
+        &rays_path,
+        "--hits",
+        &hits_path
     ]);
     assert!(told.errors.contains("25"), "{}", told.errors);
     let hits = read_hits(&hits_path);
@@ -522,7 +605,12 @@ fn bad_ray_files_are_one_line_and_leave_no_hits() {
     // No rays at all are no error.
     let none = write(&folder, "no-rays", b"");
     succeed(arguments![
-        "cast", asset("cube.obj"), "--rays", none, "--hits", &hits
+        "cast",
+        asset("cube.obj"),
+        "--rays",
+        none,
+        "--hits",
+        &hits
     ]);
     assert_eq!(bytes(&hits).len(), 0);
 }
@@ -541,12 +629,28 @@ fn stats_have_their_keys() {
     write_rays(&rays, &[[0.0, 0.0, 9.0, 0.0, 0.0, 0.0, -1.0, 1e9]; 10]);
     let mesh = asset("cube.obj");
     let render = arguments![
-        "render", &mesh, "-o", folder.path().join("a.png"), "--size", "30x20", "--threads", "2",
-        "--stats", "-"
+        "render",
+        &mesh,
+        "-o",
+        folder.path().join("a.png"),
+        "--size",
+        "30x20",
+        "--threads",
+        "2",
+        "--stats",
+        "-"
     ];
     let cast = arguments![
-        "cast", &mesh, "--rays", rays, "--hits", folder.path().join("h"), "--threads", "2",
-        "--stats", "-"
+        "cast",
+        &mesh,
+        "--rays",
+        rays,
+        "--hits",
+        folder.path().join("h"),
+        "--threads",
+        "2",
+        "--stats",
+        "-"
     ];
     for (arguments, rays) in [(render, 600), (cast, 10)] {
         let stats = json(&succeed(arguments).output);
@@ -575,7 +679,14 @@ fn stats_have_their_keys() {
     }
     let file = folder.path().join("stats.json");
     succeed(arguments![
-        "render", &mesh, "-o", folder.path().join("b.png"), "--size", "8x8", "--stats", &file
+        "render",
+        &mesh,
+        "-o",
+        folder.path().join("b.png"),
+        "--size",
+        "8x8",
+        "--stats",
+        &file
     ]);
     assert_eq!(json(&bytes(&file))["rays"], 64);
 }
@@ -584,7 +695,15 @@ fn stats_have_their_keys() {
 fn bench_has_its_shape() {
     let meshes = ["cube.obj", "torus.obj"].map(asset);
     let told = succeed(arguments![
-        "bench", &meshes[0], &meshes[1], "--frames", "2", "--size", "64x48", "--threads", "1"
+        "bench",
+        &meshes[0],
+        &meshes[1],
+        "--frames",
+        "2",
+        "--size",
+        "64x48",
+        "--threads",
+        "1"
     ]);
     let figures = json(&told.output);
     let files = figures.as_array().expect("an array");

@@ -120,7 +120,10 @@ fn colors() {
 fn flat_orthographic() {
     let stage = ball_over_board();
     let camera = above(Projection::Orthographic, 5.0);
-    compare("flat-orthographic", &shoot(&stage, camera, shading(Mode::Flat), 1));
+    compare(
+        "flat-orthographic",
+        &shoot(&stage, camera, shading(Mode::Flat), 1),
+    );
 }
 
 #[test]
@@ -134,7 +137,10 @@ fn depth() {
 fn barycentric() {
     let stage = ball_over_board();
     let camera = above(Projection::Perspective, 4.5);
-    compare("barycentric", &shoot(&stage, camera, shading(Mode::Barycentric), 1));
+    compare(
+        "barycentric",
+        &shoot(&stage, camera, shading(Mode::Barycentric), 1),
+    );
 }
 
 #[test]

@@ -28,7 +28,10 @@ impl Window {
         let screen = Screen::start(SIZE.0, SIZE.1);
         let home = tempfile::tempdir().expect("a folder for temporary files");
         let mut command = command(["view"]);
-        command.arg("--log").arg(home.path().join("log")).args(files);
+        command
+            .arg("--log")
+            .arg(home.path().join("log"))
+            .args(files);
         let program = screen.start_program(&mut command, home.path());
         let mut window = Self {
             program,
@@ -132,23 +135,21 @@ fn assert_window_works(files: &[PathBuf]) {
 
     let (x, y) = (SIZE.0 / 2, SIZE.1 / 2);
     window.drag("1", (x, y), (x + 170, y + 40));
-    let orbited = window.settled(|shot| {
-        is_picture(shot) && shot.middle().difference(&first.middle()) > 0.02
-    });
+    let orbited =
+        window.settled(|shot| is_picture(shot) && shot.middle().difference(&first.middle()) > 0.02);
 
-    window.screen.xdotool(&["mousemove", &x.to_string(), &y.to_string()]);
+    window
+        .screen
+        .xdotool(&["mousemove", &x.to_string(), &y.to_string()]);
     for _ in 0..3 {
         // The wheel, away from the hand.
         window.screen.xdotool(&["click", "4"]);
     }
-    let zoomed = window.settled(|shot| {
-        is_picture(shot) && shot.middle().difference(&orbited.middle()) > 0.02
-    });
+    let zoomed = window
+        .settled(|shot| is_picture(shot) && shot.middle().difference(&orbited.middle()) > 0.02);
 
     window.drag("3", (x, y), (x - 90, y + 60));
-    window.settled(|shot| {
-        is_picture(shot) && shot.middle().difference(&zoomed.middle()) > 0.02
-    });
+    window.settled(|shot| is_picture(shot) && shot.middle().difference(&zoomed.middle()) > 0.02);
 
     // The interface kept answering: no frame of it near a second, on any machine.
     let log = window.log();

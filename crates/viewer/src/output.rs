@@ -87,8 +87,7 @@ impl Output {
             .find(|input| place.is_some() && place_of(input) == place)
         {
             Some(input) => Err(Failure::usage(format!(
-                "{}: would overwrite {}, which this command needs",
-                self.path.display(),
+                "{}: cannot be written: this command reads or writes it already",
                 input.display()
             ))),
             None => Ok(()),

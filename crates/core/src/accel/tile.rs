@@ -11,6 +11,7 @@ use super::tree::{Box32, DEPTH_LIMIT, Node, Subtree};
 use super::{Accel, MISS, SlotHit};
 use crate::camera::{Lattice, Projection};
 use crate::intersect::block::{Batch, Block, BlockRays, SIDE};
+use crate::intersect::row::{Corners, LANES, RowHits, meet_row};
 use crate::intersect::{Cull, Detail, Precision, PreparedRay};
 use glam::{DVec3, Vec3};
 
@@ -111,24 +112,79 @@ impl Tile<'_> {
         for row in 0..part.rows {
             for column in 0..part.columns {
                 let ray = row as usize * SIDE + column as usize;
-                let (column, row) = (part.column + column, part.row + row);
-                let at = (row * self.lattice.columns + column) as usize;
+                let at = self.at(part.column + column, part.row + row);
                 self.hits[at] = match block.slot(ray) {
                     Some(MISS) => SlotHit::NONE,
-                    Some(slot) if self.detail == Detail::Triangle => SlotHit {
+                    Some(slot) => SlotHit {
                         slot,
                         t: 0.0,
                         u: 0.0,
                         v: 0.0,
                     },
-                    Some(slot) => self.evaluate(slot, column, row),
-                    None => self.cast_one(column, row),
+                    None => self.cast_one(part.column + column, part.row + row),
                 };
+            }
+            if self.detail == Detail::Full {
+                self.evaluate_row(&block, part, row);
             }
         }
     }
 
+    fn at(&self, column: u32, row: u32) -> usize {
+        (row * self.lattice.columns + column) as usize
+    }
+
+    /// Fills in where the rays of one row of a block meet the triangles that the block found.
     #[inline(always)]
+    fn evaluate_row(&mut self, block: &Block, part: &Part, row: u32) {
+        let found = |column: u32| {
+            block
+                .slot(row as usize * SIDE + column as usize)
+                .filter(|&slot| slot != MISS)
+        };
+        let mut corners: Corners = [[0.0; LANES]; 9];
+        let mut any = false;
+        for column in 0..part.columns {
+            if let Some(slot) = found(column) {
+                any = true;
+                for (corner, at) in self.accel.corners(slot).iter().zip([0, 3, 6]) {
+                    corners[at][column as usize] = corner.x;
+                    corners[at + 1][column as usize] = corner.y;
+                    corners[at + 2][column as usize] = corner.z;
+                }
+            }
+        }
+        if !any {
+            return;
+        }
+        let place = self.lattice.place(part.column, part.row + row);
+        let stride = f64::from(self.lattice.stride);
+        let row_hits = meet_row(
+            &self.lattice.camera,
+            self.accel.origin,
+            place,
+            stride,
+            &corners,
+        );
+        for column in 0..part.columns {
+            let Some(slot) = found(column) else { continue };
+            let lane = column as usize;
+            let at = self.at(part.column + column, part.row + row);
+            self.hits[at] = if row_hits.sure[lane] {
+                let RowHits { t, u, v, .. } = &row_hits;
+                SlotHit {
+                    slot,
+                    t: t[lane],
+                    u: u[lane],
+                    v: v[lane],
+                }
+            } else {
+                self.evaluate(slot, part.column + column, part.row + row)
+            };
+        }
+    }
+
+    #[inline(never)]
     fn evaluate(&self, slot: u32, column: u32, row: u32) -> SlotHit {
         let ray = self.lattice.ray(column, row);
         PreparedRay::new(&ray, self.accel.origin, self.cull).map_or(SlotHit::NONE, |ray| {

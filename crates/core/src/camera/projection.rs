@@ -71,6 +71,7 @@ impl Camera {
     /// This is the one definition of a pixel's ray: the pixel in column c and row r has its centre
     /// at (c + ½, r + ½). The direction is of unit length, so `t` is the distance from the eye, or
     /// from the image plane of an orthographic camera.
+    #[inline(always)]
     pub fn ray(&self, x: f64, y: f64) -> Ray {
         let on_plane = self.on_plane(x, y);
         match self.projection {
@@ -84,6 +85,7 @@ impl Camera {
 
     /// How far (x, y) of the picture is to the right of and above the view axis, in scene units at
     /// the target.
+    #[inline(always)]
     pub(crate) fn across_and_along(&self, x: f64, y: f64) -> (f64, f64) {
         let across = (x - f64::from(self.plane.columns) * 0.5) * self.plane.step;
         let along = (f64::from(self.plane.rows) * 0.5 - y) * self.plane.step;
@@ -91,6 +93,7 @@ impl Camera {
     }
 
     /// From the view axis to (x, y) of the picture, on the plane through the target.
+    #[inline(always)]
     pub(crate) fn on_plane(&self, x: f64, y: f64) -> DVec3 {
         let (across, along) = self.across_and_along(x, y);
         self.right * across + self.up * along

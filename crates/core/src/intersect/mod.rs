@@ -4,6 +4,7 @@ pub(crate) mod block;
 pub(crate) mod exact;
 mod hit;
 mod nearest;
+pub(crate) mod row;
 mod triangle;
 
 pub use hit::{Cull, Detail, Hit, Precision};

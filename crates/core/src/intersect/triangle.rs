@@ -60,17 +60,12 @@ impl PreparedRay {
         } else {
             0.0
         };
-        let lengths = ray.direction.abs();
-        let major = if lengths.z >= lengths.x && lengths.z >= lengths.y {
-            2
-        } else if lengths.y >= lengths.x {
-            1
-        } else {
-            0
-        };
+        let DVec3 { x, y, z } = ray.direction;
+        let major = major_axis(x, y, z);
         let d = ray.direction.to_array();
         let advance = d[major];
-        let shear = [d[(major + 1) % 3] / advance, d[(major + 2) % 3] / advance];
+        let [kx, ky, _] = axes(major);
+        let shear = [d[kx] / advance, d[ky] / advance];
         Some(Self {
             ray: *ray,
             frame,
@@ -136,72 +131,36 @@ impl PreparedRay {
     }
 
     /// Decides in doubles, or leaves open what they cannot.
-    ///
-    /// Error bounds, with ε = 2⁻⁵³, m the largest coordinate of the corners relative to the ray's
-    /// origin, and η the error of that origin:
-    ///
-    /// * A corner relative to the origin has an error of at most εm + η a coordinate, a shear factor
-    ///   of ε (and is at most 1), so their product 3εm + η, and a sheared coordinate, with one more
-    ///   subtraction of numbers up to m each, 2·εm + 4·εm + 2η. With higher orders:
-    ///   δ = 8εm + 3η.
-    /// * An edge function `cx·by − cy·bx` of coordinates within δ is off by
-    ///   δ(|cx| + |by| + |cy| + |bx|) + 2δ², and by 2ε(|cx·by| + |cy·bx|) from its own rounding,
-    ///   which is below half the first term since |cx| ≤ 2m. Summed over all corners:
-    ///   E = 2δ(Σ|x| + Σ|y| + δ).
-    /// * The depth is the mean of the corners' depths z by the edge functions. Errors of E in the
-    ///   functions move it by at most 3E·(max z − min z)/|D|, D their sum, since it lies between
-    ///   them; its own rounding, and that of the depths, is below 10εm + η. With higher orders:
-    ///   4E·(max z − min z)/|D| + 2δ.
     fn judge(&self, slot: u32, corners: [Vec3; 3]) -> Verdict {
         let relative = corners.map(|corner| corner.as_dvec3() - self.origin);
-        let (kx, ky, kz) = ((self.major + 1) % 3, (self.major + 2) % 3, self.major);
-        let x = relative.map(|p| p[kx] - self.shear[0] * p[kz]);
-        let y = relative.map(|p| p[ky] - self.shear[1] * p[kz]);
-        let z = relative.map(|p| p[kz]);
-
-        let u = x[2] * y[1] - y[2] * x[1];
-        let v = x[0] * y[2] - y[0] * x[2];
-        let w = x[1] * y[0] - y[1] * x[0];
-
-        let m = relative
-            .into_iter()
-            .fold(DVec3::ZERO, |m, p| m.max(p.abs()))
-            .max_element();
-        let delta = 8.0 * EPSILON * m + 3.0 * self.origin_error;
-        let sum = x.into_iter().chain(y).map(f64::abs).sum::<f64>();
-        let edge_error = 2.0 * delta * (sum + delta);
-
-        let least = u.min(v).min(w);
-        let greatest = u.max(v).max(w);
-        if least < -edge_error && greatest > edge_error {
+        let [kx, ky, kz] = axes(self.major);
+        let by_axis = |axis: usize| relative.map(|corner| corner[axis]);
+        let edges = Edges::new(
+            by_axis(kx),
+            by_axis(ky),
+            by_axis(kz),
+            self.shear,
+            self.origin_error,
+        );
+        if edges.surely_outside() {
             return Verdict::Miss;
         }
-        if !(least > edge_error || greatest < -edge_error) {
-            return Verdict::Open;
-        }
-        let determinant = u + v + w;
-        // The weights must be good to single precision.
-        if edge_error > 2f64.powi(-28) * determinant.abs() {
+        if !edges.surely_inside() {
             return Verdict::Open;
         }
         if self.cull == Cull::Back {
             // The sheared triangle is seen along the major axis: its turning sense is the sign of
             // the determinant, against the way that the ray runs along the axis.
-            let is_back = (determinant > 0.0) != (self.advance > 0.0);
+            let is_back = (edges.determinant > 0.0) != (self.advance > 0.0);
             if is_back {
                 return Verdict::Miss;
             }
         }
-        let depth = (u * z[0] + v * z[1] + w * z[2]) / determinant;
-        let span = z[0].max(z[1]).max(z[2]) - z[0].min(z[1]).min(z[2]);
-        let depth_error = 4.0 * edge_error * span / determinant.abs() + 2.0 * delta;
-        let t = depth / self.advance;
-        let t_error =
-            depth_error / self.advance.abs() * (1.0 + 4.0 * EPSILON) + 2.0 * EPSILON * t.abs();
-        // Single precision must be had here too; and the range's ends are exact.
-        if t_error > 2f64.powi(-27) * t.abs() {
+        let point = edges.point(self.advance);
+        if !point.is_single() {
             return Verdict::Open;
         }
+        let Point { t, t_error, u, v } = point;
         let Ray { t_min, t_max, .. } = self.ray;
         if t + t_error < t_min || t - t_error > t_max {
             return Verdict::Miss;
@@ -213,10 +172,152 @@ impl PreparedRay {
             slot,
             t,
             t_error,
-            u: v / determinant,
-            v: w / determinant,
+            u,
+            v,
         })
     }
+}
+
+/// The axes in turn, the major one last.
+pub(super) const fn axes(major: usize) -> [usize; 3] {
+    [(major + 1) % 3, (major + 2) % 3, major]
+}
+
+/// The axis along which a direction is longest.
+#[inline(always)]
+pub(super) fn major_axis(x: f64, y: f64, z: f64) -> usize {
+    let (x, y, z) = (x.abs(), y.abs(), z.abs());
+    if z >= x && z >= y {
+        2
+    } else if y >= x {
+        1
+    } else {
+        0
+    }
+}
+
+/// A triangle's edge functions for one ray, in doubles.
+///
+/// Error bounds, with ε = 2⁻⁵³, m the largest coordinate of the corners relative to the ray's
+/// origin, and η the error of that origin:
+///
+/// * A corner relative to the origin has an error of at most εm + η a coordinate, a shear factor
+///   of ε (and is at most 1), so their product 3εm + η, and a sheared coordinate, with one more
+///   subtraction of numbers up to m each, 2·εm + 4·εm + 2η. With higher orders:
+///   δ = 8εm + 3η.
+/// * An edge function `cx·by − cy·bx` of coordinates within δ is off by
+///   δ(|cx| + |by| + |cy| + |bx|) + 2δ², and by 2ε(|cx·by| + |cy·bx|) from its own rounding,
+///   which is below half the first term since |cx| ≤ 2m. Summed over all corners:
+///   E = 2δ(Σ|x| + Σ|y| + δ).
+/// * The depth is the mean of the corners' depths z by the edge functions. Errors of E in the
+///   functions move it by at most 3E·(max z − min z)/|D|, D their sum, since it lies between
+///   them; its own rounding, and that of the depths, is below 10εm + η. With higher orders:
+///   4E·(max z − min z)/|D| + 2δ.
+#[derive(Clone, Copy)]
+pub(super) struct Edges {
+    functions: [f64; 3],
+    error: f64,
+    determinant: f64,
+    depths: [f64; 3],
+    delta: f64,
+}
+
+/// Where a ray meets a triangle, in doubles.
+#[derive(Clone, Copy)]
+pub(super) struct Point {
+    pub(super) t: f64,
+    pub(super) t_error: f64,
+    pub(super) u: f64,
+    pub(super) v: f64,
+}
+
+impl Edges {
+    /// `x`, `y` and `z` are the corners' coordinates relative to the ray's origin, z along its major
+    /// axis.
+    #[inline(always)]
+    pub(super) fn new(
+        x: [f64; 3],
+        y: [f64; 3],
+        z: [f64; 3],
+        shear: [f64; 2],
+        origin_error: f64,
+    ) -> Self {
+        let largest = |[a, b, c]: [f64; 3]| greater(greater(a.abs(), b.abs()), c.abs());
+        let m = greater(greater(largest(x), largest(y)), largest(z));
+        let delta = 8.0 * EPSILON * m + 3.0 * origin_error;
+
+        let x = [
+            x[0] - shear[0] * z[0],
+            x[1] - shear[0] * z[1],
+            x[2] - shear[0] * z[2],
+        ];
+        let y = [
+            y[0] - shear[1] * z[0],
+            y[1] - shear[1] * z[1],
+            y[2] - shear[1] * z[2],
+        ];
+        let u = x[2] * y[1] - y[2] * x[1];
+        let v = x[0] * y[2] - y[0] * x[2];
+        let w = x[1] * y[0] - y[1] * x[0];
+        let sum = (x[0].abs() + x[1].abs() + x[2].abs()) + (y[0].abs() + y[1].abs() + y[2].abs());
+        Self {
+            functions: [u, v, w],
+            error: 2.0 * delta * (sum + delta),
+            determinant: u + v + w,
+            depths: z,
+            delta,
+        }
+    }
+
+    /// Whether two functions have different signs beyond doubt.
+    #[inline(always)]
+    fn surely_outside(&self) -> bool {
+        let [u, v, w] = self.functions;
+        let below = (u < -self.error) | (v < -self.error) | (w < -self.error);
+        let above = (u > self.error) | (v > self.error) | (w > self.error);
+        below & above
+    }
+
+    /// Whether all functions have one sign beyond doubt, and the weights are good to single
+    /// precision.
+    #[inline(always)]
+    pub(super) fn surely_inside(&self) -> bool {
+        let [u, v, w] = self.functions;
+        let above = (u > self.error) & (v > self.error) & (w > self.error);
+        let below = (u < -self.error) & (v < -self.error) & (w < -self.error);
+        let well_conditioned = self.error <= 1.0 / (1u64 << 28) as f64 * self.determinant.abs();
+        (above | below) & well_conditioned
+    }
+
+    /// Where the ray meets the triangle that it is surely inside of.
+    #[inline(always)]
+    pub(super) fn point(&self, advance: f64) -> Point {
+        let [u, v, w] = self.functions;
+        let z = self.depths;
+        let depth = (u * z[0] + v * z[1] + w * z[2]) / self.determinant;
+        let span = greater(greater(z[0], z[1]), z[2]) + greater(greater(-z[0], -z[1]), -z[2]);
+        let depth_error = 4.0 * self.error * span / self.determinant.abs() + 2.0 * self.delta;
+        let t = depth / advance;
+        Point {
+            t,
+            t_error: depth_error / advance.abs() * (1.0 + 4.0 * EPSILON) + 2.0 * EPSILON * t.abs(),
+            u: v / self.determinant,
+            v: w / self.determinant,
+        }
+    }
+}
+
+impl Point {
+    /// Whether the parameter is good to single precision.
+    #[inline(always)]
+    pub(super) fn is_single(&self) -> bool {
+        self.t_error <= 1.0 / (1u64 << 27) as f64 * self.t.abs()
+    }
+}
+
+#[inline(always)]
+fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 /// Whether two triangles have the same corners, in any order.

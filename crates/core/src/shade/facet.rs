@@ -96,14 +96,14 @@ pub(super) fn facing_normal(corners: [DVec3; 3], forward: Option<DVec3>) -> Vec3
 
 /// A vector divided by its largest component, so that products of two stay in range.
 fn unit_scaled(vector: DVec3) -> DVec3 {
-    vector / vector.abs().max_element()
+    vector * (1.0 / vector.abs().max_element())
 }
 
 /// A unit vector, or zero where there is no direction.
 pub(super) fn unit(vector: DVec3) -> DVec3 {
     let length = vector.length();
     if length.is_finite() && length > 0.0 {
-        vector / length
+        vector * (1.0 / length)
     } else {
         DVec3::ZERO
     }

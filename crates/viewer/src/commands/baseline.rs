@@ -17,7 +17,7 @@ use serde::Serialize;
 use std::time::{Duration, Instant};
 
 /// Tests of a ray against a triangle that brute force may take, all in all: about a second.
-const BRUTE_FORCE_TESTS: usize = 20_000_000;
+const BRUTE_FORCE_TESTS: usize = 2_000_000;
 
 /// A view's figures, beside RayCast's own.
 #[derive(Debug, Serialize)]
