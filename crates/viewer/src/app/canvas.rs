@@ -79,8 +79,9 @@ impl Canvas {
             .zip(self.notes.iter().copied())
     }
 
-    /// Forgets the picture: another scene is coming.
-    pub fn clear(&mut self) {
+    /// Forgets the picture: another scene is coming, and nothing older than `generation` is shown.
+    pub fn clear(&mut self, generation: u64) {
+        self.generation = generation;
         let image = Arc::make_mut(&mut self.image);
         image.pixels.fill(Color32::TRANSPARENT);
         self.dirty = Dirty::All;
@@ -278,6 +279,23 @@ mod tests {
         canvas.take_in(batch(2, (8, 4), &[0, 1], 20));
         canvas.take_in(batch(1, (8, 4), &[0, 1], 10));
         assert_eq!(canvas.generation(), 2);
+        assert!(values(&canvas).iter().all(|&value| value == 20));
+    }
+
+    #[test]
+    fn a_cleared_canvas_shows_nothing_of_the_last_scene() {
+        let mut canvas = Canvas::default();
+        canvas.take_in(batch(1, (8, 4), &[0, 1], 10));
+        canvas.clear(2);
+        canvas.take_in(batch(1, (8, 4), &[0, 1], 10));
+        assert!(
+            canvas
+                .image
+                .pixels
+                .iter()
+                .all(|pixel| *pixel == Color32::TRANSPARENT)
+        );
+        canvas.take_in(batch(2, (8, 4), &[0, 1], 20));
         assert!(values(&canvas).iter().all(|&value| value == 20));
     }
 

@@ -133,3 +133,13 @@ pub enum Command {
     /// Close one error.
     DismissError(usize),
 }
+
+impl Command {
+    /// Whether it moves the camera, and does nothing else.
+    pub fn moves_camera(&self) -> bool {
+        matches!(
+            self,
+            Self::Orbit { .. } | Self::Grab { .. } | Self::Pan { .. } | Self::Zoom { .. }
+        )
+    }
+}

@@ -27,6 +27,7 @@ use state::State;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use update::{Effect, News};
 
@@ -80,19 +81,23 @@ pub fn run_with(options: Options) -> ExitCode {
     // winit panics on some displays that are named but not there; its words go to no one.
     let hook = std::panic::take_hook();
     std::panic::set_hook(Box::new(|_| {}));
+    let opened = AtomicBool::new(false);
     let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
         eframe::run_native(
             "raycast",
             native,
-            Box::new(move |context| {
+            Box::new(|context| {
                 std::panic::set_hook(hook);
-                Ok(Box::new(App::new(context, options.files, log)?))
+                let app = App::new(context, options.files, log)?;
+                opened.store(true, Ordering::Relaxed);
+                Ok(Box::new(app))
             }),
         )
     }));
     match outcome {
         Ok(Ok(())) => ExitCode::SUCCESS,
         Ok(Err(error)) => refuse(&format!("{NO_WINDOW} ({})", last_words(&error.to_string()))),
+        Err(_) if opened.into_inner() => refuse("the window was closed by a fault of its own"),
         Err(_) => refuse(NO_WINDOW),
     }
 }
@@ -209,7 +214,7 @@ impl App {
         let now = (self.clock)();
         for news in self.files.fetch() {
             if matches!(news, News::Loaded(_)) {
-                self.canvas.clear();
+                self.canvas.clear(self.generation + 1);
             }
             let effect = update::receive(&mut self.state, news, now);
             self.carry_out(effect);
@@ -259,48 +264,29 @@ impl App {
     fn show(&mut self, ui: &mut egui::Ui) {
         let context = ui.ctx().clone();
         let mut commands = std::mem::take(&mut self.commands);
-        commands.extend(input::keys(&context, &self.state));
         let status = Status {
             progress: self.progress(),
             activity: self.files.activity(),
             tile_times: self.overlay.times(),
         };
-        let state = &self.state;
-        let panel = egui::Frame::new()
-            .fill(theme::PANEL)
-            .inner_margin(egui::Margin::symmetric(10, 6));
-        if state.panel {
-            egui::Panel::right("side")
-                .resizable(false)
-                .exact_size(panels::side::WIDTH)
-                .frame(panel)
-                .show(ui, |ui| {
-                    panels::side::show(ui, state, &status, &mut commands)
-                });
-        }
-        egui::Panel::bottom("status")
-            .resizable(false)
-            .exact_size(26.0)
-            .frame(panel.inner_margin(egui::Margin::symmetric(10, 2)))
-            .show(ui, |ui| panels::status::show(ui, state, &status));
-        let (canvas, overlay) = (&mut self.canvas, &mut self.overlay);
-        let shown = egui::CentralPanel::no_frame().show(ui, |ui| {
-            let room = ui.max_rect();
-            let place = panels::viewport::show(ui, state, canvas, overlay, &mut commands);
-            (room, place)
-        });
-        let (room, place) = shown.inner;
-        panels::banner::show(&context, room, state, &status, &mut commands);
-        if state.help {
-            panels::help::show(&context, &mut commands);
-        }
+        let place = panels::window::show(
+            ui,
+            &self.state,
+            &status,
+            &mut self.canvas,
+            &mut self.overlay,
+            &mut commands,
+        );
         self.state.viewport = place.pixels;
         self.state.hover = place.hover;
         for command in commands.drain(..) {
+            if !command.moves_camera() {
+                // Controls show what was changed in the next frame, which must therefore come. A
+                // camera that moves is seen when its picture comes, which wakes the window.
+                context.request_repaint();
+            }
             let effect = update::update(&mut self.state, command);
             self.carry_out(effect);
-            // What a command changed is seen in the next frame, which must therefore come.
-            context.request_repaint();
         }
         self.commands = commands;
     }

@@ -36,9 +36,9 @@ pub fn apply(context: &egui::Context) {
         ]
         .into();
         style.visuals = visuals();
-        style.spacing.item_spacing = vec2(6.0, 5.0);
-        style.spacing.button_padding = vec2(7.0, 3.0);
-        style.spacing.interact_size = vec2(28.0, 21.0);
+        style.spacing.item_spacing = vec2(6.0, 4.0);
+        style.spacing.button_padding = vec2(7.0, 2.0);
+        style.spacing.interact_size = vec2(28.0, 20.0);
         style.spacing.indent = 12.0;
         style.spacing.slider_width = 120.0;
         style.spacing.combo_width = 90.0;

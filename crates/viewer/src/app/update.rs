@@ -5,7 +5,7 @@ use super::state::{
     DEFAULT_FOV, Document, FOV_RANGE, Prompt, Resolution, SAMPLES_LIMIT, State, TILES_LIMIT, Toast,
     WINDOW_PIXELS,
 };
-use raycast_core::camera::{Grid, ImagePlane, Orbit, Projection, frame_to_fov};
+use raycast_core::camera::{FrameLock, Grid, ImagePlane, Orbit, Projection, frame_to_fov};
 use raycast_core::formats::CameraFile;
 use raycast_core::image::Format;
 use raycast_core::scene::Texture;
@@ -84,11 +84,7 @@ pub fn update(state: &mut State, command: Command) -> Option<Effect> {
         }
 
         Command::SetStep(step) => set_step(state, step),
-        Command::ScaleStep(factor) => {
-            if let Ok(plane) = state.plane() {
-                set_step(state, plane.step * factor);
-            }
-        }
+        Command::ScaleStep(factor) => scale_step(state, factor),
         Command::SetSize(columns, rows) => {
             set_resolution(state, Resolution::Fixed(columns.max(1), rows.max(1)));
         }
@@ -305,6 +301,23 @@ fn set_step(state: &mut State, step: f64) {
     match plane.with_step(step, state.lock) {
         Ok(next) => take_plane(state, plane, next),
         Err(error) => report(state, error.to_string()),
+    }
+}
+
+/// A step so many times as long.
+fn scale_step(state: &mut State, factor: f64) {
+    match (state.lock, state.resolution) {
+        // The density takes it all, without rounding: back again is where it came from.
+        (FrameLock::KeepFrame, Resolution::Window { density }) if factor.is_normal() => {
+            let least = 1.0 / f64::from(state.viewport.0.min(state.viewport.1).max(1));
+            let density = (density / factor).max(least);
+            set_resolution(state, Resolution::Window { density });
+        }
+        _ => {
+            if let Ok(plane) = state.plane() {
+                set_step(state, plane.step * factor);
+            }
+        }
     }
 }
 

@@ -1,5 +1,4 @@
 use super::*;
-use raycast_core::camera::FrameLock;
 use raycast_core::glam::DVec3;
 use raycast_core::shade::Mode;
 
@@ -20,10 +19,12 @@ fn half_the_step_doubles_the_resolution_where_the_frame_stays() {
     let after = state.plane().expect("a good plane");
     assert_eq!((after.columns, after.rows), (1600, 1200));
     assert!((after.frame_height() - before.frame_height()).abs() < 1e-12);
-    assert!((state.fov - DEFAULT_FOV).abs() < 1e-9);
-    // And back: the picture fits the window again.
-    update(&mut state, Command::ScaleStep(2.0));
+    // There and back, by way of rows that are no whole numbers: it fits the window again.
+    for factor in [8.0, 2.0, 0.5, 0.25] {
+        update(&mut state, Command::ScaleStep(factor));
+    }
     assert_eq!(state.resolution, Resolution::Window { density: 1.0 });
+    assert_eq!(state.fov, DEFAULT_FOV);
 }
 
 #[test]

@@ -1,18 +1,19 @@
 //! Parts of the window, one a file: each shows state and emits commands.
 
-pub mod banner;
+mod banner;
 pub mod format;
-pub mod help;
+mod help;
 mod look;
 mod objects;
 pub mod overlay;
 mod picture;
 mod render;
-pub mod side;
-pub mod status;
+mod side;
+mod status;
 mod tiles;
 pub mod viewport;
 mod widgets;
+pub mod window;
 
 use crate::app::canvas::Progress;
 use crate::app::command::Command;

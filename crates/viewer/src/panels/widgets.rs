@@ -11,13 +11,12 @@ const LABEL_WIDTH: f32 = 78.0;
 
 /// A part of the panel with a title, which opens and closes.
 pub(super) fn section(ui: &mut Ui, title: &str, open: bool, body: impl FnOnce(&mut Ui)) {
-    ui.separator();
+    ui.add(egui::Separator::default().spacing(2.0));
     CollapsingHeader::new(RichText::new(title).strong())
         .default_open(open)
         .show_unindented(ui, |ui| {
-            ui.add_space(1.0);
             body(ui);
-            ui.add_space(3.0);
+            ui.add_space(1.0);
         });
 }
 

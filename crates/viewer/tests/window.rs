@@ -1,0 +1,299 @@
+//! The window's parts through their accessibility tree: found by name, clicked, typed into. No GPU
+//! and no display. What a click asks for goes through the one place that carries commands out.
+
+use egui::{Key, Modifiers, PointerButton, Pos2, accesskit::Role, pos2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use raycast_core::camera::{FrameLock, Grid, Projection};
+use raycast_core::shade::Mode;
+use raycast_viewer::app::canvas::Canvas;
+use raycast_viewer::app::command::{Command, PromptKind};
+use raycast_viewer::app::input::{GESTURES, KEYS, MODES};
+use raycast_viewer::app::state::{Resolution, State, Tint};
+use raycast_viewer::app::theme;
+use raycast_viewer::app::update::{Effect, update};
+use raycast_viewer::panels::overlay::TileOverlay;
+use raycast_viewer::panels::{Commands, Status, window};
+use std::path::PathBuf;
+
+/// A window without the eframe around it.
+#[derive(Default)]
+struct Bench {
+    state: State,
+    status: Status,
+    canvas: Canvas,
+    overlay: TileOverlay,
+    asked: Vec<Command>,
+    effects: Vec<Effect>,
+}
+
+fn open() -> Harness<'static, Bench> {
+    open_with(State::default())
+}
+
+fn open_with(state: State) -> Harness<'static, Bench> {
+    let bench = Bench {
+        state,
+        ..Bench::default()
+    };
+    let mut styled = false;
+    let mut harness = Harness::builder()
+        .with_size([1200.0, 1400.0])
+        .build_ui_state(
+            move |ui, bench: &mut Bench| {
+                if !std::mem::replace(&mut styled, true) {
+                    theme::apply(ui.ctx());
+                }
+                let mut commands = Commands::new();
+                let place = window::show(
+                    ui,
+                    &bench.state,
+                    &bench.status,
+                    &mut bench.canvas,
+                    &mut bench.overlay,
+                    &mut commands,
+                );
+                bench.state.viewport = place.pixels;
+                bench.state.hover = place.hover;
+                for command in commands {
+                    bench.asked.push(command.clone());
+                    bench.effects.extend(update(&mut bench.state, command));
+                    ui.ctx().request_repaint();
+                }
+            },
+            bench,
+        );
+    harness.run();
+    harness
+}
+
+fn click(harness: &mut Harness<'_, Bench>, name: &str) {
+    harness.get_by_label(name).click();
+    harness.run();
+}
+
+/// Presses a button of the mouse over the picture and moves it.
+fn drag(harness: &mut Harness<'_, Bench>, button: PointerButton, modifiers: Modifiers) {
+    let (from, to) = (pos2(300.0, 300.0), pos2(340.0, 320.0));
+    let press = |pos: Pos2, pressed| egui::Event::PointerButton {
+        pos,
+        button,
+        pressed,
+        modifiers,
+    };
+    harness.event(egui::Event::ModifiersChanged(modifiers));
+    harness.event(egui::Event::PointerMoved(from));
+    harness.run();
+    harness.event(press(from, true));
+    harness.run();
+    for share in [0.5, 1.0] {
+        harness.event(egui::Event::PointerMoved(from + (to - from) * share));
+        harness.run();
+    }
+    harness.event(press(to, false));
+    harness.run();
+    harness.event(egui::Event::ModifiersChanged(Modifiers::NONE));
+    harness.run();
+}
+
+#[test]
+fn a_click_on_wireframe_asks_for_lines_and_another_for_none() {
+    let mut harness = open();
+    click(&mut harness, "Wireframe");
+    assert_eq!(harness.state().asked, [Command::SetWireframe(true)]);
+    assert!(harness.state().state.settings.shading.wireframe.is_some());
+    click(&mut harness, "Wireframe");
+    assert!(harness.state().state.settings.shading.wireframe.is_none());
+}
+
+#[test]
+fn every_mode_has_a_button() {
+    let mut harness = open();
+    for (mode, name, _) in MODES {
+        let another = if mode == Mode::Flat {
+            Mode::Depth
+        } else {
+            Mode::Flat
+        };
+        harness.state_mut().state.settings.shading.mode = another;
+        harness.run();
+        let buttons: Vec<_> = harness
+            .get_all_by_role_and_label(Role::Button, name)
+            .collect();
+        assert_eq!(buttons.len(), 1, "{name}");
+        buttons[0].click();
+        harness.run();
+        assert_eq!(harness.state().state.settings.shading.mode, mode, "{name}");
+    }
+}
+
+#[test]
+fn half_the_step_doubles_the_resolution_or_zooms_as_the_lock_says() {
+    let mut harness = open();
+    let before = harness.state().state.plane().expect("a plane");
+    click(&mut harness, "Halve the step");
+    let denser = harness.state().state.plane().expect("a plane");
+    assert_eq!(
+        (denser.columns, denser.rows),
+        (before.columns * 2, before.rows * 2)
+    );
+    assert!((denser.frame_height() - before.frame_height()).abs() < 1e-9);
+
+    click(&mut harness, "Keep size");
+    assert_eq!(harness.state().state.lock, FrameLock::KeepResolution);
+    click(&mut harness, "Halve the step");
+    let nearer = harness.state().state.plane().expect("a plane");
+    assert_eq!((nearer.columns, nearer.rows), (denser.columns, denser.rows));
+    assert!((nearer.frame_height() * 2.0 - denser.frame_height()).abs() < 1e-9);
+}
+
+#[test]
+fn a_resolution_can_be_typed_and_fitted_again() {
+    let mut harness = open();
+    let columns = harness.state().state.size().0.to_string();
+    let field = harness
+        .get_all_by_role(Role::SpinButton)
+        .find(|node| node.value().is_some_and(|value| value == columns))
+        .expect("a field with the columns");
+    field.click();
+    harness.run();
+    harness.event(egui::Event::Text("320".to_owned()));
+    harness.key_press(Key::Enter);
+    harness.run();
+    let state = &harness.state().state;
+    assert!(
+        matches!(state.resolution, Resolution::Fixed(320, _)),
+        "{:?}",
+        state.resolution
+    );
+    click(&mut harness, "Fit the window");
+    assert_eq!(harness.state().state.size(), harness.state().state.viewport);
+}
+
+#[test]
+fn tiles_by_grid_with_borders_and_colors() {
+    let mut harness = open();
+    click(&mut harness, "Grid");
+    assert!(matches!(harness.state().state.grid, Grid::Count { .. }));
+    click(&mut harness, "Borders");
+    click(&mut harness, "Order");
+    click(&mut harness, "Worker");
+    let overlay = harness.state().state.overlay;
+    assert!(overlay.borders && overlay.order);
+    assert_eq!(overlay.tint, Tint::Worker);
+}
+
+#[test]
+fn the_help_lists_every_key_and_gesture() {
+    let mut harness = open();
+    assert!(harness.query_by_label("Keys and gestures").is_none());
+    harness.key_press(Key::F1);
+    harness.run();
+    harness.get_by_label("Keys and gestures");
+    for entry in GESTURES.iter().chain(KEYS) {
+        assert!(
+            harness.query_all_by_label(entry.key).next().is_some(),
+            "{}",
+            entry.key
+        );
+        assert!(
+            harness.query_all_by_label(entry.does).next().is_some(),
+            "{}",
+            entry.does
+        );
+    }
+    harness.key_press(Key::Escape);
+    harness.run();
+    assert!(!harness.state().state.help);
+}
+
+#[test]
+fn keys_work_and_stay_out_of_the_way_of_typing() {
+    let mut harness = open();
+    harness.key_press(Key::Num5);
+    harness.key_press(Key::O);
+    harness.run();
+    let state = &harness.state().state;
+    assert_eq!(state.settings.shading.mode, Mode::Depth);
+    assert_eq!(state.projection, Projection::Orthographic);
+
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    harness.run();
+    harness.run();
+    let asked = harness.state().asked.len();
+    harness.key_press(Key::Num1);
+    harness.event(egui::Event::Text("1.obj".to_owned()));
+    harness.run();
+    let typed = Command::TypePath("1.obj".to_owned());
+    assert_eq!(harness.state().asked[asked..], [typed]);
+}
+
+#[test]
+fn a_path_can_be_typed_where_the_desktop_has_no_dialog() {
+    let mut harness = open();
+    click(&mut harness, "Open…");
+    assert_eq!(harness.state().effects, [Effect::Dialog(PromptKind::Open)]);
+    harness.run();
+    harness.event(egui::Event::Text("mesh.obj".to_owned()));
+    harness.run();
+    harness.key_press(Key::Enter);
+    harness.run();
+    let effect = Effect::Open(vec![PathBuf::from("mesh.obj")]);
+    assert_eq!(harness.state().effects.last(), Some(&effect));
+    assert!(harness.state().state.prompt.is_none());
+}
+
+#[test]
+fn an_error_is_shown_in_full_until_it_is_dismissed() {
+    let text = "models/bad.obj:17: expected a vertex index, found \"f 1 2 x\"";
+    let mut harness = open_with(State {
+        errors: vec![text.to_owned()],
+        ..State::default()
+    });
+    harness.get_by_label(text);
+    click(&mut harness, "Dismiss");
+    assert!(harness.query_by_label(text).is_none());
+}
+
+#[test]
+fn the_mouse_orbits_pans_and_zooms() {
+    let mut harness = open();
+    let before = harness.state().state.orbit;
+    drag(&mut harness, PointerButton::Primary, Modifiers::NONE);
+    let turned = harness.state().state.orbit;
+    assert!((turned.yaw - before.yaw).abs() > 1.0 && turned.pivot == before.pivot);
+
+    for (button, modifiers) in [
+        (PointerButton::Secondary, Modifiers::NONE),
+        (PointerButton::Middle, Modifiers::NONE),
+        (PointerButton::Primary, Modifiers::SHIFT),
+    ] {
+        let before = harness.state().state.orbit;
+        drag(&mut harness, button, modifiers);
+        let panned = harness.state().state.orbit;
+        assert_eq!(panned.yaw, before.yaw, "{button:?}");
+        assert_ne!(panned.pivot, before.pivot, "{button:?}");
+    }
+
+    let before = harness.state().state.orbit;
+    harness.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Line,
+        delta: egui::vec2(0.0, 1.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: Modifiers::NONE,
+    });
+    harness.run();
+    assert!(harness.state().state.orbit.distance < before.distance);
+}
+
+#[test]
+fn the_panel_makes_room_for_the_picture() {
+    let mut harness = open();
+    let before = harness.state().state.viewport.0;
+    harness.key_press(Key::P);
+    harness.run();
+    let after = harness.state().state.viewport.0;
+    assert!(after > before + 200, "{before} {after}");
+    assert!(harness.query_by_label("Wireframe").is_none());
+}
