@@ -97,7 +97,17 @@ impl Sub for &Dyadic {
     type Output = Dyadic;
 
     fn sub(self, other: Self) -> Dyadic {
-        self + &other.negated()
+        if other.signum() == 0 {
+            return self.clone();
+        }
+        if self.signum() == 0 {
+            return other.negated();
+        }
+        let exponent = self.exponent.min(other.exponent);
+        Dyadic {
+            mantissa: self.at(exponent) - other.at(exponent),
+            exponent,
+        }
     }
 }
 

@@ -1,5 +1,10 @@
 //! Real meshes, where the machine has them.
 
+#![allow(
+    clippy::print_stdout,
+    reason = "tests tell what they checked and what they skipped"
+)]
+
 use std::path::PathBuf;
 
 /// The folder that `RAYCAST_MODELS` names; `None`, said aloud, where it is not set.

@@ -1,6 +1,11 @@
 //! The real binary, from outside: pictures the same for every split, errors of one line, file
 //! formats, JSON.
 
+#![allow(
+    clippy::print_stdout,
+    reason = "tests tell what they checked and what they skipped"
+)]
+
 use raycast_core::camera::Ray;
 use raycast_core::formats::read_mesh;
 use raycast_core::glam::{DVec3, Vec3};

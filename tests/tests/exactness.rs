@@ -3,6 +3,11 @@
 //!
 //! How the truth is known: rational arithmetic on the vertices as stored (`raycast_tests::oracle`).
 
+#![allow(
+    clippy::print_stdout,
+    reason = "tests tell what they checked and what they skipped"
+)]
+
 use raycast_core::camera::Ray;
 use raycast_core::glam::DVec3;
 use raycast_core::image::Picture;

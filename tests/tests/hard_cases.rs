@@ -4,6 +4,11 @@
 //! a closed surface that no ray may pass. Counts are scaled down so that the whole suite runs in
 //! minutes; the counts in comments are what the cases were set with.
 
+#![allow(
+    clippy::print_stdout,
+    reason = "tests tell what they checked and what they skipped"
+)]
+
 use raycast_core::accel::Accel;
 use raycast_core::camera::{Projection, Ray};
 use raycast_core::glam::{DVec3, Vec3};

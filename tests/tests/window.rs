@@ -3,6 +3,11 @@
 //! Where Xvfb, xdotool or ImageMagick is missing this says so and passes, except in CI, where it
 //! fails. Time never decides here, short of the extreme: machines differ.
 
+#![allow(
+    clippy::print_stdout,
+    reason = "tests tell what they checked and what they skipped"
+)]
+
 use raycast_tests::binary::{command, succeed};
 use raycast_tests::models;
 use raycast_tests::screen::{Program, Screen, Shot, missing_programs};
