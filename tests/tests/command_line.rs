@@ -329,7 +329,7 @@ fn bad_usage_is_one_line_and_exits_2() {
     for (more, named) in [
         (&["--size", "0x5"][..], "0x5"),
         (&["--size", "5x0"], "5x0"),
-        (&["--size", "-5x5"], "size"),
+        (&["--size", "-5x5"], "-5"),
         (&["--size", "99999999x5"], "size"),
         (
             &["--size", "100x100", "--step", "0.5", "--fov", "10"],

@@ -8,7 +8,7 @@ use raycast_core::formats::{read_mesh, read_scene, read_texture};
 use raycast_core::glam::DVec3;
 use raycast_core::image::{Format, Picture};
 use raycast_core::intersect::Cull;
-use raycast_core::scene::{Color, ColorRule, Object, Scene, Transform};
+use raycast_core::scene::{Color, ColorRule, Crop, Object, Scene, Transform};
 use raycast_core::shade::{Background, Filter, Mode, Shading, Wireframe};
 use raycast_tests::check::{Stage, camera, render};
 use raycast_tests::meshes;
@@ -170,6 +170,14 @@ fn normals_of_the_torus() {
 fn texture_on_the_cube() {
     let path = asset("leopard.png");
     let texture = read_texture(&path).unwrap_or_else(|error| panic!("{error}"));
+    // Few texels, so that what lies between them shows.
+    let crop = Crop {
+        x: 40,
+        y: 60,
+        width: 24,
+        height: 24,
+    };
+    let texture = texture.cropped(crop).expect("a part of the image");
     let cube = Object {
         texture: Some(Arc::new(texture)),
         ..read("cube.obj")

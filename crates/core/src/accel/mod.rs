@@ -9,7 +9,7 @@ mod traverse;
 mod tree;
 
 use crate::camera::Ray;
-use crate::intersect::{Cull, Hit, Nearest, PreparedRay};
+use crate::intersect::{Cull, Hit, Nearest, Precision, PreparedRay};
 use crate::scene::{Scene, SceneError};
 use glam::{DVec3, Vec3};
 pub use simd::Simd;
@@ -87,17 +87,17 @@ impl Accel {
     ///
     /// A ray that is not valid meets nothing.
     pub fn cast(&self, ray: &Ray, cull: Cull) -> Option<Hit> {
-        self.to_hit(self.nearest(ray, cull))
+        self.to_hit(self.nearest(ray, cull, Precision::Exact))
     }
 
     /// The same for casting loops: a slot in place of the numbers, in single precision.
-    pub fn cast_slot(&self, ray: &Ray, cull: Cull) -> SlotHit {
-        self.nearest(ray, cull).to_slot_hit()
+    pub fn cast_slot(&self, ray: &Ray, cull: Cull, precision: Precision) -> SlotHit {
+        self.nearest(ray, cull, precision).to_slot_hit()
     }
 
     /// What [`Accel::cast`] answers, found by trying every triangle: for tests.
     pub fn cast_brute_force(&self, ray: &Ray, cull: Cull) -> Option<Hit> {
-        let ray = PreparedRay::new(ray, self.origin, cull)?;
+        let ray = PreparedRay::new(ray, self.origin, cull, Precision::Exact)?;
         let mut nearest = Nearest::NONE;
         for slot in 0..self.triangles.len() as u32 {
             self.meet(&ray, slot, &mut nearest);
@@ -105,8 +105,8 @@ impl Accel {
         self.to_hit(nearest)
     }
 
-    fn nearest(&self, ray: &Ray, cull: Cull) -> Nearest {
-        match PreparedRay::new(ray, self.origin, cull) {
+    fn nearest(&self, ray: &Ray, cull: Cull, precision: Precision) -> Nearest {
+        match PreparedRay::new(ray, self.origin, cull, precision) {
             Some(ray) => traverse::nearest(self, &ray),
             None => Nearest::NONE,
         }

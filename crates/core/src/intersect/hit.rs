@@ -26,7 +26,8 @@ pub enum Cull {
 /// How sure a picture's triangles are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
-    /// Rounded arithmetic alone: at most one pixel in a million may show another triangle.
+    /// Rounded arithmetic alone: where doubles cannot tell (a ray within some 1e-15 of an edge or of
+    /// another surface's depth), their rounding decides, and a neighbouring triangle may be shown.
     Fast,
     /// What exact arithmetic gives.
     #[default]

@@ -8,7 +8,7 @@
 //! Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997).
 
 use super::exact::ExactHit;
-use super::{Cull, Nearest};
+use super::{Cull, Nearest, Precision};
 use crate::camera::Ray;
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
@@ -35,6 +35,8 @@ pub(crate) struct PreparedRay {
     pub(crate) advance: f64,
     /// Whether back faces are left out.
     cull: Cull,
+    /// Whether what doubles leave open is decided exactly, or by their rounded values.
+    precision: Precision,
 }
 
 /// What one triangle says to one ray.
@@ -48,7 +50,7 @@ enum Verdict {
 impl PreparedRay {
     /// Prepares a ray for triangles whose corners are relative to `frame`. `None` if the ray is not
     /// valid.
-    pub(crate) fn new(ray: &Ray, frame: DVec3, cull: Cull) -> Option<Self> {
+    pub(crate) fn new(ray: &Ray, frame: DVec3, cull: Cull, precision: Precision) -> Option<Self> {
         if !ray.is_valid() {
             return None;
         }
@@ -75,6 +77,7 @@ impl PreparedRay {
             shear,
             advance,
             cull,
+            precision,
         })
     }
 
@@ -90,29 +93,15 @@ impl PreparedRay {
         let candidate = match self.judge(slot, corners(slot)) {
             Verdict::Miss => return,
             Verdict::Hit(hit) => hit,
-            Verdict::Open => {
-                let Some(hit) = ExactHit::new(&self.ray, corners(slot), self.frame, self.cull)
-                else {
-                    return;
-                };
-                hit.rounded(slot)
-            }
+            Verdict::Open => match self.settle(slot, corners(slot)) {
+                Some(hit) => hit,
+                None => return,
+            },
         };
         if nearest.is_miss() || candidate.is_surely_before(nearest) {
             *nearest = candidate;
         } else if !nearest.is_surely_before(&candidate) {
-            let order = match same_corners(corners(slot), corners(nearest.slot)) {
-                true => Ordering::Equal,
-                false => {
-                    let exact =
-                        |slot| ExactHit::new(&self.ray, corners(slot), self.frame, self.cull);
-                    match (exact(slot), exact(nearest.slot)) {
-                        (Some(candidate), Some(nearest)) => candidate.compare(&nearest),
-                        // Both were decided to be hits, so both are.
-                        _ => Ordering::Greater,
-                    }
-                }
-            };
+            let order = self.compare(&candidate, nearest, corners);
             let wins = order == Ordering::Less
                 || order == Ordering::Equal && number(slot) < number(nearest.slot);
             if wins {
@@ -121,40 +110,87 @@ impl PreparedRay {
         }
     }
 
+    /// The hit at a triangle that doubles leave open, if there is one.
+    fn settle(&self, slot: u32, corners: [Vec3; 3]) -> Option<Nearest> {
+        match self.precision {
+            Precision::Exact => ExactHit::new(&self.ray, corners, self.frame, self.cull)
+                .map(|hit| hit.rounded(slot)),
+            Precision::Fast => self.guess(slot, corners),
+        }
+    }
+
+    /// Which of two hits is nearer, where their errors leave a doubt.
+    fn compare(
+        &self,
+        candidate: &Nearest,
+        nearest: &Nearest,
+        corners: impl Fn(u32) -> [Vec3; 3],
+    ) -> Ordering {
+        if self.precision == Precision::Fast {
+            return candidate.t.total_cmp(&nearest.t);
+        }
+        if same_corners(corners(candidate.slot), corners(nearest.slot)) {
+            return Ordering::Equal;
+        }
+        let exact = |slot| ExactHit::new(&self.ray, corners(slot), self.frame, self.cull);
+        match (exact(candidate.slot), exact(nearest.slot)) {
+            (Some(candidate), Some(nearest)) => candidate.compare(&nearest),
+            // Both were decided to be hits, so both are.
+            _ => Ordering::Greater,
+        }
+    }
+
     /// The hit at a triangle that the ray is known to meet.
     pub(crate) fn evaluate(&self, slot: u32, corners: [Vec3; 3]) -> Nearest {
         match self.judge(slot, corners) {
             Verdict::Hit(hit) => hit,
-            _ => ExactHit::new(&self.ray, corners, self.frame, self.cull)
-                .map_or(Nearest::NONE, |hit| hit.rounded(slot)),
+            _ => self.settle(slot, corners).unwrap_or(Nearest::NONE),
         }
+    }
+
+    /// A triangle's edge functions for this ray.
+    fn edges(&self, corners: [Vec3; 3]) -> Edges {
+        let relative = corners.map(|corner| corner.as_dvec3() - self.origin);
+        let [x, y, z] = axes(self.major).map(|axis| relative.map(|corner| corner[axis]));
+        Edges::new(x, y, z, self.shear, self.origin_error)
+    }
+
+    /// Whether a triangle with these edge functions shows its back: it is seen along the major
+    /// axis, so its turning sense is the sign of the determinant, against the way that the ray runs
+    /// along the axis.
+    fn is_culled(&self, edges: &Edges) -> bool {
+        self.cull == Cull::Back && (edges.determinant > 0.0) != (self.advance > 0.0)
+    }
+
+    /// What doubles make of a triangle if their rounding is taken at its word.
+    fn guess(&self, slot: u32, corners: [Vec3; 3]) -> Option<Nearest> {
+        let edges = self.edges(corners);
+        let inside =
+            edges.functions.iter().all(|&f| f >= 0.0) || edges.functions.iter().all(|&f| f <= 0.0);
+        if !inside || edges.determinant == 0.0 || self.is_culled(&edges) {
+            return None;
+        }
+        let Point { t, u, v, .. } = edges.point(self.advance);
+        (self.ray.t_min <= t && t <= self.ray.t_max).then_some(Nearest {
+            slot,
+            t,
+            t_error: 0.0,
+            u,
+            v,
+        })
     }
 
     /// Decides in doubles, or leaves open what they cannot.
     fn judge(&self, slot: u32, corners: [Vec3; 3]) -> Verdict {
-        let relative = corners.map(|corner| corner.as_dvec3() - self.origin);
-        let [kx, ky, kz] = axes(self.major);
-        let by_axis = |axis: usize| relative.map(|corner| corner[axis]);
-        let edges = Edges::new(
-            by_axis(kx),
-            by_axis(ky),
-            by_axis(kz),
-            self.shear,
-            self.origin_error,
-        );
+        let edges = self.edges(corners);
         if edges.surely_outside() {
             return Verdict::Miss;
         }
         if !edges.surely_inside() {
             return Verdict::Open;
         }
-        if self.cull == Cull::Back {
-            // The sheared triangle is seen along the major axis: its turning sense is the sign of
-            // the determinant, against the way that the ray runs along the axis.
-            let is_back = (edges.determinant > 0.0) != (self.advance > 0.0);
-            if is_back {
-                return Verdict::Miss;
-            }
+        if self.is_culled(&edges) {
+            return Verdict::Miss;
         }
         let point = edges.point(self.advance);
         if !point.is_single() {

@@ -3,7 +3,7 @@
 use super::*;
 use crate::accel::{Accel, SlotHit};
 use crate::camera::{Camera, ImagePlane, Placement, Projection, Rect};
-use crate::intersect::Cull;
+use crate::intersect::{Cull, Precision};
 use crate::scene::{
     Attribute, Color, ColorRule, Mesh, MeshData, Object, Scene, Texture, Transform,
 };
@@ -87,7 +87,8 @@ impl Bench {
     }
 
     fn hit(&self, x: f64, y: f64) -> SlotHit {
-        self.accel.cast_slot(&self.camera.ray(x, y), Cull::None)
+        self.accel
+            .cast_slot(&self.camera.ray(x, y), Cull::None, Precision::Exact)
     }
 
     fn color(&self, shading: Shading, x: f64, y: f64) -> [f32; 4] {
