@@ -76,6 +76,9 @@ pub fn run_with(options: Options) -> ExitCode {
             .with_drag_and_drop(true),
         renderer: eframe::Renderer::Glow,
         persist_window: remembers,
+        // Without a GPU the window is painted by the cores that cast rays: what is drawn is flat or
+        // is the picture itself, and needs no noise worked out for each of its pixels.
+        dithering: false,
         ..Default::default()
     };
     // winit panics on some displays that are named but not there; its words go to no one.

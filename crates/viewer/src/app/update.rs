@@ -178,9 +178,8 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
             state.errors.push(message);
         }
         News::Dialog(kind, answer) => {
-            let Some(prompt) = state.prompt.as_mut().filter(|prompt| prompt.kind == kind) else {
-                return None;
-            };
+            let prompt = state.prompt.as_mut();
+            let prompt = prompt.filter(|prompt| prompt.kind == kind)?;
             match answer {
                 DialogAnswer::Path(path) => {
                     state.prompt = None;

@@ -106,7 +106,7 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
         });
         ui.horizontal(|ui| {
             let mut text = prompt.text.clone();
-            let room = ui.available_width() - 150.0;
+            let room = ui.available_width() - 122.0;
             let edit = egui::TextEdit::singleline(&mut text)
                 .id(Id::unique("path"))
                 .hint_text(hint)
@@ -148,7 +148,7 @@ fn error_banner(ui: &mut Ui, index: usize, error: &str, out: &mut Commands) {
     card(theme::ERROR).show(ui, |ui| {
         ui.set_width(ui.available_width());
         ui.horizontal_top(|ui| {
-            let room = ui.available_width() - 76.0;
+            let room = ui.available_width() - 64.0;
             ui.vertical(|ui| {
                 ui.set_width(room);
                 let text = RichText::new(error).color(theme::ERROR);

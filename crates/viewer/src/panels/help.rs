@@ -31,7 +31,7 @@ fn table(ui: &mut Ui, title: &str, entries: &[KeyHelp]) {
     ui.label(RichText::new(title).strong().color(theme::ACCENT));
     Grid::new(title)
         .num_columns(2)
-        .min_col_width(176.0)
+        .min_col_width(184.0)
         .spacing([16.0, 4.0])
         .show(ui, |ui| {
             for entry in entries {

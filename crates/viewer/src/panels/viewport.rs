@@ -35,8 +35,10 @@ pub fn show(
         (room.height() * points).round().max(1.0) as u32,
     );
     let painter = ui.painter_at(room);
-    painter.rect_filled(room, 0.0, theme::BACKDROP);
     let rect = picture_rect(room, state, points);
+    if rect != room {
+        painter.rect_filled(room, 0.0, theme::BACKDROP);
+    }
     if state.settings.shading.background == Background::Transparent {
         checkers(&painter, rect);
     }

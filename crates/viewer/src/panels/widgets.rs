@@ -111,7 +111,14 @@ pub(super) fn tick(ui: &mut Ui, on: bool, name: &str, hint: &str) -> Option<bool
 /// A colour to pick.
 pub(super) fn color(ui: &mut Ui, current: Color, label: Id, hint: &str) -> Option<Color> {
     let mut now = current.0;
-    let response = ui.color_edit_button_srgb(&mut now);
+    // A line around it: a dark colour on the dark panel would not be seen as one.
+    let line = egui::Stroke::new(1.0, theme::QUIET.gamma_multiply(0.5));
+    let response = ui
+        .scope(|ui| {
+            ui.visuals_mut().widgets.inactive.bg_stroke = line;
+            ui.color_edit_button_srgb(&mut now)
+        })
+        .inner;
     let response: Response = response.labelled_by(label).on_hover_text(hint);
     (response.changed() && now != current.0).then_some(Color(now))
 }

@@ -14,6 +14,11 @@ use std::time::Duration;
 /// shows whole pictures; slower pictures are seen to fill in.
 pub const HOLD: Duration = Duration::from_millis(40);
 
+/// How often the window looks while a slow first pass fills in.
+const FILLING: Duration = Duration::from_millis(50);
+/// How often it looks while a picture that is whole gets finer.
+const REFINED: Duration = Duration::from_millis(100);
+
 /// A picture's tiles in reading order, and the place of each in that order.
 #[derive(Debug, Default)]
 pub struct Layout {
@@ -179,10 +184,16 @@ impl Outbox {
             current.waiting.push(place);
         }
         let pass_done = current.arrived as usize == current.layout.tiles.len();
+        let first_picture = pass_done && !current.first_pass_done;
         current.first_pass_done |= pass_done;
-        // Each look costs the window a frame: at most one every other screen refresh.
-        let due = now.saturating_sub(current.woken) >= Duration::from_millis(33)
-            && current.can_be_seen(now);
+        // Each look costs the window a frame, painted by the same cores where there is no GPU.
+        let pause = if current.first_pass_done {
+            REFINED
+        } else {
+            FILLING
+        };
+        let due = first_picture
+            || (now.saturating_sub(current.woken) >= pause && current.can_be_seen(now));
         if due {
             current.woken = now;
         }
@@ -300,6 +311,20 @@ mod tests {
             outbox.fetch(now).is_empty(),
             "each tile is handed over once"
         );
+    }
+
+    #[test]
+    fn quick_passes_after_the_first_do_not_wake_the_window() {
+        let (outbox, layout) = (Outbox::default(), layout());
+        outbox.begin(1, Arc::clone(&layout), Duration::ZERO);
+        let wakes: Vec<_> = [(COARSE, 0, 1), (COARSE, 1, 2), (FINE, 0, 3), (FINE, 1, 103)]
+            .into_iter()
+            .map(|(pass, place, ms)| {
+                let now = Duration::from_millis(ms);
+                outbox.put(pass, tile(&layout, place, 1), now).wake
+            })
+            .collect();
+        assert_eq!(wakes, [false, true, false, true]);
     }
 
     #[test]

@@ -1,10 +1,13 @@
 //! How coarse a picture must start for its first pass to be there in time.
 
-use raycast_core::render::Pass;
+use raycast_core::render::{Pass, Passes};
 use std::time::Duration;
 
 /// What the first pass may take: two screen refreshes.
 const BUDGET: Duration = Duration::from_millis(28);
+/// A full picture that takes no longer follows the first pass at once: nobody would see what lies
+/// between, and few rays at a time cost more each.
+const AT_ONCE: Duration = Duration::from_millis(80);
 /// The coarsest first pass: every 32nd ray along both sides.
 const COARSEST: usize = 5;
 /// Before anything was measured: a slow machine's nanoseconds a ray.
@@ -32,6 +35,17 @@ impl Pace {
     /// Forgets all: another scene, or another number of threads.
     pub fn forget(&mut self) {
         *self = Self::default();
+    }
+
+    /// The passes of a picture of `pixels`.
+    pub fn plan(&self, pixels: u64, samples: u32) -> Vec<Pass> {
+        let first = self.first_stride(pixels);
+        let full = pixels as f64 * self.cost(0);
+        let mut passes = Passes::plan(first, samples);
+        if full <= AT_ONCE.as_nanos() as f64 {
+            passes.retain(|pass| pass.stride == first || pass.stride == 1);
+        }
+        passes
     }
 
     /// The finest first stride whose pass fits the budget for a picture of `pixels`.
@@ -77,6 +91,23 @@ mod tests {
         assert_eq!(pace.first_stride(MEGAPIXELS), 4);
         pace.learn(pass(2), MEGAPIXELS / 4, Duration::from_millis(20));
         assert_eq!(pace.first_stride(MEGAPIXELS), 2, "measured beats guessed");
+    }
+
+    #[test]
+    fn passes_between_the_first_and_the_last_are_for_slow_pictures() {
+        let strides = |pace: &Pace| {
+            let passes = pace.plan(MEGAPIXELS, 2);
+            assert_eq!(passes.last().map(|pass| pass.samples), Some(2));
+            passes.iter().map(|pass| pass.stride).collect::<Vec<_>>()
+        };
+        let mut pace = Pace::default();
+        pace.learn(pass(1), MEGAPIXELS, Duration::from_millis(70));
+        pace.learn(pass(4), MEGAPIXELS / 16, Duration::from_millis(20));
+        pace.learn(pass(2), MEGAPIXELS / 4, Duration::from_millis(40));
+        assert_eq!(strides(&pace), [4, 1, 1]);
+        pace.forget();
+        pace.learn(pass(1), MEGAPIXELS, Duration::from_millis(100));
+        assert_eq!(strides(&pace), [4, 2, 1, 1]);
     }
 
     #[test]

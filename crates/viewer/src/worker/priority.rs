@@ -5,8 +5,8 @@
 pub(super) fn give_way() {
     #[cfg(target_os = "linux")]
     {
-        // On Linux "this process" here is the calling thread alone (setpriority(2), "C
-        // library/kernel differences"). The refusal is harmless.
-        let _ = rustix::process::setpriority_process(None, 2);
+        // On Linux this is the calling thread's alone (setpriority(2), "C library/kernel
+        // differences"). A refusal is harmless.
+        let _ = rustix::process::nice(2);
     }
 }

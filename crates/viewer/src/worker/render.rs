@@ -6,7 +6,7 @@ use super::pace::Pace;
 use super::priority;
 use super::{Clock, Wake};
 use raycast_core::camera::Grid;
-use raycast_core::render::{Pass, Passes, Tile, TileStats, View};
+use raycast_core::render::{Pass, Tile, TileStats, View};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -116,10 +116,8 @@ impl Worker {
                 (self.failed)(message);
                 continue;
             }
-            let first = self
-                .pace
-                .first_stride(u64::from(size.0) * u64::from(size.1));
-            let passes = Passes::plan(first, request.view.settings.samples);
+            let pixels = u64::from(size.0) * u64::from(size.1);
+            let passes = self.pace.plan(pixels, request.view.settings.samples);
             let sum = Mutex::new(Sum {
                 pass_started: (self.clock)(),
                 ..Sum::default()
@@ -209,7 +207,7 @@ impl Worker {
             self.mailbox.ripen();
         }
         drop(sum);
-        if posted.pass_done || posted.wake {
+        if posted.wake {
             (self.wake)();
         }
     }
