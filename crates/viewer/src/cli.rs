@@ -47,6 +47,9 @@ pub enum Command {
     View {
         /// Meshes or scene files [default: the demo scene]
         files: Vec<PathBuf>,
+        /// Write a line of JSON a frame, for measuring; such a window remembers nothing
+        #[arg(long, value_name = "FILE")]
+        log: Option<PathBuf>,
     },
     /// Render a picture, or one fragment of it, to an image file
     Render(Box<RenderArgs>),
@@ -389,7 +392,7 @@ mod tests {
         assert_eq!(cli.files, ["a.obj", "b.obj"].map(PathBuf::from));
         assert!(parse("").expect("nothing").files.is_empty());
         match parse("view render").expect("a file named render").command {
-            Some(Command::View { files }) => assert_eq!(files, [PathBuf::from("render")]),
+            Some(Command::View { files, .. }) => assert_eq!(files, [PathBuf::from("render")]),
             other => panic!("not a view: {other:?}"),
         }
         let after = parse("a.obj render").expect("two files");

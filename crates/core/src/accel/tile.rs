@@ -528,7 +528,8 @@ mod tests {
     fn fast_pictures_are_the_exact_ones_but_for_a_millionth() {
         let accel = waves(40, 1.0, DVec3::ZERO);
         let (mut rays, mut wrong) = (0, 0);
-        for camera in cameras(1.0, DVec3::ZERO) {
+        let slanted = |camera: &Camera| camera.forward().abs().min_element() > 0.01;
+        for camera in cameras(1.0, DVec3::ZERO).into_iter().filter(slanted) {
             let rect = Rect {
                 x: 0,
                 y: 0,
@@ -549,8 +550,7 @@ mod tests {
                 .count();
             rays += lattice.len();
         }
-        // Cameras that look along the axes have rays through edges: those may go either way.
-        assert!(rays > 70_000 && wrong <= 5, "{wrong} of {rays}");
+        assert!(rays > 40_000 && wrong == 0, "{wrong} of {rays}");
     }
 
     #[test]

@@ -41,21 +41,10 @@ pub struct Options {
     pub log: Option<PathBuf>,
 }
 
-/// The environment variable that asks for a [frame log](log), for measurements and tests.
-pub const LOG_VARIABLE: &str = "RAYCAST_FRAME_LOG";
-
-/// Opens the window on `files`; on the demo scene if there are none. Returns when it is closed.
+/// Opens the window; on the demo scene if there are no files. Returns when it is closed.
 ///
 /// With no display it prints one line that names `raycast render`, and exits with 1.
-pub fn run(files: &[PathBuf]) -> ExitCode {
-    run_with(Options {
-        files: files.to_vec(),
-        log: std::env::var_os(LOG_VARIABLE).map(PathBuf::from),
-    })
-}
-
-/// As [`run`], with everything that can be asked for.
-pub fn run_with(options: Options) -> ExitCode {
+pub fn run(options: Options) -> ExitCode {
     let log = match options.log.as_deref().map(FrameLog::create).transpose() {
         Ok(log) => log,
         Err(error) => {

@@ -22,8 +22,13 @@ use std::process::ExitCode;
 /// The exit status is 0 for done, 1 for could not, 2 for bad usage; Ctrl-C exits with 130.
 pub fn run(cli: Cli) -> ExitCode {
     let command = match cli.command {
-        None => return app::run(&cli.files),
-        Some(Command::View { files }) => return app::run(&files),
+        None => {
+            return app::run(app::Options {
+                files: cli.files,
+                log: None,
+            });
+        }
+        Some(Command::View { files, log }) => return app::run(app::Options { files, log }),
         Some(command) => command,
     };
     output::remove_unfinished_on_interrupt();

@@ -71,6 +71,12 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Comman
         if let Some(document) = &state.document {
             fact(
                 ui,
+                "SIMD",
+                "The instruction set that tiles are cast with; it changes no pixel",
+                document.accel.simd().name(),
+            );
+            fact(
+                ui,
                 "Triangles",
                 "Triangles that rays can meet",
                 &format::count(document.accel.len() as u64),
