@@ -33,7 +33,7 @@ fn main() -> ExitCode {
             eprintln!("{}: {error}", path.display());
             good = false;
         } else {
-            println!("{name}: {} bytes", content.len());
+            eprintln!("{name}: {} bytes", content.len());
         }
     }
     if good {

@@ -110,20 +110,23 @@ impl Frustum {
     /// be inside the frustum.
     #[inline(always)]
     pub(crate) fn enter(&self, node: &Node) -> [(f32, bool); 2] {
-        std::array::from_fn(|child| {
-            let mut value = self.offset;
-            for axis in 0..3 {
-                let (low, high) = (node.min[axis][child], node.max[axis][child]);
-                for lane in 0..LANES {
-                    value[lane] +=
-                        self.positive[axis][lane] * high + self.negative[axis][lane] * low;
-                }
+        [self.enter_child(node, 0), self.enter_child(node, 1)]
+    }
+
+    #[inline(always)]
+    fn enter_child(&self, node: &Node, child: usize) -> (f32, bool) {
+        let mut value = self.offset;
+        for axis in 0..3 {
+            let (low, high) = (node.min[axis][child], node.max[axis][child]);
+            let parts = self.positive[axis].iter().zip(&self.negative[axis]);
+            for (value, (positive, negative)) in value.iter_mut().zip(parts) {
+                *value += positive * high + negative * low;
             }
-            let mut outside = false;
-            for &side in &value[..SIDES] {
-                outside |= side < 0.0;
-            }
-            (-value[NEAREST], !outside)
-        })
+        }
+        let mut outside = false;
+        for side in &value[..SIDES] {
+            outside |= *side < 0.0;
+        }
+        (-value[NEAREST], !outside)
     }
 }

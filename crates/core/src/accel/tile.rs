@@ -112,19 +112,19 @@ impl Tile<'_> {
     fn cast_part(&mut self, walk: &mut Walk<'_>, part: &Part) {
         let block = walk.cast(part, self.cull);
         for row in 0..part.rows {
-            for column in 0..part.columns {
-                let ray = row as usize * SIDE + column as usize;
-                let at = self.at(part.column + column, part.row + row);
-                self.hits[at] = match block.slot(ray) {
-                    Some(MISS) => SlotHit::NONE,
-                    Some(slot) => SlotHit {
-                        slot,
-                        t: 0.0,
-                        u: 0.0,
-                        v: 0.0,
-                    },
-                    None => self.cast_one(part.column + column, part.row + row),
-                };
+            let first = self.at(part.column, part.row + row);
+            let ray = row as usize * SIDE;
+            let mut open = 0u32;
+            for column in 0..part.columns as usize {
+                let found = block.slot(ray + column);
+                open |= u32::from(found.is_none()) << column;
+                self.hits[first + column].slot = found.unwrap_or(MISS);
+            }
+            while open != 0 {
+                let column = open.trailing_zeros();
+                open &= open - 1;
+                self.hits[first + column as usize] =
+                    self.cast_one(part.column + column, part.row + row);
             }
             if self.detail == Detail::Full {
                 self.evaluate_row(&block, part, row);
@@ -197,18 +197,8 @@ impl Tile<'_> {
 
     #[inline(never)]
     fn cast_one(&self, column: u32, row: u32) -> SlotHit {
-        let hit = self
-            .accel
-            .cast_slot(&self.lattice.ray(column, row), self.cull, self.precision);
-        match self.detail {
-            Detail::Triangle if !hit.is_miss() => SlotHit {
-                t: 0.0,
-                u: 0.0,
-                v: 0.0,
-                ..hit
-            },
-            _ => hit,
-        }
+        let ray = self.lattice.ray(column, row);
+        self.accel.cast_slot(&ray, self.cull, self.precision)
     }
 }
 

@@ -125,11 +125,13 @@ impl Camera {
     }
 
     /// Where the camera was put.
+    #[inline]
     pub fn placement(&self) -> Placement {
         self.placement
     }
 
     /// How its rays leave it.
+    #[inline]
     pub fn projection(&self) -> Projection {
         self.projection
     }
@@ -140,21 +142,25 @@ impl Camera {
     }
 
     /// The unit vector to the right in the picture.
+    #[inline]
     pub fn right(&self) -> DVec3 {
         self.right
     }
 
     /// The unit vector up in the picture.
+    #[inline]
     pub fn up(&self) -> DVec3 {
         self.up
     }
 
     /// The unit vector along the view axis.
+    #[inline]
     pub fn forward(&self) -> DVec3 {
         self.forward
     }
 
     /// From eye to target, in scene units.
+    #[inline]
     pub fn distance(&self) -> f64 {
         self.distance
     }

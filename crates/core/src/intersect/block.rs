@@ -9,6 +9,7 @@
 //! n·(a−p) / n·f itself.
 
 use super::Cull;
+use crate::accel::MISS;
 use crate::camera::{Camera, Projection};
 use glam::{DVec3, Vec3};
 
@@ -32,6 +33,20 @@ const LINEAR_ERROR: f32 = 8.0 / (1 << 24) as f32;
 
 /// What marks a ray that the block could not decide, in place of how near its hit is.
 const OPEN: f32 = f32::INFINITY;
+
+/// Each ray's column and row, counted from the block's middle.
+const COLUMNS: [f32; RAYS] = places(1);
+const ROWS: [f32; RAYS] = places(SIDE);
+
+const fn places(stride: usize) -> [f32; RAYS] {
+    let mut places = [0.0; RAYS];
+    let mut ray = 0;
+    while ray < RAYS {
+        places[ray] = (ray / stride % SIDE) as f32 - (SIDE as f32 - 1.0) * 0.5;
+        ray += 1;
+    }
+    places
+}
 
 /// A linear function of the place in the block: `constant + x·i + y·j`, with i and j counted in rays
 /// from the block's middle.
@@ -63,11 +78,11 @@ pub(crate) struct BlockRays {
 /// The nearest triangle of each ray of a block so far.
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
-    /// Grows towards the eye: inverse depth, or for orthographic blocks depth negated. −∞ where
-    /// nothing is met yet, [`OPEN`] where it cannot be told.
-    nearness: [f32; RAYS],
-    /// How far that may be off.
-    error: [f32; RAYS],
+    /// How near the hit is at least: inverse depth, or for orthographic blocks depth negated, so
+    /// that it grows towards the eye. −∞ where nothing is met yet, [`OPEN`] where it cannot be told.
+    low: [f32; RAYS],
+    /// How near it is at most.
+    high: [f32; RAYS],
     slots: [u32; RAYS],
 }
 
@@ -193,7 +208,8 @@ impl BlockRays {
             };
             let sign = if facing < 0.0 { -1.0 } else { 1.0 };
             // Beyond this the nearness is good to 2^-26 of itself, all told.
-            let awkward = !(facing.abs() > facing_error * (1u64 << 27) as f64);
+            let clear = facing.abs() > facing_error * (1u64 << 27) as f64;
+            let awkward = !clear;
 
             // Edge functions in the middle, and their steps.
             let mut constants = [0.0; 3];
@@ -319,15 +335,14 @@ impl Block {
     /// A block of `columns × rows` rays, at most [`SIDE`] each; the rest of it takes no part.
     pub(crate) fn new(columns: usize, rows: usize) -> Self {
         let mut block = Self {
-            nearness: [f32::NEG_INFINITY; RAYS],
-            error: [0.0; RAYS],
-            slots: [crate::accel::MISS; RAYS],
+            low: [f32::NEG_INFINITY; RAYS],
+            high: [f32::NEG_INFINITY; RAYS],
+            slots: [MISS; RAYS],
         };
-        for row in 0..SIDE {
-            for column in 0..SIDE {
-                if row >= rows || column >= columns {
-                    block.nearness[row * SIDE + column] = OPEN;
-                }
+        if rows < SIDE || columns < SIDE {
+            for ray in (0..RAYS).filter(|ray| ray / SIDE >= rows || ray % SIDE >= columns) {
+                block.low[ray] = OPEN;
+                block.high[ray] = OPEN;
             }
         }
         block
@@ -336,18 +351,26 @@ impl Block {
     /// The nearest triangle of a ray; `None` if the block could not tell.
     #[inline(always)]
     pub(crate) fn slot(&self, ray: usize) -> Option<u32> {
-        (self.nearness[ray] != OPEN).then_some(self.slots[ray])
+        (self.low[ray] != OPEN).then_some(self.slots[ray])
     }
 
     /// What every ray's hit is at least as near as: anything surely further is of no use.
     #[inline(always)]
     pub(crate) fn horizon(&self) -> f32 {
-        let mut least = f32::INFINITY;
-        for ray in 0..RAYS {
-            let sure = self.nearness[ray] - self.error[ray];
-            least = if sure < least { sure } else { least };
+        // In strands, so that sixteen comparisons are one.
+        const STRANDS: usize = 16;
+        let mut least = [f32::INFINITY; STRANDS];
+        for part in self.low.as_chunks::<STRANDS>().0 {
+            for strand in 0..STRANDS {
+                let low = part[strand];
+                least[strand] = if low < least[strand] {
+                    low
+                } else {
+                    least[strand]
+                };
+            }
         }
-        least
+        least.into_iter().fold(f32::INFINITY, f32::min)
     }
 
     /// Meets every triangle of a batch, and empties it.
@@ -403,38 +426,29 @@ impl Block {
         nearness_error: f32,
         begin: f32,
     ) {
-        for row in 0..SIDE {
-            let j = row as f32 - (SIDE as f32 - 1.0) * 0.5;
-            let at = row * SIDE;
-            let base = edges.map(|edge| edge.constant + edge.y * j);
-            let near_base = nearness.constant + nearness.y * j;
-            for column in 0..SIDE {
-                let i = column as f32 - (SIDE as f32 - 1.0) * 0.5;
-                let a = base[0] + edges[0].x * i;
-                let b = base[1] + edges[1].x * i;
-                let c = base[2] + edges[2].x * i;
-                let near = near_base + nearness.x * i;
-                let ray = at + column;
-                let (best, best_error) = (self.nearness[ray], self.error[ray]);
-                let outside = (a < -edge_error) | (b < -edge_error) | (c < -edge_error);
-                let further =
-                    (near + nearness_error < best - best_error) | (near - nearness_error > begin);
-                let inside = (a > edge_error) & (b > edge_error) & (c > edge_error);
-                let nearer =
-                    (near - nearness_error > best + best_error) & (near + nearness_error < begin);
-                let wins = inside & nearer;
-                let open = !(outside | further | wins);
-                let next = if wins { near } else { best };
-                self.nearness[ray] = if open { OPEN } else { next };
-                self.error[ray] = if wins {
-                    nearness_error
-                } else if open {
-                    0.0
-                } else {
-                    best_error
-                };
-                self.slots[ray] = if wins { slot } else { self.slots[ray] };
-            }
+        let [e, f, g] = edges;
+        let Self { low, high, slots } = self;
+        for ray in 0..RAYS {
+            let (i, j) = (COLUMNS[ray], ROWS[ray]);
+            let a = (e.constant + e.y * j) + e.x * i;
+            let b = (f.constant + f.y * j) + f.x * i;
+            let c = (g.constant + g.y * j) + g.x * i;
+            let near = (nearness.constant + nearness.y * j) + nearness.x * i;
+            let (near_low, near_high) = (near - nearness_error, near + nearness_error);
+            let outside = (a < -edge_error) | (b < -edge_error) | (c < -edge_error);
+            let inside = (a > edge_error) & (b > edge_error) & (c > edge_error);
+            let further = (near_high < low[ray]) | (near_low > begin);
+            let nearer = (near_low > high[ray]) & (near_high < begin);
+            let wins = inside & nearer;
+            let open = !(outside | further | wins);
+            let (next_low, next_high) = if wins {
+                (near_low, near_high)
+            } else {
+                (low[ray], high[ray])
+            };
+            low[ray] = if open { OPEN } else { next_low };
+            high[ray] = if open { OPEN } else { next_high };
+            slots[ray] = if wins { slot } else { slots[ray] };
         }
     }
 
@@ -442,17 +456,17 @@ impl Block {
     /// not surely have both signs.
     #[inline(always)]
     fn leave_open(&mut self, edges: [Linear; 3], edge_error: f32) {
-        for row in 0..SIDE {
-            let j = row as f32 - (SIDE as f32 - 1.0) * 0.5;
-            for column in 0..SIDE {
-                let i = column as f32 - (SIDE as f32 - 1.0) * 0.5;
-                let value = edges.map(|edge| edge.constant + edge.y * j + edge.x * i);
-                let some_below = value.iter().any(|&v| v < -edge_error);
-                let some_above = value.iter().any(|&v| v > edge_error);
-                if !(some_below && some_above) {
-                    self.nearness[row * SIDE + column] = OPEN;
-                    self.error[row * SIDE + column] = 0.0;
-                }
+        let [e, f, g] = edges;
+        for ray in 0..RAYS {
+            let (i, j) = (COLUMNS[ray], ROWS[ray]);
+            let a = (e.constant + e.y * j) + e.x * i;
+            let b = (f.constant + f.y * j) + f.x * i;
+            let c = (g.constant + g.y * j) + g.x * i;
+            let below = (a < -edge_error) | (b < -edge_error) | (c < -edge_error);
+            let above = (a > edge_error) | (b > edge_error) | (c > edge_error);
+            if !(below & above) {
+                self.low[ray] = OPEN;
+                self.high[ray] = OPEN;
             }
         }
     }

@@ -37,7 +37,7 @@ pub enum Precision {
 /// How much is wanted of a hit: what is not asked for costs nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Detail {
-    /// Which triangle; parameter and weights are zero.
+    /// Which triangle; parameter and weights may be anything.
     Triangle,
     /// Parameter and weights too.
     #[default]

@@ -3,8 +3,8 @@
 //! Each lane does what [`PreparedRay`](super::PreparedRay) does for one ray, operation by operation,
 //! so that the bits are the same.
 
-use super::triangle::{Edges, axes, major_axis};
-use crate::camera::{Camera, Ray};
+use super::triangle::{Edges, axes, greater, major_axis};
+use crate::camera::{Camera, Projection};
 use glam::DVec3;
 
 /// Rays side by side.
@@ -28,50 +28,42 @@ pub(crate) struct RowHits {
 pub(crate) fn meet_row(
     camera: &Camera,
     frame: DVec3,
+    place: (f64, f64),
+    stride: f64,
+    corners: &Corners,
+) -> RowHits {
+    let DVec3 { x, y, z } = camera.ray(place.0, place.1).direction;
+    // Rays this near each other nearly always share their major axis.
+    match (major_axis(x, y, z), camera.projection()) {
+        (0, Projection::Perspective) => meet::<0, true>(camera, frame, place, stride, corners),
+        (1, Projection::Perspective) => meet::<1, true>(camera, frame, place, stride, corners),
+        (_, Projection::Perspective) => meet::<2, true>(camera, frame, place, stride, corners),
+        (0, _) => meet::<0, false>(camera, frame, place, stride, corners),
+        (1, _) => meet::<1, false>(camera, frame, place, stride, corners),
+        (_, _) => meet::<2, false>(camera, frame, place, stride, corners),
+    }
+}
+
+/// One loop of plain numbers, which compilers lay side by side.
+#[inline(always)]
+#[allow(
+    clippy::needless_range_loop,
+    reason = "a lane is an index into all the arrays at once"
+)]
+fn meet<const MAJOR: usize, const PERSPECTIVE: bool>(
+    camera: &Camera,
+    frame: DVec3,
     (x, y): (f64, f64),
     stride: f64,
     corners: &Corners,
 ) -> RowHits {
-    let mut origin = [[0.0; LANES]; 3];
-    let mut direction = [[0.0; LANES]; 3];
-    let mut origin_error = [0.0; LANES];
-    let mut majors = [0; LANES];
-    let off = if frame == DVec3::ZERO { 0.0 } else { 1.0 };
-    for lane in 0..LANES {
-        let Ray {
-            origin: o,
-            direction: d,
-            ..
-        } = camera.ray(x + lane as f64 * stride, y);
-        let o = o - frame;
-        origin_error[lane] = o.abs().max_element() * (f64::EPSILON / 2.0) * off;
-        for (axis, (o, d)) in o.to_array().into_iter().zip(d.to_array()).enumerate() {
-            origin[axis][lane] = o;
-            direction[axis][lane] = d;
-        }
-        majors[lane] = major_axis(d.x, d.y, d.z);
-    }
-    // Rays this near each other nearly always share their major axis.
-    let major = majors[0];
-    let mut hits = match major {
-        0 => meet::<0>(&origin, &direction, &origin_error, corners),
-        1 => meet::<1>(&origin, &direction, &origin_error, corners),
-        _ => meet::<2>(&origin, &direction, &origin_error, corners),
-    };
-    for lane in 0..LANES {
-        hits.sure[lane] &= majors[lane] == major;
-    }
-    hits
-}
-
-#[inline(always)]
-fn meet<const MAJOR: usize>(
-    origin: &[[f64; LANES]; 3],
-    direction: &[[f64; LANES]; 3],
-    origin_error: &[f64; LANES],
-    corners: &Corners,
-) -> RowHits {
     let [kx, ky, kz] = const { axes(MAJOR) };
+    let [right, up, forward] =
+        [camera.right(), camera.up(), camera.forward()].map(|v| v.to_array());
+    let eye = camera.placement().eye.to_array();
+    let frame = frame.to_array();
+    let off = if frame == [0.0; 3] { 0.0 } else { 1.0 };
+    let distance = camera.distance();
     let mut hits = RowHits {
         t: [0.0; LANES],
         u: [0.0; LANES],
@@ -79,22 +71,49 @@ fn meet<const MAJOR: usize>(
         sure: [false; LANES],
     };
     for lane in 0..LANES {
-        let advance = direction[kz][lane];
-        let shear = [direction[kx][lane] / advance, direction[ky][lane] / advance];
-        let relative = |axis: usize| {
-            [0, 3, 6].map(|corner| f64::from(corners[corner + axis][lane]) - origin[axis][lane])
-        };
+        // `Camera::ray`, a coordinate at a time.
+        let (across, along) = camera.across_and_along(x + lane as f64 * stride, y);
+        let mut origin = eye;
+        let mut direction = forward;
+        for axis in 0..3 {
+            let on_plane = right[axis] * across + up[axis] * along;
+            if PERSPECTIVE {
+                direction[axis] = on_plane + forward[axis] * distance;
+            } else {
+                origin[axis] = eye[axis] + on_plane;
+            }
+        }
+        if PERSPECTIVE {
+            let [x, y, z] = direction;
+            let length = (x * x + y * y + z * z).sqrt();
+            direction = [x / length, y / length, z / length];
+        }
+        let [x, y, z] = direction;
+        let same_major = major_axis(x, y, z) == MAJOR;
+        let o = [
+            origin[0] - frame[0],
+            origin[1] - frame[1],
+            origin[2] - frame[2],
+        ];
+        let far = greater(greater(o[0].abs(), o[1].abs()), o[2].abs());
+        let origin_error = far * (f64::EPSILON / 2.0) * off;
+
+        let advance = direction[kz];
+        let shear = [direction[kx] / advance, direction[ky] / advance];
+        let at = |axis: usize, corner: usize| f64::from(corners[3 * corner + axis][lane]) - o[axis];
         let edges = Edges::new(
-            relative(kx),
-            relative(ky),
-            relative(kz),
+            [at(kx, 0), at(kx, 1), at(kx, 2)],
+            [at(ky, 0), at(ky, 1), at(ky, 2)],
+            [at(kz, 0), at(kz, 1), at(kz, 2)],
             shear,
-            origin_error[lane],
+            origin_error,
         );
         let point = edges.point(advance);
         // A camera's rays begin at zero and have no end.
-        hits.sure[lane] =
-            edges.surely_inside() & point.is_single() & (point.t - point.t_error >= 0.0);
+        hits.sure[lane] = same_major
+            & edges.surely_inside()
+            & point.is_single()
+            & (point.t - point.t_error >= 0.0);
         hits.t[lane] = point.t as f32;
         hits.u[lane] = point.u as f32;
         hits.v[lane] = point.v as f32;

@@ -223,7 +223,7 @@ pub(super) const fn axes(major: usize) -> [usize; 3] {
 #[inline(always)]
 pub(super) fn major_axis(x: f64, y: f64, z: f64) -> usize {
     let (x, y, z) = (x.abs(), y.abs(), z.abs());
-    if z >= x && z >= y {
+    if (z >= x) & (z >= y) {
         2
     } else if y >= x {
         1
@@ -352,7 +352,7 @@ impl Point {
 }
 
 #[inline(always)]
-fn greater(a: f64, b: f64) -> f64 {
+pub(super) fn greater(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
