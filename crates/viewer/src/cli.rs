@@ -200,6 +200,10 @@ pub struct TileArgs {
     /// Render that column and row of the grid alone, from 0,0, and write it as a fragment
     #[arg(long, value_name = "C,R", value_parser = values::cell)]
     pub sub_camera: Option<(u32, u32)>,
+    /// The picture as it stands when so many tiles are done, from the middle outwards; of the rest
+    /// there is every 16th ray
+    #[arg(long, value_name = "N", conflicts_with = "sub_camera")]
+    pub unfinished: Option<usize>,
 }
 
 impl TileArgs {

@@ -9,4 +9,4 @@ mod view;
 pub use crate::intersect::Precision;
 pub use pass::{Pass, Passes};
 pub use tile::{Tile, TileStats};
-pub use view::{Cancel, Clock, Settings, View};
+pub use view::{Cancel, Clock, Settings, View, from_the_middle};

@@ -1,7 +1,7 @@
 use super::job::Job;
 use super::{Pass, Precision, Tile};
 use crate::accel::Accel;
-use crate::camera::{Camera, Grid, Rect};
+use crate::camera::{Camera, Grid, ImagePlane, Rect};
 use crate::image::Picture;
 use crate::intersect::Cull;
 use crate::scene::Scene;
@@ -106,7 +106,7 @@ impl View {
         sink: &(dyn Fn(Pass, Tile) + Sync),
     ) -> bool {
         let plane = self.camera.plane();
-        let order = from_the_middle(tiles, plane.columns, plane.rows);
+        let order = from_the_middle(tiles, plane);
         let jobs: Vec<_> = order
             .into_iter()
             .map(|rect| Mutex::new(Job::new(rect)))
@@ -159,13 +159,13 @@ fn in_parallel(count: usize, cancel: &Cancel, work: impl Fn(usize) + Sync) -> bo
     done.into_inner() == count
 }
 
-/// The tiles by the distance of their middles from the picture's.
-fn from_the_middle(tiles: &[Rect], columns: u32, rows: u32) -> Vec<Rect> {
+/// A picture's tiles by the distance of their middles from its own: the order of rendering.
+pub fn from_the_middle(tiles: &[Rect], plane: ImagePlane) -> Vec<Rect> {
     let mut order = tiles.to_vec();
     // Twice the distance, in whole numbers.
     order.sort_by_key(|tile| {
-        let x = i64::from(2 * tile.x + tile.width) - i64::from(columns);
-        let y = i64::from(2 * tile.y + tile.height) - i64::from(rows);
+        let x = i64::from(2 * tile.x + tile.width) - i64::from(plane.columns);
+        let y = i64::from(2 * tile.y + tile.height) - i64::from(plane.rows);
         x * x + y * y
     });
     order

@@ -8,7 +8,7 @@ use raycast_core::accel::Accel;
 use raycast_core::camera::{Grid, Rect};
 use raycast_core::formats::SceneFile;
 use raycast_core::image::{Format, Fragment, Picture};
-use raycast_core::render::{Cancel, Clock, Settings, TileStats, View};
+use raycast_core::render::{Cancel, Clock, Pass, Settings, TileStats, View, from_the_middle};
 use rayon::prelude::*;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -20,6 +20,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let format = Format::from_name(&args.output.to_string_lossy())?;
     if args.tiles.sub_camera.is_some() {
         check_fragment(&args.tiles, format)?;
+    }
+    if args.tiles.unfinished.is_some() && format == Format::Exr {
+        return Err(Failure::usage(
+            "an unfinished picture has no layers: write it as .png, .ppm or .jpg",
+        ));
     }
     let mut inputs: Vec<&Path> = args.files.iter().map(AsRef::as_ref).collect();
     inputs.extend(args.shading.texture.as_deref());
@@ -84,7 +89,10 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
             (fragment.encode(format)?, tiles, wall)
         }
         None => {
-            let (picture, tiles) = pool.install(|| render_whole(&view, grid, &clock, &progress))?;
+            let (picture, tiles) = pool.install(|| match args.tiles.unfinished {
+                Some(done) => Ok(render_unfinished(&view, grid, done, &clock)),
+                None => render_whole(&view, grid, &clock, &progress),
+            })?;
             let wall = rendering.elapsed();
             (picture.encode(format)?, tiles, wall)
         }
@@ -163,6 +171,36 @@ fn render_whole(
         Some(picture) => Ok((picture, sum)),
         None => Err(Failure::could_not("the render was stopped")),
     }
+}
+
+/// The picture as it stands once `done` tiles are finished: what the window shows on its way.
+fn render_unfinished(
+    view: &View,
+    grid: Grid,
+    done: usize,
+    clock: Clock<'_>,
+) -> (Picture, TileStats) {
+    let plane = view.camera.plane();
+    let tiles = from_the_middle(&grid.tiles(plane.columns, plane.rows), plane);
+    let finished = &tiles[..done.min(tiles.len())];
+    let coarse = Pass {
+        stride: 16,
+        samples: 1,
+    };
+    let full = Pass {
+        stride: 1,
+        samples: view.settings.samples,
+    };
+    let blank = Picture::blank(plane.columns, plane.rows, false);
+    let made = Mutex::new((blank, TileStats::default()));
+    for (tiles, pass) in [(&tiles[..], coarse), (finished, full)] {
+        view.render_progressively(tiles, &[pass], clock, &Cancel::default(), &|_, tile| {
+            let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
+            made.0.place(tile.rect, &tile.pixels, None);
+            made.1 += tile.stats;
+        });
+    }
+    made.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// One sub-camera's picture, made in parallel, and what it took.
