@@ -1,0 +1,1 @@
+//! The truth about rays and triangles, by arithmetic without rounding.

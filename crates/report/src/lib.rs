@@ -1,0 +1,1 @@
+//! RayCast's speed against its error: hard cases, other ways of casting, measurements, plots.
