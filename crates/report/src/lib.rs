@@ -1,1 +1,3 @@
 //! RayCast's speed against its error: hard cases, other ways of casting, measurements, plots.
+
+pub mod embree;
