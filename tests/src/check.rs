@@ -1,54 +1,52 @@
 //! Asks the core and the oracle the same, and compares.
 
-use crate::oracle::{Oracle, Truth};
-use raycast_core::accel::Accel;
-use raycast_core::camera::{Camera, Grid, ImagePlane, Placement, Projection, Ray};
+use raycast_core::accel::{Accel, Simd, SlotHit};
+use raycast_core::camera::{Camera, Grid, ImagePlane, Lattice, Placement, Projection, Ray};
 use raycast_core::glam::DVec3;
 use raycast_core::image::{Layers, Picture};
-use raycast_core::intersect::{Cull, Hit};
-use raycast_core::render::{Cancel, Settings, View};
-use raycast_core::scene::{Mesh, Object, Scene};
-use raycast_core::shade::{Mode, Shading};
+use raycast_core::intersect::{Cull, Detail, Precision};
+use raycast_core::render::{Cancel, View};
+use raycast_core::scene::{Mesh, Scene};
+use raycast_oracle::Truth;
+pub use raycast_report::Stage;
+use raycast_report::fault::{GRAZING, T_BOUND, compare, ulps};
+use raycast_report::stage::scene_of;
 use rayon::prelude::*;
-use std::sync::Arc;
 use std::time::Duration;
 
-/// Below this cosine between ray and normal, distances and weights are not held to a bound.
-const GRAZING: f64 = 0.1;
-
-/// A scene with its tree and its oracle.
-pub struct Stage {
-    /// The scene.
-    pub scene: Arc<Scene>,
-    /// The tree over it.
-    pub accel: Arc<Accel>,
-    /// The truth about it.
-    pub oracle: Oracle,
+/// A stage that asks and compares, and panics where an answer is not the truth.
+pub trait Check {
+    /// A valid scene made ready.
+    fn staged(scene: Scene) -> Self;
+    /// One object a mesh, each where its mesh is.
+    fn of(meshes: impl IntoIterator<Item = Mesh>) -> Self;
+    /// Casts a ray: through the tree, by brute force, and in truth. All must agree.
+    fn check(&self, ray: &Ray, cull: Cull) -> Option<Truth>;
+    /// As [`Stage::check`] without brute force, for large meshes.
+    fn check_quickly(&self, ray: &Ray, cull: Cull) -> Option<Truth>;
+    /// [`Stage::check`] for many rays, in parallel. How many of them met something.
+    fn check_all(&self, rays: &[Ray], cull: Cull) -> usize;
+    /// [`Stage::check_quickly`] for many rays, in parallel. How many of them met something.
+    fn check_all_quickly(&self, rays: &[Ray], cull: Cull) -> usize;
+    /// Renders the view, in tiles, and compares every `every`-th pixel (along both sides) with the
+    /// truth, and with [`Accel::cast`] of the pixel's ray.
+    fn check_picture(&self, camera: Camera, cull: Cull, every: u32) -> Picture;
+    /// Casts a lattice of rays with every instruction set, exact and fast. Each ray must get what
+    /// [`Accel::cast_slot`] gives it, bit for bit, and every `every`-th one, with those whose
+    /// neighbours show something else, the truth. How many met something.
+    fn check_lattice(&self, lattice: &Lattice, cull: Cull, every: usize) -> usize;
 }
 
-impl Stage {
-    /// A scene made ready.
-    pub fn new(scene: Scene) -> Self {
-        let accel = Accel::build(&scene).expect("a valid scene");
-        let oracle = Oracle::new(&scene, &accel);
-        Self {
-            scene: Arc::new(scene),
-            accel: Arc::new(accel),
-            oracle,
-        }
+impl Check for Stage {
+    fn staged(scene: Scene) -> Self {
+        Self::new(scene).expect("a valid scene")
     }
 
-    /// One object a mesh, each where its mesh is.
-    pub fn of(meshes: impl IntoIterator<Item = Mesh>) -> Self {
-        let objects = meshes
-            .into_iter()
-            .map(|mesh| Object::new("object", Arc::new(mesh)))
-            .collect();
-        Self::new(Scene { objects })
+    fn of(meshes: impl IntoIterator<Item = Mesh>) -> Self {
+        Self::staged(scene_of(meshes))
     }
 
-    /// Casts a ray: through the tree, by brute force, and in truth. All must agree.
-    pub fn check(&self, ray: &Ray, cull: Cull) -> Option<Truth> {
+    fn check(&self, ray: &Ray, cull: Cull) -> Option<Truth> {
         let truth = self.check_quickly(ray, cull);
         let cast = self.accel.cast(ray, cull);
         let brute = self.accel.cast_brute_force(ray, cull);
@@ -56,56 +54,32 @@ impl Stage {
         truth
     }
 
-    /// As [`Stage::check`] without brute force, for large meshes.
-    pub fn check_quickly(&self, ray: &Ray, cull: Cull) -> Option<Truth> {
-        let truth = self.oracle.nearest(ray, cull);
+    fn check_quickly(&self, ray: &Ray, cull: Cull) -> Option<Truth> {
+        let truth = self.truth(ray, cull);
         let cast = self.accel.cast(ray, cull);
         if let Err(fault) = compare(cast.as_ref(), truth.as_ref()) {
             panic!(
                 "{fault}\n cull: {cull:?}\n  ray: {ray:?}\n cast: {cast:?}\n      {}\ntruth: {truth:?}\n      {}",
-                self.describe(cast.map(|hit| (hit.object, hit.triangle))),
-                self.describe(truth.map(|truth| (truth.object, truth.triangle))),
+                describe(self, cast.map(|hit| (hit.object, hit.triangle))),
+                describe(self, truth.map(|truth| (truth.object, truth.triangle))),
             );
         }
         truth
     }
 
-    /// [`Stage::check`] for many rays, in parallel. How many of them met something.
-    pub fn check_all(&self, rays: &[Ray], cull: Cull) -> usize {
+    fn check_all(&self, rays: &[Ray], cull: Cull) -> usize {
         rays.par_iter()
             .filter(|ray| self.check(ray, cull).is_some())
             .count()
     }
 
-    /// [`Stage::check_quickly`] for many rays, in parallel. How many of them met something.
-    pub fn check_all_quickly(&self, rays: &[Ray], cull: Cull) -> usize {
+    fn check_all_quickly(&self, rays: &[Ray], cull: Cull) -> usize {
         rays.par_iter()
             .filter(|ray| self.check_quickly(ray, cull).is_some())
             .count()
     }
 
-    /// A view of it, with layers.
-    pub fn view(&self, camera: Camera, cull: Cull) -> View {
-        View {
-            scene: self.scene.clone(),
-            accel: self.accel.clone(),
-            camera,
-            settings: Settings {
-                shading: Shading {
-                    mode: Mode::Color,
-                    ..Shading::default()
-                },
-                cull,
-                samples: 1,
-                layers: true,
-                ..Settings::default()
-            },
-        }
-    }
-
-    /// Renders the view, in tiles, and compares every `every`-th pixel (along both sides) with the
-    /// truth, and with [`Accel::cast`] of the pixel's ray.
-    pub fn check_picture(&self, camera: Camera, cull: Cull, every: u32) -> Picture {
+    fn check_picture(&self, camera: Camera, cull: Cull, every: u32) -> Picture {
         let picture = render(&self.view(camera, cull), Grid::default());
         let layers = picture.layers.as_ref().expect("layers were asked for");
         let (columns, rows) = (picture.width, picture.height);
@@ -121,12 +95,12 @@ impl Stage {
                 let expected = truth.map_or((u32::MAX, u32::MAX), |t| (t.object, t.triangle));
                 let is_right = (object, triangle) == expected
                     && truth.map_or(depth == f32::INFINITY, |truth| {
-                        truth.cosine <= GRAZING || ulps(depth, truth.t) <= 4.0
+                        truth.cosine <= GRAZING || ulps(depth.into(), truth.t) <= T_BOUND
                     });
                 assert!(
                     is_right,
                     "pixel ({x}, {y}) shows object {object} triangle {triangle} at {depth}\n  ray: {ray:?}\ntruth: {truth:?}\n      {}\n{camera:?}",
-                    self.describe(truth.map(|truth| (truth.object, truth.triangle))),
+                    describe(self, truth.map(|truth| (truth.object, truth.triangle))),
                 );
                 let cast = self.accel.cast(&ray, cull).map_or(f32::INFINITY, |hit| hit.t as f32);
                 assert!(
@@ -137,17 +111,84 @@ impl Stage {
         picture
     }
 
-    /// A triangle's corners, to be copied into a test.
-    fn describe(&self, numbers: Option<(u32, u32)>) -> String {
-        numbers.map_or_else(String::new, |(object, triangle)| {
-            let mesh = &self.scene.objects[object as usize].mesh;
-            format!(
-                "offset {:?}, corners {:?}",
-                mesh.offset(),
-                mesh.corners(triangle)
-            )
-        })
+    fn check_lattice(&self, lattice: &Lattice, cull: Cull, every: usize) -> usize {
+        let at = |i: usize| (i as u32 % lattice.columns, i as u32 / lattice.columns);
+        let ray = |i: usize| lattice.ray(at(i).0, at(i).1);
+        let mut exact = Vec::new();
+        for precision in [Precision::Fast, Precision::Exact] {
+            let expected: Vec<SlotHit> = (0..lattice.len())
+                .into_par_iter()
+                .map(|i| self.accel.cast_slot(&ray(i), cull, precision))
+                .collect();
+            let accels = instruction_sets()
+                .into_iter()
+                .map(|simd| Accel::clone(&self.accel).with_simd(simd));
+            for accel in accels {
+                for detail in [Detail::Full, Detail::Triangle] {
+                    let mut found = Vec::new();
+                    accel.cast_lattice(lattice, cull, precision, detail, &mut found);
+                    assert_eq!(found.len(), expected.len());
+                    let is_same = |(found, expected): (&SlotHit, &SlotHit)| match detail {
+                        Detail::Full => found == expected,
+                        Detail::Triangle => found.slot == expected.slot,
+                    };
+                    let wrong: Vec<usize> = (0..lattice.len())
+                        .filter(|&i| !is_same((&found[i], &expected[i])))
+                        .collect();
+                    if let Some(&i) = wrong.first() {
+                        let place =
+                            |hit: &SlotHit| (!hit.is_miss()).then(|| self.accel.identify(hit.slot));
+                        panic!(
+                            "{} of {} rays differ, first {:?}, {precision:?} {detail:?} {} {cull:?}\n  tile: {:?}\n        {}\nsingle: {:?}\n        {}\n truth: {:?}\n   ray: {:?}\n{lattice:?}",
+                            wrong.len(),
+                            lattice.len(),
+                            at(i),
+                            accel.simd().name(),
+                            found[i],
+                            describe(self, place(&found[i])),
+                            expected[i],
+                            describe(self, place(&expected[i])),
+                            self.truth(&ray(i), cull),
+                            ray(i),
+                        );
+                    }
+                }
+            }
+            exact = expected;
+        }
+        let columns = lattice.columns as usize;
+        let is_border = |i: usize| {
+            let differs = |j: usize| exact.get(j).is_some_and(|hit| hit.slot != exact[i].slot);
+            differs(i + 1) || differs(i + columns)
+        };
+        (0..lattice.len())
+            .into_par_iter()
+            .filter(|&i| i % every == 0 || (i % every.div_ceil(8) == 0 && is_border(i)))
+            .for_each(|i| {
+                self.check_quickly(&ray(i), cull);
+            });
+        exact.iter().filter(|hit| !hit.is_miss()).count()
     }
+}
+
+/// Every instruction set that this machine has.
+pub fn instruction_sets() -> Vec<Simd> {
+    [Simd::Plain, Simd::Avx2, Simd::Avx512]
+        .into_iter()
+        .filter(|&simd| simd <= Simd::best())
+        .collect()
+}
+
+/// A triangle's corners, to be copied into a test.
+fn describe(stage: &Stage, numbers: Option<(u32, u32)>) -> String {
+    numbers.map_or_else(String::new, |(object, triangle)| {
+        let mesh = &stage.scene.objects[object as usize].mesh;
+        format!(
+            "offset {:?}, corners {:?}",
+            mesh.offset(),
+            mesh.corners(triangle)
+        )
+    })
 }
 
 /// A pixel's object, triangle and depth.
@@ -158,48 +199,6 @@ pub fn pixel(layers: &Layers, columns: u32, x: u32, y: u32) -> (u32, u32, f32) {
         layers.triangle[index],
         layers.depth[index],
     )
-}
-
-/// Whether a hit is the truth: the same triangle, and numbers within the bounds that the project
-/// promises (t within 4 ulp of single precision and u, v within 4 · 2⁻²³, where the ray does not
-/// graze).
-fn compare(hit: Option<&Hit>, truth: Option<&Truth>) -> Result<(), String> {
-    let (hit, truth) = match (hit, truth) {
-        (None, None) => return Ok(()),
-        (Some(hit), Some(truth)) => (hit, truth),
-        (None, Some(_)) => return Err("a miss where there is a hit".to_owned()),
-        (Some(_), None) => return Err("a hit where there is a miss".to_owned()),
-    };
-    if (hit.object, hit.triangle) != (truth.object, truth.triangle) {
-        return Err("the wrong triangle".to_owned());
-    }
-    let (u, v) = (hit.u, hit.v);
-    if !(hit.t.is_finite() && (0.0..=1.0).contains(&u) && (0.0..=1.0).contains(&v)) {
-        return Err("a number out of its range".to_owned());
-    }
-    if truth.cosine <= GRAZING {
-        return Ok(());
-    }
-    let error = (hit.t - truth.t).abs() / ulp(truth.t);
-    if error > 4.0 {
-        return Err(format!("t is off by {error} ulp"));
-    }
-    let error = (u - truth.u).abs().max((v - truth.v).abs()) * 2f64.powi(23);
-    if error > 4.0 {
-        return Err(format!("u, v are off by {error} · 2^-23"));
-    }
-    Ok(())
-}
-
-/// How far a single-precision number is from the truth, in units of its last place.
-fn ulps(found: f32, truth: f64) -> f64 {
-    (f64::from(found) - truth).abs() / ulp(truth)
-}
-
-/// A unit in the last place of single precision, at a double.
-fn ulp(x: f64) -> f64 {
-    let power = f64::from_bits(x.abs().to_bits() & 0x7ff0_0000_0000_0000);
-    (power * 2f64.powi(-23)).max(2f64.powi(-149))
 }
 
 /// Renders a whole view on the current thread pool.

@@ -10,10 +10,10 @@ use raycast_core::camera::Ray;
 use raycast_core::formats::read_mesh;
 use raycast_core::glam::{DVec3, Vec3};
 use raycast_core::intersect::Cull;
+use raycast_oracle::random::Random;
 use raycast_tests::binary::{command, refuse, run, succeed};
-use raycast_tests::check::Stage;
+use raycast_tests::check::{Check, Stage};
 use raycast_tests::models;
-use raycast_tests::random::Random;
 use serde_json::Value;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -521,7 +521,7 @@ fn assert_cast_is_exact(mesh: &Path, count: usize) {
             t_min,
             t_max,
         };
-        let Some(truth) = stage.oracle.nearest(&ray, Cull::None) else {
+        let Some(truth) = stage.truth(&ray, Cull::None) else {
             assert_eq!((t, object, triangle), (f32::INFINITY, u32::MAX, u32::MAX));
             continue;
         };

@@ -1,7 +1,7 @@
 //! The tree's answer, brute force's and the oracle's are the same: on random rays, and on rays
 //! aimed at what is hardest, at random meshes and at real ones.
 //!
-//! How the truth is known: rational arithmetic on the vertices as stored (`raycast_tests::oracle`).
+//! How the truth is known: rational arithmetic on the vertices as stored (`raycast-oracle`).
 
 #![allow(
     clippy::print_stdout,
@@ -13,9 +13,10 @@ use raycast_core::glam::DVec3;
 use raycast_core::image::Picture;
 use raycast_core::intersect::Cull;
 use raycast_core::scene::{Mesh, Object, Scene, Transform};
-use raycast_tests::check::{PROJECTIONS, Stage, camera};
-use raycast_tests::random::Random;
-use raycast_tests::{meshes, models};
+use raycast_oracle::random::Random;
+use raycast_report::meshes;
+use raycast_tests::check::{Check, PROJECTIONS, Stage, camera};
+use raycast_tests::models;
 use std::sync::Arc;
 
 /// A ray at the scene: random, or aimed at a corner, an edge or a face, or within two units in the
@@ -160,7 +161,7 @@ fn several_objects_in_their_places() {
         .collect();
     // Two in the same place: the lower number shows.
     objects.push(objects[0].clone());
-    let stage = Stage::new(Scene { objects });
+    let stage = Stage::staged(Scene { objects });
     check("several objects", &stage, 100_000, 25);
 }
 

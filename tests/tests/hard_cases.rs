@@ -1,6 +1,6 @@
 //! Places where known ray casters go wrong, each a test by the name of what happens there.
 //!
-//! How the truth is known: rational arithmetic on the stored vertices (`raycast_tests::oracle`), or
+//! How the truth is known: rational arithmetic on the stored vertices (`raycast-oracle`), or
 //! a closed surface that no ray may pass. Counts are scaled down so that the whole suite runs in
 //! minutes; the counts in comments are what the cases were set with.
 
@@ -14,9 +14,9 @@ use raycast_core::camera::{Projection, Ray};
 use raycast_core::glam::{DVec3, Vec3};
 use raycast_core::intersect::Cull;
 use raycast_core::scene::{Mesh, Object, Scene};
-use raycast_tests::check::{PROJECTIONS, Stage, camera};
-use raycast_tests::meshes::{self, mesh, soup};
-use raycast_tests::random::Random;
+use raycast_oracle::random::Random;
+use raycast_report::meshes::{self, mesh, soup};
+use raycast_tests::check::{Check, PROJECTIONS, Stage, camera};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -915,7 +915,7 @@ fn few_triangles() {
         }
         assert_eq!(hits == 0, count == 0, "{count}: {hits}");
     }
-    let nothing = Stage::new(Scene::default());
+    let nothing = Stage::staged(Scene::default());
     let camera = camera(
         DVec3::Z,
         DVec3::ZERO,

@@ -10,8 +10,8 @@ use raycast_core::image::{Format, Picture};
 use raycast_core::intersect::Cull;
 use raycast_core::scene::{Color, ColorRule, Object, Scene, Texture, Transform};
 use raycast_core::shade::{Background, Filter, Mode, Shading, Wireframe};
-use raycast_tests::check::{Stage, camera, render};
-use raycast_tests::meshes;
+use raycast_report::meshes;
+use raycast_tests::check::{Check, Stage, camera, render};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -88,7 +88,7 @@ fn ball_over_board() -> Stage {
         color: ColorRule::Uniform(Color([0x90, 0xa0, 0x70])),
         ..Object::new("board", Arc::new(board))
     };
-    Stage::new(Scene {
+    Stage::staged(Scene {
         objects: vec![board, ball],
     })
 }
@@ -158,7 +158,7 @@ fn wireframe_with_samples() {
 
 #[test]
 fn normals_of_the_torus() {
-    let stage = Stage::new(Scene {
+    let stage = Stage::staged(Scene {
         objects: vec![read("torus.obj")],
     });
     let (center, radius) = stage.scene.bounding_sphere();
@@ -178,7 +178,7 @@ fn texture_on_the_cube() {
         texture: Some(Arc::new(texture)),
         ..read("cube.obj")
     };
-    let stage = Stage::new(Scene {
+    let stage = Stage::staged(Scene {
         objects: vec![cube],
     });
     let (center, radius) = stage.scene.bounding_sphere();
@@ -202,7 +202,7 @@ fn demo_scene() {
     let file = read_scene(&path, &|_| ()).unwrap_or_else(|error| panic!("{error}"));
     let shading = file.shading.unwrap_or_default();
     let placed = file.camera.expect("the demo scene has a camera");
-    let stage = Stage::new(file.scene);
+    let stage = Stage::staged(file.scene);
     let distance = (placed.placement.target - placed.placement.eye).length();
     let height = match placed.projection {
         Projection::Perspective => raycast_core::camera::fov_to_frame(placed.frame, distance),

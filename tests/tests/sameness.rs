@@ -10,8 +10,9 @@ use raycast_core::intersect::Cull;
 use raycast_core::render::{Cancel, Passes, Settings, View};
 use raycast_core::scene::{Mesh, Object, Scene, Transform};
 use raycast_core::shade::{Mode, Shading, Wireframe};
-use raycast_tests::check::{PROJECTIONS, Stage, camera, on_threads, pixel, render};
-use raycast_tests::{meshes, models};
+use raycast_report::meshes;
+use raycast_tests::check::{Check, PROJECTIONS, Stage, camera, on_threads, pixel, render};
+use raycast_tests::models;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -50,7 +51,7 @@ fn stage() -> Stage {
         },
         ..Object::new("hills", Arc::new(meshes::integer_heights(32, 1)))
     };
-    Stage::new(Scene {
+    Stage::staged(Scene {
         objects: vec![cube, sphere, hills],
     })
 }
@@ -324,7 +325,7 @@ fn the_demo_scene_matches_the_oracle() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/demo.raycast.toml");
     let file = read_scene(&path, &|_| ()).unwrap_or_else(|error| panic!("{error}"));
     let shading = file.shading.unwrap_or_default();
-    let stage = Stage::new(file.scene);
+    let stage = Stage::staged(file.scene);
     let camera = whole(&stage, Projection::Perspective, (200, 150));
     stage.check_picture(camera, Cull::None, 2);
     let view = View {

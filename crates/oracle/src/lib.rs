@@ -1,1 +1,20 @@
 //! The truth about rays and triangles, by arithmetic without rounding.
+//!
+//! It knows nothing of the code that it checks: it takes plain values, has a big-number library of
+//! its own, and asks every triangle that a proven bound in doubles does not rule out.
+//!
+//! - [`oracle`]: the nearest triangle that a ray meets, and how it meets a given one.
+//! - [`random`]: what to ask about, the same on every machine.
+
+mod exact;
+mod filter;
+mod hit;
+pub mod oracle;
+pub mod random;
+mod ray;
+mod tree;
+mod triangle;
+
+pub use oracle::{Oracle, Truth};
+pub use ray::Ray;
+pub use triangle::Triangle;

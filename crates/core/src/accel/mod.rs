@@ -61,7 +61,7 @@ struct Triangle {
 /// object at rest, or all its meshes share an offset and rest, they are the meshes' own positions,
 /// unchanged; anything else is moved in double precision and rounded once. The corners as stored
 /// here are what "exact" is about.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Accel {
     origin: DVec3,
     triangles: Vec<Triangle>,

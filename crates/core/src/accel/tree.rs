@@ -79,7 +79,7 @@ impl Node {
 }
 
 /// The tree: nodes in depth-first order, so that a child follows its parent.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Tree {
     pub(crate) nodes: Vec<Node>,
     /// The whole tree; `None` if there is nothing in it.

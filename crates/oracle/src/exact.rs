@@ -7,14 +7,14 @@ use std::ops::{Add, Mul, Sub};
 
 /// `mantissa · 2^exponent`.
 #[derive(Clone, Debug)]
-pub struct Dyadic {
+pub(crate) struct Dyadic {
     mantissa: IBig,
     exponent: i32,
 }
 
 impl Dyadic {
     /// The number that a finite double is.
-    pub fn new(x: f64) -> Self {
+    pub(crate) fn new(x: f64) -> Self {
         assert!(x.is_finite(), "{x} is no number");
         let bits = x.to_bits();
         let fraction = (bits & ((1 << 52) - 1)) as i64;
@@ -39,7 +39,7 @@ impl Dyadic {
     }
 
     /// −1, 0 or 1.
-    pub fn signum(&self) -> i32 {
+    pub(crate) fn signum(&self) -> i32 {
         if self.mantissa == IBig::ZERO {
             0
         } else if self.mantissa.sign() == Sign::Negative {
@@ -50,7 +50,7 @@ impl Dyadic {
     }
 
     /// The number with the other sign.
-    pub fn negated(&self) -> Self {
+    pub(crate) fn negated(&self) -> Self {
         Self {
             mantissa: -self.mantissa.clone(),
             exponent: self.exponent,
@@ -58,7 +58,7 @@ impl Dyadic {
     }
 
     /// `self / divisor` as the nearest double. The divisor is not zero.
-    pub fn quotient(&self, divisor: &Self) -> f64 {
+    pub(crate) fn quotient(&self, divisor: &Self) -> f64 {
         if self.signum() == 0 {
             return 0.0;
         }
@@ -143,31 +143,31 @@ impl Ord for Dyadic {
 }
 
 /// A point or a direction.
-pub type Vector = [Dyadic; 3];
+pub(crate) type Vector = [Dyadic; 3];
 
 /// The vector that three doubles are.
-pub fn vector(x: [f64; 3]) -> Vector {
+pub(crate) fn vector(x: [f64; 3]) -> Vector {
     x.map(Dyadic::new)
 }
 
 /// `a + b`.
-pub fn sum(a: &Vector, b: &Vector) -> Vector {
+pub(crate) fn sum(a: &Vector, b: &Vector) -> Vector {
     std::array::from_fn(|i| &a[i] + &b[i])
 }
 
 /// `a − b`.
-pub fn difference(a: &Vector, b: &Vector) -> Vector {
+pub(crate) fn difference(a: &Vector, b: &Vector) -> Vector {
     std::array::from_fn(|i| &a[i] - &b[i])
 }
 
 /// `a · b`.
-pub fn dot(a: &Vector, b: &Vector) -> Dyadic {
+pub(crate) fn dot(a: &Vector, b: &Vector) -> Dyadic {
     let [x, y, z]: [Dyadic; 3] = std::array::from_fn(|i| &a[i] * &b[i]);
     &(&x + &y) + &z
 }
 
 /// `a × b`.
-pub fn cross(a: &Vector, b: &Vector) -> Vector {
+pub(crate) fn cross(a: &Vector, b: &Vector) -> Vector {
     let minor = |i: usize, j: usize| &(&a[i] * &b[j]) - &(&a[j] * &b[i]);
     [minor(1, 2), minor(2, 0), minor(0, 1)]
 }

@@ -1,8 +1,8 @@
 //! Meshes made in code, with corners where rays like to slip through.
 
-use crate::random::Random;
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{Mesh, MeshData};
+use raycast_oracle::random::Random;
 
 /// A mesh of these vertices and triangles.
 pub fn mesh(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Mesh {

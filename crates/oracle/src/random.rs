@@ -1,6 +1,6 @@
 //! Random numbers that are the same on every machine and every run.
 
-use raycast_core::glam::DVec3;
+use glam::DVec3;
 
 /// A stream of random numbers: SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom
 /// number generators", 2014).

@@ -1,0 +1,105 @@
+//! One ray and one triangle, without rounding.
+
+use crate::exact::{self, Dyadic, Vector};
+use crate::{Ray, Triangle, Truth};
+use std::cmp::Ordering;
+
+/// A ray without rounding.
+pub(crate) struct ExactRay {
+    origin: Vector,
+    direction: Vector,
+    t_min: Dyadic,
+    t_max: Dyadic,
+}
+
+/// A hit with the exact numbers that decide which is nearest.
+pub(crate) struct ExactHit<'a> {
+    triangle: &'a Triangle,
+    /// `w_b`, `w_c` and their sum with `w_a`: the weights' numerators and denominator.
+    second: Dyadic,
+    third: Dyadic,
+    sum: Dyadic,
+    /// `det(A, B, C)`: with `sum` as its denominator, `t`.
+    depth: Dyadic,
+}
+
+impl ExactRay {
+    /// The ray is valid.
+    pub(crate) fn new(ray: &Ray) -> Self {
+        Self {
+            origin: exact::vector(ray.origin.to_array()),
+            direction: exact::vector(ray.direction.to_array()),
+            t_min: Dyadic::new(ray.t_min),
+            t_max: Dyadic::new(ray.t_max),
+        }
+    }
+
+    /// The rule: with corners A, B, C relative to the origin, w_a = d·(B × C), w_b = d·(C × A),
+    /// w_c = d·(A × B) must all be ≥ 0 or all ≤ 0, and not all 0. Their sum is d·n, with
+    /// n = (b − a) × (c − a) the side from which the corners run counter-clockwise: a ray meets
+    /// the front where it goes against n. And t = A·(B × C) / (d·n), since n·A = A·(B × C).
+    pub(crate) fn hit<'a>(&self, triangle: &'a Triangle, cull_backs: bool) -> Option<ExactHit<'a>> {
+        let base = exact::vector(triangle.base.to_array());
+        let [a, b, c] = triangle.corners.map(|corner| {
+            let corner = exact::vector(corner.as_dvec3().to_array());
+            exact::difference(&exact::sum(&base, &corner), &self.origin)
+        });
+        let b_cross_c = exact::cross(&b, &c);
+        let first = exact::dot(&self.direction, &b_cross_c);
+        let second = exact::dot(&self.direction, &exact::cross(&c, &a));
+        if first.signum() * second.signum() < 0 {
+            return None;
+        }
+        let third = exact::dot(&self.direction, &exact::cross(&a, &b));
+        let signs = [first.signum(), second.signum(), third.signum()];
+        if signs.contains(&1) == signs.contains(&-1) {
+            return None;
+        }
+        let sum = &(&first + &second) + &third;
+        if cull_backs && sum.signum() > 0 {
+            return None;
+        }
+        let depth = exact::dot(&a, &b_cross_c);
+        // t_min ≤ depth / sum ≤ t_max, times the sum.
+        let (low, high) = if sum.signum() > 0 {
+            (&self.t_min * &sum, &self.t_max * &sum)
+        } else {
+            (&self.t_max * &sum, &self.t_min * &sum)
+        };
+        (low <= depth && depth <= high).then_some(ExactHit {
+            triangle,
+            second,
+            third,
+            sum,
+            depth,
+        })
+    }
+}
+
+impl ExactHit<'_> {
+    /// Nearest first; equal distances by number.
+    pub(crate) fn order(&self, other: &Self) -> Ordering {
+        // depth / sum against depth' / sum': both sides times sum · sum', and its sign.
+        let (left, right) = (&self.depth * &other.sum, &other.depth * &self.sum);
+        let by_distance = if self.sum.signum() == other.sum.signum() {
+            left.cmp(&right)
+        } else {
+            right.cmp(&left)
+        };
+        by_distance.then(self.triangle.number().cmp(&other.triangle.number()))
+    }
+
+    /// The hit in the nearest doubles.
+    pub(crate) fn rounded(&self, ray: &Ray) -> Truth {
+        let [a, b, c] = self.triangle.rounded();
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        Truth {
+            object: self.triangle.object,
+            triangle: self.triangle.triangle,
+            t: self.depth.quotient(&self.sum),
+            u: self.second.quotient(&self.sum),
+            v: self.third.quotient(&self.sum),
+            cosine: normal.dot(ray.direction.normalize_or_zero()).abs(),
+        }
+    }
+}

@@ -1,0 +1,296 @@
+//! A ray's nearest triangle, by arithmetic without rounding.
+//!
+//! A filter in doubles, with bounds that are proven where they stand, throws away triangles that a
+//! ray certainly misses; every triangle that is left is decided exactly. So an answer never depends
+//! on a rounded number.
+
+use crate::filter::Filter;
+use crate::hit::{ExactHit, ExactRay};
+use crate::tree::Tree;
+use crate::{Ray, Triangle};
+use glam::{DVec3, Vec3};
+use std::cmp::Ordering;
+
+/// How a ray meets a triangle, in truth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Truth {
+    /// The object's number.
+    pub object: u32,
+    /// The triangle's number in its object.
+    pub triangle: u32,
+    /// The ray's parameter, as the nearest double.
+    pub t: f64,
+    /// Weight of the second corner, as the nearest double.
+    pub u: f64,
+    /// Weight of the third corner, as the nearest double.
+    pub v: f64,
+    /// The cosine between the ray and the triangle's normal, 0 to 1 (rounded).
+    pub cosine: f64,
+}
+
+/// Triangles, ready to be asked about.
+///
+/// A ray meets a triangle where the three determinants of the direction and two corners (seen from
+/// the origin) are all ≥ 0 or all ≤ 0 and not all zero, and `t` lies in the ray's range: edges and
+/// vertices belong to all triangles that have them, and a triangle without area is never met. A
+/// triangle with a corner that is not finite is never met either; a ray with a number that is not
+/// finite, or without direction, meets nothing.
+#[derive(Clone, Debug)]
+pub struct Oracle {
+    triangles: Vec<Triangle>,
+    tree: Tree,
+    /// Where each triangle is, in the order of their numbers.
+    by_number: Vec<u32>,
+}
+
+impl Oracle {
+    /// The oracle of these triangles, no two with the same numbers.
+    pub fn new(mut triangles: Vec<Triangle>) -> Self {
+        triangles.retain(|triangle| triangle.rounded().iter().all(|corner| corner.is_finite()));
+        let tree = Tree::new(&mut triangles);
+        let mut by_number: Vec<u32> = (0..triangles.len() as u32).collect();
+        by_number.sort_unstable_by_key(|&at| triangles[at as usize].number());
+        Self {
+            triangles,
+            tree,
+            by_number,
+        }
+    }
+
+    /// The oracle of triangles given by their corners, all of object 0, numbered by their order.
+    pub fn of_corners(corners: &[[Vec3; 3]]) -> Self {
+        let triangle = |(triangle, &corners)| Triangle {
+            object: 0,
+            triangle: triangle as u32,
+            base: DVec3::ZERO,
+            corners,
+        };
+        Self::new(corners.iter().enumerate().map(triangle).collect())
+    }
+
+    /// The nearest triangle that `ray` meets; ties go to the lowest object, then triangle.
+    /// `cull_backs`: only those whose corners run counter-clockwise to the ray.
+    pub fn nearest(&self, ray: &Ray, cull_backs: bool) -> Option<Truth> {
+        if !ray.is_valid() {
+            return None;
+        }
+        let filter = Filter::new(ray);
+        let mut possible = Vec::new();
+        self.tree.visit(&filter, |ball| {
+            let inside = self.triangles[ball].iter();
+            possible.extend(inside.filter(|triangle| !filter.misses_triangle(triangle)));
+        });
+        nearest_of(possible, ray, cull_backs)
+    }
+
+    /// The same by deciding every triangle exactly, one after the other.
+    pub fn brute_force(&self, ray: &Ray, cull_backs: bool) -> Option<Truth> {
+        if !ray.is_valid() {
+            return None;
+        }
+        nearest_of(&self.triangles, ray, cull_backs)
+    }
+
+    /// How `ray` meets the triangle with these numbers, others or not in its way; `None` where it
+    /// does not, or where there is no such triangle.
+    pub fn meet(&self, object: u32, triangle: u32, ray: &Ray, cull_backs: bool) -> Option<Truth> {
+        let triangle = self.triangle(object, triangle)?;
+        if !ray.is_valid() {
+            return None;
+        }
+        let hit = ExactRay::new(ray).hit(triangle, cull_backs)?;
+        Some(hit.rounded(ray))
+    }
+
+    /// The triangle with these numbers.
+    pub fn triangle(&self, object: u32, triangle: u32) -> Option<&Triangle> {
+        let number = |at: u32| self.triangles[at as usize].number();
+        let found = self
+            .by_number
+            .binary_search_by_key(&(object, triangle), |&at| number(at))
+            .ok()?;
+        Some(&self.triangles[self.by_number[found] as usize])
+    }
+
+    /// All triangles, neighbours near one another.
+    pub fn triangles(&self) -> &[Triangle] {
+        &self.triangles
+    }
+}
+
+fn nearest_of<'a>(
+    triangles: impl IntoIterator<Item = &'a Triangle>,
+    ray: &Ray,
+    cull_backs: bool,
+) -> Option<Truth> {
+    let exact_ray = ExactRay::new(ray);
+    let mut nearest: Option<ExactHit<'_>> = None;
+    for triangle in triangles {
+        if let Some(hit) = exact_ray.hit(triangle, cull_backs)
+            && nearest
+                .as_ref()
+                .is_none_or(|best| hit.order(best) == Ordering::Less)
+        {
+            nearest = Some(hit);
+        }
+    }
+    nearest.map(|hit| hit.rounded(ray))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Oracle;
+    use crate::Ray;
+    use crate::random::Random;
+    use glam::{DVec3, Vec3};
+
+    const UNIT: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::Y];
+
+    fn down(x: f64, y: f64) -> Ray {
+        Ray::new(DVec3::new(x, y, 5.0), DVec3::NEG_Z)
+    }
+
+    #[test]
+    fn a_triangle_that_pencil_and_paper_solve() {
+        let oracle = Oracle::of_corners(&[UNIT]);
+        let hit = oracle
+            .nearest(&down(0.25, 0.5), false)
+            .expect("a hit inside");
+        assert_eq!((hit.object, hit.triangle), (0, 0));
+        assert_eq!((hit.t, hit.u, hit.v), (5.0, 0.25, 0.5));
+        assert_eq!(hit.cosine, 1.0);
+        for (x, y, met) in [
+            (0.0, 0.0, true),
+            (1.0, 0.0, true),
+            (0.5, 0.5, true),
+            (0.0, 0.3, true),
+            (0.5, 0.5f64.next_up(), false),
+            (-f64::from_bits(1), 0.5, false),
+            (1.0, f64::from_bits(1), false),
+            (2.0, 2.0, false),
+        ] {
+            let hit = oracle.nearest(&down(x, y), false);
+            assert_eq!(hit.is_some(), met, "{x} {y}");
+        }
+    }
+
+    #[test]
+    fn the_range_is_inclusive_and_behind_is_not_met() {
+        let oracle = Oracle::of_corners(&[UNIT]);
+        let hit = |t_min, t_max| {
+            let ray = Ray {
+                t_min,
+                t_max,
+                ..down(0.2, 0.2)
+            };
+            oracle.nearest(&ray, false).is_some()
+        };
+        assert!(hit(5.0, 5.0));
+        assert!(!hit(5f64.next_up(), 9.0));
+        assert!(!hit(0.0, 5f64.next_down()));
+        let away = Ray::new(DVec3::new(0.2, 0.2, 5.0), DVec3::Z);
+        assert_eq!(oracle.nearest(&away, false), None);
+    }
+
+    #[test]
+    fn fronts_run_counter_clockwise_to_the_ray() {
+        // Seen from +Z, looking down with X to the right and Y up, 0 → X → Y is counter-clockwise.
+        let [a, b, c] = UNIT;
+        let front = Oracle::of_corners(&[[a, b, c]]);
+        let back = Oracle::of_corners(&[[a, c, b]]);
+        let ray = down(0.2, 0.2);
+        assert!(front.nearest(&ray, true).is_some());
+        assert!(back.nearest(&ray, true).is_none());
+        let from_below = Ray::new(DVec3::new(0.2, 0.2, -5.0), DVec3::Z);
+        assert!(front.nearest(&from_below, true).is_none());
+        assert!(back.nearest(&from_below, true).is_some());
+    }
+
+    #[test]
+    fn equal_distances_go_to_the_lowest_number_and_nearer_wins() {
+        let [a, b, c] = UNIT;
+        let nearer = UNIT.map(|p| p + Vec3::Z * f32::EPSILON);
+        let oracle = Oracle::of_corners(&[UNIT, [b, a, c], nearer, [c, b, a]]);
+        let hit = oracle.nearest(&down(0.2, 0.2), false).expect("a hit");
+        assert_eq!(hit.triangle, 2);
+        let from_below = Ray::new(DVec3::new(0.2, 0.2, -5.0), DVec3::Z);
+        let hit = oracle.nearest(&from_below, false).expect("a hit");
+        assert_eq!(hit.triangle, 0);
+    }
+
+    #[test]
+    fn a_ray_in_the_plane_and_a_triangle_without_area_are_misses() {
+        let oracle = Oracle::of_corners(&[UNIT]);
+        let along = Ray::new(DVec3::new(-1.0, 0.2, 0.0), DVec3::X);
+        assert_eq!(oracle.nearest(&along, false), None);
+        let flat = Oracle::of_corners(&[[Vec3::ZERO, Vec3::X, Vec3::X * 2.0], [Vec3::ONE; 3]]);
+        assert_eq!(flat.nearest(&down(0.5, 0.0), false), None);
+        assert_eq!(flat.nearest(&down(1.0, 1.0), false), None);
+    }
+
+    /// The filter throws away nothing that counts: over many decades, with rays aimed at what is
+    /// hardest. The truth is the same rule without the filter.
+    #[test]
+    fn the_filter_changes_nothing() {
+        let mut random = Random::new(3);
+        let mut hits = 0;
+        for round in 0..300 {
+            let scale = random.decade(-12.0, 12.0);
+            let middle = random.in_cube() * scale * random.decade(-3.0, 4.0);
+            let size = random.decade(-4.0, 0.0);
+            let corners: Vec<[Vec3; 3]> = (0..40)
+                .map(|_| {
+                    let place = random.in_cube() * scale + middle;
+                    std::array::from_fn(|_| (place + random.in_cube() * scale * size).as_vec3())
+                })
+                .collect();
+            let oracle = Oracle::of_corners(&corners);
+            for _ in 0..10 {
+                let origin = middle + random.in_cube() * scale * random.decade(-1.0, 2.0);
+                let [a, b, c] = corners[random.below(40) as usize].map(|p| p.as_dvec3());
+                let target = match random.below(4) {
+                    0 => a,
+                    1 => (a + b) * 0.5,
+                    2 => (a + b + c) / 3.0,
+                    _ => middle + random.in_cube() * scale,
+                };
+                let direction = (random.nudge(target, 2) - origin) * random.decade(-9.0, 9.0);
+                let ray = Ray::new(origin, direction);
+                let plain = oracle.brute_force(&ray, false);
+                assert_eq!(oracle.nearest(&ray, false), plain, "{round}: {ray:?}");
+                hits += u32::from(plain.is_some());
+            }
+        }
+        assert!(hits > 1000, "only {hits} hits");
+    }
+
+    /// Products leave the doubles' range long before the numbers do.
+    #[test]
+    fn origins_at_the_end_of_the_doubles_are_answered() {
+        let oracle = Oracle::of_corners(&[UNIT]);
+        for far in [1e100, 1e155, 1e200, 1e307] {
+            for target in [DVec3::new(0.25, 0.25, 0.0), DVec3::new(2.0, 2.0, 0.0)] {
+                let ray = Ray::new(target + DVec3::Z * far, DVec3::NEG_Z);
+                let truth = oracle.nearest(&ray, false);
+                assert_eq!(truth, oracle.brute_force(&ray, false));
+                assert_eq!(truth.is_some(), target.x < 1.0, "{far}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_given_triangle_is_met_whatever_stands_before_it() {
+        let [a, b, c] = UNIT;
+        let nearer = UNIT.map(|p| p + Vec3::Z);
+        let oracle = Oracle::of_corners(&[UNIT, nearer, [b, b + b, c], [a, c, b]]);
+        let ray = down(0.25, 0.25);
+        let met = |triangle, cull| oracle.meet(0, triangle, &ray, cull).map(|hit| hit.t);
+        assert_eq!(met(0, false), Some(5.0));
+        assert_eq!(met(1, false), Some(4.0));
+        assert_eq!(met(2, false), None);
+        assert_eq!((met(3, false), met(3, true)), (Some(5.0), None));
+        assert_eq!(met(4, false), None);
+        assert_eq!(oracle.meet(1, 0, &ray, false), None);
+        assert_eq!(oracle.triangle(0, 1).map(|t| t.corners), Some(nearer));
+    }
+}

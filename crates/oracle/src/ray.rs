@@ -1,0 +1,35 @@
+use glam::DVec3;
+
+/// The points `origin + t · direction` with `t_min ≤ t ≤ t_max`, all of them exactly as given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where `t` is zero.
+    pub origin: DVec3,
+    /// Which way, and what one unit of `t` is.
+    pub direction: DVec3,
+    /// The least `t` of a hit, inclusive.
+    pub t_min: f64,
+    /// The greatest `t` of a hit, inclusive.
+    pub t_max: f64,
+}
+
+impl Ray {
+    /// The ray from `origin` with no end.
+    pub fn new(origin: DVec3, direction: DVec3) -> Self {
+        Self {
+            origin,
+            direction,
+            t_min: 0.0,
+            t_max: f64::MAX,
+        }
+    }
+
+    /// Whether it is a ray at all; anything else misses.
+    pub(crate) fn is_valid(&self) -> bool {
+        self.origin.is_finite()
+            && self.direction.is_finite()
+            && self.direction != DVec3::ZERO
+            && self.t_min.is_finite()
+            && self.t_max.is_finite()
+    }
+}

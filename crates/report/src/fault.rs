@@ -1,0 +1,151 @@
+//! In what an answer is not the truth.
+
+use raycast_core::intersect::Hit;
+use raycast_oracle::Truth;
+
+/// Below this cosine between ray and normal, distances and weights are not held to a bound.
+pub const GRAZING: f64 = 0.1;
+/// How far off distances may be elsewhere, in units in the last place of single precision.
+pub const T_BOUND: f64 = 4.0;
+/// How far off weights may be elsewhere.
+pub const UV_BOUND: f64 = 4.0 / (1 << 23) as f64;
+
+/// In what an answer is not the truth.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Fault {
+    /// A leak, where there is a triangle.
+    #[error("a miss where there is a hit")]
+    Miss,
+    /// A triangle where there is none.
+    #[error("a hit where there is a miss")]
+    Hit,
+    /// Another triangle.
+    #[error("the wrong triangle")]
+    Triangle,
+    /// Weights outside 0 to 1, or a distance that is no number.
+    #[error("a number out of its range")]
+    Range,
+    /// The distance is off by this many units in the last place of single precision.
+    #[error("t is off by {0} ulp")]
+    Distance(f64),
+    /// The weights are off by this.
+    #[error("u or v is off by {0}")]
+    Weights(f64),
+}
+
+/// Whether a hit is the truth: the same triangle, and numbers within the bounds that the project
+/// promises (t within 4 ulp of single precision and u, v within 4 · 2⁻²³, where the ray does not
+/// graze).
+///
+/// # Errors
+/// The first thing that is wrong.
+pub fn compare(hit: Option<&Hit>, truth: Option<&Truth>) -> Result<(), Fault> {
+    let (hit, truth) = match (hit, truth) {
+        (None, None) => return Ok(()),
+        (Some(hit), Some(truth)) => (hit, truth),
+        (None, Some(_)) => return Err(Fault::Miss),
+        (Some(_), None) => return Err(Fault::Hit),
+    };
+    if (hit.object, hit.triangle) != (truth.object, truth.triangle) {
+        return Err(Fault::Triangle);
+    }
+    let weights = 0.0..=1.0;
+    if !(hit.t.is_finite() && weights.contains(&hit.u) && weights.contains(&hit.v)) {
+        return Err(Fault::Range);
+    }
+    if truth.cosine <= GRAZING {
+        return Ok(());
+    }
+    let off = ulps(hit.t, truth.t);
+    if off > T_BOUND {
+        return Err(Fault::Distance(off));
+    }
+    let off = (hit.u - truth.u).abs().max((hit.v - truth.v).abs());
+    if off > UV_BOUND {
+        return Err(Fault::Weights(off));
+    }
+    Ok(())
+}
+
+/// How far a number is from the truth, in units in the last place of single precision.
+pub fn ulps(found: f64, truth: f64) -> f64 {
+    (found - truth).abs() / ulp(truth)
+}
+
+/// A unit in the last place of single precision, at a double.
+fn ulp(x: f64) -> f64 {
+    let power = f64::from_bits(x.abs().to_bits() & 0x7ff0_0000_0000_0000);
+    (power * 2f64.powi(-23)).max(2f64.powi(-149))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TRUTH: Truth = Truth {
+        object: 0,
+        triangle: 7,
+        t: 3.0,
+        u: 0.25,
+        v: 0.5,
+        cosine: 1.0,
+    };
+    const HIT: Hit = Hit {
+        object: 0,
+        triangle: 7,
+        t: 3.0,
+        u: 0.25,
+        v: 0.5,
+    };
+
+    #[test]
+    fn each_fault_is_told() {
+        let ulp = 2f64.powi(-22);
+        assert_eq!(compare(None, None), Ok(()));
+        assert_eq!(compare(Some(&HIT), Some(&TRUTH)), Ok(()));
+        assert_eq!(compare(None, Some(&TRUTH)), Err(Fault::Miss));
+        assert_eq!(compare(Some(&HIT), None), Err(Fault::Hit));
+        for (hit, expected) in [
+            (Hit { triangle: 6, ..HIT }, Err(Fault::Triangle)),
+            (Hit { object: 1, ..HIT }, Err(Fault::Triangle)),
+            (Hit { t: f64::NAN, ..HIT }, Err(Fault::Range)),
+            (Hit { u: -1e-9, ..HIT }, Err(Fault::Range)),
+            (
+                Hit {
+                    t: 3.0 + 4.0 * ulp,
+                    ..HIT
+                },
+                Ok(()),
+            ),
+            (
+                Hit {
+                    t: 3.0 - 5.0 * ulp,
+                    ..HIT
+                },
+                Err(Fault::Distance(5.0)),
+            ),
+            (
+                Hit {
+                    v: 0.5 + ulp,
+                    ..HIT
+                },
+                Ok(()),
+            ),
+            (
+                Hit {
+                    v: 0.5 + 4.0 * ulp,
+                    ..HIT
+                },
+                Err(Fault::Weights(4.0 * ulp)),
+            ),
+        ] {
+            assert_eq!(compare(Some(&hit), Some(&TRUTH)), expected);
+        }
+        let grazing = Truth {
+            cosine: 0.05,
+            ..TRUTH
+        };
+        let off = Hit { t: 3.1, ..HIT };
+        assert_eq!(compare(Some(&off), Some(&grazing)), Ok(()));
+    }
+}

@@ -1,0 +1,146 @@
+//! A scene, its tree, and the truth about it.
+
+use raycast_core::accel::Accel;
+use raycast_core::camera::{Camera, Ray};
+use raycast_core::glam::DAffine3;
+use raycast_core::intersect::Cull;
+use raycast_core::render::{Settings, View};
+use raycast_core::scene::{COORDINATE_LIMIT, Mesh, Object, Scene, SceneError};
+use raycast_core::shade::{Mode, Shading};
+use raycast_oracle::{Oracle, Triangle, Truth};
+use std::sync::Arc;
+
+/// A scene with its tree and the truth about it.
+#[derive(Debug)]
+pub struct Stage {
+    /// The scene.
+    pub scene: Arc<Scene>,
+    /// The tree over it.
+    pub accel: Arc<Accel>,
+    /// The truth about it.
+    pub oracle: Oracle,
+}
+
+impl Stage {
+    /// A scene made ready.
+    ///
+    /// # Errors
+    /// What [`Accel::build`] refuses.
+    pub fn new(scene: Scene) -> Result<Self, SceneError> {
+        let accel = Accel::build(&scene)?;
+        Self::of_parts(Arc::new(scene), Arc::new(accel))
+    }
+
+    /// A scene and the tree that was built over it.
+    ///
+    /// # Errors
+    /// What [`Accel::build`] refuses.
+    pub fn of_parts(scene: Arc<Scene>, accel: Arc<Accel>) -> Result<Self, SceneError> {
+        let oracle = Oracle::new(triangles(&scene, &accel)?);
+        Ok(Self {
+            scene,
+            accel,
+            oracle,
+        })
+    }
+
+    /// The nearest triangle that a ray meets, in truth.
+    pub fn truth(&self, ray: &Ray, cull: Cull) -> Option<Truth> {
+        self.oracle.nearest(&as_given(ray), cull == Cull::Back)
+    }
+
+    /// How a ray meets the triangle with these numbers, others or not in its way.
+    pub fn meet(&self, (object, triangle): (u32, u32), ray: &Ray, cull: Cull) -> Option<Truth> {
+        self.oracle
+            .meet(object, triangle, &as_given(ray), cull == Cull::Back)
+    }
+
+    /// A view of it, a colour a triangle, with layers.
+    pub fn view(&self, camera: Camera, cull: Cull) -> View {
+        View {
+            scene: self.scene.clone(),
+            accel: self.accel.clone(),
+            camera,
+            settings: Settings {
+                shading: Shading {
+                    mode: Mode::Color,
+                    ..Shading::default()
+                },
+                cull,
+                samples: 1,
+                layers: true,
+                ..Settings::default()
+            },
+        }
+    }
+}
+
+/// The scene with one object a mesh, each where its mesh is.
+pub fn scene_of(meshes: impl IntoIterator<Item = Mesh>) -> Scene {
+    let objects = meshes
+        .into_iter()
+        .map(|mesh| Object::new("object", Arc::new(mesh)))
+        .collect();
+    Scene { objects }
+}
+
+/// The oracle's ray, number by number.
+fn as_given(ray: &Ray) -> raycast_oracle::Ray {
+    raycast_oracle::Ray {
+        origin: ray.origin,
+        direction: ray.direction,
+        t_min: ray.t_min,
+        t_max: ray.t_max,
+    }
+}
+
+/// A scene's triangles as stored.
+///
+/// Where all objects stand where their files put them, and their meshes share an offset, corners are
+/// taken from the meshes. Otherwise they were rounded once, when they were placed in the world: they
+/// are taken from `accel`.
+///
+/// # Errors
+/// A scene whose transforms or parents are not valid.
+pub fn triangles(scene: &Scene, accel: &Accel) -> Result<Vec<Triangle>, SceneError> {
+    let placed = scene.world_from_objects()?;
+    let offsets = || scene.objects.iter().map(|object| object.mesh.offset());
+    let is_at_rest = placed.iter().all(|&placed| placed == DAffine3::IDENTITY)
+        && offsets().all(|offset| Some(offset) == offsets().next());
+    if !is_at_rest {
+        let stored = |slot| {
+            let (object, triangle) = accel.identify(slot);
+            Triangle {
+                object,
+                triangle,
+                base: accel.origin(),
+                corners: accel.corners(slot),
+            }
+        };
+        return Ok((0..accel.len() as u32).map(stored).collect());
+    }
+    let mut triangles = Vec::new();
+    for (number, object) in scene.objects.iter().enumerate() {
+        let mesh = &object.mesh;
+        for triangle in 0..mesh.triangles().len() as u32 {
+            let Some(corners) = mesh.corners(triangle) else {
+                continue;
+            };
+            // A vertex that is not finite or too far has no triangles: the contract of a mesh. A
+            // triangle without area needs no rule of its own.
+            let is_near = corners.iter().all(|corner| {
+                let corner = (mesh.offset() + corner.as_dvec3()).abs();
+                corner.is_finite() && corner.max_element() <= COORDINATE_LIMIT
+            });
+            if is_near {
+                triangles.push(Triangle {
+                    object: number as u32,
+                    triangle,
+                    base: mesh.offset(),
+                    corners,
+                });
+            }
+        }
+    }
+    Ok(triangles)
+}
