@@ -14,8 +14,9 @@ use raycast_core::image::Picture;
 use raycast_core::intersect::Cull;
 use raycast_core::scene::{Mesh, Object, Scene, Transform};
 use raycast_oracle::random::Random;
+use raycast_report::cameras::{PROJECTIONS, camera};
 use raycast_report::meshes;
-use raycast_tests::check::{Check, PROJECTIONS, Stage, camera};
+use raycast_tests::check::{Check, Stage};
 use raycast_tests::models;
 use std::sync::Arc;
 

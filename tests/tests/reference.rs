@@ -10,8 +10,9 @@ use raycast_core::image::{Format, Picture};
 use raycast_core::intersect::Cull;
 use raycast_core::scene::{Color, ColorRule, Object, Scene, Texture, Transform};
 use raycast_core::shade::{Background, Filter, Mode, Shading, Wireframe};
+use raycast_report::cameras::camera;
 use raycast_report::meshes;
-use raycast_tests::check::{Check, Stage, camera, render};
+use raycast_tests::check::{Check, Stage, render};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

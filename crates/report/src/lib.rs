@@ -2,9 +2,12 @@
 //!
 //! - [`stage`]: a scene, its tree, and the truth about it.
 //! - [`fault`]: in what an answer is not the truth.
-//! - [`meshes`]: meshes made in code.
+//! - [`cases`]: where known ray casters go wrong.
+//! - [`meshes`], [`cameras`]: made in code.
 //! - [`embree`]: Embree, where the machine has it.
 
+pub mod cameras;
+pub mod cases;
 pub mod embree;
 pub mod fault;
 pub mod meshes;

@@ -1,0 +1,39 @@
+//! Cameras and their rays, in few words.
+
+use raycast_core::camera::{Camera, ImagePlane, Lattice, Placement, Projection, Rect};
+use raycast_core::glam::DVec3;
+
+/// Both projections, one after the other.
+pub const PROJECTIONS: [Projection; 2] = [Projection::Perspective, Projection::Orthographic];
+
+/// A camera at `eye` that looks at `target`, its frame `height` high there, up being +Y.
+///
+/// The size is 1 to 65536 a side, and `height` a positive number: anything else is a mistake in the
+/// program.
+pub fn camera(
+    eye: DVec3,
+    target: DVec3,
+    projection: Projection,
+    (columns, rows): (u32, u32),
+    height: f64,
+) -> Camera {
+    let plane = ImagePlane::new(columns, rows, height / f64::from(rows)).expect("a good plane");
+    let placement = Placement {
+        eye,
+        target,
+        up: DVec3::Y,
+    };
+    Camera::new(placement, projection, plane)
+}
+
+/// The rays through the middle of all of a camera's pixels.
+pub fn whole(camera: Camera) -> Lattice {
+    let plane = camera.plane();
+    let rect = Rect {
+        x: 0,
+        y: 0,
+        width: plane.columns,
+        height: plane.rows,
+    };
+    Lattice::new(camera, rect, 1, (0, 0))
+}

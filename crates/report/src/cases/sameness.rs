@@ -1,0 +1,105 @@
+//! One question, asked in several ways.
+
+use super::{Case, Setting, Theme};
+use crate::cameras::{PROJECTIONS, camera};
+use crate::meshes::{self, soup};
+use raycast_core::camera::Ray;
+use raycast_core::glam::{DVec3, Vec3};
+use raycast_core::intersect::Cull;
+use raycast_oracle::random::Random;
+
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "random_soups",
+        theme: Theme::Sameness,
+        trouble: "Random triangles over many decades: tree and brute force disagree.",
+        variants: 30,
+        setting: random_soups,
+    },
+    Case {
+        name: "culled_sphere",
+        theme: Theme::Sameness,
+        trouble: "Without its back faces a closed mesh seen from outside is another picture.",
+        variants: 2,
+        setting: culled_sphere,
+    },
+    Case {
+        name: "alternating_fronts",
+        theme: Theme::Sameness,
+        trouble: "A thousand triangles turned to and fro: culled ones hide those behind them.",
+        variants: 2,
+        setting: alternating_fronts,
+    },
+    Case {
+        name: "unit_triangle",
+        theme: Theme::Sameness,
+        trouble: "One triangle seen from one unit away: u, v and t beyond 4 · 2^-23.",
+        variants: 1,
+        setting: unit_triangle,
+    },
+];
+
+fn random_soups(variant: u32) -> Setting {
+    let mut random = Random::new(2800 + u64::from(variant));
+    let scale = random.decade(-12.0, 12.0);
+    let middle = match variant % 3 {
+        0 => DVec3::ZERO,
+        _ => random.direction() * scale * random.decade(0.0, 5.0),
+    };
+    let size = random.decade(-2.0, 0.0);
+    let count = 1 + random.below(300);
+    let soup = meshes::random_soup(&mut random, count, middle, scale, size);
+    let target = middle + random.in_cube() * scale * 0.5;
+    let eye = middle + random.direction() * scale * random.decade(-1.0, 1.5);
+    let height = (eye - target).length() * random.decade(-2.0, 0.5);
+    Setting::of([soup])
+        .seen(PROJECTIONS.map(|projection| camera(eye, target, projection, (61, 43), height)))
+        .culled([Cull::None, Cull::Back][variant as usize % 2])
+        .making(move |random| {
+            let origin = middle + random.direction() * scale * random.decade(0.0, 2.0);
+            Ray::new(origin, middle + random.in_cube() * scale - origin)
+        })
+}
+
+fn culled_sphere(variant: u32) -> Setting {
+    let eye = DVec3::new(2.0, 1.5, 2.5);
+    Setting::of([meshes::sphere(DVec3::ZERO, 1.0, 60)])
+        .seen(PROJECTIONS.map(|projection| camera(eye, DVec3::ZERO, projection, (200, 150), 2.3)))
+        .culled([Cull::None, Cull::Back][variant as usize % 2])
+        .making(|random| {
+            let origin = random.direction() * random.between(1.1, 9.0);
+            Ray::new(origin, random.in_cube() - origin)
+        })
+}
+
+/// Even triangles turn their fronts up +Z, odd ones down.
+fn alternating_fronts(variant: u32) -> Setting {
+    let mut random = Random::new(30);
+    let corners: Vec<[DVec3; 3]> = (0..1000)
+        .map(|i| {
+            let place = random.in_cube().with_z(f64::from(i) * 0.01);
+            let [a, b, c] = [DVec3::ZERO, DVec3::X, DVec3::Y].map(|p| place + p * 0.3);
+            if i % 2 == 0 { [a, b, c] } else { [a, c, b] }
+        })
+        .collect();
+    let eye = DVec3::new(0.1, 0.1, [20.0, -10.0][variant as usize % 2]);
+    Setting::of([soup(&corners)])
+        .seen(PROJECTIONS.map(|projection| camera(eye, DVec3::ZERO, projection, (96, 96), 2.0)))
+        .culled(Cull::Back)
+        .making(move |random| Ray::new(eye, random.in_cube() - eye))
+}
+
+fn unit_triangle(_: u32) -> Setting {
+    let eye = DVec3::new(0.0, 0.0, -1.0);
+    let target = DVec3::new(0.3, 0.3, 0.0);
+    Setting::of([soup(&[[DVec3::ZERO, DVec3::X, DVec3::Y]])])
+        .seen(PROJECTIONS.map(|projection| camera(eye, target, projection, (64, 64), 1.5)))
+        .making(move |random| {
+            let (mut u, mut v) = (random.between(0.0, 1.0), random.between(0.0, 1.0));
+            if u + v > 1.0 {
+                (u, v) = (1.0 - u, 1.0 - v);
+            }
+            // Single precision, as a file of rays has it; the eye and the target are exact.
+            Ray::new(eye, Vec3::new(u as f32, v as f32, 0.0).as_dvec3() - eye)
+        })
+}
