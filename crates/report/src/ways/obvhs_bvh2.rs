@@ -1,0 +1,43 @@
+//! obvhs's own binary tree and triangle test, used as its examples advise.
+
+use super::obvhs_triangles::{Triangles, to_obvhs};
+use super::one_ray::{OneRay, OwnRay};
+use obvhs::BvhBuildParams;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2_from_tris;
+use obvhs::ray::RayHit;
+use raycast_core::accel::{Accel, SlotHit};
+use raycast_core::glam::Vec3;
+use std::time::Duration;
+
+pub(super) struct ObvhsBvh2 {
+    bvh: Bvh2,
+    triangles: Triangles,
+}
+
+impl ObvhsBvh2 {
+    /// With obvhs's medium build. `None` where obvhs cannot build: see [`Triangles::of`].
+    pub(super) fn new(accel: &Accel) -> Option<Self> {
+        let unordered = Triangles::of(accel)?;
+        let bvh = build_bvh2_from_tris(
+            &unordered,
+            BvhBuildParams::medium_build(),
+            &mut Duration::default(),
+        );
+        let triangles = Triangles::in_order(&unordered, &bvh.primitive_indices);
+        Some(Self { bvh, triangles })
+    }
+}
+
+impl OneRay for ObvhsBvh2 {
+    type V = Vec3;
+
+    fn nearest(&self, ray: &OwnRay<Vec3>) -> SlotHit {
+        let ray = to_obvhs(ray);
+        let mut hit = RayHit::none();
+        self.bvh.ray_traverse(ray, &mut hit, |ray, index| {
+            self.triangles.tests[index].intersect(ray)
+        });
+        self.triangles.to_slot_hit(&ray, &hit)
+    }
+}

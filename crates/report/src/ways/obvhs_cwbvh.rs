@@ -1,0 +1,44 @@
+//! obvhs's own eight-wide compressed tree (Ylitie, Karras and Laine, "Efficient Incoherent Ray Traversal on
+//! GPUs Through Compressed Wide BVHs", 2017) and triangle test, used as its examples advise.
+
+use super::obvhs_triangles::{Triangles, to_obvhs};
+use super::one_ray::{OneRay, OwnRay};
+use obvhs::BvhBuildParams;
+use obvhs::cwbvh::CwBvh;
+use obvhs::cwbvh::builder::build_cwbvh_from_tris;
+use obvhs::ray::RayHit;
+use raycast_core::accel::{Accel, SlotHit};
+use raycast_core::glam::Vec3;
+use std::time::Duration;
+
+pub(super) struct ObvhsCwBvh {
+    bvh: CwBvh,
+    triangles: Triangles,
+}
+
+impl ObvhsCwBvh {
+    /// With obvhs's medium build. `None` where obvhs cannot build: see [`Triangles::of`].
+    pub(super) fn new(accel: &Accel) -> Option<Self> {
+        let unordered = Triangles::of(accel)?;
+        let bvh = build_cwbvh_from_tris(
+            &unordered,
+            BvhBuildParams::medium_build(),
+            &mut Duration::default(),
+        );
+        let triangles = Triangles::in_order(&unordered, &bvh.primitive_indices);
+        Some(Self { bvh, triangles })
+    }
+}
+
+impl OneRay for ObvhsCwBvh {
+    type V = Vec3;
+
+    fn nearest(&self, ray: &OwnRay<Vec3>) -> SlotHit {
+        let ray = to_obvhs(ray);
+        let mut hit = RayHit::none();
+        self.bvh.ray_traverse(ray, &mut hit, |ray, index| {
+            self.triangles.tests[index].intersect(ray)
+        });
+        self.triangles.to_slot_hit(&ray, &hit)
+    }
+}

@@ -1,0 +1,85 @@
+//! What obvhs's two trees share: its triangle test, its rays, its hits.
+
+use super::one_ray::OwnRay;
+use obvhs::ray::{Ray, RayHit};
+use obvhs::rt_triangle::RtTriangle;
+use obvhs::triangle::Triangle;
+use raycast_core::accel::{Accel, SlotHit};
+use raycast_core::glam::{Vec3, Vec3A};
+
+/// Triangles of which more than a quarter have the same corners make obvhs's builder take time
+/// quadratic in their number.
+const FEW: usize = 1000;
+
+/// Triangles in the order of a tree's leaves.
+pub(super) struct Triangles {
+    pub(super) tests: Vec<RtTriangle>,
+    slots: Vec<u32>,
+}
+
+impl Triangles {
+    /// A scene's triangles as obvhs takes them. `None` where its builder cannot be trusted with
+    /// them: with none at all, with many copies of one, or where the areas of their boxes leave
+    /// single precision's range.
+    pub(super) fn of(accel: &Accel) -> Option<Vec<Triangle>> {
+        let corners: Vec<[Vec3; 3]> = (0..accel.len() as u32).map(|s| accel.corners(s)).collect();
+        let reach = corners.iter().flatten().map(|c| c.abs().max_element());
+        let reach = reach.fold(0.0, f32::max);
+        let mut distinct: Vec<[u32; 9]> = corners
+            .iter()
+            .map(|[a, b, c]| {
+                let [a, b, c] = [a, b, c].map(|p| p.to_array().map(f32::to_bits));
+                [a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]]
+            })
+            .collect();
+        distinct.sort_unstable();
+        distinct.dedup();
+        let copies = corners.len() - distinct.len();
+        let can = !corners.is_empty()
+            && (1e-15..1e15).contains(&reach)
+            && (corners.len() < FEW || copies < corners.len() / 4);
+        can.then(|| {
+            let triangle = |corners: [Vec3; 3]| {
+                let [v0, v1, v2] = corners.map(Vec3A::from);
+                Triangle { v0, v1, v2 }
+            };
+            corners.into_iter().map(triangle).collect()
+        })
+    }
+
+    /// Makes them ready in the order of a tree's leaves, as obvhs's examples advise.
+    pub(super) fn in_order(triangles: &[Triangle], order: &[u32]) -> Self {
+        let tests = order
+            .iter()
+            .map(|&index| RtTriangle::from(&triangles[index as usize]))
+            .collect();
+        Self {
+            tests,
+            slots: order.to_vec(),
+        }
+    }
+
+    /// A hit with the numbers that a renderer keeps.
+    pub(super) fn to_slot_hit(&self, ray: &Ray, hit: &RayHit) -> SlotHit {
+        let Some(test) = self.tests.get(hit.primitive_id as usize) else {
+            return SlotHit::NONE;
+        };
+        let weights = test.compute_barycentric(ray);
+        SlotHit {
+            slot: self.slots[hit.primitive_id as usize],
+            t: hit.t,
+            u: weights.x,
+            v: weights.y,
+        }
+    }
+}
+
+/// A ray as obvhs takes it.
+pub(super) fn to_obvhs(ray: &OwnRay<Vec3>) -> Ray {
+    Ray::new(
+        ray.origin.into(),
+        ray.direction.into(),
+        ray.t_min,
+        ray.t_max,
+    )
+}
