@@ -771,3 +771,75 @@ fn help_and_version_go_to_output() {
         assert!(told.errors.is_empty(), "{}", told.errors);
     }
 }
+
+// The report.
+
+#[test]
+fn a_report_can_be_read_by_people_and_programs() {
+    let folder = folder();
+    let report = folder.path().join("new/report");
+    succeed(arguments![
+        "report",
+        asset("cube.obj"),
+        "-o",
+        &report,
+        "--quick"
+    ]);
+    let text = String::from_utf8(bytes(&report.join("report.md"))).expect("text");
+    for way in [
+        "RayCast tiles, exact",
+        "RayCast tiles, fast",
+        "RayCast single rays, exact",
+        "RayCast single rays, fast",
+        "plane, then inside, f32",
+        "plane, then inside, f64",
+        "Möller–Trumbore, f32",
+        "Möller–Trumbore, f64",
+        "watertight, f32",
+        "obvhs BVH2, f32",
+        "obvhs CWBVH, f32",
+        "Embree",
+    ] {
+        assert!(text.contains(way), "{way} is missing");
+    }
+    let (mut tables, mut pictures) = (0, 0);
+    for name in names(&report) {
+        let path = report.join(&name);
+        let name = name.to_string_lossy().into_owned();
+        match path.extension().and_then(|extension| extension.to_str()) {
+            Some("csv") => {
+                let told = String::from_utf8(bytes(&path)).expect("text");
+                let mut reader = csv::Reader::from_reader(told.as_bytes());
+                assert!(reader.headers().expect("headings").len() > 1, "{name}");
+                let rows = reader
+                    .records()
+                    .map(|row| row.expect("as many cells as headings"));
+                assert!(rows.count() > 0, "{name}");
+                tables += 1;
+            }
+            Some("png") => {
+                let picture = image::load_from_memory(&bytes(&path))
+                    .expect("a PNG")
+                    .into_rgb8();
+                assert!(text.contains(&format!("]({name})")), "{name} is not shown");
+                let first = *picture.get_pixel(0, 0);
+                assert!(
+                    picture.pixels().any(|&pixel| pixel != first),
+                    "{name} is empty"
+                );
+                pictures += 1;
+            }
+            Some("svg") => assert!(bytes(&path).starts_with(b"<svg")),
+            _ => assert_eq!(name, "report.md"),
+        }
+    }
+    assert!(
+        tables >= 3 && pictures >= 1,
+        "{tables} tables, {pictures} pictures"
+    );
+    assert!(text.contains(&format!("raycast report {}", asset("cube.obj").display())));
+    assert!(refuse(2, arguments!["report"]).contains("--output"));
+    let file = folder.path().join("in the way");
+    std::fs::write(&file, "a file").expect("a file");
+    assert!(refuse(1, arguments!["report", "-o", &file, "--quick"]).contains("in the way"));
+}

@@ -1,17 +1,41 @@
 //! RayCast's speed against its error: hard cases, other ways of casting, measurements, plots.
 //!
 //! - [`stage`]: a scene, its tree, and the truth about it.
-//! - [`fault`]: in what an answer is not the truth.
+//! - [`fault`], [`errors`]: in what an answer is not the truth, and what a way answered to many rays.
 //! - [`cases`]: where known ray casters go wrong.
-//! - [`meshes`], [`cameras`]: made in code.
-//! - [`embree`]: Embree, where the machine has it.
+//! - [`meshes`], [`cameras`], [`scenes`]: made in code.
+//! - [`ways`]: RayCast's ways of casting and other people's, behind one trait; [`embree`] is loaded
+//!   at run time.
+//! - [`report`]: everything measured and written down, in [`sections`]; [`effort`] says how much,
+//!   [`subject`] at what, [`views`] from where, [`machine`] on what, [`watch`] how far it is.
+//! - [`timing`], [`pareto`]: what is typical of times, and what is best of two kinds.
+//! - [`chart`], [`table`]: plots and numbers.
 
 pub mod cameras;
 pub mod cases;
+pub mod chart;
+pub mod effort;
 pub mod embree;
+pub mod errors;
 pub mod fault;
+pub mod machine;
 pub mod meshes;
+pub mod pareto;
+pub mod report;
+pub mod scenes;
+pub mod sections;
 pub mod stage;
+pub mod subject;
+pub mod table;
+pub mod timing;
+pub mod views;
+pub mod watch;
+pub mod ways;
 
+pub use effort::Effort;
 pub use fault::Fault;
+pub use report::report;
 pub use stage::Stage;
+pub use subject::Input;
+pub use table::ReportError;
+pub use watch::Watch;

@@ -31,6 +31,16 @@ impl Spread {
         }
     }
 
+    /// Of times: how much is done in one, of `amount` that is done in each.
+    pub fn rate(self, amount: f64) -> Self {
+        let median = amount / self.median;
+        Self {
+            median,
+            deviation: median * self.deviation / self.median,
+            ..self
+        }
+    }
+
     /// The same in another unit.
     pub fn scaled(self, factor: f64) -> Self {
         Self {

@@ -61,6 +61,8 @@ pub enum Command {
     Info(InfoArgs),
     /// Measure frame times on this machine; prints JSON
     Bench(BenchArgs),
+    /// Measure speed against error, beside other ways of casting rays, and write a report
+    Report(ReportArgs),
 }
 
 /// `raycast render`.
@@ -333,6 +335,30 @@ pub struct BenchArgs {
     /// and brute force on a sample of them
     #[arg(long)]
     pub baselines: bool,
+}
+
+/// `raycast report`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+The report is DIR/report.md, with plots as PNG and SVG and numbers as CSV beside it. It takes some
+minutes, with --quick some seconds. Embree is compared with where the machine has it; the environment
+variable EMBREE_LIBRARY names a libembree4 elsewhere.
+
+Examples:
+  raycast report -o report
+  raycast report bunny.obj teapot.obj -o report --quick")]
+pub struct ReportArgs {
+    /// Meshes or scene files, each measured for itself [default: the demo's, and some made in code]
+    pub files: Vec<PathBuf>,
+    /// The folder to write to; made if it is not there
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Measure little, in seconds: to see what a report is like
+    #[arg(long)]
+    pub quick: bool,
+    /// Workers, 0 to 256; 0 is one for each of the machine's
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::threads())]
+    pub threads: u16,
 }
 
 /// Says on standard error what is wrong with a command line, in one line; help and version go to

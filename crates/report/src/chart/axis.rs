@@ -20,12 +20,21 @@ pub struct Axis {
     pub low: f64,
     /// The number at its end.
     pub high: f64,
-    /// On a logarithmic axis, what is written under a place for zero; none without it.
-    pub zero: Option<String>,
+    /// On a logarithmic axis, a place for zero; none without it.
+    pub zero: Option<Zero>,
 }
 
-/// Decades that a place for zero takes up.
-const ZERO_DECADES: f64 = 1.2;
+/// A place for zero, before the beginning of a logarithmic axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Zero {
+    /// What is written there.
+    pub text: String,
+    /// The share of the axis that it takes.
+    pub share: f64,
+}
+
+/// Above this share a place for zero has room for names, beside the dots that they name.
+const ROOMY: f64 = 0.3;
 
 impl Axis {
     /// A linear axis from zero to just above the numbers.
@@ -69,8 +78,18 @@ impl Axis {
 
     /// The same with a place for zero before its beginning, and what is written there.
     pub fn with_zero(self, text: &str) -> Self {
+        self.with_zero_of(text, 0.14)
+    }
+
+    /// The same with a place for zero that has room for the names of what is there.
+    pub fn with_roomy_zero(self, text: &str) -> Self {
+        self.with_zero_of(text, 0.4)
+    }
+
+    fn with_zero_of(self, text: &str, share: f64) -> Self {
+        let text = text.to_owned();
         Self {
-            zero: Some(text.to_owned()),
+            zero: Some(Zero { text, share }),
             ..self
         }
     }
@@ -80,30 +99,27 @@ impl Axis {
         match self.scale {
             Scale::Linear => (number - self.low) / (self.high - self.low),
             Scale::Log => {
-                let (low, high) = (self.low.log10(), self.high.log10());
-                let begin = low - self.zero_decades();
-                let at = if number > 0.0 {
-                    number.log10().max(begin)
+                let share = self.zero_end().unwrap_or(0.0);
+                if number > 0.0 {
+                    let along = (number / self.low).log10() / (self.high / self.low).log10();
+                    (share + (1.0 - share) * along).max(share)
+                } else if self.has_room_at_zero() {
+                    0.03
                 } else {
-                    begin + self.zero_decades() / 2.0
-                };
-                (at - begin) / (high - begin)
+                    share * 0.5
+                }
             }
         }
     }
 
     /// Where the place for zero ends.
     pub fn zero_end(&self) -> Option<f64> {
-        self.zero.as_ref().map(|_| self.place(self.low))
+        self.zero.as_ref().map(|zero| zero.share)
     }
 
-    fn zero_decades(&self) -> f64 {
-        if self.zero.is_some() {
-            // On a short axis less: it would take most of it.
-            ZERO_DECADES.min(0.3 * (self.high / self.low).log10().max(1.0))
-        } else {
-            0.0
-        }
+    /// Whether names have room in the place for zero.
+    pub fn has_room_at_zero(&self) -> bool {
+        self.zero.as_ref().is_some_and(|zero| zero.share > ROOMY)
     }
 
     /// Numbers to mark, with what to write there; an empty text is a line alone.

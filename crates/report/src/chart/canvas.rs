@@ -89,6 +89,12 @@ impl<B: DrawingBackend> Canvas<'_, B> {
         )
     }
 
+    pub(super) fn halo(&self, at: Point, radius: f64, color: RGBAColor) -> Result<(), ChartError> {
+        let radius = (radius * self.magnified).round() as i32;
+        let circle = Circle::new(self.at(at), radius, color.filled());
+        self.done(self.area.draw(&circle))
+    }
+
     pub(super) fn polygon(&self, points: &[Point], color: RGBColor) -> Result<(), ChartError> {
         let points: Vec<_> = points.iter().map(|&point| self.at(point)).collect();
         self.done(self.area.draw(&Polygon::new(points, color.filled())))

@@ -101,11 +101,24 @@ impl Chart {
             frame.series(canvas, series, &mut taken)?;
         }
         let labelled = |series: &&Series| !series.label.is_empty();
-        frame.column(
-            canvas,
-            self.series.iter().filter(labelled).filter(|s| s.is_line()),
-        )?;
-        for series in self.series.iter().filter(labelled).filter(|s| !s.is_line()) {
+        let is_at_zero = |series: &Series| {
+            let mut points = series.points.iter();
+            self.x.has_room_at_zero() && points.all(|point| point.0 <= 0.0)
+        };
+        let (mut lines, mut zeros, mut others) = (Vec::new(), Vec::new(), Vec::new());
+        for series in self.series.iter().filter(labelled) {
+            match series {
+                line if line.is_line() => lines.push(line),
+                zero if is_at_zero(zero) => zeros.push(zero),
+                other => others.push(other),
+            }
+        }
+        frame.column(canvas, &lines, frame.high.0 + 16.0)?;
+        frame.column(canvas, &zeros, frame.x(self.x.place(0.0)) + 34.0)?;
+        if let Some(end) = self.x.zero_end() {
+            taken.bounds.low.0 = taken.bounds.low.0.max(frame.x(end));
+        }
+        for series in others {
             frame.label(canvas, series, &mut taken)?;
         }
         Ok(())
@@ -160,7 +173,8 @@ impl Frame<'_> {
     fn axes<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>) -> Result<(), ChartError> {
         let Chart { x, y, .. } = self.chart;
         let ((left, top), (right, bottom)) = (self.low, self.high);
-        if let (Some(end), Some(text)) = (x.zero_end(), &x.zero) {
+        if let Some(zero) = &x.zero {
+            let (end, text) = (zero.share, &zero.text);
             canvas.fill((left, top), (self.x(end), bottom), style::ZERO)?;
             let middle = (left + self.x(end)) * 0.5;
             let anchor = (HPos::Center, VPos::Top);
@@ -172,7 +186,8 @@ impl Frame<'_> {
                 anchor,
             )?;
         }
-        if let (Some(end), Some(text)) = (y.zero_end(), &y.zero) {
+        if let Some(zero) = &y.zero {
+            let (end, text) = (zero.share, &zero.text);
             canvas.fill((left, self.y(end)), (right, bottom), style::ZERO)?;
             let middle = (bottom + self.y(end)) * 0.5;
             let anchor = (HPos::Right, VPos::Center);
@@ -233,23 +248,24 @@ impl Frame<'_> {
         )
     }
 
-    /// The names of lines, one below the other to the right of the frame, each as near to its line's
-    /// end as the others let it.
-    fn column<'s, B: DrawingBackend>(
+    /// The names of lines or dots, one below the other, each as near to its line's end as the others
+    /// let it.
+    fn column<B: DrawingBackend>(
         &self,
         canvas: &Canvas<'_, B>,
-        lines: impl Iterator<Item = &'s Series>,
+        series: &[&Series],
+        left: f64,
     ) -> Result<(), ChartError> {
         const APART: f64 = 17.5;
-        let mut names: Vec<(Point, &Series)> = lines
-            .filter_map(|series| Some((self.at(*series.points.last()?), series)))
+        let mut names: Vec<(Point, &Series)> = series
+            .iter()
+            .filter_map(|series| Some((self.at(*series.points.last()?), *series)))
             .collect();
         names.sort_by(|(a, _), (b, _)| a.1.total_cmp(&b.1));
         let ends: Vec<f64> = names.iter().map(|((_, y), _)| *y).collect();
         let places = spread_out(&ends, APART, (self.low.1, self.high.1));
         for (((x, y), series), place) in names.into_iter().zip(places) {
             let color = series.ink.color();
-            let left = self.high.0 + 16.0;
             canvas.line(&[(x, y), (left, place)], 1.0, color.mix(0.5))?;
             let at = (left + 3.0, place);
             let anchor = (HPos::Left, VPos::Center);
@@ -278,7 +294,10 @@ impl Frame<'_> {
                     }
                     steps.push((x, y));
                 }
-                canvas.line(&steps, 7.0, color.mix(0.22))?;
+                match steps[..] {
+                    [alone] => canvas.halo(alone, 10.0, color.mix(0.22))?,
+                    _ => canvas.line(&steps, 7.0, color.mix(0.22))?,
+                }
                 return Ok(());
             }
         }

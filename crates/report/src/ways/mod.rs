@@ -156,3 +156,131 @@ pub fn embree(
     }
     Ok(ways)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::errors::Errors;
+    use crate::stage::scene_of;
+    use crate::{Stage, scenes, subject, views};
+    use raycast_core::intersect::Cull;
+    use raycast_core::scene::{Object, Transform};
+    use raycast_oracle::random::Random;
+
+    fn all(accel: &Arc<Accel>) -> Vec<Box<dyn Way>> {
+        let mut ways = raycast(accel);
+        ways.extend(baselines(accel));
+        if let Ok(library) = crate::embree::Embree::load(1) {
+            ways.extend(super::embree(accel, &library).expect("Embree's scenes"));
+        }
+        ways
+    }
+
+    /// Two balls, one moved and turned, so that there are objects to tell apart.
+    fn stage() -> Stage {
+        let mut scene = scene_of([scenes::bumpy_sphere(1000), scenes::bumpy_sphere(300)]);
+        let moved: &mut Object = &mut scene.objects[1];
+        moved.transform = Transform {
+            translate: DVec3::new(1.5, 0.25, 0.0),
+            ..Transform::IDENTITY
+        };
+        Stage::new(scene).expect("a valid scene")
+    }
+
+    /// Rays at the middles of triangles, where every way must be right.
+    fn easy_rays(stage: &Stage) -> Vec<Ray> {
+        let mut random = Random::new(7);
+        let accel = &stage.accel;
+        let ray = |_| {
+            let [a, b, c] = accel.corners(random.below(accel.len() as u32));
+            let origin = random.direction() * 6.0;
+            let target = accel.origin() + ((a + b + c) / 3.0).as_dvec3();
+            rounded(&Ray::new(origin, target - origin), accel)
+        };
+        (0..400).map(ray).collect()
+    }
+
+    #[test]
+    fn every_way_is_right_where_it_is_easy() {
+        let stage = stage();
+        let rays = easy_rays(&stage);
+        let truth = |ray| stage.truth(ray, Cull::None);
+        let truths: Vec<_> = rays.iter().map(truth).collect();
+        for way in all(&stage.accel) {
+            let mut hits = Vec::new();
+            way.cast(&rays, &mut hits);
+            let errors = Errors::of(&stage, way.as_ref(), &rays, &truths, &hits);
+            let name = way.name();
+            assert_eq!(
+                (errors.wrong(), errors.rays, errors.hits),
+                (0, 400, 400),
+                "{name}"
+            );
+            assert!(errors.t_count() > 100, "{name}");
+            assert!(
+                errors.t_ulps(1.0) < 64.0,
+                "{name}: t is off by {}",
+                errors.t_ulps(1.0)
+            );
+            assert!(
+                errors.weight < 1e-3,
+                "{name}: weights are off by {}",
+                errors.weight
+            );
+        }
+    }
+
+    #[test]
+    fn ranges_are_kept() {
+        let stage = stage();
+        let rays = easy_rays(&stage);
+        let beyond = |ray: &Ray| {
+            let t = stage.truth(ray, Cull::None).expect("a hit").t;
+            let origin = ray.origin;
+            let (short, late) = (t * 0.999, t * 1.001);
+            [
+                Ray {
+                    t_max: short,
+                    ..*ray
+                },
+                Ray {
+                    t_min: late,
+                    t_max: late,
+                    origin,
+                    ..*ray
+                },
+            ]
+        };
+        let rays: Vec<Ray> = rays[..40].iter().flat_map(beyond).collect();
+        for way in all(&stage.accel) {
+            let mut hits = Vec::new();
+            way.cast(&rays, &mut hits);
+            let met = hits.iter().filter(|hit| !hit.is_miss()).count();
+            assert_eq!(met, 0, "{}", way.name());
+        }
+    }
+
+    /// A picture's rays are made differently for ways in single precision: at silhouettes a few see
+    /// something else.
+    #[test]
+    fn every_way_sees_the_same_picture() {
+        let stage = stage();
+        let camera = views::filling(&stage.scene, (61, 43), views::FOV, 1.0).expect("a camera");
+        let mut expected: Option<Vec<SlotHit>> = None;
+        for way in all(&stage.accel) {
+            let mut picture = Vec::new();
+            for tile in subject::tiles(&camera, 1) {
+                let mut hits = Vec::new();
+                way.cast_lattice(&tile, &mut hits);
+                assert_eq!(hits.len(), tile.len());
+                picture.extend(hits);
+            }
+            let expected = expected.get_or_insert_with(|| picture.clone());
+            let pairs = picture.iter().zip(expected.iter());
+            let same = pairs.filter(|(a, b)| {
+                a.is_miss() == b.is_miss() && (a.is_miss() || (a.t - b.t).abs() < 1e-3 * b.t)
+            });
+            assert!(same.count() + 4 >= picture.len(), "{}", way.name());
+        }
+    }
+}

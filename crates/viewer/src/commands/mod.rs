@@ -6,6 +6,7 @@ mod cast;
 mod failure;
 mod info;
 mod render;
+mod report;
 mod stitch;
 
 pub use failure::Failure;
@@ -39,6 +40,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Stitch(args) => stitch::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Bench(args) => bench::run(&args),
+        Command::Report(args) => report::run(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

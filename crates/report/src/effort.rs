@@ -1,0 +1,48 @@
+//! How much is measured: for seconds, or for minutes.
+
+/// Sizes and counts of a report.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effort {
+    /// Columns and rows of the pictures whose speed is measured.
+    pub size: (u32, u32),
+    /// Measurements of each thing whose speed is measured.
+    pub rounds: usize,
+    /// Rays a mesh that are compared with the truth.
+    pub checked: usize,
+    /// Tests of a ray against a triangle that brute force may take for one measurement.
+    pub tests: usize,
+    /// Rays a place along an axis of the plots of where ways break.
+    pub breaking: usize,
+    /// The largest mesh, in triangles, of the plots of speed.
+    pub largest: u32,
+    /// Rays a pixel of the picture that pictures are compared with.
+    pub samples: u32,
+    /// Columns and rows of the pictures that are compared.
+    pub compared: (u32, u32),
+}
+
+impl Effort {
+    /// Some minutes on two cores.
+    pub const FULL: Self = Self {
+        size: (1280, 720),
+        rounds: 7,
+        checked: 100_000,
+        tests: 60_000_000,
+        breaking: 20_000,
+        largest: 1_000_000,
+        samples: 256,
+        compared: (640, 360),
+    };
+
+    /// Some seconds: to see that it works.
+    pub const QUICK: Self = Self {
+        size: (320, 180),
+        rounds: 2,
+        checked: 2_000,
+        tests: 2_000_000,
+        breaking: 500,
+        largest: 20_000,
+        samples: 256,
+        compared: (160, 90),
+    };
+}

@@ -1,0 +1,172 @@
+//! What a way answered, against the truth.
+
+use crate::fault::{GRAZING, ulps};
+use crate::stage::Stage;
+use crate::timing::quantile;
+use crate::ways::Way;
+use raycast_core::accel::SlotHit;
+use raycast_core::camera::Ray;
+use raycast_core::intersect::Cull;
+use raycast_oracle::Truth;
+use rayon::prelude::*;
+
+/// A way's errors over some rays.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Errors {
+    /// Rays that were asked.
+    pub rays: u64,
+    /// Rays that in truth meet something.
+    pub hits: u64,
+    /// Nothing was met where in truth there is a triangle: a hole.
+    pub leaks: u64,
+    /// Something was met where in truth there is nothing.
+    pub phantoms: u64,
+    /// A triangle that is not the nearest, or is not met at all.
+    pub others: u64,
+    /// Another triangle, which is truly as near: right but for the rule that the lowest number wins.
+    /// Not counted as wrong.
+    pub ties: u64,
+    /// How far `t` is off, in units of single precision's last place, ascending.
+    t_ulps: Vec<f64>,
+    /// The furthest that a weight is off.
+    pub weight: f64,
+}
+
+impl Errors {
+    /// Compares answers to rays with the truth about these same rays.
+    pub fn of(
+        stage: &Stage,
+        way: &dyn Way,
+        rays: &[Ray],
+        truths: &[Option<Truth>],
+        hits: &[SlotHit],
+    ) -> Self {
+        let one = |((ray, truth), hit): ((&Ray, &Option<Truth>), &SlotHit)| {
+            let mut errors = Self {
+                rays: 1,
+                ..Self::default()
+            };
+            errors.add(stage, way, ray, truth.as_ref(), hit);
+            errors
+        };
+        let mut all = rays
+            .par_iter()
+            .zip(truths)
+            .zip(hits)
+            .with_min_len(1024)
+            .map(one)
+            .reduce(Self::default, Self::joined);
+        all.t_ulps.par_sort_unstable_by(f64::total_cmp);
+        all
+    }
+
+    fn add(
+        &mut self,
+        stage: &Stage,
+        way: &dyn Way,
+        ray: &Ray,
+        truth: Option<&Truth>,
+        hit: &SlotHit,
+    ) {
+        let truth = match (truth, hit.is_miss()) {
+            (None, true) => return,
+            (None, false) => {
+                self.phantoms += 1;
+                return;
+            }
+            (Some(_), true) => {
+                self.hits += 1;
+                self.leaks += 1;
+                return;
+            }
+            (Some(truth), false) => truth,
+        };
+        self.hits += 1;
+        let found = way.identify(hit.slot);
+        let mut met = *truth;
+        if found != (truth.object, truth.triangle) {
+            // As near to a double's rounding is as near as the oracle tells.
+            match stage.meet(found, ray, Cull::None) {
+                Some(other) if other.t == truth.t => {
+                    self.ties += 1;
+                    met = other;
+                }
+                _ => {
+                    self.others += 1;
+                    return;
+                }
+            }
+        }
+        if met.cosine > GRAZING {
+            self.t_ulps.push(ulps(f64::from(hit.t), met.t));
+            let off = |found: f32, truth: f64| (f64::from(found) - truth).abs();
+            self.weight = self.weight.max(off(hit.u, met.u)).max(off(hit.v, met.v));
+        }
+    }
+
+    /// Both together; `t`'s errors are sorted again by the caller, or by [`Errors::sum`].
+    fn joined(mut self, other: Self) -> Self {
+        self.rays += other.rays;
+        self.hits += other.hits;
+        self.leaks += other.leaks;
+        self.phantoms += other.phantoms;
+        self.others += other.others;
+        self.ties += other.ties;
+        self.t_ulps.extend(other.t_ulps);
+        self.weight = self.weight.max(other.weight);
+        self
+    }
+
+    /// All of them together.
+    pub fn sum(all: impl IntoIterator<Item = Self>) -> Self {
+        let mut sum = all.into_iter().fold(Self::default(), Self::joined);
+        sum.t_ulps.sort_unstable_by(f64::total_cmp);
+        sum
+    }
+
+    /// Rays with a wrong answer.
+    pub fn wrong(&self) -> u64 {
+        self.leaks + self.phantoms + self.others
+    }
+
+    /// Wrong answers in a million rays.
+    pub fn wrong_per_million(&self) -> f64 {
+        self.wrong() as f64 / self.rays.max(1) as f64 * 1e6
+    }
+
+    /// How far `t` is off for this share of the answers, 0 to 1, in units of single precision's last
+    /// place.
+    pub fn t_ulps(&self, share: f64) -> f64 {
+        quantile(&self.t_ulps, share)
+    }
+
+    /// How many answers `t` was compared of.
+    pub fn t_count(&self) -> usize {
+        self.t_ulps.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_are_of_everything() {
+        let one = |leaks, others, t: f64| Errors {
+            rays: 10,
+            hits: 9,
+            leaks,
+            others,
+            t_ulps: vec![t],
+            weight: t,
+            ..Errors::default()
+        };
+        let sum = Errors::sum([one(1, 0, 3.0), one(0, 2, 0.5)]);
+        assert_eq!((sum.rays, sum.hits, sum.wrong()), (20, 18, 3));
+        assert_eq!(
+            (sum.t_ulps(0.0), sum.t_ulps(1.0), sum.weight),
+            (0.5, 3.0, 3.0)
+        );
+        assert_eq!(sum.wrong_per_million(), 150_000.0);
+    }
+}

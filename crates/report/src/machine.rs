@@ -1,0 +1,64 @@
+//! What a report was made on and with.
+
+use raycast_core::accel::Simd;
+use std::fmt;
+
+/// The machine, and the program.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Machine {
+    /// The processor's own name for itself.
+    pub processor: String,
+    /// Cores that this process may use.
+    pub cores: usize,
+    /// Workers.
+    pub threads: usize,
+    /// The widest instruction set of the casting loops.
+    pub simd: &'static str,
+    /// The system and its architecture.
+    pub system: String,
+    /// What the program was built from.
+    pub commit: &'static str,
+}
+
+impl Machine {
+    /// This machine, with so many workers.
+    pub fn this(threads: usize) -> Self {
+        let told = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        Self {
+            processor: processor(&told).unwrap_or("unknown processor").to_owned(),
+            cores: std::thread::available_parallelism().map_or(1, usize::from),
+            threads,
+            simd: Simd::best().name(),
+            system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+            commit: option_env!("RAYCAST_COMMIT").unwrap_or("unknown"),
+        }
+    }
+}
+
+impl fmt::Display for Machine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{}, {} cores, {}; {} threads, {} instructions; commit {}",
+            self.processor, self.cores, self.system, self.threads, self.simd, self.commit
+        )
+    }
+}
+
+/// The processor's name in what Linux tells.
+fn processor(told: &str) -> Option<&str> {
+    let line = told.lines().find(|line| line.starts_with("model name"))?;
+    line.split_once(':').map(|(_, name)| name.trim())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_the_processors_name() {
+        let told = "processor\t: 0\nmodel name\t: A CPU @ 2.50GHz\nflags\t\t: fpu\n";
+        assert_eq!(processor(told), Some("A CPU @ 2.50GHz"));
+        assert_eq!(processor(""), None);
+    }
+}

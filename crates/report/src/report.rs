@@ -1,0 +1,91 @@
+//! All of a report, from scenes to files.
+
+use crate::effort::Effort;
+use crate::embree::Embree;
+use crate::machine::Machine;
+use crate::sections::{Section, meshes, numerics};
+use crate::subject::{Input, Subject};
+use crate::table::ReportError;
+use crate::watch::Watch;
+
+/// A file of a report: its name, and all of it.
+pub type ReportFile = (String, Vec<u8>);
+
+/// Measures everything on the current workers, and makes the files of the report: `report.md`, and
+/// what it shows.
+///
+/// # Errors
+/// A scene that cannot be cast at, a plot that cannot be drawn.
+pub fn report(
+    inputs: &[Input],
+    effort: &Effort,
+    command: &str,
+    watch: &dyn Watch,
+) -> Result<Vec<ReportFile>, ReportError> {
+    let machine = Machine::this(rayon::current_num_threads());
+    let library = Embree::load(machine.threads);
+    let mut figures = Vec::with_capacity(inputs.len());
+    for input in inputs {
+        watch.begin("building", 1);
+        let subject = Subject::new(input, library.as_ref().ok())?;
+        figures.push(meshes::measure(&subject, effort, watch)?);
+    }
+
+    let mut opening = Section::default();
+    opening.say("# RayCast: speed against error");
+    opening.say(format!("Measured on: {machine}."));
+    opening.say(match &library {
+        Ok(library) => format!("Embree: version {}.", library.version()),
+        Err(error) => format!("Embree is left out: {error}."),
+    });
+    opening.say(
+        "Two references, never mixed. **Wrong triangles** and errors of `t`, `u`, `v` are against exact \
+         rational arithmetic on the same vertices and the very rays that a way was given (for ways in \
+         single precision: rays rounded to it). **Errors of pictures** are against the same picture \
+         with 256 rays a pixel. Speeds are of ways taken in turn, ray set-up and the writing of hits \
+         included; medians.",
+    );
+    let mut ordinary = Section::default();
+    ordinary.say("## A. Speed against wrong triangles");
+    let names: Vec<&str> = figures.iter().map(|mesh| mesh.name.as_str()).collect();
+    ordinary.say(format!(
+        "Over {}: speeds are geometric means, wrong triangles are added up.",
+        names.join(", ")
+    ));
+    numerics::show(
+        &mut ordinary,
+        "a-ordinary",
+        "ordinary meshes",
+        &numerics::over_meshes(&figures),
+        machine.threads,
+    );
+    let mut closing = Section::default();
+    closing.say("## To measure this again");
+    closing.say(format!("```sh\n{command}\n```"));
+    let sections = [opening, ordinary, meshes::show(&figures, effort), closing];
+    files(sections, watch)
+}
+
+/// Writes everything down.
+fn files(
+    sections: impl IntoIterator<Item = Section>,
+    watch: &dyn Watch,
+) -> Result<Vec<ReportFile>, ReportError> {
+    let mut text = String::new();
+    let mut files = Vec::new();
+    for section in sections {
+        watch.begin("drawing", section.charts.len() as u64);
+        text.push_str(&section.text);
+        for (name, chart) in section.charts {
+            files.push((format!("{name}.svg"), chart.svg()?.into_bytes()));
+            files.push((format!("{name}.png"), chart.png()?));
+            watch.step();
+        }
+        for (name, table) in section.tables {
+            files.push((format!("{name}.csv"), table.csv()?));
+        }
+        files.extend(section.pictures);
+    }
+    files.push(("report.md".to_owned(), text.into_bytes()));
+    Ok(files)
+}

@@ -1,0 +1,318 @@
+//! A mesh after the other: how fast each way is, and how often it is wrong.
+
+use super::Section;
+use crate::effort::Effort;
+use crate::errors::Errors;
+use crate::subject::{Subject, cast_tiles, stride, tiles};
+use crate::table::{Cell, ReportError, Table, grouped, short};
+use crate::timing::{Spread, interleaved};
+use crate::views;
+use crate::watch::Watch;
+use crate::ways::{self, Rays, Way};
+use raycast_core::accel::SlotHit;
+use raycast_core::camera::{Camera, Lattice, Ray, Rect};
+use raycast_core::intersect::Cull;
+use raycast_oracle::Truth;
+use raycast_oracle::random::Random;
+use rayon::prelude::*;
+use std::collections::HashSet;
+
+/// What was found about a mesh.
+#[derive(Clone, Debug)]
+pub struct MeshFigures {
+    /// What tables call it.
+    pub name: String,
+    /// Triangles of the files, dropped ones included.
+    pub triangles: usize,
+    /// The share of the picture's rays that meet something.
+    pub hit_share: f64,
+    /// Different triangles that rays meet, for each ray that meets one.
+    pub density: f64,
+    /// Reading the files, in milliseconds; none where they were made in memory.
+    pub parse_ms: Option<f64>,
+    /// Building RayCast's tree, in milliseconds.
+    pub build_ms: f64,
+    /// Bytes kept for a triangle: the tree and the triangles.
+    pub bytes_per_triangle: f64,
+    /// Way by way.
+    pub ways: Vec<WayFigures>,
+}
+
+/// What was found about a way at a mesh.
+#[derive(Clone, Debug)]
+pub struct WayFigures {
+    /// The way's name.
+    pub name: String,
+    /// Million rays a second.
+    pub mrays: Spread,
+    /// Against the truth.
+    pub errors: Errors,
+}
+
+/// Measures all ways at one mesh.
+///
+/// # Errors
+/// A camera that cannot be had.
+pub fn measure(
+    subject: &Subject,
+    effort: &Effort,
+    watch: &dyn Watch,
+) -> Result<MeshFigures, ReportError> {
+    let stage = &subject.stage;
+    let camera = views::filling(&stage.scene, effort.size, views::FOV, 1.0)?;
+    watch.begin("speed", (subject.ways.len() * (effort.rounds + 1)) as u64);
+    let speeds = speeds(&subject.ways, &camera, effort, watch);
+    watch.begin("errors", subject.ways.len() as u64 + 1);
+    let errors = errors(subject, &camera, effort, watch);
+    let (hits, shown) = seen(subject, &camera);
+    let pixels = effort.size.0 as usize * effort.size.1 as usize;
+    let accel = &stage.accel;
+    Ok(MeshFigures {
+        name: subject.name.clone(),
+        triangles: stage.scene.triangle_count(),
+        hit_share: hits as f64 / pixels as f64,
+        density: shown as f64 / hits.max(1) as f64,
+        parse_ms: subject.parsing.map(|time| time.as_secs_f64() * 1e3),
+        build_ms: subject.building.as_secs_f64() * 1e3,
+        bytes_per_triangle: accel.retained_bytes() as f64 / accel.len().max(1) as f64,
+        ways: subject
+            .ways
+            .iter()
+            .zip(speeds)
+            .zip(errors)
+            .map(|((way, mrays), errors)| WayFigures {
+                name: way.name().to_owned(),
+                mrays,
+                errors,
+            })
+            .collect(),
+    })
+}
+
+/// Million rays a second of each way, in turn; every ray of the picture, and where that would take
+/// brute force too long some of them, evenly spread.
+pub fn speeds(
+    ways: &[Box<dyn Way>],
+    camera: &Camera,
+    effort: &Effort,
+    watch: &dyn Watch,
+) -> Vec<Spread> {
+    let lattices: Vec<Vec<Lattice>> = ways
+        .iter()
+        .map(|way| tiles(camera, stride(camera, way.tries(), effort.tests)))
+        .collect();
+    let mut works: Vec<Box<dyn FnMut() + Send>> = Vec::new();
+    for (way, lattices) in ways.iter().zip(&lattices) {
+        works.push(Box::new(move || {
+            std::hint::black_box(cast_tiles(way.as_ref(), lattices));
+        }));
+    }
+    let seconds = interleaved(effort.rounds, &mut works, &|| watch.step());
+    let rate = |(seconds, tiles): (Spread, &Vec<Lattice>)| {
+        let rays: usize = tiles.iter().map(Lattice::len).sum();
+        seconds.rate(rays as f64 / 1e6)
+    };
+    seconds.into_iter().zip(&lattices).map(rate).collect()
+}
+
+/// Rays, and the truth about them.
+struct Checked {
+    rays: Vec<Ray>,
+    truths: Vec<Option<Truth>>,
+}
+
+impl Checked {
+    fn new(subject: &Subject, rays: Vec<Ray>) -> Self {
+        let truth = |ray| subject.stage.truth(ray, Cull::None);
+        let truths = rays.par_iter().map(truth).collect();
+        Self { rays, truths }
+    }
+
+    fn errors(&self, subject: &Subject, way: &dyn Way, hits: &[SlotHit]) -> Errors {
+        let count = hits.len();
+        let (rays, truths) = (&self.rays[..count], &self.truths[..count]);
+        Errors::of(&subject.stage, way, rays, truths, hits)
+    }
+}
+
+/// Compares each way's answers with the truth, at pixels of the picture drawn by lot: the camera's
+/// own rays, or the same rounded for ways in single precision.
+fn errors(subject: &Subject, camera: &Camera, effort: &Effort, watch: &dyn Watch) -> Vec<Errors> {
+    let plane = camera.plane();
+    let mut random = Random::new(4);
+    let pixels: Vec<(u32, u32)> = (0..effort.checked)
+        .map(|_| (random.below(plane.columns), random.below(plane.rows)))
+        .collect();
+    let ray = |&(x, y): &(u32, u32)| camera.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
+    let rays: Vec<Ray> = pixels.iter().map(ray).collect();
+    let accel = &subject.stage.accel;
+    let rounded = rays.iter().map(|ray| ways::rounded(ray, accel)).collect();
+    let double = Checked::new(subject, rays);
+    let single = Checked::new(subject, rounded);
+    watch.step();
+    let one = |way: &Box<dyn Way>| {
+        let way = way.as_ref();
+        let errors = match way.rays() {
+            Rays::Camera => double.errors(subject, way, &pick(way, camera, &pixels)),
+            Rays::Double => double.errors(subject, way, &cast(way, &double.rays, effort)),
+            Rays::Single => single.errors(subject, way, &cast(way, &single.rays, effort)),
+        };
+        watch.step();
+        errors
+    };
+    subject.ways.iter().map(one).collect()
+}
+
+/// Answers to rays, as many as there is time for, on all workers.
+fn cast(way: &dyn Way, rays: &[Ray], effort: &Effort) -> Vec<SlotHit> {
+    let affordable = match way.tries() {
+        0 => rays.len(),
+        // As long as five measurements of its speed.
+        tries => rays.len().min((5 * effort.tests / tries).max(1)),
+    };
+    let parts: Vec<Vec<SlotHit>> = rays[..affordable]
+        .par_chunks(64)
+        .map(|rays| {
+            let mut hits = Vec::new();
+            way.cast(rays, &mut hits);
+            hits
+        })
+        .collect();
+    parts.concat()
+}
+
+/// Answers to a camera's rays through some pixels: the whole picture is cast, in its tiles.
+fn pick(way: &dyn Way, camera: &Camera, pixels: &[(u32, u32)]) -> Vec<SlotHit> {
+    let plane = camera.plane();
+    let mut picture = vec![SlotHit::NONE; plane.columns as usize * plane.rows as usize];
+    let tiles = tiles(camera, 1);
+    let parts: Vec<Vec<SlotHit>> = tiles
+        .par_iter()
+        .map(|tile| {
+            let mut hits = Vec::new();
+            way.cast_lattice(tile, &mut hits);
+            hits
+        })
+        .collect();
+    let place = |x: u32, y: u32| (y * plane.columns + x) as usize;
+    for (tile, hits) in tiles.iter().zip(parts) {
+        for (row, hits) in hits.chunks(tile.columns as usize).enumerate() {
+            let first = place(tile.x, tile.y + row as u32);
+            picture[first..first + hits.len()].copy_from_slice(hits);
+        }
+    }
+    pixels.iter().map(|&(x, y)| picture[place(x, y)]).collect()
+}
+
+/// How many rays of the picture meet something, and how many different triangles they meet.
+fn seen(subject: &Subject, camera: &Camera) -> (usize, usize) {
+    let plane = camera.plane();
+    let rect = Rect {
+        x: 0,
+        y: 0,
+        width: plane.columns,
+        height: plane.rows,
+    };
+    let Some(way) = subject.ways.first() else {
+        return (0, 0);
+    };
+    let mut hits = Vec::new();
+    way.cast_lattice(&Lattice::new(*camera, rect, 1, (0, 0)), &mut hits);
+    hits.retain(|hit| !hit.is_miss());
+    let shown: HashSet<u32> = hits.iter().map(|hit| hit.slot).collect();
+    (hits.len(), shown.len())
+}
+
+/// The tables of all meshes and ways.
+pub fn show(meshes: &[MeshFigures], effort: &Effort) -> Section {
+    let mut section = Section::default();
+    section.say("## Mesh by mesh");
+    section.say(format!(
+        "Each mesh fills the frame ({}x{} rays) and is seen from the same side. *Shown triangles a \
+         pixel* are the different triangles that rays meet, for each ray that meets one. Bytes are \
+         the tree's and the triangles' own.",
+        effort.size.0, effort.size.1
+    ));
+    let mut table = Table::new(&[
+        "mesh",
+        "triangles",
+        "rays that hit, %",
+        "shown triangles a pixel",
+        "parse, ms",
+        "build, ms",
+        "bytes a triangle",
+    ]);
+    for mesh in meshes {
+        table.row(vec![
+            mesh.name.as_str().into(),
+            (mesh.triangles as u64).into(),
+            Cell::decimals(mesh.hit_share * 100.0, 1),
+            Cell::short(mesh.density),
+            mesh.parse_ms
+                .map_or(Cell::Empty, |ms| Cell::decimals(ms, 1)),
+            Cell::decimals(mesh.build_ms, 1),
+            Cell::decimals(mesh.bytes_per_triangle, 0),
+        ]);
+    }
+    section.table("meshes", table);
+    section.say(
+        "Way by way: *leaks* are rays that went through a surface, *wrong* all wrong triangles (leaks \
+         among them), each of so many rays that the oracle was asked about; where that is none, the \
+         true rate is below 3 in that many rays, with 95 % confidence. `t` is how far the distance \
+         is off, in units of single precision's last place (half of one is as near as single \
+         precision gets); `u, v` how far the weights are off at most, in units of 2⁻²³. Both where \
+         the ray meets the surface at a cosine above 0.1. *Ties* are other triangles at exactly the \
+         same distance: not wrong, but not the lowest number. The deviation is the median distance \
+         from the median.",
+    );
+    let mut table = Table::new(&[
+        "mesh",
+        "way",
+        "Mrays/s",
+        "deviation",
+        "leaks",
+        "wrong",
+        "of rays",
+        "ties",
+        "t p50, ulp",
+        "t p99.9, ulp",
+        "t max, ulp",
+        "u, v max, 2⁻²³",
+    ]);
+    for mesh in meshes {
+        for way in &mesh.ways {
+            let errors = &way.errors;
+            let ulps = |share| match errors.t_count() {
+                0 => Cell::Empty,
+                _ => Cell::short(errors.t_ulps(share)),
+            };
+            table.row(vec![
+                mesh.name.as_str().into(),
+                way.name.as_str().into(),
+                Cell::short(way.mrays.median),
+                Cell::short(way.mrays.deviation),
+                errors.leaks.into(),
+                errors.wrong().into(),
+                errors.rays.into(),
+                errors.ties.into(),
+                ulps(0.5),
+                ulps(0.999),
+                ulps(1.0),
+                Cell::short(errors.weight * f64::from(1 << 23)),
+            ]);
+        }
+    }
+    section.table("ways", table);
+    section
+}
+
+/// `0 of 1,000 rays, so fewer than 3,000 in a million`, or `12 of 1,000 rays`.
+pub fn stated(wrong: u64, rays: u64) -> String {
+    let counted = format!("{} of {} rays", grouped(wrong), grouped(rays));
+    if wrong == 0 && rays > 0 {
+        let bound = short(3e6 / rays as f64);
+        format!("{counted}, so fewer than {bound} in a million")
+    } else {
+        counted
+    }
+}

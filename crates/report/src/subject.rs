@@ -1,0 +1,140 @@
+//! A scene that is measured.
+
+use crate::table::ReportError;
+use crate::{Stage, embree, ways};
+use raycast_core::accel::Accel;
+use raycast_core::camera::{Camera, Lattice, Rect};
+use raycast_core::intersect::Precision;
+use raycast_core::scene::Scene;
+use rayon::prelude::*;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use ways::Way;
+
+/// A scene to be measured, as it is handed in.
+#[derive(Clone, Debug)]
+pub struct Input {
+    /// What tables call it.
+    pub name: String,
+    /// The objects.
+    pub scene: Arc<Scene>,
+    /// What it took to read it; none where it was made in memory.
+    pub parsing: Option<Duration>,
+}
+
+/// A scene with everything that answers rays about it.
+pub struct Subject {
+    /// What tables call it.
+    pub name: String,
+    /// The scene, RayCast's tree, the truth.
+    pub stage: Stage,
+    /// What it took to read it.
+    pub parsing: Option<Duration>,
+    /// What it took to build RayCast's tree.
+    pub building: Duration,
+    /// All ways, RayCast's own first.
+    pub ways: Vec<Box<dyn Way>>,
+}
+
+impl Subject {
+    /// Builds every way's tree.
+    ///
+    /// # Errors
+    /// A scene whose transforms or parents are not valid.
+    pub fn new(input: &Input, library: Option<&Arc<embree::Embree>>) -> Result<Self, ReportError> {
+        let started = Instant::now();
+        let accel = Arc::new(Accel::build(&input.scene)?);
+        let building = started.elapsed();
+        let mut all = ways::raycast(&accel);
+        for simd in ways::instruction_sets() {
+            if simd != accel.simd() {
+                let plainer = Arc::new(Accel::build(&input.scene)?.with_simd(simd));
+                all.push(ways::raycast_simd(&plainer, Precision::Exact));
+            }
+        }
+        all.extend(ways::baselines(&accel));
+        if let Some(Ok(embree)) = library.map(|library| ways::embree(&accel, library)) {
+            all.extend(embree);
+        }
+        Ok(Self {
+            name: input.name.clone(),
+            stage: Stage::of_parts(Arc::clone(&input.scene), accel)?,
+            parsing: input.parsing,
+            building,
+            ways: all,
+        })
+    }
+}
+
+/// Rays along the side of a tile, as a render has them.
+const TILE: u32 = 64;
+
+/// A camera's rays, or every so many-th of them along both sides, in tiles for several workers.
+pub fn tiles(camera: &Camera, stride: u32) -> Vec<Lattice> {
+    let plane = camera.plane();
+    // Few rays make small tiles, or one worker would have them all.
+    let side = if stride == 1 { TILE } else { 8 } * stride;
+    let mut tiles = Vec::new();
+    for y in (0..plane.rows).step_by(side as usize) {
+        for x in (0..plane.columns).step_by(side as usize) {
+            let rect = Rect {
+                x,
+                y,
+                width: side.min(plane.columns - x),
+                height: side.min(plane.rows - y),
+            };
+            tiles.push(Lattice::new(*camera, rect, stride, (0, 0)));
+        }
+    }
+    tiles
+}
+
+/// The stride at which a way that tries so many triangles a ray takes no longer than `tests` tests.
+pub fn stride(camera: &Camera, tries: usize, tests: usize) -> u32 {
+    let plane = camera.plane();
+    let rays = (tests / tries.max(1)).max(1) as f64;
+    let pixels = f64::from(plane.columns) * f64::from(plane.rows);
+    let longest = plane.columns.min(plane.rows).max(1);
+    if tries == 0 {
+        1
+    } else {
+        ((pixels / rays).sqrt().ceil() as u32).clamp(1, longest)
+    }
+}
+
+/// Casts all rays of all tiles on the current workers, and counts those that meet something.
+pub fn cast_tiles(way: &dyn Way, tiles: &[Lattice]) -> usize {
+    tiles
+        .par_iter()
+        .map_init(Vec::new, |hits, tile| {
+            way.cast_lattice(tile, hits);
+            std::hint::black_box(&hits)
+                .iter()
+                .filter(|hit| !hit.is_miss())
+                .count()
+        })
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stage::scene_of;
+    use crate::{meshes, views};
+
+    #[test]
+    fn tiles_cover_a_picture_once() {
+        let scene = scene_of([meshes::octahedron()]);
+        let camera = views::filling(&scene, (201, 130), views::FOV, 1.0).expect("a camera");
+        let rays = |stride| {
+            tiles(&camera, stride)
+                .iter()
+                .map(Lattice::len)
+                .sum::<usize>()
+        };
+        assert_eq!(rays(1), 201 * 130);
+        assert_eq!(rays(7), 201usize.div_ceil(7) * 130usize.div_ceil(7));
+        assert_eq!(stride(&camera, 0, 5), 1);
+        assert!(rays(stride(&camera, 100, 100_000)) <= 1100);
+    }
+}

@@ -1,0 +1,127 @@
+use super::{Failure, warn_of_reading, workers};
+use crate::cli::ReportArgs;
+use crate::output::Output;
+use crate::progress::Progress;
+use crate::worker::demo;
+use raycast_core::accel::Accel;
+use raycast_core::formats;
+use raycast_core::scene::Scene;
+use raycast_report::{Effort, Input, ReportError, Watch, scenes, stage};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Measures speed against error, and writes a report of it.
+pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
+    std::fs::create_dir_all(&args.output).map_err(|error| {
+        Failure::could_not(format!(
+            "{}: cannot be made: {error}",
+            args.output.display()
+        ))
+    })?;
+    let inputs: Vec<&Path> = args.files.iter().map(AsRef::as_ref).collect();
+    let place = |name: &str| Output::at(&args.output.join(name), &inputs);
+    // Better now than after minutes.
+    place("report.md")?;
+    let effort = if args.quick {
+        Effort::QUICK
+    } else {
+        Effort::FULL
+    };
+    let pool = workers(args.threads)?;
+    let progress = Progress::new();
+    let scenes = if args.files.is_empty() {
+        own_scenes(&effort)?
+    } else {
+        read_scenes(args, &progress)?
+    };
+    let files =
+        pool.install(|| raycast_report::report(&scenes, &effort, &command_line(args), &progress))?;
+    let written = files
+        .iter()
+        .map(|(name, bytes)| place(name)?.write(bytes))
+        .collect::<Result<Vec<_>, _>>()?;
+    for file in written {
+        file.finish()?;
+    }
+    Ok(())
+}
+
+impl Watch for Progress {
+    fn begin(&self, what: &'static str, steps: u64) {
+        self.counting(what, steps);
+    }
+
+    fn step(&self) {
+        self.done(1);
+    }
+}
+
+impl From<ReportError> for Failure {
+    fn from(error: ReportError) -> Self {
+        Self::could_not(error.to_string())
+    }
+}
+
+/// The scenes of the files, each for itself.
+fn read_scenes(args: &ReportArgs, progress: &Progress) -> Result<Vec<Input>, Failure> {
+    let read = |path: &std::path::PathBuf| {
+        progress.loading();
+        let started = Instant::now();
+        let file = formats::read_scene(path, &|share| progress.loaded(share))?;
+        let parsing = started.elapsed();
+        warn_of_reading(&file.warnings, &file.scene, &Accel::build(&file.scene)?);
+        let name = path.file_stem().unwrap_or(path.as_os_str());
+        Ok(Input {
+            name: name.to_string_lossy().into_owned(),
+            scene: Arc::new(file.scene),
+            parsing: Some(parsing),
+        })
+    };
+    args.files.iter().map(read).collect()
+}
+
+/// The scenes of a report that was given none: the demo's meshes and the demo itself, and a bumpy
+/// ball of few and of many triangles.
+fn own_scenes(effort: &Effort) -> Result<Vec<Input>, Failure> {
+    let demo = demo::scene()?.scene;
+    let in_memory = |name: String, scene: Scene| Input {
+        name,
+        scene: Arc::new(scene),
+        parsing: None,
+    };
+    let mut inputs = Vec::new();
+    for object in &demo.objects {
+        let name = object.source.as_deref().and_then(Path::file_stem);
+        let name = name.map_or(object.name.clone(), |name| {
+            name.to_string_lossy().into_owned()
+        });
+        if ["monkey", "dahlia", "torus"].contains(&name.as_str()) {
+            let mesh = object.mesh.as_ref().clone();
+            inputs.push(in_memory(name, stage::scene_of([mesh])));
+        }
+    }
+    inputs.push(in_memory("demo scene".to_owned(), demo));
+    for triangles in [10_000, 100_000, 1_000_000] {
+        if triangles <= effort.largest {
+            let name = format!("bumpy ball of {} k", triangles / 1000);
+            let scene = stage::scene_of([scenes::bumpy_sphere(triangles)]);
+            inputs.push(in_memory(name, scene));
+        }
+    }
+    Ok(inputs)
+}
+
+/// What to type to have the report again.
+fn command_line(args: &ReportArgs) -> String {
+    let mut words = vec!["raycast report".to_owned()];
+    words.extend(args.files.iter().map(|file| file.display().to_string()));
+    words.push(format!("-o {}", args.output.display()));
+    if args.quick {
+        words.push("--quick".to_owned());
+    }
+    if args.threads > 0 {
+        words.push(format!("--threads {}", args.threads));
+    }
+    words.join(" ")
+}
