@@ -166,7 +166,7 @@ pub fn short(number: f64) -> String {
     let size = number.abs();
     if size == 0.0 {
         "0".to_owned()
-    } else if size >= 1000.0 && size < 1e15 {
+    } else if (1000.0..1e15).contains(&size) {
         let sign = if number < 0.0 { "-" } else { "" };
         format!("{sign}{}", grouped(size.round() as u64))
     } else if (0.0005..1000.0).contains(&size) {

@@ -150,8 +150,7 @@ fn errors(subject: &Subject, camera: &Camera, effort: &Effort, watch: &dyn Watch
     let double = Checked::new(subject, rays);
     let single = Checked::new(subject, rounded);
     watch.step();
-    let one = |way: &Box<dyn Way>| {
-        let way = way.as_ref();
+    let one = |way: &dyn Way| {
         let errors = match way.rays() {
             Rays::Camera => double.errors(subject, way, &pick(way, camera, &pixels)),
             Rays::Double => double.errors(subject, way, &cast(way, &double.rays, effort)),
@@ -160,7 +159,7 @@ fn errors(subject: &Subject, camera: &Camera, effort: &Effort, watch: &dyn Watch
         watch.step();
         errors
     };
-    subject.ways.iter().map(one).collect()
+    subject.ways.iter().map(|way| one(way.as_ref())).collect()
 }
 
 /// Answers to rays, as many as there is time for, on all workers.
