@@ -13,6 +13,7 @@ use crate::intersect::{Cull, Hit, Nearest, Precision, PreparedRay};
 use crate::scene::{Scene, SceneError};
 use glam::{DVec3, Vec3};
 pub use simd::Simd;
+pub use tile::CastCounts;
 use tree::Tree;
 
 /// Marks a ray that meets nothing, in place of a triangle's slot.

@@ -1,7 +1,7 @@
 //! A tile of rays against the tree: one walk for many rays.
 //!
 //! A large block of rays walks down the tree until it has a short list of sub-trees that its frustum
-//! touches; its blocks of 8 × 8 rays start from that list, from near to far (Reshetov, Soupikov,
+//! touches; its blocks of 32 × 32 rays start from that list, from near to far (Reshetov, Soupikov,
 //! Hurley, "Multi-Level Ray Tracing Algorithm", 2005). Rays that a block cannot decide go the way of
 //! the single ray.
 
@@ -10,20 +10,32 @@ use super::simd::{Work, dispatch};
 use super::tree::{Box32, DEPTH_LIMIT, Node, Subtree};
 use super::{Accel, MISS, SlotHit};
 use crate::camera::{Lattice, Projection};
-use crate::intersect::block::{Batch, Block, BlockRays, SIDE};
+use crate::intersect::block::Block;
 use crate::intersect::row::{Corners, LANES, RowHits, meet_row};
+use crate::intersect::setup::{Batch, BlockSpace, SIDE};
 use crate::intersect::{Cull, Detail, Precision, PreparedRay};
 use glam::{DVec3, Vec3};
 
 /// Rays along the side of a block that walks down the tree first.
 const LARGE_SIDE: u32 = 64;
 
-/// Sub-trees at which the large block's walk ends: below, each small block sorts out its own.
+/// Sub-trees at which the large block's walk ends: below, each block sorts out its own.
 const LIST_LENGTH: usize = 24;
 
 /// How much further than the horizon a box must begin to be left out: rounding of the horizon's
 /// inverse and of the box's distance are each a few 2⁻²⁴.
 const BEYOND: f32 = 1.0 + 1e-5;
+
+/// What casting a lattice took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CastCounts {
+    /// Nodes of the tree whose children's boxes were tested.
+    pub nodes: u64,
+    /// Triangles set up.
+    pub triangles: u64,
+    /// Rays that single precision with its bounds left open.
+    pub open_rays: u64,
+}
 
 impl Accel {
     /// Casts every ray of a lattice: its hits row by row, in place of what `hits` held.
@@ -37,32 +49,81 @@ impl Accel {
         detail: Detail,
         hits: &mut Vec<SlotHit>,
     ) {
-        hits.clear();
-        hits.resize(lattice.len(), SlotHit::NONE);
-        if self.tree.root.is_none() {
-            return;
+        let mut slots = Vec::new();
+        self.find(lattice, cull, precision, &mut slots);
+        match detail {
+            Detail::Full => self.evaluate(lattice, cull, precision, &slots, hits),
+            Detail::Triangle => {
+                hits.clear();
+                hits.extend(slots.iter().map(|&slot| SlotHit {
+                    slot,
+                    ..SlotHit::NONE
+                }));
+            }
         }
+    }
+
+    /// Finds the triangle that each ray of a lattice meets first: its slot or [`MISS`], row by row,
+    /// in place of what `slots` held.
+    pub fn find(
+        &self,
+        lattice: &Lattice,
+        cull: Cull,
+        precision: Precision,
+        slots: &mut Vec<u32>,
+    ) -> CastCounts {
+        slots.clear();
+        slots.resize(lattice.len(), MISS);
+        let mut counts = CastCounts::default();
+        if self.tree.root.is_some() {
+            dispatch(
+                self.simd,
+                Find {
+                    accel: self,
+                    lattice,
+                    cull,
+                    precision,
+                    slots,
+                    counts: &mut counts,
+                },
+            );
+        }
+        counts
+    }
+
+    /// Where the rays of a lattice meet the triangles that [`Accel::find`] found for them, in place
+    /// of what `hits` held: what [`Accel::cast_slot`] answers, bit for bit.
+    pub fn evaluate(
+        &self,
+        lattice: &Lattice,
+        cull: Cull,
+        precision: Precision,
+        slots: &[u32],
+        hits: &mut Vec<SlotHit>,
+    ) {
+        hits.clear();
+        hits.resize(slots.len(), SlotHit::NONE);
         dispatch(
             self.simd,
-            Tile {
+            Evaluate {
                 accel: self,
                 lattice,
                 cull,
                 precision,
-                detail,
+                slots,
                 hits,
             },
         );
     }
 }
 
-struct Tile<'a> {
+struct Find<'a> {
     accel: &'a Accel,
     lattice: &'a Lattice,
     cull: Cull,
     precision: Precision,
-    detail: Detail,
-    hits: &'a mut [SlotHit],
+    slots: &'a mut [u32],
+    counts: &'a mut CastCounts,
 }
 
 /// A rectangle of a lattice's rays.
@@ -74,92 +135,130 @@ struct Part {
     rows: u32,
 }
 
-impl Work for Tile<'_> {
+impl Part {
+    /// Its parts of at most `side × side` rays.
+    #[inline(always)]
+    fn split(self, side: u32) -> impl Iterator<Item = Self> {
+        let (right, bottom) = (self.column + self.columns, self.row + self.rows);
+        (self.row..bottom)
+            .step_by(side as usize)
+            .flat_map(move |row| {
+                (self.column..right)
+                    .step_by(side as usize)
+                    .map(move |column| Self {
+                        column,
+                        row,
+                        columns: side.min(right - column),
+                        rows: side.min(bottom - row),
+                    })
+            })
+    }
+}
+
+impl Work for Find<'_> {
     #[inline(always)]
     fn run(mut self) {
-        let Lattice { columns, rows, .. } = *self.lattice;
+        let whole = Part {
+            column: 0,
+            row: 0,
+            columns: self.lattice.columns,
+            rows: self.lattice.rows,
+        };
         let mut walk = Walk::new(self.accel, self.lattice);
-        for row in (0..rows).step_by(LARGE_SIDE as usize) {
-            for column in (0..columns).step_by(LARGE_SIDE as usize) {
-                let large = Part {
-                    column,
-                    row,
-                    columns: LARGE_SIDE.min(columns - column),
-                    rows: LARGE_SIDE.min(rows - row),
-                };
-                walk.list(&large);
-                if walk.pairs.is_empty() {
-                    continue;
-                }
-                for row in (large.row..large.row + large.rows).step_by(SIDE) {
-                    for column in (large.column..large.column + large.columns).step_by(SIDE) {
-                        let part = Part {
-                            column,
-                            row,
-                            columns: (SIDE as u32).min(large.column + large.columns - column),
-                            rows: (SIDE as u32).min(large.row + large.rows - row),
-                        };
-                        self.cast_part(&mut walk, &part);
+        let mut block = Block::new();
+        for large in whole.split(LARGE_SIDE) {
+            walk.list(&large);
+            if walk.pairs.is_empty() {
+                continue;
+            }
+            for part in large.split(SIDE as u32) {
+                walk.cast(&part, self.cull, &mut block);
+                self.keep(&part, &block);
+            }
+        }
+        *self.counts = CastCounts {
+            open_rays: self.counts.open_rays,
+            ..walk.counts
+        };
+    }
+}
+
+impl Find<'_> {
+    /// Keeps what a block found, and casts the rays that it left open.
+    #[inline(always)]
+    fn keep(&mut self, part: &Part, block: &Block) {
+        let columns = part.columns as usize;
+        for row in 0..part.rows {
+            let first = ((part.row + row) * self.lattice.columns + part.column) as usize;
+            let (slots, low) = block.row(row);
+            let (slots, low) = (&slots[..columns], &low[..columns]);
+            self.slots[first..first + columns].copy_from_slice(slots);
+            let mut any_open = false;
+            for &low in low {
+                any_open |= Block::is_open(low);
+            }
+            if any_open {
+                for (column, &low) in low.iter().enumerate() {
+                    if Block::is_open(low) {
+                        let slot = self.cast_one(part.column + column as u32, part.row + row);
+                        self.slots[first + column] = slot;
+                        self.counts.open_rays += 1;
                     }
                 }
             }
         }
     }
+
+    #[inline(never)]
+    fn cast_one(&self, column: u32, row: u32) -> u32 {
+        let ray = self.lattice.ray(column, row);
+        self.accel.cast_slot(&ray, self.cull, self.precision).slot
+    }
 }
 
-impl Tile<'_> {
+struct Evaluate<'a> {
+    accel: &'a Accel,
+    lattice: &'a Lattice,
+    cull: Cull,
+    precision: Precision,
+    slots: &'a [u32],
+    hits: &'a mut [SlotHit],
+}
+
+impl Work for Evaluate<'_> {
     #[inline(always)]
-    fn cast_part(&mut self, walk: &mut Walk<'_>, part: &Part) {
-        let block = walk.cast(part, self.cull);
-        for row in 0..part.rows {
-            let first = self.at(part.column, part.row + row);
-            let ray = row as usize * SIDE;
-            let mut open = 0u32;
-            for column in 0..part.columns as usize {
-                let found = block.slot(ray + column);
-                open |= u32::from(found.is_none()) << column;
-                self.hits[first + column].slot = found.unwrap_or(MISS);
-            }
-            while open != 0 {
-                let column = open.trailing_zeros();
-                open &= open - 1;
-                self.hits[first + column as usize] =
-                    self.cast_one(part.column + column, part.row + row);
-            }
-            if self.detail == Detail::Full {
-                self.evaluate_row(&block, part, row);
+    fn run(mut self) {
+        for row in 0..self.lattice.rows {
+            for column in (0..self.lattice.columns).step_by(LANES) {
+                self.evaluate_row(column, row);
             }
         }
     }
+}
 
-    fn at(&self, column: u32, row: u32) -> usize {
-        (row * self.lattice.columns + column) as usize
-    }
-
-    /// Fills in where the rays of one row of a block meet the triangles that the block found.
+impl Evaluate<'_> {
+    /// At most eight rays of a row.
     #[inline(always)]
-    fn evaluate_row(&mut self, block: &Block, part: &Part, row: u32) {
-        let found = |column: u32| {
-            block
-                .slot(row as usize * SIDE + column as usize)
-                .filter(|&slot| slot != MISS)
-        };
+    fn evaluate_row(&mut self, column: u32, row: u32) {
+        let first = (row * self.lattice.columns + column) as usize;
+        let count = LANES.min((self.lattice.columns - column) as usize);
+        let slots = &self.slots[first..first + count];
         let mut corners: Corners = [[0.0; LANES]; 9];
         let mut any = false;
-        for column in 0..part.columns {
-            if let Some(slot) = found(column) {
+        for (lane, &slot) in slots.iter().enumerate() {
+            if slot != MISS {
                 any = true;
                 for (corner, at) in self.accel.corners(slot).iter().zip([0, 3, 6]) {
-                    corners[at][column as usize] = corner.x;
-                    corners[at + 1][column as usize] = corner.y;
-                    corners[at + 2][column as usize] = corner.z;
+                    corners[at][lane] = corner.x;
+                    corners[at + 1][lane] = corner.y;
+                    corners[at + 2][lane] = corner.z;
                 }
             }
         }
         if !any {
             return;
         }
-        let place = self.lattice.place(part.column, part.row + row);
+        let place = self.lattice.place(column, row);
         let stride = f64::from(self.lattice.stride);
         let row_hits = meet_row(
             &self.lattice.camera,
@@ -168,11 +267,11 @@ impl Tile<'_> {
             stride,
             &corners,
         );
-        for column in 0..part.columns {
-            let Some(slot) = found(column) else { continue };
-            let lane = column as usize;
-            let at = self.at(part.column + column, part.row + row);
-            self.hits[at] = if row_hits.sure[lane] {
+        for (lane, &slot) in slots.iter().enumerate() {
+            if slot == MISS {
+                continue;
+            }
+            self.hits[first + lane] = if row_hits.sure[lane] {
                 let RowHits { t, u, v, .. } = &row_hits;
                 SlotHit {
                     slot,
@@ -181,24 +280,18 @@ impl Tile<'_> {
                     v: v[lane],
                 }
             } else {
-                self.evaluate(slot, part.column + column, part.row + row)
+                self.evaluate_one(slot, column + lane as u32, row)
             };
         }
     }
 
     #[inline(never)]
-    fn evaluate(&self, slot: u32, column: u32, row: u32) -> SlotHit {
+    fn evaluate_one(&self, slot: u32, column: u32, row: u32) -> SlotHit {
         let ray = self.lattice.ray(column, row);
         let ray = PreparedRay::new(&ray, self.accel.origin, self.cull, self.precision);
         ray.map_or(SlotHit::NONE, |ray| {
             ray.evaluate(slot, self.accel.corners(slot)).to_slot_hit()
         })
-    }
-
-    #[inline(never)]
-    fn cast_one(&self, column: u32, row: u32) -> SlotHit {
-        let ray = self.lattice.ray(column, row);
-        self.accel.cast_slot(&ray, self.cull, self.precision)
     }
 }
 
@@ -215,6 +308,7 @@ struct Walk<'a> {
     list: Vec<(Subtree, Box32, f32)>,
     next: Vec<(Subtree, Box32, f32)>,
     batch: Batch,
+    counts: CastCounts,
 }
 
 impl<'a> Walk<'a> {
@@ -237,6 +331,7 @@ impl<'a> Walk<'a> {
             list: Vec::new(),
             next: Vec::new(),
             batch: Batch::new(),
+            counts: CastCounts::default(),
         }
     }
 
@@ -314,12 +409,13 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Casts a small block's rays.
+    /// Casts a block's rays.
     #[inline(always)]
-    fn cast(&mut self, part: &Part, cull: Cull) -> Block {
-        let mut block = Block::new(part.columns as usize, part.rows as usize);
+    fn cast(&mut self, part: &Part, cull: Cull, block: &mut Block) {
+        let perspective = self.lattice.camera.projection() == Projection::Perspective;
+        block.clear(part.columns, part.rows, perspective);
         let frustum = self.frustum(part);
-        let rays = self.block_rays(part, cull);
+        let space = self.space(part, cull);
         let mut limit = f32::INFINITY;
         let mut stack = [(Subtree::default(), 0.0f32); DEPTH_LIMIT + 2];
         for pair in 0..self.pairs.len() {
@@ -327,6 +423,7 @@ impl<'a> Walk<'a> {
                 break;
             }
             let mut depth = 0;
+            self.counts.nodes += 1;
             self.push(&self.pairs[pair], &frustum, limit, &mut stack, &mut depth);
             while depth > 0 {
                 depth -= 1;
@@ -335,6 +432,7 @@ impl<'a> Walk<'a> {
                     continue;
                 }
                 if subtree.count == 0 {
+                    self.counts.nodes += 1;
                     let node = &self.accel.tree.nodes[subtree.first as usize];
                     self.push(node, &frustum, limit, &mut stack, &mut depth);
                     continue;
@@ -344,14 +442,15 @@ impl<'a> Walk<'a> {
                         .batch
                         .push(slot, &self.accel.triangles[slot as usize].corners);
                     if full {
-                        block.meet(&rays, &mut self.batch);
+                        self.counts.triangles += u64::from(block.meet(&space, &mut self.batch));
                         limit = self.limit(block.horizon());
                     }
                 }
             }
         }
-        block.meet(&rays, &mut self.batch);
-        block
+        if self.batch.len > 0 {
+            self.counts.triangles += u64::from(block.meet(&space, &mut self.batch));
+        }
     }
 
     /// Pushes the children that the frustum touches before the limit, the nearer one last.
@@ -380,16 +479,14 @@ impl<'a> Walk<'a> {
         }
     }
 
-    fn block_rays(&self, part: &Part, cull: Cull) -> BlockRays {
-        let stride = f64::from(self.lattice.stride);
-        let (x, y) = self.lattice.place(part.column, part.row);
-        let half = (SIDE as f64 - 1.0) * 0.5 * stride;
-        BlockRays::new(
+    fn space(&self, part: &Part, cull: Cull) -> BlockSpace {
+        BlockSpace::new(
             &self.lattice.camera,
             self.eye,
             self.eye_error,
-            (x + half, y + half),
-            stride,
+            self.lattice.place(part.column, part.row),
+            f64::from(self.lattice.stride),
+            (part.columns, part.rows),
             cull,
         )
     }
@@ -398,10 +495,8 @@ impl<'a> Walk<'a> {
     #[inline(always)]
     fn limit(&self, horizon: f32) -> f32 {
         match self.lattice.camera.projection() {
-            // The nearness is the target's distance by the depth.
-            Projection::Perspective if horizon > 0.0 => {
-                self.lattice.camera.distance() as f32 / horizon * BEYOND
-            }
+            // The nearness is the inverse of the depth.
+            Projection::Perspective if horizon > 0.0 => BEYOND / horizon,
             Projection::Perspective => f32::INFINITY,
             Projection::Orthographic => -horizon + horizon.abs() * (BEYOND - 1.0),
         }

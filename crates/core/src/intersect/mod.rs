@@ -5,6 +5,7 @@ pub(crate) mod exact;
 mod hit;
 mod nearest;
 pub(crate) mod row;
+pub(crate) mod setup;
 mod triangle;
 
 pub use hit::{Cull, Detail, Hit, Precision};
