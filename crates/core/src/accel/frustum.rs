@@ -1,15 +1,14 @@
 //! A frustum against boxes: four sides, what lies behind the eye, and how near a box begins.
 
+use super::simd::{LANES, Lanes};
 use super::tree::{Box32, Node};
 use crate::camera::{Camera, Projection};
 use glam::DVec3;
 
-/// Planes side by side, so that one box meets all of them at once.
-const LANES: usize = 8;
 /// Which plane's value is the distance of a box's nearest point along the view axis, negated.
 const NEAREST: usize = 5;
-/// Planes that cut boxes off.
-const SIDES: usize = 5;
+/// Planes that cut boxes off, as bits.
+const SIDES: u32 = 0b1_1111;
 
 /// A rectangle of the image plane, in scene units from the view axis at the target: what
 /// [`Camera::direction`] is linear in.
@@ -109,24 +108,28 @@ impl Frustum {
     /// For each child of a node: how near it begins along the view axis, and whether any of it may
     /// be inside the frustum.
     #[inline(always)]
-    pub(crate) fn enter(&self, node: &Node) -> [(f32, bool); 2] {
-        [self.enter_child(node, 0), self.enter_child(node, 1)]
+    pub(crate) fn enter(&self, lanes: impl Lanes, node: &Node) -> [(f32, bool); 2] {
+        [
+            self.enter_child(lanes, node, 0),
+            self.enter_child(lanes, node, 1),
+        ]
     }
 
     #[inline(always)]
-    fn enter_child(&self, node: &Node, child: usize) -> (f32, bool) {
-        let mut value = self.offset;
+    fn enter_child(&self, lanes: impl Lanes, node: &Node, child: usize) -> (f32, bool) {
+        let mut value = lanes.load(&self.offset);
         for axis in 0..3 {
-            let (low, high) = (node.min[axis][child], node.max[axis][child]);
-            let parts = self.positive[axis].iter().zip(&self.negative[axis]);
-            for (value, (positive, negative)) in value.iter_mut().zip(parts) {
-                *value += positive * high + negative * low;
-            }
+            let low = lanes.splat(node.min[axis][child]);
+            let high = lanes.splat(node.max[axis][child]);
+            let part = lanes.add(
+                lanes.mul(lanes.load(&self.positive[axis]), high),
+                lanes.mul(lanes.load(&self.negative[axis]), low),
+            );
+            value = lanes.add(value, part);
         }
-        let mut outside = false;
-        for side in &value[..SIDES] {
-            outside |= *side < 0.0;
-        }
-        (-value[NEAREST], !outside)
+        let outside = lanes.bits(lanes.less(value, lanes.splat(0.0))) & SIDES;
+        let mut values = [0.0; LANES];
+        lanes.store(value, &mut values);
+        (-values[NEAREST], outside == 0)
     }
 }

@@ -2,7 +2,7 @@
 
 mod build;
 mod frustum;
-mod simd;
+pub(crate) mod simd;
 mod slab;
 mod tile;
 mod traverse;

@@ -1,6 +1,8 @@
 //! One source for several instruction sets: the same code, compiled for each, picked at run time.
 //!
-//! None of them contracts a product and a sum into one rounding, so the bits are the same.
+//! Loops over doubles are left to the compiler. Rows of eight singles, where it would not see that they
+//! can be laid side by side, are spelt out as [`Lanes`]. Nothing contracts a product and a sum into one
+//! rounding, so the bits are the same on each.
 
 #![allow(
     unsafe_code,
@@ -59,35 +61,282 @@ impl std::str::FromStr for Simd {
     }
 }
 
+/// How many singles [`Lanes`] lay side by side.
+pub(crate) const LANES: usize = 8;
+
+/// Eight singles side by side, by one instruction set. A value of a type of these is the proof that
+/// the machine has the set.
+pub(crate) trait Lanes: Copy {
+    /// Eight singles.
+    type Singles: Copy;
+    /// Yes or no for each.
+    type Mask: Copy;
+
+    /// The same for all.
+    fn splat(self, x: f32) -> Self::Singles;
+    /// From memory.
+    fn load(self, from: &[f32; LANES]) -> Self::Singles;
+    /// To memory.
+    fn store(self, singles: Self::Singles, to: &mut [f32; LANES]);
+    /// Sums.
+    fn add(self, a: Self::Singles, b: Self::Singles) -> Self::Singles;
+    /// Differences.
+    fn sub(self, a: Self::Singles, b: Self::Singles) -> Self::Singles;
+    /// Products.
+    fn mul(self, a: Self::Singles, b: Self::Singles) -> Self::Singles;
+    /// The lesser ones; where either is not a number, b.
+    fn min(self, a: Self::Singles, b: Self::Singles) -> Self::Singles;
+    /// The greater ones; where either is not a number, b.
+    fn max(self, a: Self::Singles, b: Self::Singles) -> Self::Singles;
+    /// Whether a < b; never where either is not a number.
+    fn less(self, a: Self::Singles, b: Self::Singles) -> Self::Mask;
+    /// Both.
+    fn and(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// Either.
+    fn or(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// The first where the mask says yes, the second elsewhere.
+    fn pick(self, mask: Self::Mask, yes: Self::Singles, no: Self::Singles) -> Self::Singles;
+    /// Writes a number where the mask says yes.
+    fn put(self, mask: Self::Mask, number: u32, to: &mut [u32; LANES]);
+    /// The mask as bits, the first lane lowest.
+    fn bits(self, mask: Self::Mask) -> u32;
+
+    /// The least of the eight; they are numbers.
+    #[inline(always)]
+    fn least(self, singles: Self::Singles) -> f32 {
+        let mut all = [0.0; LANES];
+        self.store(singles, &mut all);
+        let lesser = |a: f32, b: f32| if a < b { a } else { b };
+        let [a, b, c, d, e, f, g, h] = all;
+        lesser(
+            lesser(lesser(a, b), lesser(c, d)),
+            lesser(lesser(e, f), lesser(g, h)),
+        )
+    }
+}
+
+/// Arrays, for any machine.
+#[derive(Clone, Copy)]
+pub(crate) struct Plain;
+
+/// Applies an operation lane by lane.
+macro_rules! each {
+    ($lane:ident => $value:expr) => {{
+        let mut all = [Default::default(); LANES];
+        for $lane in 0..LANES {
+            all[$lane] = $value;
+        }
+        all
+    }};
+}
+
+impl Lanes for Plain {
+    type Singles = [f32; LANES];
+    type Mask = [bool; LANES];
+
+    #[inline(always)]
+    fn splat(self, x: f32) -> Self::Singles {
+        [x; LANES]
+    }
+    #[inline(always)]
+    fn load(self, from: &[f32; LANES]) -> Self::Singles {
+        *from
+    }
+    #[inline(always)]
+    fn store(self, singles: Self::Singles, to: &mut [f32; LANES]) {
+        *to = singles;
+    }
+    #[inline(always)]
+    fn add(self, a: Self::Singles, b: Self::Singles) -> Self::Singles {
+        each!(l => a[l] + b[l])
+    }
+    #[inline(always)]
+    fn sub(self, a: Self::Singles, b: Self::Singles) -> Self::Singles {
+        each!(l => a[l] - b[l])
+    }
+    #[inline(always)]
+    fn mul(self, a: Self::Singles, b: Self::Singles) -> Self::Singles {
+        each!(l => a[l] * b[l])
+    }
+    #[inline(always)]
+    fn min(self, a: Self::Singles, b: Self::Singles) -> Self::Singles {
+        each!(l => if a[l] < b[l] { a[l] } else { b[l] })
+    }
+    #[inline(always)]
+    fn max(self, a: Self::Singles, b: Self::Singles) -> Self::Singles {
+        each!(l => if a[l] > b[l] { a[l] } else { b[l] })
+    }
+    #[inline(always)]
+    fn less(self, a: Self::Singles, b: Self::Singles) -> Self::Mask {
+        each!(l => a[l] < b[l])
+    }
+    #[inline(always)]
+    fn and(self, a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        each!(l => a[l] & b[l])
+    }
+    #[inline(always)]
+    fn or(self, a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        each!(l => a[l] | b[l])
+    }
+    #[inline(always)]
+    fn pick(self, mask: Self::Mask, yes: Self::Singles, no: Self::Singles) -> Self::Singles {
+        each!(l => if mask[l] { yes[l] } else { no[l] })
+    }
+    #[inline(always)]
+    fn put(self, mask: Self::Mask, number: u32, to: &mut [u32; LANES]) {
+        let old = *to;
+        *to = each!(l => if mask[l] { number } else { old[l] });
+    }
+    #[inline(always)]
+    fn bits(self, mask: Self::Mask) -> u32 {
+        let mut bits = 0;
+        for (l, &yes) in mask.iter().enumerate() {
+            bits |= u32::from(yes) << l;
+        }
+        bits
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+mod avx2 {
+    use super::{LANES, Lanes};
+    use std::arch::x86_64::{
+        __m256, _CMP_LT_OQ, _mm256_add_ps, _mm256_and_ps, _mm256_blendv_epi8, _mm256_blendv_ps,
+        _mm256_castps_si256, _mm256_cmp_ps, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_max_ps,
+        _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_or_ps, _mm256_set1_epi32,
+        _mm256_set1_ps, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps,
+    };
+
+    /// The machine has AVX2: made nowhere but in [`Avx2::new`].
+    #[derive(Clone, Copy)]
+    pub(super) struct Avx2(());
+
+    impl Avx2 {
+        /// # Safety
+        /// The machine has AVX2.
+        #[inline(always)]
+        pub(super) unsafe fn new() -> Self {
+            Self(())
+        }
+    }
+
+    // SAFETY, for each block below: there is an `Avx2`, so the machine has what the instruction asks
+    // for; loads and stores are of whole arrays behind references, and ask for no alignment.
+    impl Lanes for Avx2 {
+        type Singles = __m256;
+        type Mask = __m256;
+
+        #[inline(always)]
+        fn splat(self, x: f32) -> __m256 {
+            // SAFETY: see above.
+            unsafe { _mm256_set1_ps(x) }
+        }
+        #[inline(always)]
+        fn load(self, from: &[f32; LANES]) -> __m256 {
+            // SAFETY: see above.
+            unsafe { _mm256_loadu_ps(from.as_ptr()) }
+        }
+        #[inline(always)]
+        fn store(self, singles: __m256, to: &mut [f32; LANES]) {
+            // SAFETY: see above.
+            unsafe { _mm256_storeu_ps(to.as_mut_ptr(), singles) }
+        }
+        #[inline(always)]
+        fn add(self, a: __m256, b: __m256) -> __m256 {
+            // SAFETY: see above.
+            unsafe { _mm256_add_ps(a, b) }
+        }
+        #[inline(always)]
+        fn sub(self, a: __m256, b: __m256) -> __m256 {
+            // SAFETY: see above.
+            unsafe { _mm256_sub_ps(a, b) }
+        }
+        #[inline(always)]
+        fn mul(self, a: __m256, b: __m256) -> __m256 {
+            // SAFETY: see above.
+            unsafe { _mm256_mul_ps(a, b) }
+        }
+        #[inline(always)]
+        fn min(self, a: __m256, b: __m256) -> __m256 {
+            // SAFETY: see above.
+            unsafe { _mm256_min_ps(a, b) }
+        }
+        #[inline(always)]
+        fn max(self, a: __m256, b: __m256) -> __m256 {
+            // SAFETY: see above.
+            unsafe { _mm256_max_ps(a, b) }
+        }
+        #[inline(always)]
+        fn less(self, a: __m256, b: __m256) -> __m256 {
+            // SAFETY: see above.
+            unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(a, b) }
+        }
+        #[inline(always)]
+        fn and(self, a: __m256, b: __m256) -> __m256 {
+            // SAFETY: see above.
+            unsafe { _mm256_and_ps(a, b) }
+        }
+        #[inline(always)]
+        fn or(self, a: __m256, b: __m256) -> __m256 {
+            // SAFETY: see above.
+            unsafe { _mm256_or_ps(a, b) }
+        }
+        #[inline(always)]
+        fn pick(self, mask: __m256, yes: __m256, no: __m256) -> __m256 {
+            // SAFETY: see above.
+            unsafe { _mm256_blendv_ps(no, yes, mask) }
+        }
+        #[inline(always)]
+        fn put(self, mask: __m256, number: u32, to: &mut [u32; LANES]) {
+            // Byte by byte, lest the compiler make it a masked store: those take some machines dozens
+            // of cycles.
+            // SAFETY: see above.
+            unsafe {
+                let old = _mm256_loadu_si256(to.as_ptr().cast());
+                let number = _mm256_set1_epi32(number.cast_signed());
+                let new = _mm256_blendv_epi8(old, number, _mm256_castps_si256(mask));
+                _mm256_storeu_si256(to.as_mut_ptr().cast(), new);
+            }
+        }
+        #[inline(always)]
+        fn bits(self, mask: __m256) -> u32 {
+            // SAFETY: see above.
+            unsafe { _mm256_movemask_ps(mask) }.cast_unsigned()
+        }
+    }
+}
+
 /// Work that is compiled for each instruction set. `run` must be inlined to be.
 pub(super) trait Work {
     /// Does it.
-    fn run(self);
+    fn run(self, lanes: impl Lanes);
 }
 
 /// Runs `work` as compiled for `simd`, or for the best below it that this machine has.
 pub(super) fn dispatch(simd: Simd, work: impl Work) {
     #[cfg(target_arch = "x86_64")]
     {
+        use avx2::Avx2;
+
         #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi1,bmi2,popcnt,lzcnt")]
-        fn avx512(work: impl Work) {
-            work.run();
+        fn avx512(work: impl Work, lanes: Avx2) {
+            work.run(lanes);
         }
 
         #[target_feature(enable = "avx2,bmi1,bmi2,popcnt,lzcnt")]
-        fn avx2(work: impl Work) {
-            work.run();
+        fn avx2(work: impl Work, lanes: Avx2) {
+            work.run(lanes);
         }
 
         match simd.min(Simd::best()) {
             // SAFETY: `Simd::best` has just said that the machine has these features (every machine
             // with AVX2 has the bit manipulation ones).
-            Simd::Avx512 => return unsafe { avx512(work) },
+            Simd::Avx512 => return unsafe { avx512(work, Avx2::new()) },
             // SAFETY: as above.
-            Simd::Avx2 => return unsafe { avx2(work) },
+            Simd::Avx2 => return unsafe { avx2(work, Avx2::new()) },
             Simd::Plain => {}
         }
     }
     let _ = simd;
-    work.run();
+    work.run(Plain);
 }

@@ -6,12 +6,12 @@
 //! the single ray.
 
 use super::frustum::{Frustum, Window};
-use super::simd::{Work, dispatch};
+use super::simd::{Lanes, Work, dispatch};
 use super::tree::{Box32, DEPTH_LIMIT, Node, Subtree};
 use super::{Accel, MISS, SlotHit};
 use crate::camera::{Lattice, Projection};
 use crate::intersect::block::Block;
-use crate::intersect::row::{Corners, LANES, RowHits, meet_row};
+use crate::intersect::row::{self, Corners, RowHits, meet_row};
 use crate::intersect::setup::{Batch, BlockSpace, SIDE};
 use crate::intersect::{Cull, Detail, Precision, PreparedRay};
 use glam::{DVec3, Vec3};
@@ -157,7 +157,7 @@ impl Part {
 
 impl Work for Find<'_> {
     #[inline(always)]
-    fn run(mut self) {
+    fn run(mut self, lanes: impl Lanes) {
         let whole = Part {
             column: 0,
             row: 0,
@@ -167,12 +167,12 @@ impl Work for Find<'_> {
         let mut walk = Walk::new(self.accel, self.lattice);
         let mut block = Block::new();
         for large in whole.split(LARGE_SIDE) {
-            walk.list(&large);
+            walk.list(lanes, &large);
             if walk.pairs.is_empty() {
                 continue;
             }
             for part in large.split(SIDE as u32) {
-                walk.cast(&part, self.cull, &mut block);
+                walk.cast(lanes, &part, self.cull, &mut block);
                 self.keep(&part, &block);
             }
         }
@@ -227,9 +227,9 @@ struct Evaluate<'a> {
 
 impl Work for Evaluate<'_> {
     #[inline(always)]
-    fn run(mut self) {
+    fn run(mut self, _: impl Lanes) {
         for row in 0..self.lattice.rows {
-            for column in (0..self.lattice.columns).step_by(LANES) {
+            for column in (0..self.lattice.columns).step_by(row::LANES) {
                 self.evaluate_row(column, row);
             }
         }
@@ -241,9 +241,9 @@ impl Evaluate<'_> {
     #[inline(always)]
     fn evaluate_row(&mut self, column: u32, row: u32) {
         let first = (row * self.lattice.columns + column) as usize;
-        let count = LANES.min((self.lattice.columns - column) as usize);
+        let count = row::LANES.min((self.lattice.columns - column) as usize);
         let slots = &self.slots[first..first + count];
-        let mut corners: Corners = [[0.0; LANES]; 9];
+        let mut corners: Corners = [[0.0; row::LANES]; 9];
         let mut any = false;
         for (lane, &slot) in slots.iter().enumerate() {
             if slot != MISS {
@@ -361,7 +361,7 @@ impl<'a> Walk<'a> {
 
     /// Makes the list of sub-trees that a large block's frustum touches.
     #[inline(always)]
-    fn list(&mut self, large: &Part) {
+    fn list(&mut self, lanes: impl Lanes, large: &Part) {
         let tree = &self.accel.tree;
         self.list.clear();
         self.pairs.clear();
@@ -380,7 +380,7 @@ impl<'a> Walk<'a> {
                 }
                 deepened = true;
                 let node = &tree.nodes[subtree.first as usize];
-                let entered = frustum.enter(node);
+                let entered = frustum.enter(lanes, node);
                 for (child, (near, inside)) in entered.into_iter().enumerate() {
                     if inside {
                         self.next
@@ -411,9 +411,9 @@ impl<'a> Walk<'a> {
 
     /// Casts a block's rays.
     #[inline(always)]
-    fn cast(&mut self, part: &Part, cull: Cull, block: &mut Block) {
+    fn cast(&mut self, lanes: impl Lanes, part: &Part, cull: Cull, block: &mut Block) {
         let perspective = self.lattice.camera.projection() == Projection::Perspective;
-        block.clear(part.columns, part.rows, perspective);
+        block.clear(lanes, part.columns, part.rows, perspective);
         let frustum = self.frustum(part);
         let space = self.space(part, cull);
         let mut limit = f32::INFINITY;
@@ -424,7 +424,14 @@ impl<'a> Walk<'a> {
             }
             let mut depth = 0;
             self.counts.nodes += 1;
-            self.push(&self.pairs[pair], &frustum, limit, &mut stack, &mut depth);
+            self.push(
+                lanes,
+                &self.pairs[pair],
+                &frustum,
+                limit,
+                &mut stack,
+                &mut depth,
+            );
             while depth > 0 {
                 depth -= 1;
                 let (subtree, near) = stack[depth];
@@ -434,7 +441,7 @@ impl<'a> Walk<'a> {
                 if subtree.count == 0 {
                     self.counts.nodes += 1;
                     let node = &self.accel.tree.nodes[subtree.first as usize];
-                    self.push(node, &frustum, limit, &mut stack, &mut depth);
+                    self.push(lanes, node, &frustum, limit, &mut stack, &mut depth);
                     continue;
                 }
                 for slot in subtree.first..subtree.first + subtree.count {
@@ -442,14 +449,15 @@ impl<'a> Walk<'a> {
                         .batch
                         .push(slot, &self.accel.triangles[slot as usize].corners);
                     if full {
-                        self.counts.triangles += u64::from(block.meet(&space, &mut self.batch));
+                        self.counts.triangles +=
+                            u64::from(block.meet(lanes, &space, &mut self.batch));
                         limit = self.limit(block.horizon());
                     }
                 }
             }
         }
         if self.batch.len > 0 {
-            self.counts.triangles += u64::from(block.meet(&space, &mut self.batch));
+            self.counts.triangles += u64::from(block.meet(lanes, &space, &mut self.batch));
         }
     }
 
@@ -457,13 +465,14 @@ impl<'a> Walk<'a> {
     #[inline(always)]
     fn push(
         &self,
+        lanes: impl Lanes,
         node: &Node,
         frustum: &Frustum,
         limit: f32,
         stack: &mut [(Subtree, f32); DEPTH_LIMIT + 2],
         depth: &mut usize,
     ) {
-        let [(near_a, inside_a), (near_b, inside_b)] = frustum.enter(node);
+        let [(near_a, inside_a), (near_b, inside_b)] = frustum.enter(lanes, node);
         let [a, b] = node.children;
         let (a_meets, b_meets) = (inside_a & (near_a <= limit), inside_b & (near_b <= limit));
         let (first, second) = if near_b < near_a {

@@ -58,22 +58,20 @@ impl Box32 {
 impl Node {
     /// A node of these boxes and children.
     pub(crate) fn of(boxes: [Box32; 2], children: [Subtree; 2]) -> Self {
-        let by_axis = |corner: fn(&Box32) -> Vec3| {
-            std::array::from_fn(|axis| [corner(&boxes[0])[axis], corner(&boxes[1])[axis]])
-        };
+        let [a, b] = boxes;
         Self {
-            min: by_axis(|b| b.min),
-            max: by_axis(|b| b.max),
+            min: [[a.min.x, b.min.x], [a.min.y, b.min.y], [a.min.z, b.min.z]],
+            max: [[a.max.x, b.max.x], [a.max.y, b.max.y], [a.max.z, b.max.z]],
             children,
         }
     }
 
     /// A child's box.
     pub(crate) fn bounds(&self, child: usize) -> Box32 {
-        let corner = |by_axis: &[[f32; 2]; 3]| Vec3::from_array(by_axis.map(|c| c[child]));
+        let ([x, y, z], [to_x, to_y, to_z]) = (&self.min, &self.max);
         Box32 {
-            min: corner(&self.min),
-            max: corner(&self.max),
+            min: Vec3::new(x[child], y[child], z[child]),
+            max: Vec3::new(to_x[child], to_y[child], to_z[child]),
         }
     }
 }

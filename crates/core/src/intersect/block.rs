@@ -8,11 +8,23 @@
 
 use super::setup::{Batch, BlockSpace, LANES, ROW, SIDE, SetUp};
 use crate::accel::MISS;
+use crate::accel::simd::Lanes;
 
 /// Rays in a block.
 const RAYS: usize = SIDE * SIDE;
 /// Sub-blocks along a side.
 const SUBS: usize = SIDE / ROW;
+
+/// A row's columns.
+const COLUMNS: [f32; ROW] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+/// From a sub-block's first ray to its middle.
+const HALF: f32 = (ROW as f32 - 1.0) * 0.5;
+/// The middles of two rows of sub-blocks.
+const SUB_X: [f32; ROW] = [3.5, 11.5, 19.5, 27.5, 3.5, 11.5, 19.5, 27.5];
+const SUB_Y: [f32; ROW] = [3.5, 3.5, 3.5, 3.5, 11.5, 11.5, 11.5, 11.5];
+/// Of two rows of sub-blocks the first one to four columns, as bits; and the first row.
+const SUB_COLUMNS: [u32; SUBS] = [0x11, 0x33, 0x77, 0xff];
+const SUB_FIRST_ROW: u32 = 0x0f;
 
 /// What marks a ray that the block could not decide, in place of how near its hit is.
 const OPEN: f32 = f32::INFINITY;
@@ -58,7 +70,7 @@ impl Block {
 
     /// Forgets everything; from now on it has `columns × rows` rays, at most [`SIDE`] each.
     #[inline(always)]
-    pub(crate) fn clear(&mut self, columns: u32, rows: u32, perspective: bool) {
+    pub(crate) fn clear(&mut self, lanes: impl Lanes, columns: u32, rows: u32, perspective: bool) {
         self.low = [f32::NEG_INFINITY; RAYS];
         self.high = [f32::NEG_INFINITY; RAYS];
         self.slots = [MISS; RAYS];
@@ -74,7 +86,7 @@ impl Block {
                 self.high[ray] = OPEN;
             }
             self.touched = u32::MAX >> (32 - SUBS * SUBS);
-            self.look_around();
+            self.look_around(lanes);
         }
     }
 
@@ -107,7 +119,7 @@ impl Block {
 
     /// Meets every triangle of a batch, and empties it. Returns how many were set up.
     #[inline(always)]
-    pub(crate) fn meet(&mut self, space: &BlockSpace, batch: &mut Batch) -> u32 {
+    pub(crate) fn meet(&mut self, lanes: impl Lanes, space: &BlockSpace, batch: &mut Batch) -> u32 {
         let count = batch.len;
         batch.len = 0;
         let placed = space.place(batch);
@@ -139,9 +151,9 @@ impl Block {
         while wanted != 0 {
             let l = wanted.trailing_zeros() as usize & (LANES - 1);
             wanted &= wanted - 1;
-            self.meet_one(&set_up, l, batch.slots[l]);
+            self.meet_one(lanes, &set_up, l, batch.slots[l]);
         }
-        self.look_around();
+        self.look_around(lanes);
         count
     }
 
@@ -160,7 +172,7 @@ impl Block {
     }
 
     #[inline(always)]
-    fn meet_one(&mut self, set_up: &SetUp, l: usize, slot: u32) {
+    fn meet_one(&mut self, lanes: impl Lanes, set_up: &SetUp, l: usize, slot: u32) {
         let linear = |f: &[[f32; LANES]; 3]| [f[0][l], f[1][l], f[2][l]];
         let functions = Functions {
             slot,
@@ -189,14 +201,19 @@ impl Block {
             );
         } else if right - left < ROW as i32 {
             let rows = (bottom - top + 1) as usize;
-            self.meet_rows(&functions, row * SIDE + column, rows);
+            self.meet_rows(lanes, &functions, row * SIDE + column, rows);
             let (first, last) = (column / ROW, (column + ROW - 1) / ROW);
             let columns = (1u32 << first) | (1 << last);
             for sub_row in row / ROW..=bottom as usize / ROW {
                 self.touched |= columns << (SUBS * sub_row);
             }
         } else {
-            self.meet_subs(&functions, (column, row), (right as usize, bottom as usize));
+            self.meet_subs(
+                lanes,
+                &functions,
+                (column, row),
+                (right as usize, bottom as usize),
+            );
         }
     }
 
@@ -204,11 +221,11 @@ impl Block {
     #[inline(always)]
     fn meet_subs(
         &mut self,
+        lanes: impl Lanes,
         functions: &Functions,
         (column, row): (usize, usize),
         (right, bottom): (usize, usize),
     ) {
-        const HALF: f32 = (ROW as f32 - 1.0) * 0.5;
         let Functions {
             edges,
             edge_error,
@@ -218,30 +235,43 @@ impl Block {
         } = *functions;
         let columns = right / ROW - column / ROW + 1;
         let rows = bottom / ROW - row / ROW + 1;
-        // All sub-blocks from the first, whether the triangle's box has them or not.
-        let mut outside = [false; SUBS * SUBS];
-        let mut inside = [true; SUBS * SUBS];
-        let mut nearest = [0.0f32; SUBS * SUBS];
-        for sub in 0..SUBS * SUBS {
+        let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
+        // All sub-blocks from the first, two rows of them at a time.
+        for sub_row in (0..rows).step_by(ROW / SUBS) {
             let (x, y) = (
-                (sub % SUBS * ROW) as f32 + HALF,
-                (sub / SUBS * ROW) as f32 + HALF,
+                lanes.load(&SUB_X),
+                lanes.add(lanes.load(&SUB_Y), lanes.splat((sub_row * ROW) as f32)),
             );
-            let value = |f: [f32; 3]| (f[0] + f[2] * y) + f[1] * x;
-            let swing = |f: [f32; 3]| (f[1].abs() + f[2].abs()) * HALF;
-            for edge in edges {
-                let (value, swing) = (value(edge), swing(edge));
-                outside[sub] |= value + swing < -edge_error;
-                inside[sub] &= value - swing > edge_error;
+            let value = |f: [f32; 3]| {
+                let below = lanes.add(lanes.splat(f[0]), lanes.mul(lanes.splat(f[2]), y));
+                lanes.add(below, lanes.mul(lanes.splat(f[1]), x))
+            };
+            let swing = |f: [f32; 3]| lanes.splat((f[1].abs() + f[2].abs()) * HALF);
+            let [greatest, least] = {
+                let of = |f: [f32; 3]| {
+                    let (value, swing) = (value(f), swing(f));
+                    [lanes.add(value, swing), lanes.sub(value, swing)]
+                };
+                let ([a, p], [b, q], [c, r]) = (of(edges[0]), of(edges[1]), of(edges[2]));
+                [lanes.min(lanes.min(a, b), c), lanes.min(lanes.min(p, q), r)]
+            };
+            let outside = lanes.bits(lanes.less(greatest, minus_error));
+            let inside = lanes.bits(lanes.less(error, least));
+            let mut nearest = [0.0; ROW];
+            let near = lanes.add(value(nearness), swing(nearness));
+            lanes.store(lanes.add(near, lanes.splat(nearness_error)), &mut nearest);
+
+            let mut wanted = !outside & SUB_COLUMNS[columns - 1];
+            if sub_row + 1 == rows {
+                wanted &= SUB_FIRST_ROW;
             }
-            nearest[sub] = value(nearness) + swing(nearness) + nearness_error;
-        }
-        for sub_row in 0..rows {
-            for sub_column in 0..columns {
-                let sub = sub_row * SUBS + sub_column;
+            while wanted != 0 {
+                let sub = wanted.trailing_zeros() as usize % ROW;
+                wanted &= wanted - 1;
+                let (sub_column, sub_row) = (sub % SUBS, sub_row + sub / SUBS);
                 let place =
                     ((row / ROW + sub_row) * SUBS + column / ROW + sub_column) % (SUBS * SUBS);
-                if outside[sub] | (nearest[sub] < self.horizons[place]) {
+                if nearest[sub] < self.horizons[place] {
                     continue;
                 }
                 let (x, y) = ((sub_column * ROW) as f32, (sub_row * ROW) as f32);
@@ -252,97 +282,61 @@ impl Block {
                     ..*functions
                 };
                 let first = (row + sub_row * ROW) * SIDE + column + sub_column * ROW;
-                if inside[sub] {
-                    self.cover(&here, first);
+                if inside & (1 << sub) != 0 {
+                    self.cover(lanes, &here, first);
                 } else {
-                    self.meet_rows(&here, first, ROW);
+                    self.meet_rows(lanes, &here, first, ROW);
                 }
                 self.touched |= 1 << place;
             }
         }
     }
 
-    /// Meets rows of rays with a triangle. Comparisons are such that NaN leaves a ray open.
+    /// Meets rows of rays with a triangle.
     #[inline(always)]
-    fn meet_rows(&mut self, functions: &Functions, first: usize, rows: usize) {
+    fn meet_rows(&mut self, lanes: impl Lanes, functions: &Functions, first: usize, rows: usize) {
         let Functions {
-            slot,
             edges: [e, f, g],
             edge_error,
-            nearness: n,
-            nearness_error,
+            nearness,
+            ..
         } = *functions;
-        let begin = self.begin;
-        let (mut a, mut b, mut c, mut near) = ([0.0; ROW], [0.0; ROW], [0.0; ROW], [0.0; ROW]);
-        for i in 0..ROW {
-            let x = i as f32;
-            a[i] = e[0] + e[1] * x;
-            b[i] = f[0] + f[1] * x;
-            c[i] = g[0] + g[1] * x;
-            near[i] = n[0] + n[1] * x;
-        }
+        let x = lanes.load(&COLUMNS);
+        let row = |f: [f32; 3]| lanes.add(lanes.splat(f[0]), lanes.mul(lanes.splat(f[1]), x));
+        let (mut a, mut b, mut c, mut near) = (row(e), row(f), row(g), row(nearness));
+        let step = |f: [f32; 3]| lanes.splat(f[2]);
+        let (step_a, step_b, step_c, step_near) = (step(e), step(f), step(g), step(nearness));
+        let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
+        let merge = Merge::new(lanes, functions, self.begin);
         for row in 0..rows {
             let Some((low, high, slots)) = self.rays(first + row * SIDE) else {
                 return;
             };
-            for i in 0..ROW {
-                let (near_low, near_high) = (near[i] - nearness_error, near[i] + nearness_error);
-                let least = lesser(lesser(a[i], b[i]), c[i]);
-                let outside = least < -edge_error;
-                let inside = least > edge_error;
-                let further = (near_high < low[i]) | (near_low > begin);
-                let nearer = (near_low > high[i]) & (near_high < begin);
-                let wins = inside & nearer;
-                let open = !(outside | further | wins);
-                let (next_low, next_high) = if wins {
-                    (near_low, near_high)
-                } else {
-                    (low[i], high[i])
-                };
-                low[i] = if open { OPEN } else { next_low };
-                high[i] = if open { OPEN } else { next_high };
-                slots[i] = if wins { slot } else { slots[i] };
-                a[i] += e[2];
-                b[i] += f[2];
-                c[i] += g[2];
-                near[i] += n[2];
-            }
+            let least = lanes.min(lanes.min(a, b), c);
+            let outside = lanes.less(least, minus_error);
+            let inside = lanes.less(error, least);
+            merge.row(lanes, near, Some((inside, outside)), low, high, slots);
+            a = lanes.add(a, step_a);
+            b = lanes.add(b, step_b);
+            c = lanes.add(c, step_c);
+            near = lanes.add(near, step_near);
         }
     }
 
     /// Meets a sub-block of rays that are all surely inside of a triangle's edges.
     #[inline(always)]
-    fn cover(&mut self, functions: &Functions, first: usize) {
-        let Functions {
-            slot,
-            nearness: n,
-            nearness_error,
-            ..
-        } = *functions;
-        let begin = self.begin;
-        let mut near = [0.0; ROW];
-        for i in 0..ROW {
-            near[i] = n[0] + n[1] * i as f32;
-        }
+    fn cover(&mut self, lanes: impl Lanes, functions: &Functions, first: usize) {
+        let n = functions.nearness;
+        let x = lanes.load(&COLUMNS);
+        let mut near = lanes.add(lanes.splat(n[0]), lanes.mul(lanes.splat(n[1]), x));
+        let step = lanes.splat(n[2]);
+        let merge = Merge::new(lanes, functions, self.begin);
         for row in 0..ROW {
             let Some((low, high, slots)) = self.rays(first + row * SIDE) else {
                 return;
             };
-            for i in 0..ROW {
-                let (near_low, near_high) = (near[i] - nearness_error, near[i] + nearness_error);
-                let further = (near_high < low[i]) | (near_low > begin);
-                let wins = (near_low > high[i]) & (near_high < begin);
-                let open = !(further | wins);
-                let (next_low, next_high) = if wins {
-                    (near_low, near_high)
-                } else {
-                    (low[i], high[i])
-                };
-                low[i] = if open { OPEN } else { next_low };
-                high[i] = if open { OPEN } else { next_high };
-                slots[i] = if wins { slot } else { slots[i] };
-                near[i] += n[2];
-            }
+            merge.row(lanes, near, None, low, high, slots);
+            near = lanes.add(near, step);
         }
     }
 
@@ -386,29 +380,80 @@ impl Block {
 
     /// Brings the touched sub-blocks' horizons up to date.
     #[inline(always)]
-    fn look_around(&mut self) {
+    fn look_around(&mut self, lanes: impl Lanes) {
         let mut touched = self.touched & ((1 << (SUBS * SUBS)) - 1);
         self.touched = 0;
         while touched != 0 {
             let sub = touched.trailing_zeros() as usize % (SUBS * SUBS);
             touched &= touched - 1;
             let first = sub / SUBS * ROW * SIDE + sub % SUBS * ROW;
-            let mut least = [f32::INFINITY; ROW];
+            let mut least = lanes.splat(f32::INFINITY);
             for row in 0..ROW {
-                let at = first + row * SIDE;
-                let Some(low) = self.low.get(at..).and_then(|low| low.first_chunk::<ROW>()) else {
-                    continue;
-                };
-                for i in 0..ROW {
-                    least[i] = lesser(low[i], least[i]);
+                if let Some((low, _, _)) = self.rays(first + row * SIDE) {
+                    least = lanes.min(lanes.load(low), least);
                 }
             }
-            let mut horizon = f32::INFINITY;
-            for i in 0..ROW {
-                horizon = lesser(least[i], horizon);
-            }
-            self.horizons[sub] = horizon;
+            self.horizons[sub] = lanes.least(least);
         }
+    }
+}
+
+/// What merging a triangle into rows of rays needs, the same for all.
+struct Merge<L: Lanes> {
+    slot: u32,
+    error: L::Singles,
+    begin: L::Singles,
+    open: L::Singles,
+    never: L::Singles,
+}
+
+impl<L: Lanes> Merge<L> {
+    #[inline(always)]
+    fn new(lanes: L, functions: &Functions, begin: f32) -> Self {
+        Self {
+            slot: functions.slot,
+            error: lanes.splat(functions.nearness_error),
+            begin: lanes.splat(begin),
+            open: lanes.splat(OPEN),
+            never: lanes.splat(f32::NEG_INFINITY),
+        }
+    }
+
+    /// Merges a triangle that is as near as `near` into what a row of rays has met so far. `sides`
+    /// says which rays are surely inside of it and which surely outside; without, all are inside.
+    ///
+    /// No value here is other than a number: triangles whose functions are not are awkward.
+    #[inline(always)]
+    fn row(
+        &self,
+        lanes: L,
+        near: L::Singles,
+        sides: Option<(L::Mask, L::Mask)>,
+        low: &mut [f32; ROW],
+        high: &mut [f32; ROW],
+        slots: &mut [u32; ROW],
+    ) {
+        let (old_low, old_high) = (lanes.load(low), lanes.load(high));
+        let near_low = lanes.sub(near, self.error);
+        let near_high = lanes.add(near, self.error);
+        let further = lanes.or(
+            lanes.less(near_high, old_low),
+            lanes.less(self.begin, near_low),
+        );
+        let nearer = lanes.and(
+            lanes.less(old_high, near_low),
+            lanes.less(near_high, self.begin),
+        );
+        let (wins, loses) = match sides {
+            Some((inside, outside)) => (lanes.and(inside, nearer), lanes.or(outside, further)),
+            None => (nearer, further),
+        };
+        // What neither wins nor loses is open. What wins is nearer than what was there, so that the
+        // greater one stays; open rays are nearer than all.
+        let new = |near| lanes.pick(loses, self.never, lanes.pick(wins, near, self.open));
+        lanes.store(lanes.max(old_low, new(near_low)), low);
+        lanes.store(lanes.max(old_high, new(near_high)), high);
+        lanes.put(wins, self.slot, slots);
     }
 }
 
