@@ -114,12 +114,15 @@ impl Check for Stage {
     fn check_lattice(&self, lattice: &Lattice, cull: Cull, every: usize) -> usize {
         let at = |i: usize| (i as u32 % lattice.columns, i as u32 / lattice.columns);
         let ray = |i: usize| lattice.ray(at(i).0, at(i).1);
-        let mut exact = Vec::new();
-        for precision in [Precision::Fast, Precision::Exact] {
-            let expected: Vec<SlotHit> = (0..lattice.len())
+        let single = |precision| -> Vec<SlotHit> {
+            (0..lattice.len())
                 .into_par_iter()
                 .map(|i| self.accel.cast_slot(&ray(i), cull, precision))
-                .collect();
+                .collect()
+        };
+        let exact = single(Precision::Exact);
+        for precision in [Precision::Fast, Precision::Exact] {
+            let expected = single(precision);
             let accels = instruction_sets()
                 .into_iter()
                 .map(|simd| Accel::clone(&self.accel).with_simd(simd));
@@ -138,8 +141,11 @@ impl Check for Stage {
                         Detail::Full => found == expected,
                         Detail::Triangle => found.slot == expected.slot,
                     };
+                    // What a block decides is right where a single ray in doubles alone may not be.
                     let wrong: Vec<usize> = (0..lattice.len())
-                        .filter(|&i| !is_same((&found[i], &expected[i])))
+                        .filter(|&i| {
+                            !is_same((&found[i], &expected[i])) && !is_same((&found[i], &exact[i]))
+                        })
                         .collect();
                     if let Some(&i) = wrong.first() {
                         let place =
@@ -160,7 +166,6 @@ impl Check for Stage {
                     }
                 }
             }
-            exact = expected;
         }
         let columns = lattice.columns as usize;
         let is_border = |i: usize| {

@@ -255,7 +255,7 @@ impl BlockSpace {
             let (ax, ay, az) = (c(0), c(1), c(2));
             let (bx, by, bz) = (c(3), c(4), c(5));
             let (cx, cy, cz) = (c(6), c(7), c(8));
-            let reach = greatest(max3(ax, bx, cx), max3(ay, by, cy));
+            let reach = max(max3(ax, bx, cx), max3(ay, by, cy));
             let depth = max3(az, bz, cz);
             let delta = self.delta(reach, depth);
             let front = min(min(az, bz), cz);
@@ -274,35 +274,19 @@ impl BlockSpace {
             let behind = back < -delta;
             let (xa, xb, xc) = (ax * ia, bx * ib, cx * ic);
             let (ya, yb, yc) = (ay * ia, by * ib, cy * ic);
-            let left = if safe {
-                max(min(min(xa, xb), xc), -far)
-            } else {
-                -far
-            };
-            let right = if safe {
-                min(max(max(xa, xb), xc), far)
-            } else {
-                far
-            };
-            let top = if safe {
-                max(min(min(ya, yb), yc), -far)
-            } else {
-                -far
-            };
-            let bottom = if safe {
-                min(max(max(ya, yb), yc), far)
-            } else {
-                far
-            };
+            let (left, right) = (min(min(xa, xb), xc), max(max(xa, xb), xc));
+            let (top, bottom) = (min(min(ya, yb), yc), max(max(ya, yb), yc));
+            let (left, top) = if safe { (left, top) } else { (-far, -far) };
+            let (right, bottom) = if safe { (right, bottom) } else { (far, far) };
             let right = if behind { -far } else { right };
             // The first whole number not before the box, the last not after it.
             let first = |x: f64| {
                 let x = x as f32 - BOX_MARGIN + 0.5;
-                whole(if x > 0.0 { x } else { 0.0 })
+                whole(clamp(x, 0.0, (2 * SIDE) as f32))
             };
             let final_ = |x: f64, last: f32| {
                 let x = x as f32 + BOX_MARGIN - 0.5;
-                whole(if x < last { x } else { last })
+                whole(clamp(x, -1.0, last))
             };
             out.bounds.left[l] = first(left);
             out.bounds.top[l] = first(top);
@@ -351,7 +335,7 @@ impl BlockSpace {
             let (nx, ny, nz) = (uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx);
             let a_n = ax * nx + ay * ny + az * nz;
 
-            let reach = greatest(max3(ax, bx, cx), max3(ay, by, cy));
+            let reach = max(max3(ax, bx, cx), max3(ay, by, cy));
             let depth = max3(az, bz, cz);
             let delta = self.delta(reach, depth);
             // Differences of b and c are at most the sum of these.
@@ -513,6 +497,7 @@ fn max3(a: f64, b: f64, c: f64) -> f64 {
 }
 
 #[inline(always)]
-fn greatest(a: f64, b: f64) -> f64 {
-    max(a, b)
+fn clamp(x: f32, least: f32, most: f32) -> f32 {
+    let x = if x > least { x } else { least };
+    if x < most { x } else { most }
 }
