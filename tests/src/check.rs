@@ -9,7 +9,7 @@ use raycast_core::scene::{Mesh, Scene};
 use raycast_oracle::Truth;
 use raycast_oracle::random::Random;
 pub use raycast_report::Stage;
-use raycast_report::fault::{GRAZING, T_BOUND, compare, ulps};
+use raycast_report::fault::{compare, compare_pixel};
 use raycast_report::stage::scene_of;
 use rayon::prelude::*;
 use std::time::Duration;
@@ -92,11 +92,7 @@ impl Check for Stage {
                 let ray = camera.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
                 let truth = self.check_quickly(&ray, cull);
                 let (object, triangle, depth) = pixel(layers, columns, x, y);
-                let expected = truth.map_or((u32::MAX, u32::MAX), |t| (t.object, t.triangle));
-                let is_right = (object, triangle) == expected
-                    && truth.map_or(depth == f32::INFINITY, |truth| {
-                        truth.cosine <= GRAZING || ulps(depth.into(), truth.t) <= T_BOUND
-                    });
+                let is_right = compare_pixel(object, triangle, depth, truth.as_ref()).is_ok();
                 assert!(
                     is_right,
                     "pixel ({x}, {y}) shows object {object} triangle {triangle} at {depth}\n  ray: {ray:?}\ntruth: {truth:?}\n      {}\n{camera:?}",

@@ -9,6 +9,7 @@
 use raycast_core::camera::Ray;
 use raycast_core::formats::read_mesh;
 use raycast_core::glam::{DVec3, Vec3};
+use raycast_core::image::{Format, Picture};
 use raycast_core::intersect::Cull;
 use raycast_oracle::random::Random;
 use raycast_tests::binary::{command, refuse, run, succeed};
@@ -542,6 +543,109 @@ fn assert_cast_is_exact(mesh: &Path, count: usize) {
     }
     println!("{}: {count} rays, {met} hits, none wrong", mesh.display());
     assert!(met > count / 2, "only {met} of {count} hit");
+}
+
+/// `verify` passes what `render` wrote, and finds one pixel that was changed by hand.
+#[test]
+fn a_wrong_pixel_is_found() {
+    let folder = folder();
+    let mesh = asset("monkey.obj");
+    let view = ["--size", "150x110", "--orbit", "40,10"].map(OsString::from);
+    for projection in ["perspective", "orthographic"] {
+        let path = folder.path().join("picture.exr");
+        let with_view = |mut arguments: Vec<OsString>| {
+            arguments.extend(view.iter().cloned());
+            arguments.extend(arguments!["--projection", projection]);
+            arguments
+        };
+        succeed(with_view(arguments!["render", &mesh, "-o", &path]));
+        let told = succeed(with_view(arguments!["verify", &path, &mesh]));
+        let text = String::from_utf8(told.output).expect("a report is UTF-8");
+        assert!(
+            text.starts_with("16500 of 16500 pixels checked: "),
+            "{text}"
+        );
+        assert!(text.ends_with("0 wrong: every pixel shows what its ray meets first\n"));
+
+        let good = Picture::decode_exr(&bytes(&path)).expect("an EXR");
+        let triangles = &good.layers.as_ref().expect("an EXR has layers").triangle;
+        // Where the mesh ends: a miss to the left.
+        let is_silhouette = |&i: &usize| triangles[i - 1] == u32::MAX && triangles[i] != u32::MAX;
+        let at = (1..triangles.len())
+            .find(is_silhouette)
+            .expect("a silhouette");
+        for leak in [false, true] {
+            let mut bad = good.clone();
+            let layers = bad.layers.as_mut().expect("an EXR has layers");
+            if leak {
+                layers.object[at] = u32::MAX;
+                layers.triangle[at] = u32::MAX;
+                layers.depth[at] = f32::INFINITY;
+            } else {
+                layers.triangle[at] ^= 1;
+            }
+            std::fs::write(&path, bad.encode(Format::Exr).expect("encodes")).expect("writes");
+            let told = run(&mut command(with_view(arguments!["verify", &path, &mesh])));
+            assert_eq!(told.status, Some(1), "{}", told.errors);
+            assert!(told.errors.contains("1 of 16500 pixels checked are wrong"));
+            let text = String::from_utf8(told.output).expect("a report is UTF-8");
+            let (column, row) = (at % 150, at / 150);
+            assert!(
+                text.contains(&format!("column {column}, row {row}: ")),
+                "{text}"
+            );
+        }
+    }
+}
+
+#[test]
+fn verify_renders_where_there_is_no_image_and_takes_fragments() {
+    let folder = folder();
+    let scene = asset("demo.raycast.toml");
+    let checks = ["--checks", "3000", "--seed", "7"];
+    let mut arguments = arguments!["verify", &scene];
+    arguments.extend(checks.map(OsString::from));
+    let first = succeed(&arguments).output;
+    assert_eq!(first, succeed(&arguments).output);
+    let text = String::from_utf8(first).expect("a report is UTF-8");
+    assert!(
+        text.starts_with("3000 of 921600 pixels checked: "),
+        "{text}"
+    );
+    assert!(text.contains("0 wrong of 3000: "), "{text}");
+
+    let part = folder.path().join("part.exr");
+    let split = ["--tiles", "4x3", "--sub-camera", "2,1"].map(OsString::from);
+    let mut render = arguments!["render", &scene, "-o", &part];
+    render.extend(split);
+    succeed(render);
+    succeed(arguments!["verify", &part, &scene, "--checks", "2000"]);
+    // From elsewhere it is not what the rays meet.
+    let elsewhere = arguments!["verify", &part, &scene, "--orbit", "80,10"];
+    let told = run(&mut command(elsewhere));
+    assert_eq!(told.status, Some(1), "{}", told.errors);
+}
+
+#[test]
+fn what_cannot_be_verified_is_refused() {
+    let folder = folder();
+    let mesh = asset("cube.obj");
+    let picture = folder.path().join("picture.exr");
+    succeed(arguments![
+        "render", &mesh, "-o", &picture, "--size", "40x30"
+    ]);
+    let size = refuse(2, arguments!["verify", &picture, &mesh, "--size", "41x30"]);
+    assert!(size.contains("40x30") && size.contains("41x30"), "{size}");
+    refuse(2, arguments!["verify", &picture]);
+    refuse(2, arguments!["verify", &picture, &picture, &mesh]);
+    refuse(2, arguments!["verify", &mesh, "--checks", "0"]);
+    let text = folder.path().join("text.exr");
+    std::fs::write(&text, "no image").expect("writes");
+    refuse(1, arguments!["verify", &text, &mesh]);
+    refuse(
+        1,
+        arguments!["verify", folder.path().join("none.exr"), &mesh],
+    );
 }
 
 #[test]

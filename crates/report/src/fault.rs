@@ -67,6 +67,32 @@ pub fn compare(hit: Option<&Hit>, truth: Option<&Truth>) -> Result<(), Fault> {
     Ok(())
 }
 
+/// Whether a pixel that shows these shows the truth: the same triangle, and a distance within the
+/// bound where the ray does not graze. `u32::MAX` and infinity tell of a miss.
+///
+/// # Errors
+/// The first thing that is wrong.
+pub fn compare_pixel(
+    object: u32,
+    triangle: u32,
+    depth: f32,
+    truth: Option<&Truth>,
+) -> Result<(), Fault> {
+    let is_miss = (object, triangle) == (u32::MAX, u32::MAX);
+    let hit = Hit {
+        object,
+        triangle,
+        t: depth.into(),
+        // A picture does not tell the weights.
+        u: truth.map_or(0.0, |truth| truth.u),
+        v: truth.map_or(0.0, |truth| truth.v),
+    };
+    if is_miss && truth.is_none() && depth != f32::INFINITY {
+        return Err(Fault::Range);
+    }
+    compare((!is_miss).then_some(&hit), truth)
+}
+
 /// How far a number is from the truth, in units in the last place of single precision.
 pub fn ulps(found: f64, truth: f64) -> f64 {
     (found - truth).abs() / ulp(truth)

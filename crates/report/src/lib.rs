@@ -2,6 +2,7 @@
 //!
 //! - [`stage`]: a scene, its tree, and the truth about it.
 //! - [`fault`], [`errors`]: in what an answer is not the truth, and what a way answered to many rays.
+//! - [`verify`]: pictures against the truth.
 //! - [`cases`]: where known ray casters go wrong.
 //! - [`meshes`], [`cameras`], [`scenes`]: made in code.
 //! - [`ways`]: RayCast's ways of casting and other people's, behind one trait; [`embree`] is loaded
@@ -28,6 +29,7 @@ pub mod stage;
 pub mod subject;
 pub mod table;
 pub mod timing;
+pub mod verify;
 pub mod views;
 pub mod watch;
 pub mod ways;
