@@ -32,6 +32,16 @@ pub enum Theme {
 }
 
 impl Theme {
+    /// All of them.
+    pub const ALL: [Self; 6] = [
+        Self::Leaks,
+        Self::Signs,
+        Self::Scale,
+        Self::BadGeometry,
+        Self::Sameness,
+        Self::Blocks,
+    ];
+
     /// What it is called.
     pub fn name(self) -> &'static str {
         match self {

@@ -119,6 +119,8 @@ pub enum Command {
     ConfirmPath,
     /// Open a file.
     Open(PathBuf),
+    /// Put the hard case of this name on screen.
+    OpenCase(&'static str),
     /// Put an image on every object.
     LoadTexture(PathBuf),
     /// Write the picture to a file; its name says which kind.

@@ -240,6 +240,7 @@ impl App {
         match effect {
             None => {}
             Some(Effect::Open(paths)) => self.files.open(paths),
+            Some(Effect::OpenCase(name)) => self.files.open_case(name),
             Some(Effect::LoadTexture(path)) => self.files.load_texture(path),
             Some(Effect::Dialog(kind)) => {
                 self.files.ask(kind, update::suggested_name(&self.state));

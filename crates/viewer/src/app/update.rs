@@ -19,6 +19,8 @@ use std::time::Duration;
 pub enum Effect {
     /// Read files as a new scene.
     Open(Vec<PathBuf>),
+    /// Put up a hard case as a new scene.
+    OpenCase(&'static str),
     /// Read an image as a texture.
     LoadTexture(PathBuf),
     /// Write the picture.
@@ -140,6 +142,7 @@ pub fn update(state: &mut State, command: Command) -> Option<Effect> {
             state.prompt = None;
             return Some(Effect::Open(vec![path]));
         }
+        Command::OpenCase(name) => return Some(Effect::OpenCase(name)),
         Command::LoadTexture(path) => {
             state.prompt = None;
             return Some(Effect::LoadTexture(path));

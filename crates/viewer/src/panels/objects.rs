@@ -1,12 +1,14 @@
-//! What is in the scene.
+//! What is in the scene, and what may be put there to see where ray casters go wrong.
 
 use super::widgets::section;
 use super::{Commands, format};
+use crate::app::command::Command;
 use crate::app::state::State;
 use crate::app::theme;
 use egui::{Align, Layout, RichText, ScrollArea, Ui};
+use raycast_report::cases::{self, Theme};
 
-pub(super) fn show(ui: &mut Ui, state: &State, _out: &mut Commands) {
+pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     let Some(document) = &state.document else {
         return;
     };
@@ -43,5 +45,25 @@ pub(super) fn show(ui: &mut Ui, state: &State, _out: &mut Commands) {
                     });
                 }
             });
+        hard_cases(ui, out);
     });
+}
+
+/// A menu of the hard cases, theme by theme.
+fn hard_cases(ui: &mut Ui, out: &mut Commands) {
+    let menu = ui.menu_button("Open hard case ▸", |ui| {
+        for theme in Theme::ALL {
+            ui.menu_button(theme.name(), |ui| {
+                for case in cases::all().iter().filter(|case| case.theme == theme) {
+                    let item = ui.button(case.title()).on_hover_text(case.trouble);
+                    if item.clicked() {
+                        out.push(Command::OpenCase(case.name));
+                        ui.close();
+                    }
+                }
+            });
+        }
+    });
+    menu.response
+        .on_hover_text("Scenes at which known ray casters go wrong");
 }

@@ -1,6 +1,6 @@
 //! Reading scenes and textures, writing pictures, asking for paths: a named thread for each task.
 
-use super::{Wake, demo, panic_text};
+use super::{Wake, case, demo, panic_text};
 use crate::app::command::PromptKind;
 use crate::app::state::Document;
 use crate::app::update::{DialogAnswer, Loaded, News};
@@ -121,13 +121,31 @@ impl Files {
 
     /// Reads files as one scene; the demo scene if there are none. The newest call wins.
     pub fn open(&self, paths: Vec<PathBuf>) {
+        self.load(scene_name(&paths), paths, read);
+    }
+
+    /// Puts up the hard case of this name as a scene. The newest call of this or [`Files::open`] wins.
+    pub fn open_case(&self, name: &'static str) {
+        self.load(name.replace('_', " "), Vec::new(), move |_, _| {
+            case::scene(name).ok_or_else(|| format!("{name}: there is no such case"))
+        });
+    }
+
+    fn load(
+        &self,
+        name: String,
+        paths: Vec<PathBuf>,
+        read: impl FnOnce(&[PathBuf], &(dyn Fn(f32) + Sync)) -> Result<SceneFile, String>
+        + Send
+        + 'static,
+    ) {
         let ticket = self.shared.newest_load.fetch_add(1, Ordering::Relaxed) + 1;
         let progress = Arc::new(Progress::default());
-        let name = scene_name(&paths);
         lock(&self.shared.loads).push((ticket, name.clone(), Arc::clone(&progress)));
         self.shared.spawn("raycast-load", ticket, move |shared| {
-            let news =
-                load(&paths, name, &progress, shared).map(|loaded| News::Loaded(Box::new(loaded)));
+            let read = |share: &(dyn Fn(f32) + Sync)| read(&paths, share);
+            let news = load(&paths, name, read, &progress, shared)
+                .map(|loaded| News::Loaded(Box::new(loaded)));
             lock(&shared.loads).retain(|(load, ..)| *load != ticket);
             news
         });
@@ -233,11 +251,12 @@ fn scene_name(paths: &[PathBuf]) -> String {
 fn load(
     paths: &[PathBuf],
     name: String,
+    read: impl FnOnce(&(dyn Fn(f32) + Sync)) -> Result<SceneFile, String>,
     progress: &Progress,
     shared: &Shared,
 ) -> Result<Loaded, String> {
     let started = Instant::now();
-    let file = read(paths, &|share| {
+    let file = read(&|share| {
         progress.read(share);
         (shared.wake)();
     })?;
@@ -250,7 +269,7 @@ fn load(
     if accel.is_empty() {
         return Err(match paths.first() {
             Some(path) => format!("{}: no triangle in it can be seen", path.display()),
-            None => "the demo scene is empty".to_owned(),
+            None => format!("{name}: no triangle in it can be seen"),
         });
     }
     let dropped: u64 = file

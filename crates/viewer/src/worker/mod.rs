@@ -3,6 +3,7 @@
 //! Each worker is a named thread. What it makes it sends as owned values: tiles through
 //! [`outbox::Outbox`], scenes, textures and messages as [`News`](crate::app::update::News).
 
+pub mod case;
 pub mod demo;
 pub mod files;
 pub mod mailbox;
