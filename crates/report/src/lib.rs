@@ -7,7 +7,7 @@
 //! - [`meshes`], [`cameras`], [`scenes`]: made in code.
 //! - [`ways`]: RayCast's ways of casting and other people's, behind one trait; [`embree`] is loaded
 //!   at run time.
-//! - [`report`]: everything measured and written down, in [`sections`]; [`effort`] says how much,
+//! - [`mod@report`]: everything measured and written down, in [`sections`]; [`effort`] says how much,
 //!   [`subject`] at what, [`views`] from where, [`machine`] on what, [`watch`] how far it is.
 //! - [`timing`], [`pareto`]: what is typical of times, and what is best of two kinds.
 //! - [`chart`], [`table`]: plots and numbers.
