@@ -37,6 +37,14 @@ pub struct CastCounts {
     pub open_rays: u64,
 }
 
+impl std::ops::AddAssign for CastCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.nodes += other.nodes;
+        self.triangles += other.triangles;
+        self.open_rays += other.open_rays;
+    }
+}
+
 impl Accel {
     /// Casts every ray of a lattice: its hits row by row, in place of what `hits` held.
     ///

@@ -2,7 +2,7 @@
 
 use super::sample::sample_offset;
 use super::{Pass, Settings, Tile, TileStats, View};
-use crate::accel::SlotHit;
+use crate::accel::{MISS, SlotHit};
 use crate::camera::{Lattice, Rect};
 use crate::image::Layers;
 use crate::intersect::Detail;
@@ -25,13 +25,36 @@ pub(super) struct Job {
 
 impl Job {
     pub(super) fn new(rect: Rect) -> Self {
+        Self::reusing(rect, Vec::new())
+    }
+
+    /// A tile whose pixels go where another's were.
+    pub(super) fn reusing(rect: Rect, pixels: Vec<[u8; 4]>) -> Self {
         Self {
             rect,
-            pixels: Vec::new(),
+            pixels,
             sums: Vec::new(),
             layers: None,
             samples: 0,
         }
+    }
+
+    /// Casts the rays through a rectangle's pixels, and forgets what they met.
+    pub(super) fn cast(
+        view: &View,
+        shader: &Shader<'_>,
+        rect: Rect,
+        buffers: &mut Buffers,
+    ) -> TileStats {
+        let mut work = Work {
+            view,
+            shader,
+            clock: &|| Duration::ZERO,
+            buffers,
+            stats: TileStats::default(),
+        };
+        work.find(&Lattice::new(view.camera, rect, 1, (0, 0)));
+        work.stats
     }
 
     /// Brings the tile to where `pass` has it: casts what is not yet cast.
@@ -41,12 +64,13 @@ impl Job {
         shader: &Shader<'_>,
         pass: Pass,
         clock: Clock<'_>,
+        buffers: &mut Buffers,
     ) -> TileStats {
         let mut work = Work {
             view,
             shader,
             clock,
-            hits: Vec::new(),
+            buffers,
             stats: TileStats::default(),
         };
         work.stats.worker = rayon::current_thread_index().unwrap_or(0) as u32;
@@ -64,11 +88,20 @@ impl Job {
     ///
     /// Rays of a coarser lattice are cast again: leaving them out would spare a quarter of the rays,
     /// and cost more than all of them, since a kernel for blocks is at its best with neighbours.
-    fn refine(&mut self, work: &mut Work<'_>, stride: u32) {
+    fn refine(&mut self, work: &mut Work<'_, '_>, stride: u32) {
         let lattice = Lattice::new(work.view.camera, self.rect, stride, (0, 0));
         if stride == 1 {
-            work.cast(&lattice);
-            work.shade(|shader, hits| shader.shade_tile(self.rect, hits, &mut self.pixels));
+            work.find(&lattice);
+            if work.shader.detail() == Detail::Triangle {
+                work.shade(|shader, buffers| {
+                    shader.shade_slots(self.rect, &buffers.slots, &mut self.pixels);
+                });
+            } else {
+                work.evaluate(&lattice);
+                work.shade(|shader, buffers| {
+                    shader.shade_tile(self.rect, &buffers.hits, &mut self.pixels);
+                });
+            }
         } else {
             self.fill(work, &lattice, stride);
         }
@@ -76,14 +109,15 @@ impl Job {
     }
 
     /// Casts a lattice, and fills the block of pixels to the right of and below each ray.
-    fn fill(&mut self, work: &mut Work<'_>, lattice: &Lattice, block: u32) {
+    fn fill(&mut self, work: &mut Work<'_, '_>, lattice: &Lattice, block: u32) {
         if lattice.is_empty() {
             return;
         }
-        work.cast(lattice);
+        work.find(lattice);
+        work.evaluate(lattice);
         let rect = self.rect;
         let pixels = &mut self.pixels;
-        work.shade(|shader, hits| {
+        work.shade(|shader, Buffers { hits, .. }| {
             let mut shader = shader.tile();
             for row in 0..lattice.rows {
                 for column in 0..lattice.columns {
@@ -105,7 +139,7 @@ impl Job {
     }
 
     /// Every pixel, with samples beyond the first, or with layers.
-    fn accumulate(&mut self, work: &mut Work<'_>, samples: u32) {
+    fn accumulate(&mut self, work: &mut Work<'_, '_>, samples: u32) {
         // A first sample that was only shown in 8 bits is cast again: cheaper than keeping the sums
         // of every picture that never gets a second one.
         if self.sums.is_empty() {
@@ -115,9 +149,10 @@ impl Job {
         for index in self.samples..samples {
             let mut lattice = Lattice::new(work.view.camera, self.rect, 1, (0, 0));
             lattice.offset = sample_offset(index);
-            work.cast(&lattice);
+            work.find(&lattice);
+            work.evaluate(&lattice);
             let sums = &mut self.sums;
-            work.shade(|shader, hits| {
+            work.shade(|shader, Buffers { hits, .. }| {
                 let mut shader = shader.tile();
                 for (at, (sum, hit)) in sums.iter_mut().zip(hits).enumerate() {
                     let (x, y) =
@@ -164,38 +199,69 @@ impl Job {
     }
 }
 
+/// What a worker keeps from tile to tile.
+#[derive(Debug, Default)]
+pub(super) struct Buffers {
+    /// Triangles met.
+    slots: Vec<u32>,
+    /// Where.
+    hits: Vec<SlotHit>,
+    /// A finished tile's, to be filled again.
+    pub(super) pixels: Vec<[u8; 4]>,
+}
+
 /// What casting and shading need, and what they took.
-struct Work<'a> {
+struct Work<'a, 'b> {
     view: &'a View,
     shader: &'a Shader<'a>,
     clock: Clock<'a>,
-    hits: Vec<SlotHit>,
+    buffers: &'b mut Buffers,
     stats: TileStats,
 }
 
-impl Work<'_> {
-    fn cast(&mut self, lattice: &Lattice) {
-        let settings = &self.view.settings;
-        let begin = (self.clock)();
+impl Work<'_, '_> {
+    /// Visibility.
+    fn find(&mut self, lattice: &Lattice) {
         let Settings {
             cull, precision, ..
-        } = *settings;
-        let detail = if settings.layers {
-            Detail::Full
-        } else {
-            self.shader.detail()
-        };
-        self.view
-            .accel
-            .cast_lattice(lattice, cull, precision, detail, &mut self.hits);
+        } = self.view.settings;
+        let begin = (self.clock)();
+        let slots = &mut self.buffers.slots;
+        let counts = self.view.accel.find(lattice, cull, precision, slots);
         self.stats.cast += self.since(begin);
-        self.stats.rays += self.hits.len() as u64;
-        self.stats.hits += self.hits.iter().filter(|hit| !hit.is_miss()).count() as u64;
+        self.stats.counts += counts;
+        self.stats.rays += self.buffers.slots.len() as u64;
+        let met = self.buffers.slots.iter().filter(|&&slot| slot != MISS);
+        self.stats.hits += met.count() as u64;
     }
 
-    fn shade(&mut self, shade: impl FnOnce(&Shader<'_>, &[SlotHit])) {
+    /// Where the triangles found are met, as far as the picture asks for it.
+    fn evaluate(&mut self, lattice: &Lattice) {
         let begin = (self.clock)();
-        shade(self.shader, &self.hits);
+        let Settings {
+            cull,
+            precision,
+            layers,
+            ..
+        } = self.view.settings;
+        let Buffers { slots, hits, .. } = &mut *self.buffers;
+        if layers || self.shader.detail() == Detail::Full {
+            self.view
+                .accel
+                .evaluate(lattice, cull, precision, slots, hits);
+        } else {
+            hits.clear();
+            hits.extend(slots.iter().map(|&slot| SlotHit {
+                slot,
+                ..SlotHit::NONE
+            }));
+        }
+        self.stats.shade += self.since(begin);
+    }
+
+    fn shade(&mut self, shade: impl FnOnce(&Shader<'_>, &Buffers)) {
+        let begin = (self.clock)();
+        shade(self.shader, self.buffers);
         self.stats.shade += self.since(begin);
     }
 
@@ -206,13 +272,9 @@ impl Work<'_> {
     /// The layers of the lattice just cast, but for the colours.
     fn layers(&mut self, lattice: &Lattice) -> Layers {
         let begin = (self.clock)();
-        let mut layers = Layers::blank(self.hits.len());
-        for (at, hit) in self
-            .hits
-            .iter()
-            .enumerate()
-            .filter(|(_, hit)| !hit.is_miss())
-        {
+        let hits = &self.buffers.hits;
+        let mut layers = Layers::blank(hits.len());
+        for (at, hit) in hits.iter().enumerate().filter(|(_, hit)| !hit.is_miss()) {
             let (x, y) = lattice.place(at as u32 % lattice.columns, at as u32 / lattice.columns);
             (layers.object[at], layers.triangle[at]) = self.view.accel.identify(hit.slot);
             (layers.normal[at], layers.uv[at]) = self.shader.surface(x, y, hit);

@@ -1,3 +1,4 @@
+use crate::accel::CastCounts;
 use crate::camera::Rect;
 use crate::image::Layers;
 use std::time::Duration;
@@ -9,9 +10,11 @@ pub struct TileStats {
     pub rays: u64,
     /// Rays that met something.
     pub hits: u64,
-    /// Time for visibility.
+    /// What visibility took, counted.
+    pub counts: CastCounts,
+    /// Time for visibility: which triangle each ray meets.
     pub cast: Duration,
-    /// Time for everything else: shading, lines, conversion.
+    /// Time for everything else: where it meets it, shading, lines, conversion.
     pub shade: Duration,
     /// Which of rayon's workers made it.
     pub worker: u32,
@@ -22,6 +25,7 @@ impl std::ops::AddAssign for TileStats {
     fn add_assign(&mut self, other: Self) {
         self.rays += other.rays;
         self.hits += other.hits;
+        self.counts += other.counts;
         self.cast += other.cast;
         self.shade += other.shade;
     }

@@ -1,5 +1,5 @@
-use super::job::Job;
-use super::{Pass, Precision, Tile};
+use super::job::{Buffers, Job};
+use super::{Pass, Precision, Tile, TileStats};
 use crate::accel::Accel;
 use crate::camera::{Camera, Grid, ImagePlane, Rect};
 use crate::image::Picture;
@@ -70,25 +70,52 @@ impl View {
         sink: &(dyn Fn(&Tile) + Sync),
     ) -> Option<Picture> {
         let plane = self.camera.plane();
+        let mut picture = Picture::blank(plane.columns, plane.rows, self.settings.layers);
+        self.render_into(grid, clock, cancel, sink, &mut picture)
+            .then_some(picture)
+    }
+
+    /// As [`View::render`], over a picture that is there already, of the camera's size and with
+    /// layers if the settings ask for them: memory that is in use costs less than new. Returns whether
+    /// it ran to the end; the picture's state is a mixture otherwise.
+    pub fn render_into(
+        &self,
+        grid: Grid,
+        clock: Clock<'_>,
+        cancel: &Cancel,
+        sink: &(dyn Fn(&Tile) + Sync),
+        picture: &mut Picture,
+    ) -> bool {
+        let plane = self.camera.plane();
         let tiles = grid.tiles(plane.columns, plane.rows);
-        let picture = Mutex::new(Picture::blank(
-            plane.columns,
-            plane.rows,
-            self.settings.layers,
-        ));
+        let picture = Mutex::new(picture);
         let shader = self.shader();
-        let finished = in_parallel(tiles.len(), cancel, |index| {
-            let tile = self.finish(&shader, tiles[index], clock);
+        in_parallel(tiles.len(), cancel, |buffers, index| {
+            let tile = self.finish(&shader, tiles[index], clock, buffers);
             sink(&tile);
             let mut picture = picture.lock().unwrap_or_else(PoisonError::into_inner);
             picture.place(tile.rect, &tile.pixels, tile.layers.as_ref());
+            drop(picture);
+            buffers.pixels = tile.pixels;
+        })
+    }
+
+    /// Casts every ray of the picture and keeps nothing: visibility alone, for measuring.
+    pub fn cast(&self, grid: Grid) -> TileStats {
+        let plane = self.camera.plane();
+        let tiles = grid.tiles(plane.columns, plane.rows);
+        let sum = Mutex::new(TileStats::default());
+        let shader = self.shader();
+        in_parallel(tiles.len(), &Cancel::default(), |buffers, index| {
+            let stats = Job::cast(self, &shader, tiles[index], buffers);
+            *sum.lock().unwrap_or_else(PoisonError::into_inner) += stats;
         });
-        finished.then(|| picture.into_inner().unwrap_or_else(PoisonError::into_inner))
+        sum.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Renders one rectangle of the picture: what the sub-camera over it sees.
     pub fn render_rect(&self, rect: Rect, clock: Clock<'_>) -> Tile {
-        self.finish(&self.shader(), rect, clock)
+        self.finish(&self.shader(), rect, clock, &mut Buffers::default())
     }
 
     /// Renders `passes` one after another, each tile of each pass handed to `sink` whole, from the
@@ -113,9 +140,9 @@ impl View {
             .collect();
         let shader = self.shader();
         passes.iter().all(|&pass| {
-            in_parallel(jobs.len(), cancel, |index| {
+            in_parallel(jobs.len(), cancel, |buffers, index| {
                 let mut job = jobs[index].lock().unwrap_or_else(PoisonError::into_inner);
-                let stats = job.advance(self, &shader, pass, clock);
+                let stats = job.advance(self, &shader, pass, clock, buffers);
                 sink(pass, job.tile(stats));
             })
         })
@@ -126,31 +153,38 @@ impl View {
     }
 
     /// A tile in one go.
-    fn finish(&self, shader: &Shader<'_>, rect: Rect, clock: Clock<'_>) -> Tile {
-        let mut job = Job::new(rect);
+    fn finish(
+        &self,
+        shader: &Shader<'_>,
+        rect: Rect,
+        clock: Clock<'_>,
+        buffers: &mut Buffers,
+    ) -> Tile {
+        let mut job = Job::reusing(rect, std::mem::take(&mut buffers.pixels));
         let pass = Pass {
             stride: 1,
             samples: self.settings.samples.max(1),
         };
-        let stats = job.advance(self, shader, pass, clock);
+        let stats = job.advance(self, shader, pass, clock, buffers);
         job.into_tile(stats)
     }
 }
 
 /// Calls `work` with every index below `count`, in ascending order as far as several workers can,
-/// until `cancel`. Returns whether all were done.
-fn in_parallel(count: usize, cancel: &Cancel, work: impl Fn(usize) + Sync) -> bool {
+/// until `cancel`; each worker has buffers of its own. Returns whether all were done.
+fn in_parallel(count: usize, cancel: &Cancel, work: impl Fn(&mut Buffers, usize) + Sync) -> bool {
     let next = AtomicUsize::new(0);
     let done = AtomicUsize::new(0);
     rayon::scope(|scope| {
         for _ in 0..rayon::current_num_threads() {
             scope.spawn(|_| {
+                let mut buffers = Buffers::default();
                 while !cancel.is_cancelled() {
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     if index >= count {
                         break;
                     }
-                    work(index);
+                    work(&mut buffers, index);
                     done.fetch_add(1, Ordering::Relaxed);
                 }
             });

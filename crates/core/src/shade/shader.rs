@@ -208,6 +208,12 @@ impl<'a> Shader<'a> {
         self.tile().shade(rect, hits, pixels);
     }
 
+    /// As [`Shader::shade_tile`] where the triangles alone are known: for pictures whose
+    /// [`Shader::detail`] asks for no more.
+    pub fn shade_slots(&self, rect: Rect, slots: &[u32], pixels: &mut [[u8; 4]]) {
+        self.tile().shade_slots(rect, slots, pixels);
+    }
+
     /// Whether all pixels of a triangle have one colour.
     pub(super) fn is_constant(&self) -> bool {
         matches!(self.shading.mode, Mode::Color | Mode::Flat)

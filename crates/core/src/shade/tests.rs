@@ -3,6 +3,7 @@
 use super::*;
 use crate::accel::{Accel, SlotHit};
 use crate::camera::{Camera, ImagePlane, Placement, Projection, Rect};
+use crate::intersect::Detail;
 use crate::intersect::{Cull, Precision};
 use crate::scene::{
     Attribute, Color, ColorRule, Mesh, MeshData, Object, Scene, Texture, Transform,
@@ -351,6 +352,12 @@ fn tiles_remember_without_a_trace() {
                 let shader = bench.shader(shading);
                 let mut pixels = vec![[0; 4]; rect.area()];
                 shader.shade_tile(rect, &hits, &mut pixels);
+                if shader.detail() == Detail::Triangle {
+                    let slots: Vec<u32> = hits.iter().map(|hit| hit.slot).collect();
+                    let mut from_slots = vec![[0; 4]; rect.area()];
+                    shader.shade_slots(rect, &slots, &mut from_slots);
+                    assert_eq!(pixels, from_slots, "{shading:?}");
+                }
                 let mut tile = shader.tile();
                 for ((&(x, y), hit), pixel) in places.iter().zip(&hits).zip(&pixels) {
                     assert_eq!(*pixel, shader.shade_pixel8(x, y, hit), "{shading:?}");
