@@ -11,6 +11,10 @@ pub struct Effort {
     pub checked: usize,
     /// Tests of a ray against a triangle that brute force may take for one measurement.
     pub tests: usize,
+    /// Settings of a hard case.
+    pub variants: usize,
+    /// Rays a setting of a hard case: so many that are no camera's, and so many that are.
+    pub hard: usize,
     /// Rays a place along an axis of the plots of where ways break.
     pub breaking: usize,
     /// The largest mesh, in triangles, of the plots of speed.
@@ -28,6 +32,8 @@ impl Effort {
         rounds: 7,
         checked: 100_000,
         tests: 60_000_000,
+        variants: 4,
+        hard: 2_000,
         breaking: 20_000,
         largest: 1_000_000,
         samples: 256,
@@ -40,6 +46,8 @@ impl Effort {
         rounds: 2,
         checked: 2_000,
         tests: 2_000_000,
+        variants: 1,
+        hard: 60,
         breaking: 500,
         largest: 20_000,
         samples: 256,

@@ -3,6 +3,7 @@
 //! - [`stage`]: a scene, its tree, and the truth about it.
 //! - [`fault`], [`errors`]: in what an answer is not the truth, and what a way answered to many rays.
 //! - [`verify`]: pictures against the truth.
+//! - [`checked`]: rays with the truth about them.
 //! - [`cases`]: where known ray casters go wrong.
 //! - [`meshes`], [`cameras`], [`scenes`]: made in code.
 //! - [`ways`]: RayCast's ways of casting and other people's, behind one trait; [`embree`] is loaded
@@ -15,6 +16,7 @@
 pub mod cameras;
 pub mod cases;
 pub mod chart;
+pub mod checked;
 pub mod effort;
 pub mod embree;
 pub mod errors;

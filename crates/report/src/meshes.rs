@@ -24,7 +24,7 @@ pub fn soup(corners: &[[DVec3; 3]]) -> Mesh {
 
 /// A grid of `columns × rows` quads, two triangles each, with vertices where `point(column, row)`
 /// says. Counter-clockwise where columns run right and rows run up.
-pub fn grid(columns: u32, rows: u32, point: impl Fn(u32, u32) -> DVec3) -> Mesh {
+pub fn grid(columns: u32, rows: u32, mut point: impl FnMut(u32, u32) -> DVec3) -> Mesh {
     let mut positions = Vec::new();
     let mut triangles = Vec::new();
     for row in 0..=rows {

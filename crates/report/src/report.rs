@@ -3,7 +3,7 @@
 use crate::effort::Effort;
 use crate::embree::Embree;
 use crate::machine::Machine;
-use crate::sections::{Section, meshes, numerics};
+use crate::sections::{Section, breaking, hard, meshes, numerics};
 use crate::subject::{Input, Subject};
 use crate::table::ReportError;
 use crate::watch::Watch;
@@ -59,10 +59,24 @@ pub fn report(
         &numerics::over_meshes(&figures),
         machine.threads,
     );
+    let embree = library.as_ref().ok();
+    hard::show(&mut ordinary, &hard::measure(effort, embree, watch)?);
+    let mut breaks = Section::default();
+    breaks.say("## B. Where each way breaks");
+    for sweep in breaking::Sweep::ALL {
+        let curves = breaking::measure(sweep, effort, embree, watch)?;
+        breaking::show(&mut breaks, sweep, &curves);
+    }
     let mut closing = Section::default();
     closing.say("## To measure this again");
     closing.say(format!("```sh\n{command}\n```"));
-    let sections = [opening, ordinary, meshes::show(&figures, effort), closing];
+    let sections = [
+        opening,
+        ordinary,
+        meshes::show(&figures, effort),
+        breaks,
+        closing,
+    ];
     files(sections, watch)
 }
 

@@ -1,6 +1,7 @@
 //! A mesh after the other: how fast each way is, and how often it is wrong.
 
 use super::Section;
+use crate::checked::{self, Checked};
 use crate::effort::Effort;
 use crate::errors::Errors;
 use crate::subject::{Subject, cast_tiles, stride, tiles};
@@ -8,13 +9,8 @@ use crate::table::{Cell, ReportError, Table, grouped, short};
 use crate::timing::{Spread, interleaved};
 use crate::views;
 use crate::watch::Watch;
-use crate::ways::{self, Rays, Way};
-use raycast_core::accel::SlotHit;
-use raycast_core::camera::{Camera, Lattice, Ray, Rect};
-use raycast_core::intersect::Cull;
-use raycast_oracle::Truth;
-use raycast_oracle::random::Random;
-use rayon::prelude::*;
+use crate::ways::Way;
+use raycast_core::camera::{Camera, Lattice, Rect};
 use std::collections::HashSet;
 
 /// What was found about a mesh.
@@ -63,7 +59,14 @@ pub fn measure(
     watch.begin("speed", (subject.ways.len() * (effort.rounds + 1)) as u64);
     let speeds = speeds(&subject.ways, &camera, effort, watch);
     watch.begin("errors", subject.ways.len() as u64 + 1);
-    let errors = errors(subject, &camera, effort, watch);
+    let pixels = checked::pixels_by_lot(&camera, effort.checked);
+    let checked = Checked::new(stage, Vec::new(), vec![(camera, pixels)]);
+    watch.step();
+    let errors = subject.ways.iter().map(|way| {
+        let errors = checked.errors(way.as_ref(), 5 * effort.tests);
+        watch.step();
+        errors
+    });
     let (hits, shown) = seen(subject, &camera);
     let pixels = effort.size.0 as usize * effort.size.1 as usize;
     let accel = &stage.accel;
@@ -113,94 +116,6 @@ pub fn speeds(
         seconds.rate(rays as f64 / 1e6)
     };
     seconds.into_iter().zip(&lattices).map(rate).collect()
-}
-
-/// Rays, and the truth about them.
-struct Checked {
-    rays: Vec<Ray>,
-    truths: Vec<Option<Truth>>,
-}
-
-impl Checked {
-    fn new(subject: &Subject, rays: Vec<Ray>) -> Self {
-        let truth = |ray| subject.stage.truth(ray, Cull::None);
-        let truths = rays.par_iter().map(truth).collect();
-        Self { rays, truths }
-    }
-
-    fn errors(&self, subject: &Subject, way: &dyn Way, hits: &[SlotHit]) -> Errors {
-        let count = hits.len();
-        let (rays, truths) = (&self.rays[..count], &self.truths[..count]);
-        Errors::of(&subject.stage, way, rays, truths, hits)
-    }
-}
-
-/// Compares each way's answers with the truth, at pixels of the picture drawn by lot: the camera's
-/// own rays, or the same rounded for ways in single precision.
-fn errors(subject: &Subject, camera: &Camera, effort: &Effort, watch: &dyn Watch) -> Vec<Errors> {
-    let plane = camera.plane();
-    let mut random = Random::new(4);
-    let pixels: Vec<(u32, u32)> = (0..effort.checked)
-        .map(|_| (random.below(plane.columns), random.below(plane.rows)))
-        .collect();
-    let ray = |&(x, y): &(u32, u32)| camera.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
-    let rays: Vec<Ray> = pixels.iter().map(ray).collect();
-    let accel = &subject.stage.accel;
-    let rounded = rays.iter().map(|ray| ways::rounded(ray, accel)).collect();
-    let double = Checked::new(subject, rays);
-    let single = Checked::new(subject, rounded);
-    watch.step();
-    let one = |way: &dyn Way| {
-        let errors = match way.rays() {
-            Rays::Camera => double.errors(subject, way, &pick(way, camera, &pixels)),
-            Rays::Double => double.errors(subject, way, &cast(way, &double.rays, effort)),
-            Rays::Single => single.errors(subject, way, &cast(way, &single.rays, effort)),
-        };
-        watch.step();
-        errors
-    };
-    subject.ways.iter().map(|way| one(way.as_ref())).collect()
-}
-
-/// Answers to rays, as many as there is time for, on all workers.
-fn cast(way: &dyn Way, rays: &[Ray], effort: &Effort) -> Vec<SlotHit> {
-    let affordable = match way.tries() {
-        0 => rays.len(),
-        // As long as five measurements of its speed.
-        tries => rays.len().min((5 * effort.tests / tries).max(1)),
-    };
-    let parts: Vec<Vec<SlotHit>> = rays[..affordable]
-        .par_chunks(64)
-        .map(|rays| {
-            let mut hits = Vec::new();
-            way.cast(rays, &mut hits);
-            hits
-        })
-        .collect();
-    parts.concat()
-}
-
-/// Answers to a camera's rays through some pixels: the whole picture is cast, in its tiles.
-fn pick(way: &dyn Way, camera: &Camera, pixels: &[(u32, u32)]) -> Vec<SlotHit> {
-    let plane = camera.plane();
-    let mut picture = vec![SlotHit::NONE; plane.columns as usize * plane.rows as usize];
-    let tiles = tiles(camera, 1);
-    let parts: Vec<Vec<SlotHit>> = tiles
-        .par_iter()
-        .map(|tile| {
-            let mut hits = Vec::new();
-            way.cast_lattice(tile, &mut hits);
-            hits
-        })
-        .collect();
-    let place = |x: u32, y: u32| (y * plane.columns + x) as usize;
-    for (tile, hits) in tiles.iter().zip(parts) {
-        for (row, hits) in hits.chunks(tile.columns as usize).enumerate() {
-            let first = place(tile.x, tile.y + row as u32);
-            picture[first..first + hits.len()].copy_from_slice(hits);
-        }
-    }
-    pixels.iter().map(|&(x, y)| picture[place(x, y)]).collect()
 }
 
 /// How many rays of the picture meet something, and how many different triangles they meet.

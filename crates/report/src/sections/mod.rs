@@ -1,5 +1,7 @@
 //! What a report is made of, a part each: what is measured, and how it is shown.
 
+pub mod breaking;
+pub mod hard;
 pub mod meshes;
 pub mod numerics;
 

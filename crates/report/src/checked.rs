@@ -1,0 +1,141 @@
+//! Rays with the truth about them, for every way to be compared with.
+
+use crate::Stage;
+use crate::errors::Errors;
+use crate::subject;
+use crate::ways::{self, Rays, Way};
+use raycast_core::accel::SlotHit;
+use raycast_core::camera::{Camera, Ray};
+use raycast_core::intersect::Cull;
+use raycast_oracle::Truth;
+use rayon::prelude::*;
+
+/// Rays that are no camera's, and pixels of cameras, each as given and rounded to single precision,
+/// with the truth about all of them.
+pub struct Checked<'a> {
+    stage: &'a Stage,
+    /// Rays as given, those of the cameras last.
+    double: Asked,
+    /// The same, rounded.
+    single: Asked,
+    /// How many of them are no camera's.
+    free: usize,
+    pictures: Vec<(Camera, Vec<(u32, u32)>)>,
+}
+
+/// Rays, and the truth about them.
+struct Asked {
+    rays: Vec<Ray>,
+    truths: Vec<Option<Truth>>,
+}
+
+impl<'a> Checked<'a> {
+    /// Asks the oracle about these rays, and about these pixels of these cameras.
+    pub fn new(
+        stage: &'a Stage,
+        mut rays: Vec<Ray>,
+        pictures: Vec<(Camera, Vec<(u32, u32)>)>,
+    ) -> Self {
+        let free = rays.len();
+        for (camera, pixels) in &pictures {
+            let ray = |&(x, y): &(u32, u32)| camera.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            rays.extend(pixels.iter().map(ray));
+        }
+        let rounded = rays.iter().map(|ray| ways::rounded(ray, &stage.accel));
+        let rounded = rounded.collect();
+        let ask = |rays: Vec<Ray>| Asked {
+            truths: rays
+                .par_iter()
+                .map(|ray| stage.truth(ray, Cull::None))
+                .collect(),
+            rays,
+        };
+        Self {
+            stage,
+            single: ask(rounded),
+            double: ask(rays),
+            free,
+            pictures,
+        }
+    }
+
+    /// The rays that a way is asked: for one that answers none but a camera's, those.
+    pub fn rays(&self, way: &dyn Way) -> &[Ray] {
+        match way.rays() {
+            Rays::Camera => &self.double.rays[self.free..],
+            Rays::Double => &self.double.rays,
+            Rays::Single => &self.single.rays,
+        }
+    }
+
+    /// A way's errors. Brute force is asked about as many rays as `tests` tests of a ray against a
+    /// triangle allow.
+    pub fn errors(&self, way: &dyn Way, tests: usize) -> Errors {
+        let (asked, first) = match way.rays() {
+            Rays::Camera => (&self.double, self.free),
+            Rays::Double => (&self.double, 0),
+            Rays::Single => (&self.single, 0),
+        };
+        let hits = match way.rays() {
+            Rays::Camera => {
+                let pictures = self.pictures.iter();
+                pictures
+                    .flat_map(|(camera, pixels)| pick(way, camera, pixels))
+                    .collect()
+            }
+            _ => cast(way, &asked.rays, tests),
+        };
+        let range = first..first + hits.len();
+        let (rays, truths) = (&asked.rays[range.clone()], &asked.truths[range]);
+        Errors::of(self.stage, way, rays, truths, &hits)
+    }
+}
+
+/// Answers to rays, as many as there is time for, on all workers.
+fn cast(way: &dyn Way, rays: &[Ray], tests: usize) -> Vec<SlotHit> {
+    let affordable = match way.tries() {
+        0 => rays.len(),
+        tries => rays.len().min((tests / tries).max(1)),
+    };
+    let parts: Vec<Vec<SlotHit>> = rays[..affordable]
+        .par_chunks(64)
+        .map(|rays| {
+            let mut hits = Vec::new();
+            way.cast(rays, &mut hits);
+            hits
+        })
+        .collect();
+    parts.concat()
+}
+
+/// Answers to a camera's rays through some pixels: the whole picture is cast, in its tiles.
+fn pick(way: &dyn Way, camera: &Camera, pixels: &[(u32, u32)]) -> Vec<SlotHit> {
+    let plane = camera.plane();
+    let mut picture = vec![SlotHit::NONE; plane.columns as usize * plane.rows as usize];
+    let tiles = subject::tiles(camera, 1);
+    let parts: Vec<Vec<SlotHit>> = tiles
+        .par_iter()
+        .map(|tile| {
+            let mut hits = Vec::new();
+            way.cast_lattice(tile, &mut hits);
+            hits
+        })
+        .collect();
+    let place = |x: u32, y: u32| (y * plane.columns + x) as usize;
+    for (tile, hits) in tiles.iter().zip(parts) {
+        for (row, hits) in hits.chunks(tile.columns as usize).enumerate() {
+            let first = place(tile.x, tile.y + row as u32);
+            picture[first..first + hits.len()].copy_from_slice(hits);
+        }
+    }
+    pixels.iter().map(|&(x, y)| picture[place(x, y)]).collect()
+}
+
+/// Pixels drawn by lot, the same every time.
+pub fn pixels_by_lot(camera: &Camera, count: usize) -> Vec<(u32, u32)> {
+    let plane = camera.plane();
+    let mut random = raycast_oracle::random::Random::new(4);
+    (0..count)
+        .map(|_| (random.below(plane.columns), random.below(plane.rows)))
+        .collect()
+}

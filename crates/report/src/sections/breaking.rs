@@ -1,0 +1,315 @@
+//! Plot B: where each way breaks.
+
+use super::Section;
+use crate::chart::{Axis, Better, Chart, Form, Ink, Series};
+use crate::checked::{Checked, pixels_by_lot};
+use crate::effort::Effort;
+use crate::embree::Embree;
+use crate::meshes::{grid, mesh};
+use crate::stage::scene_of;
+use crate::subject::{Input, Subject};
+use crate::table::{Cell, ReportError, Table};
+use crate::watch::Watch;
+use raycast_core::camera::{Camera, ImagePlane, Placement, Projection};
+use raycast_core::glam::DVec3;
+use raycast_core::scene::{Mesh, Scene};
+use raycast_oracle::random::Random;
+use std::sync::Arc;
+
+/// A way's wrong triangles in a million rays, along an axis.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// The way's name.
+    pub way: String,
+    /// Places along the axis, with rays and wrong triangles there.
+    pub points: Vec<(f64, u64, u64)>,
+}
+
+/// What is varied.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sweep {
+    /// The size of triangles in the picture.
+    Size,
+    /// How far from the origin the same triangles are.
+    Distance,
+    /// The angle between the surface and the rays.
+    Angle,
+}
+
+impl Sweep {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Size, Self::Distance, Self::Angle];
+
+    fn places(self) -> Vec<f64> {
+        match self {
+            Self::Size => (-4..=4)
+                .map(|half| 10f64.powf(f64::from(half) / 2.0))
+                .collect(),
+            Self::Distance => (0..=8).map(|decade| 10f64.powi(decade)).collect(),
+            Self::Angle => vec![
+                90.0, 30.0, 10.0, 3.0, 1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001,
+            ],
+        }
+    }
+
+    fn setting(self, place: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
+        match self {
+            Self::Size => of_size(place, side),
+            Self::Distance => at_distance(place, side),
+            Self::Angle => at_angle(place, side),
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Size => "b-size",
+            Self::Distance => "b-distance",
+            Self::Angle => "b-angle",
+        }
+    }
+
+    fn axis(self, places: &[f64]) -> Axis {
+        let numbers = places.iter().copied();
+        match self {
+            Self::Size => Axis::log("edge of a triangle in the picture, pixels", numbers),
+            Self::Distance => Axis::log(
+                "distance from the origin (a triangle's edge is 1,024)",
+                numbers,
+            ),
+            Self::Angle => Axis::log("angle between surface and ray, degrees", numbers),
+        }
+    }
+
+    fn title(self) -> &'static str {
+        match self {
+            Self::Size => "the smaller triangles are in the picture",
+            Self::Distance => "the further the same triangles are from the origin",
+            Self::Angle => "the flatter rays meet the surface",
+        }
+    }
+}
+
+/// Cells along the side of a patch.
+const CELLS: u32 = 64;
+
+/// A patch of hills whose triangles are `pixels` long in a picture of 1000 rows and 45°, and a camera
+/// that has the middle of the patch in its frame. Eye and patch are at no special place.
+fn of_size(pixels: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
+    let eye = DVec3::new(2.3, 1.1, 3.7);
+    let sight = DVec3::new(-0.61, -0.23, -0.76).normalize() * 5.0;
+    let edge = pixels * 2.0 * sight.length() * 22.5f64.to_radians().tan() / 1000.0;
+    let target = eye + sight;
+    let across = sight.cross(DVec3::Y).normalize();
+    let along = across.cross(sight).normalize();
+    let mut random = Random::new(11);
+    let half = f64::from(CELLS) * 0.5;
+    let patch = grid(CELLS, CELLS, |x, y| {
+        let out = sight.normalize() * random.between(-0.5, 0.5);
+        let within = across * (f64::from(x) - half) + along * (f64::from(y) - half);
+        target + (within + out) * edge
+    });
+    let frame = 0.6 * f64::from(CELLS) * edge;
+    Ok((scene_of([patch]), camera(eye, target, side, frame)?))
+}
+
+/// The same hills, whole numbers all of them, this far from the origin; one triangle stays there, so
+/// that the mesh is not brought to it.
+fn at_distance(distance: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
+    // Multiples of 8, which single precision has up to 1.3e8.
+    let whole = |x: f64| (x / 8.0).round() * 8.0;
+    let offset = DVec3::new(0.62, 0.48, 0.62) * distance;
+    let offset = DVec3::new(whole(offset.x), whole(offset.y), whole(offset.z));
+    let mut random = Random::new(12);
+    let hills = grid(CELLS, CELLS, |x, y| {
+        let height = whole(random.between(-300.0, 300.0));
+        offset + DVec3::new(f64::from(x), f64::from(y), 0.0) * 1024.0 + DVec3::Z * height
+    });
+    let middle = offset + DVec3::new(1.0, 1.0, 0.0) * (1024.0 * f64::from(CELLS) * 0.5);
+    let eye = middle + DVec3::new(20_480.0, -30_720.0, 61_440.0);
+    let frame = 1024.0 * 0.5 * f64::from(CELLS);
+    let anchor = with_anchor(&hills);
+    Ok((scene_of([anchor]), camera(eye, middle, side, frame)?))
+}
+
+/// The mesh with one more triangle at the origin, out of the way.
+fn with_anchor(hills: &Mesh) -> Mesh {
+    let mut positions: Vec<DVec3> = hills
+        .positions()
+        .iter()
+        .map(|position| hills.offset() + position.as_dvec3())
+        .collect();
+    let mut triangles = hills.triangles().to_vec();
+    let first = positions.len() as u32;
+    let corner = DVec3::splat(-8.0);
+    positions.extend([corner, corner - DVec3::X * 8.0, corner - DVec3::Y * 8.0]);
+    triangles.push([first, first + 1, first + 2]);
+    mesh(positions, triangles)
+}
+
+/// A flat patch, its corners moved about within it, seen at this angle in degrees.
+fn at_angle(angle: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
+    let mut random = Random::new(13);
+    let patch = grid(CELLS, CELLS, |x, y| {
+        let aside = |random: &mut Random| random.between(-0.3, 0.3);
+        let (x, y) = (
+            f64::from(x) + aside(&mut random),
+            f64::from(y) + aside(&mut random),
+        );
+        DVec3::new(x - 31.7, 0.0, y - 32.3)
+    });
+    let (sin, cos) = angle.to_radians().sin_cos();
+    let eye = DVec3::new(0.13, 80.0 * sin, 80.0 * cos);
+    // As high as the patch is seen: a far-off strip of it fills the frame.
+    let frame = 0.5 * f64::from(CELLS) * sin;
+    Ok((scene_of([patch]), camera(eye, DVec3::ZERO, side, frame)?))
+}
+
+/// A square picture, its frame so high at the target.
+fn camera(eye: DVec3, target: DVec3, side: u32, frame: f64) -> Result<Camera, ReportError> {
+    let plane = ImagePlane::new(side, side, frame / f64::from(side))?;
+    let placement = Placement {
+        eye,
+        target,
+        up: DVec3::Y,
+    };
+    Ok(Camera::new(placement, Projection::Perspective, plane))
+}
+
+/// Asks every way along one axis.
+///
+/// # Errors
+/// A scene that cannot be built.
+pub fn measure(
+    sweep: Sweep,
+    effort: &Effort,
+    library: Option<&Arc<Embree>>,
+    watch: &dyn Watch,
+) -> Result<Vec<Curve>, ReportError> {
+    let places = sweep.places();
+    watch.begin("breaking", places.len() as u64);
+    let side = (effort.breaking as f64).sqrt() as u32;
+    let mut curves: Vec<Curve> = Vec::new();
+    for place in places {
+        let (scene, camera) = sweep.setting(place, side)?;
+        let input = Input {
+            name: sweep.name().to_owned(),
+            scene: Arc::new(scene),
+            parsing: None,
+        };
+        let subject = Subject::new(&input, library)?;
+        let pixels = pixels_by_lot(&camera, effort.breaking);
+        let checked = Checked::new(&subject.stage, Vec::new(), vec![(camera, pixels)]);
+        for way in &subject.ways {
+            let errors = checked.errors(way.as_ref(), effort.tests);
+            let point = (place, errors.rays, errors.wrong());
+            match curves.iter_mut().find(|curve| curve.way == way.name()) {
+                Some(curve) => curve.points.push(point),
+                None => curves.push(Curve {
+                    way: way.name().to_owned(),
+                    points: vec![point],
+                }),
+            }
+        }
+        watch.step();
+    }
+    Ok(curves)
+}
+
+/// Adds the plot of one axis, its numbers, and what is to be read from it.
+pub fn show(section: &mut Section, sweep: Sweep, curves: &[Curve]) {
+    let places = sweep.places();
+    let rate = |&(_, rays, wrong): &(f64, u64, u64)| wrong as f64 / rays.max(1) as f64 * 1e6;
+    let rates = || {
+        curves
+            .iter()
+            .flat_map(|curve| curve.points.iter().map(rate))
+    };
+    let broken: Vec<&Curve> = curves
+        .iter()
+        .filter(|c| c.points.iter().any(|p| p.2 > 0))
+        .collect();
+    let whole: Vec<&Curve> = curves
+        .iter()
+        .filter(|c| c.points.iter().all(|p| p.2 == 0))
+        .collect();
+    let mut series: Vec<Series> = broken
+        .iter()
+        .map(|curve| Series {
+            label: curve.way.clone(),
+            points: curve
+                .points
+                .iter()
+                .map(|point| (point.0, rate(point)))
+                .collect(),
+            ink: Ink::of_way(&curve.way),
+            form: if curve.way.contains("f64") || curve.way.contains("robust") {
+                Form::Dashes
+            } else {
+                Form::Line
+            },
+        })
+        .collect();
+    // Ways that are never wrong share one line, and one name.
+    if let Some(first) = whole.first() {
+        series.push(Series::line(
+            if whole.len() == 1 {
+                first.way.clone()
+            } else {
+                format!("RayCast and {} more: never", whole.len().saturating_sub(1))
+            },
+            places.iter().map(|&place| (place, 0.0)).collect(),
+            Ink::of_way(&first.way),
+        ));
+    }
+    let worst = broken.iter().map(|curve| {
+        let worst = curve.points.iter().map(rate).fold(0.0, f64::max);
+        (worst, curve.way.as_str())
+    });
+    let worst = worst.max_by(|a, b| a.0.total_cmp(&b.0));
+    let chart = Chart {
+        title: match worst {
+            Some((rate, _)) => format!(
+                "Rounding breaks ways of casting {}: up to {:.0} % wrong",
+                sweep.title(),
+                (rate / 1e4).max(1.0)
+            ),
+            None => format!("No way was wrong {}", sweep.title()),
+        },
+        subtitle:
+            "Wrong triangles against exact arithmetic, each way with the very rays that it was \
+                   given. Broken lines: double precision, or Embree's robust mode."
+                .to_owned(),
+        x: sweep.axis(&places),
+        y: Axis::log("wrong triangles in a million rays", rates()).with_zero("none"),
+        series,
+        better: Better::Lower,
+    };
+    section.chart(sweep.name(), chart);
+    let rays = curves
+        .iter()
+        .flat_map(|curve| curve.points.iter().map(|point| point.1));
+    let never: Vec<&str> = whole.iter().map(|curve| curve.way.as_str()).collect();
+    section.say(format!(
+        "Never wrong here, in {} rays a dot ({} for brute force): {}.",
+        crate::table::grouped(rays.clone().max().unwrap_or(0)),
+        crate::table::grouped(rays.min().unwrap_or(0)),
+        if never.is_empty() {
+            "no way".to_owned()
+        } else {
+            never.join("; ")
+        }
+    ));
+    let mut table = Table::new(&["way", "place", "rays", "wrong", "wrong per million"]);
+    for curve in curves {
+        for point in &curve.points {
+            table.row(vec![
+                curve.way.as_str().into(),
+                Cell::short(point.0),
+                point.1.into(),
+                point.2.into(),
+                Cell::short(rate(point)),
+            ]);
+        }
+    }
+    section.numbers(sweep.name(), table);
+}
