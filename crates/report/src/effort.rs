@@ -13,6 +13,8 @@ pub struct Effort {
     pub tests: usize,
     /// Settings of a hard case.
     pub variants: usize,
+    /// Cameras of a setting of a hard case.
+    pub cameras: usize,
     /// Rays a setting of a hard case: so many that are no camera's, and so many that are.
     pub hard: usize,
     /// Rays a place along an axis of the plots of where ways break.
@@ -33,6 +35,7 @@ impl Effort {
         checked: 100_000,
         tests: 60_000_000,
         variants: 4,
+        cameras: 4,
         hard: 2_000,
         breaking: 20_000,
         largest: 1_000_000,
@@ -47,6 +50,7 @@ impl Effort {
         checked: 2_000,
         tests: 2_000_000,
         variants: 1,
+        cameras: 1,
         hard: 60,
         breaking: 500,
         largest: 20_000,

@@ -10,6 +10,7 @@
 //!   at run time.
 //! - [`mod@report`]: everything measured and written down, in [`sections`]; [`effort`] says how much,
 //!   [`subject`] at what, [`views`] from where, [`machine`] on what, [`watch`] how far it is.
+//! - [`metrics`]: how far a picture is from another.
 //! - [`timing`], [`pareto`]: what is typical of times, and what is best of two kinds.
 //! - [`chart`], [`table`]: plots and numbers.
 
@@ -23,6 +24,7 @@ pub mod errors;
 pub mod fault;
 pub mod machine;
 pub mod meshes;
+pub mod metrics;
 pub mod pareto;
 pub mod report;
 pub mod scenes;

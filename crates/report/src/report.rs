@@ -3,7 +3,7 @@
 use crate::effort::Effort;
 use crate::embree::Embree;
 use crate::machine::Machine;
-use crate::sections::{Section, breaking, hard, meshes, numerics};
+use crate::sections::{Section, breaking, density, hard, meshes, numerics, pay, shape};
 use crate::subject::{Input, Subject};
 use crate::table::ReportError;
 use crate::watch::Watch;
@@ -67,6 +67,22 @@ pub fn report(
         let curves = breaking::measure(sweep, effort, embree, watch)?;
         breaking::show(&mut breaks, sweep, &curves);
     }
+    let mut speed = Section::default();
+    speed.say("## C. The shape of speed");
+    speed.say("All of one bumpy ball, seen so that it fills the frame where nothing else is said.");
+    for sweep in shape::Sweep::ALL {
+        let curves = shape::measure(sweep, effort, embree, watch)?;
+        shape::show(&mut speed, sweep, &curves);
+    }
+    let mut dense = Section::default();
+    dense.say("## D. The density of rays");
+    if let Some(input) = inputs.first() {
+        let pictures = density::measure(&input.name, &input.scene, effort, watch)?;
+        density::show(&mut dense, &pictures)?;
+    }
+    let mut paid = Section::default();
+    paid.say("## E. Pay for what is used");
+    pay::show(&mut paid, &pay::measure(effort, watch)?);
     let mut closing = Section::default();
     closing.say("## To measure this again");
     closing.say(format!("```sh\n{command}\n```"));
@@ -75,6 +91,9 @@ pub fn report(
         ordinary,
         meshes::show(&figures, effort),
         breaks,
+        speed,
+        dense,
+        paid,
         closing,
     ];
     files(sections, watch)

@@ -22,6 +22,8 @@ pub struct Axis {
     pub high: f64,
     /// On a logarithmic axis, a place for zero; none without it.
     pub zero: Option<Zero>,
+    /// Whether it runs the other way, from the highest number to the lowest.
+    pub falls: bool,
 }
 
 /// A place for zero, before the beginning of a logarithmic axis.
@@ -49,6 +51,7 @@ impl Axis {
             low: 0.0,
             high: if highest > 0.0 { highest * 1.08 } else { 1.0 },
             zero: None,
+            falls: false,
         }
     }
 
@@ -68,12 +71,21 @@ impl Axis {
             low: low / 1.6,
             high: high * 1.6,
             zero: None,
+            falls: false,
         }
     }
 
     /// The same from this number to that.
     pub fn from_to(self, low: f64, high: f64) -> Self {
         Self { low, high, ..self }
+    }
+
+    /// The same from the highest number to the lowest.
+    pub fn falling(self) -> Self {
+        Self {
+            falls: true,
+            ..self
+        }
     }
 
     /// The same with a place for zero before its beginning, and what is written there.
@@ -96,6 +108,11 @@ impl Axis {
 
     /// Where a number is, from 0 to 1 along the axis.
     pub fn place(&self, number: f64) -> f64 {
+        let place = self.rising_place(number);
+        if self.falls { 1.0 - place } else { place }
+    }
+
+    fn rising_place(&self, number: f64) -> f64 {
         match self.scale {
             Scale::Linear => (number - self.low) / (self.high - self.low),
             Scale::Log => {

@@ -61,11 +61,7 @@ impl Chart {
             area.present()
                 .map_err(|error| ChartError(error.to_string()))?;
         }
-        let mut png = Vec::new();
-        image::codecs::png::PngEncoder::new(&mut png)
-            .write_image(&pixels, width, height, ExtendedColorType::Rgb8)
-            .map_err(|error| ChartError(error.to_string()))?;
-        Ok(png)
+        encode_png(&pixels, (width, height))
     }
 
     fn draw<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>) -> Result<(), ChartError> {
@@ -294,6 +290,7 @@ impl Frame<'_> {
                     }
                     steps.push((x, y));
                 }
+                taken.line_points.extend(along(&steps));
                 match steps[..] {
                     [alone] => canvas.halo(alone, 10.0, color.mix(0.22))?,
                     _ => canvas.line(&steps, 7.0, color.mix(0.22))?,
@@ -338,6 +335,18 @@ impl Frame<'_> {
     }
 }
 
+/// RGB pixels, row by row, as PNG.
+pub(super) fn encode_png(
+    pixels: &[u8],
+    (width, height): (u32, u32),
+) -> Result<Vec<u8>, ChartError> {
+    let mut png = Vec::new();
+    image::codecs::png::PngEncoder::new(&mut png)
+        .write_image(pixels, width, height, ExtendedColorType::Rgb8)
+        .map_err(|error| ChartError(error.to_string()))?;
+    Ok(png)
+}
+
 /// Ascending numbers moved as little as leaves them `apart` and, if there is room, within `limits`.
 fn spread_out(numbers: &[f64], apart: f64, (low, high): (f64, f64)) -> Vec<f64> {
     // Groups of neighbours that touch, each around the mean of what it moved: (sum, count).
@@ -378,7 +387,7 @@ fn along(points: &[Point]) -> Vec<Point> {
 }
 
 /// Tells plotters the one font that it draws with: no fonts of the system are needed.
-fn register_font() -> Result<(), ChartError> {
+pub(super) fn register_font() -> Result<(), ChartError> {
     static DONE: OnceLock<bool> = OnceLock::new();
     let done = DONE.get_or_init(|| {
         let font = epaint_default_fonts::UBUNTU_LIGHT;

@@ -7,10 +7,12 @@ mod axis;
 mod canvas;
 mod draw;
 mod labels;
+mod strip;
 mod style;
 
 pub use axis::{Axis, Scale};
 pub use draw::ChartError;
+pub use strip::captioned;
 pub use style::Ink;
 
 /// A plot.

@@ -8,7 +8,7 @@ use crate::embree::Embree;
 use crate::meshes::{grid, mesh};
 use crate::stage::scene_of;
 use crate::subject::{Input, Subject};
-use crate::table::{Cell, ReportError, Table};
+use crate::table::{Cell, ReportError, Table, grouped, short};
 use crate::watch::Watch;
 use raycast_core::camera::{Camera, ImagePlane, Placement, Projection};
 use raycast_core::glam::DVec3;
@@ -46,9 +46,7 @@ impl Sweep {
                 .map(|half| 10f64.powf(f64::from(half) / 2.0))
                 .collect(),
             Self::Distance => (0..=8).map(|decade| 10f64.powi(decade)).collect(),
-            Self::Angle => vec![
-                90.0, 30.0, 10.0, 3.0, 1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001,
-            ],
+            Self::Angle => vec![90.0, 30.0, 10.0, 3.0, 1.0, 0.3, 0.1, 0.03, 0.01, 0.003],
         }
     }
 
@@ -71,20 +69,20 @@ impl Sweep {
     fn axis(self, places: &[f64]) -> Axis {
         let numbers = places.iter().copied();
         match self {
-            Self::Size => Axis::log("edge of a triangle in the picture, pixels", numbers),
+            Self::Size => Axis::log("edge of a triangle in the picture, pixels", numbers).falling(),
             Self::Distance => Axis::log(
                 "distance from the origin (a triangle's edge is 1,024)",
                 numbers,
             ),
-            Self::Angle => Axis::log("angle between surface and ray, degrees", numbers),
+            Self::Angle => Axis::log("angle between surface and ray, degrees", numbers).falling(),
         }
     }
 
     fn title(self) -> &'static str {
         match self {
-            Self::Size => "the smaller triangles are in the picture",
-            Self::Distance => "the further the same triangles are from the origin",
-            Self::Angle => "the flatter rays meet the surface",
+            Self::Size => "Small triangles",
+            Self::Distance => "Far from the origin",
+            Self::Angle => "Flat rays",
         }
     }
 }
@@ -104,9 +102,8 @@ fn of_size(pixels: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
     let mut random = Random::new(11);
     let half = f64::from(CELLS) * 0.5;
     let patch = grid(CELLS, CELLS, |x, y| {
-        let out = sight.normalize() * random.between(-0.5, 0.5);
         let within = across * (f64::from(x) - half) + along * (f64::from(y) - half);
-        target + (within + out) * edge
+        target + (within + random.in_cube() * 0.3) * edge
     });
     let frame = 0.6 * f64::from(CELLS) * edge;
     Ok((scene_of([patch]), camera(eye, target, side, frame)?))
@@ -146,22 +143,24 @@ fn with_anchor(hills: &Mesh) -> Mesh {
     mesh(positions, triangles)
 }
 
-/// A flat patch, its corners moved about within it, seen at this angle in degrees.
+/// A flat patch at no special place, its corners moved about within it, seen at this angle in
+/// degrees.
 fn at_angle(angle: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
     let mut random = Random::new(13);
+    let middle = DVec3::new(3.1, -1.7, 2.9);
+    let normal = DVec3::new(0.3, 0.8, 0.52).normalize();
+    let across = normal.cross(DVec3::new(0.7, 0.1, -0.4)).normalize();
+    let along = across.cross(normal);
+    let half = f64::from(CELLS) * 0.5;
     let patch = grid(CELLS, CELLS, |x, y| {
-        let aside = |random: &mut Random| random.between(-0.3, 0.3);
-        let (x, y) = (
-            f64::from(x) + aside(&mut random),
-            f64::from(y) + aside(&mut random),
-        );
-        DVec3::new(x - 31.7, 0.0, y - 32.3)
+        let mut place = |at: u32| f64::from(at) - half + random.between(-0.3, 0.3);
+        middle + across * place(x) + along * place(y)
     });
     let (sin, cos) = angle.to_radians().sin_cos();
-    let eye = DVec3::new(0.13, 80.0 * sin, 80.0 * cos);
-    // As high as the patch is seen: a far-off strip of it fills the frame.
+    let eye = middle + (normal * sin - along * cos) * 80.0;
+    // As high as the patch is seen.
     let frame = 0.5 * f64::from(CELLS) * sin;
-    Ok((scene_of([patch]), camera(eye, DVec3::ZERO, side, frame)?))
+    Ok((scene_of([patch]), camera(eye, middle, side, frame)?))
 }
 
 /// A square picture, its frame so high at the target.
@@ -232,30 +231,34 @@ pub fn show(section: &mut Section, sweep: Sweep, curves: &[Curve]) {
         .iter()
         .filter(|c| c.points.iter().all(|p| p.2 == 0))
         .collect();
-    let mut series: Vec<Series> = broken
-        .iter()
-        .map(|curve| Series {
-            label: curve.way.clone(),
-            points: curve
+    let mut series: Vec<Series> = Vec::new();
+    for alike in alike(&broken) {
+        let first = alike[0];
+        series.push(Series {
+            label: match alike.len() {
+                1 => first.way.clone(),
+                count => format!("{} and {} alike", first.way, count - 1),
+            },
+            points: first
                 .points
                 .iter()
                 .map(|point| (point.0, rate(point)))
                 .collect(),
-            ink: Ink::of_way(&curve.way),
-            form: if curve.way.contains("f64") || curve.way.contains("robust") {
+            ink: Ink::of_way(&first.way),
+            form: if first.way.contains("f64") || first.way.contains("robust") {
                 Form::Dashes
             } else {
                 Form::Line
             },
-        })
-        .collect();
+        });
+    }
     // Ways that are never wrong share one line, and one name.
     if let Some(first) = whole.first() {
         series.push(Series::line(
             if whole.len() == 1 {
                 first.way.clone()
             } else {
-                format!("RayCast and {} more: never", whole.len().saturating_sub(1))
+                format!("{} ways, never wrong", whole.len())
             },
             places.iter().map(|&place| (place, 0.0)).collect(),
             Ink::of_way(&first.way),
@@ -268,19 +271,24 @@ pub fn show(section: &mut Section, sweep: Sweep, curves: &[Curve]) {
     let worst = worst.max_by(|a, b| a.0.total_cmp(&b.0));
     let chart = Chart {
         title: match worst {
-            Some((rate, _)) => format!(
-                "Rounding breaks ways of casting {}: up to {:.0} % wrong",
+            Some((rate, way)) => format!(
+                "{}: {way} is wrong for up to {} % of rays",
                 sweep.title(),
-                (rate / 1e4).max(1.0)
+                short(rate / 1e4)
             ),
-            None => format!("No way was wrong {}", sweep.title()),
+            None => format!("{}: no way was wrong", sweep.title()),
         },
         subtitle:
             "Wrong triangles against exact arithmetic, each way with the very rays that it was \
                    given. Broken lines: double precision, or Embree's robust mode."
                 .to_owned(),
         x: sweep.axis(&places),
-        y: Axis::log("wrong triangles in a million rays", rates()).with_zero("none"),
+        y: Axis::log(
+            "wrong triangles in a million rays",
+            // Three decades at least, whatever was found.
+            rates().chain([100.0, 100_000.0]),
+        )
+        .with_zero("none"),
         series,
         better: Better::Lower,
     };
@@ -291,8 +299,8 @@ pub fn show(section: &mut Section, sweep: Sweep, curves: &[Curve]) {
     let never: Vec<&str> = whole.iter().map(|curve| curve.way.as_str()).collect();
     section.say(format!(
         "Never wrong here, in {} rays a dot ({} for brute force): {}.",
-        crate::table::grouped(rays.clone().max().unwrap_or(0)),
-        crate::table::grouped(rays.min().unwrap_or(0)),
+        grouped(rays.clone().max().unwrap_or(0)),
+        grouped(rays.min().unwrap_or(0)),
         if never.is_empty() {
             "no way".to_owned()
         } else {
@@ -312,4 +320,19 @@ pub fn show(section: &mut Section, sweep: Sweep, curves: &[Curve]) {
         }
     }
     section.numbers(sweep.name(), table);
+}
+
+/// Curves that are the same, of ways of the same family, together.
+fn alike<'a>(curves: &[&'a Curve]) -> Vec<Vec<&'a Curve>> {
+    let mut groups: Vec<Vec<&Curve>> = Vec::new();
+    for &curve in curves {
+        let same = |group: &&mut Vec<&Curve>| {
+            group[0].points == curve.points && Ink::of_way(&group[0].way) == Ink::of_way(&curve.way)
+        };
+        match groups.iter_mut().find(same) {
+            Some(group) => group.push(curve),
+            None => groups.push(vec![curve]),
+        }
+    }
+    groups
 }

@@ -53,7 +53,8 @@ pub fn measure(
     for case in all {
         let mut by_way: BTreeMap<String, Outcome> = BTreeMap::new();
         let open = case.settings().filter(|setting| setting.cull == Cull::None);
-        for setting in open.take(effort.variants) {
+        for mut setting in open.take(effort.variants) {
+            setting.cameras.truncate(effort.cameras);
             let rays = setting.rays(effort.hard, 1);
             let subject = Subject::new(&as_input(&case, &setting), library)?;
             let each = effort.hard / setting.cameras.len().max(1);
@@ -87,7 +88,7 @@ fn as_input(case: &Case, setting: &Setting) -> Input {
     }
 }
 
-/// How many rays a way has cast on one worker, and the least time of three that it took.
+/// How many rays a way has cast on one worker, and the least time of a few that it took.
 fn speed(
     way: &dyn Way,
     checked: &Checked<'_>,
@@ -111,7 +112,7 @@ fn speed(
         0 => rays.len(),
         tries => rays.len().min((effort.tests / 100 / tries).max(1)),
     };
-    for _ in 0..3 {
+    for _ in 0..effort.rounds.div_ceil(3) {
         let started = Instant::now();
         if way.rays() == Rays::Camera {
             for tile in &tiles {

@@ -1,9 +1,12 @@
 //! What a report is made of, a part each: what is measured, and how it is shown.
 
 pub mod breaking;
+pub mod density;
 pub mod hard;
 pub mod meshes;
 pub mod numerics;
+pub mod pay;
+pub mod shape;
 
 use crate::chart::Chart;
 use crate::table::Table;

@@ -103,7 +103,10 @@ pub fn show(
             short(3e6 / most.max(1) as f64)
         )),
         y: Axis::log(
-            &format!("million rays a second, {threads} threads"),
+            &match threads {
+                1 => "million rays a second, one thread".to_owned(),
+                _ => format!("million rays a second, {threads} threads"),
+            },
             points.iter().map(|point| point.1),
         ),
         series,

@@ -105,12 +105,13 @@ pub fn instruction_sets() -> Vec<Simd> {
         .collect()
 }
 
+fn way<T: one_ray::OneRay + 'static>(name: &str, accel: &Arc<Accel>, one: T) -> Box<dyn Way> {
+    Box::new(OneAfterAnother::new(name, accel, one))
+}
+
 /// Other people's ways: brute force, where every triangle for every ray is what they are, and over
 /// boxes that lose no ray, where the triangle test is what they are.
 pub fn baselines(accel: &Arc<Accel>) -> Vec<Box<dyn Way>> {
-    fn way<T: one_ray::OneRay + 'static>(name: &str, accel: &Arc<Accel>, one: T) -> Box<dyn Way> {
-        Box::new(OneAfterAnother::new(name, accel, one))
-    }
     let brute = "plane, then inside";
     let mut ways = vec![
         way(brute, accel, List::<PlaneInside<Vec3>>::new(accel)),
@@ -128,6 +129,13 @@ pub fn baselines(accel: &Arc<Accel>) -> Vec<Box<dyn Way>> {
         Boxes::<MollerTrumbore<DVec3>>::new(accel),
     ));
     ways.push(way("watertight", accel, Boxes::<Watertight>::new(accel)));
+    ways.extend(trees(accel));
+    ways
+}
+
+/// Those of other people's ways that have a tree of their own, made for speed.
+pub fn trees(accel: &Arc<Accel>) -> Vec<Box<dyn Way>> {
+    let mut ways = Vec::new();
     if let Some(bvh) = ObvhsBvh2::new(accel) {
         ways.push(way("obvhs BVH2", accel, bvh));
     }
