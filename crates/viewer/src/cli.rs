@@ -333,8 +333,8 @@ pub struct BenchArgs {
     /// How rays meet triangles.
     #[command(flatten)]
     pub casting: CastingArgs,
-    /// Measure obvhs's own traversal (BVH2, medium build) on the same rays, frame by frame in turn,
-    /// and brute force on a sample of them
+    /// Measure obvhs's own traversals, and Embree's where the machine has it, on the same rays, frame
+    /// by frame in turn, and brute force on a sample of them
     #[arg(long)]
     pub baselines: bool,
 }

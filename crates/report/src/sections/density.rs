@@ -245,8 +245,8 @@ pub fn show(section: &mut Section, pictures: &Pictures) -> Result<(), ReportErro
         let (steps, many) = (points(by_step), points(by_samples));
         let all = || steps.iter().chain(&many).copied();
         let mut series = vec![
-            Series::line("smaller step", steps.clone(), Ink::Blue),
-            Series::line("more samples a pixel", many.clone(), Ink::Vermilion),
+            Series::line("", steps.clone(), Ink::Blue),
+            Series::line("", many.clone(), Ink::Vermilion),
         ];
         for (made, point) in by_step.iter().zip(&steps) {
             series.push(Series::dot(step_words(made.step), *point, Ink::Blue));
@@ -264,8 +264,8 @@ pub fn show(section: &mut Section, pictures: &Pictures) -> Result<(), ReportErro
         let chart = Chart {
             title: format!("{name}: {}", conclusion(pictures, measure, better)),
             subtitle: format!(
-                "The same frame with more and more rays, against {samples} samples a pixel. Step: \
-                 pixels from one ray to the next."
+                "The same frame against {samples} samples a pixel. Blue: rays so many pixels apart. Red: \
+                 so many rays in each pixel."
             ),
             x: Axis::log("milliseconds a picture", all().map(|point| point.0)),
             y,

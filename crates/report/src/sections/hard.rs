@@ -215,3 +215,57 @@ fn standing(outcomes: &Outcomes, way: &str) -> Standing {
         rays: errors.rays,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fmt::Write;
+
+    /// Which of other people's ways is wrong where, and how often: a line that changes is a change of a
+    /// way, of a case, or of the oracle, and wants to be understood.
+    const EXPECTED: &str = include_str!("hard_failures.txt");
+
+    fn told(outcomes: &Outcomes) -> String {
+        let mut told = String::new();
+        for way in outcomes
+            .ways
+            .iter()
+            .filter(|way| !way.starts_with("RayCast"))
+        {
+            for (case, outcome) in of_way(outcomes, way) {
+                let errors = &outcome.errors;
+                if errors.wrong() > 0 {
+                    let (wrong, rays) = (errors.wrong(), errors.rays);
+                    let _ = writeln!(told, "{way}: {}: {wrong} of {rays}", case.name);
+                }
+            }
+        }
+        told
+    }
+
+    #[test]
+    fn every_way_fails_where_it_is_expected_to_and_nowhere_else() {
+        let effort = Effort {
+            hard: 100,
+            ..Effort::QUICK
+        };
+        let outcomes = measure(&effort, None, &()).expect("scenes that can be built");
+        let exact = outcomes.ways.iter().filter(|way| way.contains("exact"));
+        assert!(exact.clone().count() >= 2);
+        for way in exact {
+            let errors = of_way(&outcomes, way).map(|(_, outcome)| outcome.errors.clone());
+            assert_eq!(Errors::sum(errors).wrong(), 0, "{way}");
+        }
+        let told = told(&outcomes);
+        let is_known = |line: &&str| EXPECTED.lines().any(|known| known == *line);
+        let news: Vec<&str> = told.lines().filter(|line| !is_known(line)).collect();
+        let gone = EXPECTED
+            .lines()
+            .filter(|known| !told.lines().any(|line| line == *known));
+        let gone: Vec<&str> = gone.collect();
+        assert!(
+            news.is_empty() && gone.is_empty(),
+            "new: {news:#?}\ngone: {gone:#?}"
+        );
+    }
+}

@@ -109,12 +109,14 @@ pub fn measure(effort: &Effort, watch: &dyn Watch) -> Result<Vec<Cost>, ReportEr
         way(eight, shaded(Mode::Flat))?,
         counted,
     ];
-    watch.begin("optional things", (ways.len() * (effort.rounds + 1)) as u64);
+    // Small differences need many measurements.
+    let rounds = 3 * effort.rounds;
+    watch.begin("optional things", (ways.len() * (rounds + 1)) as u64);
     let mut works: Vec<Box<dyn FnMut() + Send>> = Vec::new();
     for way in &ways {
         works.push(Box::new(|| way.render()));
     }
-    let times = interleaved(effort.rounds, &mut works, &|| watch.step());
+    let times = interleaved(rounds, &mut works, &|| watch.step());
     drop(works);
     let [
         flat,
@@ -282,7 +284,7 @@ pub fn show(section: &mut Section, costs: &[Cost]) {
     let chart = Chart {
         title: match dearest {
             Some(cost) => format!(
-                "Of all that can be had, {} costs the most time: {} ms on top of {}",
+                "What costs the most time: {}, {} ms on top of {}",
                 cost.thing,
                 short(more(cost)),
                 short(base)
@@ -290,8 +292,8 @@ pub fn show(section: &mut Section, costs: &[Cost]) {
             None => "Nothing was measured".to_owned(),
         },
         subtitle:
-            "What each optional thing adds to a picture of a bumpy ball, flat shaded. Nothing of \
-                   it is paid where it is not used: see the table."
+            "What each optional thing adds to a picture of a bumpy ball, flat shaded, where it \
+                   is used."
                 .to_owned(),
         x: Axis::linear("milliseconds more a picture", costs.iter().map(more)),
         y: Axis::log("bytes more", costs.iter().map(|cost| cost.bytes)).with_zero("none"),
@@ -323,6 +325,7 @@ pub fn show(section: &mut Section, costs: &[Cost]) {
             Cell::short(0.0),
         ]);
     }
+    section.say(unused(costs));
     section.table("e-pay", table);
     section.say("Channels beside the 8-bit colours, by the pixel (kept for `.exr` alone):");
     let mut table = Table::new(&["channel", "bytes a pixel"]);
@@ -330,4 +333,31 @@ pub fn show(section: &mut Section, costs: &[Cost]) {
         table.row(vec![channel.into(), Cell::short(bytes)]);
     }
     section.table("e-channels", table);
+}
+
+/// What things cost that a scene has and a picture does not use.
+fn unused(costs: &[Cost]) -> String {
+    let told: Vec<String> = costs
+        .iter()
+        .filter_map(|cost| {
+            let [_, without] = cost.used;
+            let unused = cost.unused?;
+            let noise = unused.deviation.max(without.deviation);
+            let more = unused.median - without.median;
+            Some(format!(
+                "{}: {more:+.3} ms, {} the noise of {noise:.3} ms",
+                cost.thing,
+                if more.abs() <= 2.0 * noise {
+                    "within"
+                } else {
+                    "beyond"
+                }
+            ))
+        })
+        .collect();
+    format!(
+        "There but not used ({}). A difference within twice the deviation is noise; the rest of the \
+         things cannot be there without being used.",
+        told.join("; ")
+    )
 }

@@ -90,7 +90,7 @@ pub fn measure(
     watch: &dyn Watch,
 ) -> Result<Vec<Curve>, ReportError> {
     let most = TRIANGLES.min(effort.largest);
-    let mut curves = Vec::new();
+    let mut curves: Vec<Curve> = Vec::new();
     let (columns, rows) = effort.size;
     match sweep {
         Sweep::Density => {
@@ -152,6 +152,9 @@ pub fn measure(
                 watch.step();
             }
         }
+    }
+    for curve in &mut curves {
+        curve.points.sort_by(|a, b| a.0.total_cmp(&b.0));
     }
     Ok(curves)
 }

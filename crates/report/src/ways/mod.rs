@@ -109,28 +109,32 @@ fn way<T: one_ray::OneRay + 'static>(name: &str, accel: &Arc<Accel>, one: T) -> 
     Box::new(OneAfterAnother::new(name, accel, one))
 }
 
-/// Other people's ways: brute force, where every triangle for every ray is what they are, and over
-/// boxes that lose no ray, where the triangle test is what they are.
+/// Other people's ways, but for Embree's.
 pub fn baselines(accel: &Arc<Accel>) -> Vec<Box<dyn Way>> {
-    let brute = "plane, then inside";
-    let mut ways = vec![
-        way(brute, accel, List::<PlaneInside<Vec3>>::new(accel)),
-        way(brute, accel, List::<PlaneInside<DVec3>>::new(accel)),
-    ];
-    let tested = "Möller–Trumbore";
-    ways.push(way(
-        tested,
-        accel,
-        Boxes::<MollerTrumbore<Vec3>>::new(accel),
-    ));
-    ways.push(way(
-        tested,
-        accel,
-        Boxes::<MollerTrumbore<DVec3>>::new(accel),
-    ));
-    ways.push(way("watertight", accel, Boxes::<Watertight>::new(accel)));
+    let mut ways = brute_force(accel);
+    ways.extend(triangle_tests(accel));
     ways.extend(trees(accel));
     ways
+}
+
+/// Every triangle for every ray: what the renderer that RayCast replaces did.
+pub fn brute_force(accel: &Arc<Accel>) -> Vec<Box<dyn Way>> {
+    let name = "plane, then inside";
+    vec![
+        way(name, accel, List::<PlaneInside<Vec3>>::new(accel)),
+        way(name, accel, List::<PlaneInside<DVec3>>::new(accel)),
+    ]
+}
+
+/// Published triangle tests, over boxes that lose no ray: their errors are their own, their speed is
+/// not what a better tree would give them.
+fn triangle_tests(accel: &Arc<Accel>) -> Vec<Box<dyn Way>> {
+    let name = "Möller–Trumbore";
+    vec![
+        way(name, accel, Boxes::<MollerTrumbore<Vec3>>::new(accel)),
+        way(name, accel, Boxes::<MollerTrumbore<DVec3>>::new(accel)),
+        way("watertight", accel, Boxes::<Watertight>::new(accel)),
+    ]
 }
 
 /// Those of other people's ways that have a tree of their own, made for speed.

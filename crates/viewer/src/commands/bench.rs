@@ -1,18 +1,20 @@
-use super::baseline::{Baseline, BaselineFigures};
-use super::{Failure, workers};
+use super::{Failure, warn, workers};
 use crate::cli::BenchArgs;
 use crate::output::print;
 use crate::progress::Progress;
 use crate::stats::{self, Shares, json, milliseconds};
 use raycast_core::accel::Accel;
 use raycast_core::camera::{
-    Camera, Grid, Orbit, Placement, PlaneRequest, Projection, fov_to_frame,
+    Camera, Grid, Lattice, Placement, PlaneRequest, Projection, fov_to_frame,
 };
 use raycast_core::formats;
 use raycast_core::glam::DVec3;
 use raycast_core::render::{Cancel, Precision, Settings, TileStats, View};
 use raycast_core::scene::Scene;
 use raycast_core::shade::Shading;
+use raycast_report::embree::Embree;
+use raycast_report::ways::{self, Way};
+use raycast_report::{subject, views};
 use rayon::ThreadPool;
 use serde::Serialize;
 use std::path::Path;
@@ -40,20 +42,33 @@ struct ViewFigures {
     cast_ms: Spread,
     frame_ms: Spread,
     mrays_per_s: f64,
-    #[serde(flatten)]
-    baseline: Option<BaselineFigures>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    baselines: Option<Vec<BaselineFigures>>,
 }
+
+/// Another way's figures: of all the view's rays, or of as many as brute force has time for.
+#[derive(Debug, Serialize)]
+struct BaselineFigures {
+    way: String,
+    rays: u64,
+    hits: u64,
+    cast_ms: Spread,
+    mrays_per_s: f64,
+}
+
+/// Tests of a ray against a triangle that brute force may take for a frame.
+const BRUTE_FORCE_TESTS: usize = 2_000_000;
 
 /// The least and the middle of several times, in milliseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub(super) struct Spread {
+struct Spread {
     min: f64,
     median: f64,
 }
 
 impl Spread {
     /// Of times, in any order.
-    pub(super) fn of(times: &mut [Duration]) -> Self {
+    fn of(times: &mut [Duration]) -> Self {
         times.sort_unstable();
         Self {
             min: times.first().copied().map_or(0.0, milliseconds),
@@ -63,7 +78,7 @@ impl Spread {
 }
 
 /// The middle of sorted times; of an even number the mean of the two.
-pub(super) fn median(sorted: &[Duration]) -> Duration {
+fn median(sorted: &[Duration]) -> Duration {
     match (sorted.get(sorted.len() / 2), sorted.len() % 2) {
         (None, _) => Duration::ZERO,
         (Some(&middle), 1) => middle,
@@ -90,9 +105,9 @@ fn measure_file(args: &BenchArgs, path: &Path, pool: &ThreadPool) -> Result<File
     let accel = Arc::new(pool.install(|| Accel::build(&scene))?);
     let build_time = building.elapsed();
     let cameras = cameras(args, &scene)?;
-    let baseline = args
+    let baselines = args
         .baselines
-        .then(|| pool.install(|| Baseline::build(&accel)));
+        .then(|| pool.install(|| baselines(&accel, pool.current_num_threads())));
 
     let scene = Arc::new(scene);
     progress.counting(
@@ -116,8 +131,8 @@ fn measure_file(args: &BenchArgs, path: &Path, pool: &ThreadPool) -> Result<File
                 layers: false,
             },
         };
-        let measured =
-            pool.install(|| measure_view(name, &view, baseline.as_ref(), args.frames, &progress));
+        let measured = pool
+            .install(|| measure_view(name, &view, baselines.as_deref(), args.frames, &progress));
         views.push(measured?);
     }
     Ok(FileFigures {
@@ -134,9 +149,20 @@ fn measure_file(args: &BenchArgs, path: &Path, pool: &ThreadPool) -> Result<File
     })
 }
 
+/// Other people's ways: those with trees of their own, brute force, and Embree where it is there.
+fn baselines(accel: &Arc<Accel>, threads: usize) -> Vec<Box<dyn Way>> {
+    let mut all = ways::trees(accel);
+    all.extend(ways::brute_force(accel));
+    let embree = Embree::load(threads).and_then(|library| ways::embree(accel, &library));
+    match embree {
+        Ok(embree) => all.extend(embree),
+        Err(error) => warn(&format!("Embree is left out: {error}")),
+    }
+    all
+}
+
 /// The views to measure, by name.
 fn cameras(args: &BenchArgs, scene: &Scene) -> Result<Vec<(&'static str, Camera)>, Failure> {
-    let (center, radius) = scene.bounding_sphere();
     let camera = |placement: Placement| -> Result<Camera, Failure> {
         let sight = placement.eye.distance(placement.target);
         // A camera in its own target looks from one unit away.
@@ -151,48 +177,47 @@ fn cameras(args: &BenchArgs, scene: &Scene) -> Result<Vec<(&'static str, Camera)
     if let Some(eye) = args.eye {
         let given = Placement {
             eye,
-            target: args.target.unwrap_or(center),
+            target: args.target.unwrap_or(scene.bounding_sphere().0),
             up: args.up.unwrap_or(DVec3::Y),
         };
         return Ok(vec![("given", camera(given)?)]);
     }
-    let (yaw, pitch) = Orbit::DEFAULT_ANGLES;
-    let filling = radius / (args.fov.to_radians() * 0.5).sin();
-    let from = |distance: f64| {
-        let orbit = Orbit {
-            pivot: center,
-            yaw,
-            pitch,
-            // A scene that is a point, or nothing, has no size to fill the frame with.
-            distance: if distance > 0.0 { distance } else { 1.0 },
-        };
-        camera(orbit.placement())
-    };
-    Ok(vec![
-        ("medium", from(filling)?),
-        ("close", from(filling * 0.5)?),
-    ])
+    let from = |nearer: f64| views::filling(scene, args.size, args.fov, nearer);
+    Ok(vec![("medium", from(1.0)?), ("close", from(2.0)?)])
 }
 
-/// Measures frames of one view, and the baseline's in turn with them, after one that warms up.
+/// Measures frames of one view, and the other ways' in turn with them, after one that warms up.
 fn measure_view(
     name: &'static str,
     view: &View,
-    baseline: Option<&Baseline<'_>>,
+    baselines: Option<&[Box<dyn Way>]>,
     frames: u32,
     progress: &Progress,
 ) -> Result<ViewFigures, Failure> {
     let mut cast_times = Vec::new();
     let mut frame_times = Vec::new();
-    let mut baseline_times = Vec::new();
+    let ways = baselines.unwrap_or_default();
+    let lattices: Vec<Vec<Lattice>> = ways
+        .iter()
+        .map(|way| {
+            let stride = subject::stride(&view.camera, way.tries(), BRUTE_FORCE_TESTS);
+            subject::tiles(&view.camera, stride)
+        })
+        .collect();
+    let mut baseline_frames: Vec<Vec<(Duration, usize)>> = vec![Vec::new(); ways.len()];
     let mut tiles = TileStats::default();
     for frame in 0..=frames {
         let (cast, wall, sum) = render_frame(view)?;
-        let reference = baseline.map(|baseline| baseline.frame(&view.camera));
+        for ((way, lattices), frames) in ways.iter().zip(&lattices).zip(&mut baseline_frames) {
+            let started = Instant::now();
+            let hits = subject::cast_tiles(way.as_ref(), lattices);
+            if frame > 0 {
+                frames.push((started.elapsed(), hits));
+            }
+        }
         if frame > 0 {
             cast_times.push(cast);
             frame_times.push(wall);
-            baseline_times.extend(reference);
             tiles = sum;
         }
         progress.done(1);
@@ -205,13 +230,22 @@ fn measure_view(
         cast_ms,
         frame_ms: Spread::of(&mut frame_times),
         mrays_per_s: stats::mrays_per_s(tiles.rays, median(&cast_times)),
-        baseline: baseline.map(|baseline| {
-            baseline.figures(
-                &view.camera,
-                view.settings.cull,
-                tiles.rays,
-                &mut baseline_times,
-            )
+        baselines: baselines.map(|ways| {
+            let measured = ways.iter().zip(&lattices).zip(baseline_frames);
+            measured
+                .map(|((way, lattices), frames)| {
+                    let rays = lattices.iter().map(Lattice::len).sum::<usize>() as u64;
+                    let mut times: Vec<_> = frames.iter().map(|frame| frame.0).collect();
+                    let cast_ms = Spread::of(&mut times);
+                    BaselineFigures {
+                        way: way.name().to_owned(),
+                        rays,
+                        hits: frames.last().map_or(0, |frame| frame.1 as u64),
+                        cast_ms,
+                        mrays_per_s: stats::mrays_per_s(rays, median(&times)),
+                    }
+                })
+                .collect()
         }),
     })
 }
@@ -257,7 +291,7 @@ mod tests {
             cast_ms: Spread::default(),
             frame_ms: Spread::default(),
             mrays_per_s: 1.0,
-            baseline: None,
+            baselines: None,
         };
         let value = serde_json::to_value(figures).expect("JSON");
         let mut keys: Vec<_> = value.as_object().expect("an object").keys().collect();

@@ -1,6 +1,5 @@
 //! Commands that need no window.
 
-mod baseline;
 mod bench;
 mod cast;
 mod failure;

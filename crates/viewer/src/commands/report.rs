@@ -90,7 +90,7 @@ fn own_scenes(effort: &Effort) -> Result<Vec<Input>, Failure> {
         scene: Arc::new(scene),
         parsing: None,
     };
-    let mut inputs = Vec::new();
+    let mut inputs = vec![in_memory("demo scene".to_owned(), demo.clone())];
     for object in &demo.objects {
         let name = object.source.as_deref().and_then(Path::file_stem);
         let name = name.map_or(object.name.clone(), |name| {
@@ -101,7 +101,6 @@ fn own_scenes(effort: &Effort) -> Result<Vec<Input>, Failure> {
             inputs.push(in_memory(name, stage::scene_of([mesh])));
         }
     }
-    inputs.push(in_memory("demo scene".to_owned(), demo));
     for triangles in [10_000, 100_000, 1_000_000] {
         if triangles <= effort.largest {
             let name = format!("bumpy ball of {} k", triangles / 1000);
