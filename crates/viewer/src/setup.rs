@@ -2,7 +2,7 @@
 
 use crate::cli::{CameraArgs, ShadingArgs};
 use crate::commands::Failure;
-use raycast_core::accel::Accel;
+use raycast_core::accel::{Accel, Simd};
 use raycast_core::camera::{
     Camera, Orbit, Placement, PlaneError, PlaneRequest, Projection, fit_distance, fov_to_frame,
     frame_to_fov,
@@ -32,6 +32,32 @@ pub fn load(files: &[PathBuf], progress: Progress<'_>) -> Result<SceneFile, Form
         all.append(formats::read_scene(file, &share)?);
     }
     Ok(all)
+}
+
+/// The environment variable that forces an instruction set on the casting of tiles.
+pub const SIMD_VARIABLE: &str = "RAYCAST_SIMD";
+
+/// The tree over a scene, for the instruction set that [`SIMD_VARIABLE`] names, else the machine's
+/// widest.
+///
+/// # Errors
+/// As [`Accel::build`]; a variable that names no instruction set that this machine has.
+pub fn tree(scene: &Scene) -> Result<Accel, Failure> {
+    let accel = Accel::build(scene)?;
+    let Some(name) = std::env::var_os(SIMD_VARIABLE) else {
+        return Ok(accel);
+    };
+    let name = name.to_string_lossy();
+    let simd: Simd = name
+        .parse()
+        .map_err(|expected| Failure::usage(format!("{SIMD_VARIABLE}: {expected}")))?;
+    if simd > Simd::best() {
+        return Err(Failure::usage(format!(
+            "{SIMD_VARIABLE}: this machine has no {name}; its widest is {}",
+            Simd::best().name()
+        )));
+    }
+    Ok(accel.with_simd(simd))
 }
 
 /// The files that a scene was read from, beside those that were named.

@@ -30,6 +30,14 @@ pub struct Stats {
     pub hits: u64,
     /// Rays that were misses for being no rays.
     pub invalid_rays: u64,
+    /// Nodes of the tree that tiles went through.
+    pub nodes: u64,
+    /// Triangles set up for blocks of rays.
+    pub triangles_set_up: u64,
+    /// Rays that single precision left open, and doubles decided.
+    pub double_rays: u64,
+    /// Rays that doubles left open too, decided by exact arithmetic.
+    pub exact_rays: u64,
     /// Millions of rays a second of `cast_ms`; 0 where that is too short to tell.
     pub mrays_per_s: f64,
     /// Workers.

@@ -8,7 +8,7 @@
 use super::frustum::{Frustum, Window};
 use super::simd::{Lanes, Work, dispatch};
 use super::tree::{Box32, DEPTH_LIMIT, Node, Subtree};
-use super::{Accel, MISS, SlotHit};
+use super::{Accel, MISS, SlotHit, traverse};
 use crate::camera::{Lattice, Projection};
 use crate::intersect::block::Block;
 use crate::intersect::row::{self, Corners, RowHits, meet_row};
@@ -33,15 +33,18 @@ pub struct CastCounts {
     pub nodes: u64,
     /// Triangles set up.
     pub triangles: u64,
-    /// Rays that single precision with its bounds left open.
-    pub open_rays: u64,
+    /// Rays that single precision with its bounds left open, and doubles decided.
+    pub double_rays: u64,
+    /// Rays that doubles with their bounds left open too, decided by exact arithmetic.
+    pub exact_rays: u64,
 }
 
 impl std::ops::AddAssign for CastCounts {
     fn add_assign(&mut self, other: Self) {
         self.nodes += other.nodes;
         self.triangles += other.triangles;
-        self.open_rays += other.open_rays;
+        self.double_rays += other.double_rays;
+        self.exact_rays += other.exact_rays;
     }
 }
 
@@ -185,8 +188,9 @@ impl Work for Find<'_> {
             }
         }
         *self.counts = CastCounts {
-            open_rays: self.counts.open_rays,
-            ..walk.counts
+            nodes: walk.counts.nodes,
+            triangles: walk.counts.triangles,
+            ..*self.counts
         };
     }
 }
@@ -210,17 +214,25 @@ impl Find<'_> {
                     if Block::is_open(low) {
                         let slot = self.cast_one(part.column + column as u32, part.row + row);
                         self.slots[first + column] = slot;
-                        self.counts.open_rays += 1;
                     }
                 }
             }
         }
     }
 
+    /// What [`Accel::cast_slot`] answers.
     #[inline(never)]
-    fn cast_one(&self, column: u32, row: u32) -> u32 {
+    fn cast_one(&mut self, column: u32, row: u32) -> u32 {
         let ray = self.lattice.ray(column, row);
-        self.accel.cast_slot(&ray, self.cull, self.precision).slot
+        let ray = PreparedRay::new(&ray, self.accel.origin, self.cull, self.precision);
+        let Some(ray) = ray else { return MISS };
+        let slot = traverse::nearest(self.accel, &ray).slot;
+        if ray.was_exact() {
+            self.counts.exact_rays += 1;
+        } else {
+            self.counts.double_rays += 1;
+        }
+        slot
     }
 }
 

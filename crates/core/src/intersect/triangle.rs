@@ -11,6 +11,7 @@ use super::exact::ExactHit;
 use super::{Cull, Nearest, Precision};
 use crate::camera::Ray;
 use glam::{DVec3, Vec3};
+use std::cell::Cell;
 use std::cmp::Ordering;
 
 /// Half a unit in the last place of 1: the relative error of one rounded operation.
@@ -37,6 +38,8 @@ pub(crate) struct PreparedRay {
     cull: Cull,
     /// Whether what doubles leave open is decided exactly, or by their rounded values.
     precision: Precision,
+    /// Whether anything so far had to be decided exactly.
+    was_exact: Cell<bool>,
 }
 
 /// What one triangle says to one ray.
@@ -78,7 +81,13 @@ impl PreparedRay {
             advance,
             cull,
             precision,
+            was_exact: Cell::new(false),
         })
+    }
+
+    /// Whether doubles were not enough for the triangles met so far.
+    pub(crate) fn was_exact(&self) -> bool {
+        self.was_exact.get()
     }
 
     /// Meets the triangle in `slot` if it is nearer than `nearest`, or as near with a lower
@@ -113,8 +122,11 @@ impl PreparedRay {
     /// The hit at a triangle that doubles leave open, if there is one.
     fn settle(&self, slot: u32, corners: [Vec3; 3]) -> Option<Nearest> {
         match self.precision {
-            Precision::Exact => ExactHit::new(&self.ray, corners, self.frame, self.cull)
-                .map(|hit| hit.rounded(slot)),
+            Precision::Exact => {
+                self.was_exact.set(true);
+                ExactHit::new(&self.ray, corners, self.frame, self.cull)
+                    .map(|hit| hit.rounded(slot))
+            }
             Precision::Fast => self.guess(slot, corners),
         }
     }
@@ -132,6 +144,7 @@ impl PreparedRay {
         if same_corners(corners(candidate.slot), corners(nearest.slot)) {
             return Ordering::Equal;
         }
+        self.was_exact.set(true);
         let exact = |slot| ExactHit::new(&self.ray, corners(slot), self.frame, self.cull);
         match (exact(candidate.slot), exact(nearest.slot)) {
             (Some(candidate), Some(nearest)) => candidate.compare(&nearest),

@@ -67,7 +67,7 @@ pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
     let load_time = started.elapsed();
     progress.building();
     let building = Instant::now();
-    let accel = pool.install(|| Accel::build(&scene))?;
+    let accel = pool.install(|| setup::tree(&scene))?;
     let build_time = building.elapsed();
 
     progress.counting("casting", bytes / RAY_BYTES as u64);
@@ -109,6 +109,7 @@ pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
         threads: pool.current_num_threads(),
         simd: accel.simd().name(),
         peak_bytes: stats::peak_bytes(),
+        ..Stats::default()
     })?;
     hits_file.finish()
 }

@@ -4,7 +4,6 @@ use crate::output::Output;
 use crate::progress::Progress;
 use crate::stats::{self, Shares, Stats, StatsTarget, milliseconds};
 use crate::{identity, setup};
-use raycast_core::accel::Accel;
 use raycast_core::camera::{Grid, Rect};
 use raycast_core::formats::SceneFile;
 use raycast_core::image::{Format, Fragment, Picture};
@@ -65,7 +64,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let SceneFile {
         scene, warnings, ..
     } = file;
-    let accel = pool.install(|| Accel::build(&scene))?;
+    let accel = pool.install(|| setup::tree(&scene))?;
     let build_time = building.elapsed();
     let view = View {
         scene: Arc::new(scene),
@@ -113,6 +112,10 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         rays: tiles.rays,
         hits: tiles.hits,
         invalid_rays: 0,
+        nodes: tiles.counts.nodes,
+        triangles_set_up: tiles.counts.triangles,
+        double_rays: tiles.counts.double_rays,
+        exact_rays: tiles.counts.exact_rays,
         mrays_per_s: stats::mrays_per_s(tiles.rays, shares.cast),
         threads: pool.current_num_threads(),
         simd: view.accel.simd().name(),
