@@ -2,7 +2,7 @@
 
 use crate::table::ReportError;
 use crate::{Stage, embree, ways};
-use raycast_core::accel::Accel;
+use raycast_core::accel::{Accel, MISS};
 use raycast_core::camera::{Camera, Lattice, Rect};
 use raycast_core::intersect::Precision;
 use raycast_core::scene::Scene;
@@ -112,6 +112,18 @@ pub fn cast_tiles(way: &dyn Way, tiles: &[Lattice]) -> usize {
                 .iter()
                 .filter(|hit| !hit.is_miss())
                 .count()
+        })
+        .sum()
+}
+
+/// As [`cast_tiles`], but for visibility alone: which triangle each ray meets, not where.
+pub fn find_tiles(way: &dyn Way, tiles: &[Lattice]) -> usize {
+    tiles
+        .par_iter()
+        .map_init(Vec::new, |slots, tile| {
+            way.find_lattice(tile, slots);
+            let slots = std::hint::black_box(&slots);
+            slots.iter().filter(|&&slot| slot != MISS).count()
         })
         .sum()
 }

@@ -318,6 +318,9 @@ pub struct BenchArgs {
     /// Vertical field of view in degrees
     #[arg(long, value_name = "DEG", default_value_t = 45.0, allow_hyphen_values = true, value_parser = values::fov)]
     pub fov: f64,
+    /// How rays leave the camera
+    #[arg(long, value_name = "KIND", default_value = "perspective", value_parser = values::named(values::PROJECTIONS))]
+    pub projection: Projection,
     /// Measure the view from here alone
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
     pub eye: Option<DVec3>,

@@ -1,10 +1,9 @@
 //! Embree's own tree and triangle tests: a ray, eight, or sixteen at a time.
 
-use super::one_ray::RowOfRays;
 use super::{Rays, Way};
 use crate::embree::{EmbreeScene, NONE, Packet};
-use raycast_core::accel::{Accel, SlotHit};
-use raycast_core::camera::{Lattice, Ray};
+use raycast_core::accel::{Accel, MISS, SlotHit};
+use raycast_core::camera::{Lattice, Projection, Ray};
 use raycast_core::glam::Vec3;
 use std::sync::Arc;
 
@@ -32,7 +31,7 @@ impl<const N: usize> Embree<N> {
 }
 
 /// Casts the `N` rays of a packet.
-trait Cast {
+pub(super) trait Cast {
     fn cast(&mut self, scene: &EmbreeScene, coherent: bool);
 }
 
@@ -80,6 +79,81 @@ fn hit<const N: usize>(packet: &Packet<N>, lane: usize) -> SlotHit {
     }
 }
 
+impl<const N: usize> Embree<N>
+where
+    Packet<N>: Cast,
+{
+    /// Casts a camera's rays in packets of neighbours, as square as their number allows, and tells
+    /// Embree that they are. `keep` is given each ray's place in the lattice.
+    ///
+    /// Rays are set up lane by lane in plain loops, which compilers lay side by side.
+    #[inline(always)]
+    fn for_each(&self, lattice: &Lattice, mut keep: impl FnMut(&Packet<N>, usize, usize)) {
+        let (width, height) = match N {
+            1 => (1, 1),
+            8 => (4, 2),
+            _ => (4, N / 4),
+        };
+        let camera = &lattice.camera;
+        let step = camera.plane().step * f64::from(lattice.stride);
+        let (x, y) = lattice.place(0, 0);
+        let first = camera.ray(x, y).origin - self.accel.origin();
+        let perspective = camera.projection() == Projection::Perspective;
+        // What all rays share, and what moves: directions, or origins.
+        let (shared, start) = if perspective {
+            (first, camera.direction(x, y))
+        } else {
+            (camera.forward(), first)
+        };
+        let [shared, start] = [shared, start].map(|v| v.as_vec3().to_array());
+        let along = (camera.right() * step).as_vec3().to_array();
+        let down = (camera.up() * -step).as_vec3().to_array();
+        let mut packet = Packet::<N>::NEW;
+        for axis in 0..3 {
+            if perspective {
+                packet.origin[axis] = [shared[axis]; N];
+            } else {
+                packet.direction[axis] = [shared[axis]; N];
+            }
+        }
+        let (columns, rows) = (lattice.columns as usize, lattice.rows as usize);
+        for top in (0..rows).step_by(height) {
+            for left in (0..columns).step_by(width) {
+                let mut moving = [[0.0; N]; 3];
+                for axis in 0..3 {
+                    for lane in 0..N {
+                        let (i, j) = ((left + lane % width) as f32, (top + lane / width) as f32);
+                        moving[axis][lane] = start[axis] + along[axis] * i + down[axis] * j;
+                    }
+                }
+                if perspective {
+                    let [x, y, z] = &mut moving;
+                    for lane in 0..N {
+                        let (a, b, c) = (x[lane], y[lane], z[lane]);
+                        let scale = 1.0 / (a * a + b * b + c * c).sqrt();
+                        x[lane] = a * scale;
+                        y[lane] = b * scale;
+                        z[lane] = c * scale;
+                    }
+                    packet.direction = moving;
+                } else {
+                    packet.origin = moving;
+                }
+                packet.reset();
+                packet.cast(&self.scene, true);
+                // Rays beyond the lattice are cast with the others, and left.
+                let across = width;
+                for row in 0..height.min(rows - top) {
+                    for column in 0..width.min(columns - left) {
+                        let lane = row * across + column;
+                        keep(&packet, lane, (top + row) * columns + left + column);
+                    }
+                }
+            }
+        }
+    }
+}
+
 impl<const N: usize> Way for Embree<N>
 where
     Packet<N>: Cast,
@@ -110,37 +184,19 @@ where
         }
     }
 
-    /// In packets of neighbours, as square as their number allows, and Embree is told that they are.
     fn cast_lattice(&self, lattice: &Lattice, hits: &mut Vec<SlotHit>) {
-        let (width, height) = match N {
-            1 => (1, 1),
-            8 => (4, 2),
-            _ => (4, N as u32 / 4),
-        };
         hits.clear();
         hits.resize(lattice.len(), SlotHit::NONE);
-        let mut packet = Packet::<N>::NEW;
-        for top in (0..lattice.rows).step_by(height as usize) {
-            // A packet that is not full repeats its last rays.
-            let row_of = |lane: u32| (top + lane / width).min(lattice.rows - 1);
-            let rows: [_; 4] = std::array::from_fn(|row| {
-                let row = row_of(row as u32 * width);
-                RowOfRays::<Vec3>::new(lattice, row, self.accel.origin())
-            });
-            for left in (0..lattice.columns).step_by(width as usize) {
-                let column_of = |lane: u32| (left + lane % width).min(lattice.columns - 1);
-                packet.reset();
-                for lane in 0..N as u32 {
-                    let ray = rows[(lane / width) as usize].ray(column_of(lane));
-                    set(&mut packet, lane as usize, ray.origin, ray.direction);
-                }
-                packet.cast(&self.scene, true);
-                for lane in 0..N as u32 {
-                    let at = row_of(lane) * lattice.columns + column_of(lane);
-                    hits[at as usize] = hit(&packet, lane as usize);
-                }
-            }
-        }
+        self.for_each(lattice, |packet, lane, at| hits[at] = hit(packet, lane));
+    }
+
+    fn find_lattice(&self, lattice: &Lattice, slots: &mut Vec<u32>) {
+        slots.clear();
+        slots.resize(lattice.len(), MISS);
+        // Embree's number for no triangle is a miss's slot.
+        self.for_each(lattice, |packet, lane, at| {
+            slots[at] = packet.triangle[lane]
+        });
     }
 
     fn identify(&self, slot: u32) -> (u32, u32) {

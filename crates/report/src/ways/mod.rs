@@ -53,6 +53,15 @@ pub trait Way: Send + Sync {
     /// Answers a camera's rays row by row, making them included, in place of what `hits` held.
     fn cast_lattice(&self, lattice: &Lattice, hits: &mut Vec<SlotHit>);
 
+    /// Visibility alone: the slots of the triangles that a camera's rays meet, row by row, in place of
+    /// what `slots` held.
+    fn find_lattice(&self, lattice: &Lattice, slots: &mut Vec<u32>) {
+        let mut hits = Vec::new();
+        self.cast_lattice(lattice, &mut hits);
+        slots.clear();
+        slots.extend(hits.iter().map(|hit| hit.slot));
+    }
+
     /// The object and triangle number of a slot that a hit names.
     fn identify(&self, slot: u32) -> (u32, u32);
 }

@@ -2,13 +2,13 @@ use super::{Failure, warn, workers};
 use crate::cli::BenchArgs;
 use crate::output::print;
 use crate::progress::Progress;
-use crate::stats::{self, Shares, json, milliseconds};
+use crate::setup;
+use crate::stats::{self, json, milliseconds};
 use raycast_core::accel::Accel;
-use raycast_core::camera::{
-    Camera, Grid, Lattice, Placement, PlaneRequest, Projection, fov_to_frame,
-};
+use raycast_core::camera::{Camera, Grid, Lattice, Placement, PlaneRequest, fov_to_frame};
 use raycast_core::formats;
 use raycast_core::glam::DVec3;
+use raycast_core::image::Picture;
 use raycast_core::render::{Cancel, Precision, Settings, TileStats, View};
 use raycast_core::scene::Scene;
 use raycast_core::shade::Shading;
@@ -18,7 +18,7 @@ use raycast_report::{subject, views};
 use rayon::ThreadPool;
 use serde::Serialize;
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// A file's figures.
@@ -54,6 +54,8 @@ struct BaselineFigures {
     hits: u64,
     cast_ms: Spread,
     mrays_per_s: f64,
+    /// How many times as many rays RayCast casts in the same time.
+    raycast_is_faster: f64,
 }
 
 /// Tests of a ray against a triangle that brute force may take for a frame.
@@ -102,7 +104,7 @@ fn measure_file(args: &BenchArgs, path: &Path, pool: &ThreadPool) -> Result<File
     let scene = formats::read_scene(path, &|share| progress.loaded(share))?.scene;
     progress.building();
     let building = Instant::now();
-    let accel = Arc::new(pool.install(|| Accel::build(&scene))?);
+    let accel = Arc::new(pool.install(|| setup::tree(&scene))?);
     let build_time = building.elapsed();
     let cameras = cameras(args, &scene)?;
     let baselines = args
@@ -172,7 +174,7 @@ fn cameras(args: &BenchArgs, scene: &Scene) -> Result<Vec<(&'static str, Camera)
             ..PlaneRequest::default()
         }
         .resolve(args.size, fov_to_frame(args.fov, distance))?;
-        Ok(Camera::new(placement, Projection::Perspective, plane))
+        Ok(Camera::new(placement, args.projection, plane))
     };
     if let Some(eye) = args.eye {
         let given = Placement {
@@ -182,7 +184,14 @@ fn cameras(args: &BenchArgs, scene: &Scene) -> Result<Vec<(&'static str, Camera)
         };
         return Ok(vec![("given", camera(given)?)]);
     }
-    let from = |nearer: f64| views::filling(scene, args.size, args.fov, nearer);
+    let from = |nearer: f64| -> Result<Camera, Failure> {
+        let camera = views::filling(scene, args.size, args.fov, nearer)?;
+        Ok(Camera::new(
+            camera.placement(),
+            args.projection,
+            camera.plane(),
+        ))
+    };
     Ok(vec![("medium", from(1.0)?), ("close", from(2.0)?)])
 }
 
@@ -206,11 +215,16 @@ fn measure_view(
         .collect();
     let mut baseline_frames: Vec<Vec<(Duration, usize)>> = vec![Vec::new(); ways.len()];
     let mut tiles = TileStats::default();
+    let plane = view.camera.plane();
+    let mut picture = Picture::blank(plane.columns, plane.rows, false);
     for frame in 0..=frames {
-        let (cast, wall, sum) = render_frame(view)?;
+        let started = Instant::now();
+        let counts = std::hint::black_box(view.cast(Grid::default()));
+        let cast = started.elapsed();
+        let wall = render_frame(view, &mut picture)?;
         for ((way, lattices), frames) in ways.iter().zip(&lattices).zip(&mut baseline_frames) {
             let started = Instant::now();
-            let hits = subject::cast_tiles(way.as_ref(), lattices);
+            let hits = subject::find_tiles(way.as_ref(), lattices);
             if frame > 0 {
                 frames.push((started.elapsed(), hits));
             }
@@ -218,18 +232,19 @@ fn measure_view(
         if frame > 0 {
             cast_times.push(cast);
             frame_times.push(wall);
-            tiles = sum;
+            tiles = counts;
         }
         progress.done(1);
     }
     let cast_ms = Spread::of(&mut cast_times);
+    let cast_time = median(&cast_times);
     Ok(ViewFigures {
         view: name,
         rays: tiles.rays,
         hits: tiles.hits,
         cast_ms,
         frame_ms: Spread::of(&mut frame_times),
-        mrays_per_s: stats::mrays_per_s(tiles.rays, median(&cast_times)),
+        mrays_per_s: stats::mrays_per_s(tiles.rays, cast_time),
         baselines: baselines.map(|ways| {
             let measured = ways.iter().zip(&lattices).zip(baseline_frames);
             measured
@@ -243,6 +258,10 @@ fn measure_view(
                         hits: frames.last().map_or(0, |frame| frame.1 as u64),
                         cast_ms,
                         mrays_per_s: stats::mrays_per_s(rays, median(&times)),
+                        raycast_is_faster: times_as_fast(
+                            (tiles.rays, cast_time),
+                            (rays, median(&times)),
+                        ),
                     }
                 })
                 .collect()
@@ -250,22 +269,35 @@ fn measure_view(
     })
 }
 
-/// One frame: its time for visibility alone, its whole time, and what its tiles counted.
-fn render_frame(view: &View) -> Result<(Duration, Duration, TileStats), Failure> {
+/// How many times as many rays the first casts in a second, to two decimals; 0 where it is too short to
+/// tell.
+fn times_as_fast(one: (u64, Duration), other: (u64, Duration)) -> f64 {
+    let seconds = |(rays, time): (u64, Duration)| time.as_secs_f64() / rays.max(1) as f64;
+    let ratio = seconds(other) / seconds(one);
+    if ratio.is_finite() {
+        (ratio * 100.0).round() / 100.0
+    } else {
+        0.0
+    }
+}
+
+/// The time of one frame: visibility, shading and the RGBA image, over the last one's memory.
+fn render_frame(view: &View, picture: &mut Picture) -> Result<Duration, Failure> {
     let started = Instant::now();
-    let sum = Mutex::new(TileStats::default());
-    let picture = view.render(
+    let clock = || Duration::ZERO;
+    let done = view.render_into(
         Grid::default(),
-        &|| started.elapsed(),
+        &clock,
         &Cancel::default(),
-        &|tile| *sum.lock().unwrap_or_else(PoisonError::into_inner) += tile.stats,
+        &|_| (),
+        picture,
     );
     let wall = started.elapsed();
-    if picture.is_none() {
-        return Err(Failure::could_not("the render was stopped"));
+    if done {
+        Ok(wall)
+    } else {
+        Err(Failure::could_not("the render was stopped"))
     }
-    let sum = sum.into_inner().unwrap_or_else(PoisonError::into_inner);
-    Ok((Shares::new(wall, &sum).cast, wall, sum))
 }
 
 #[cfg(test)]
