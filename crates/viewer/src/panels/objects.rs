@@ -51,7 +51,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
 
 /// A menu of the hard cases, theme by theme.
 fn hard_cases(ui: &mut Ui, out: &mut Commands) {
-    let menu = ui.menu_button("Open hard case ▸", |ui| {
+    let menu = ui.menu_button("Open hard case…", |ui| {
         for theme in Theme::ALL {
             ui.menu_button(theme.name(), |ui| {
                 for case in cases::all().iter().filter(|case| case.theme == theme) {
