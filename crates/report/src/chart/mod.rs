@@ -10,7 +10,7 @@ mod labels;
 mod strip;
 mod style;
 
-pub use axis::{Axis, Scale};
+pub use axis::{Axis, Scale, Zero, number};
 pub use draw::ChartError;
 pub use strip::captioned;
 pub use style::Ink;

@@ -1,14 +1,14 @@
 //! Plot B: where each way breaks.
 
 use super::Section;
-use crate::chart::{Axis, Better, Chart, Form, Ink, Series};
+use crate::chart::{Axis, Better, Chart, Form, Ink, Series, number};
 use crate::checked::{Checked, pixels_by_lot};
 use crate::effort::Effort;
 use crate::embree::Embree;
 use crate::meshes::{grid, mesh};
 use crate::stage::scene_of;
 use crate::subject::{Input, Subject};
-use crate::table::{Cell, ReportError, Table, grouped, short};
+use crate::table::{Cell, ReportError, Table, grouped};
 use crate::watch::Watch;
 use raycast_core::camera::{Camera, ImagePlane, Placement, Projection};
 use raycast_core::glam::DVec3;
@@ -211,6 +211,12 @@ pub fn measure(
         }
         watch.step();
     }
+    // From left to right.
+    let axis = sweep.axis(&sweep.places());
+    for curve in &mut curves {
+        let place = |point: &(f64, u64, u64)| axis.place(point.0);
+        curve.points.sort_by(|a, b| place(a).total_cmp(&place(b)));
+    }
     Ok(curves)
 }
 
@@ -274,7 +280,7 @@ pub fn show(section: &mut Section, sweep: Sweep, curves: &[Curve]) {
             Some((rate, way)) => format!(
                 "{}: {way} is wrong for up to {} % of rays",
                 sweep.title(),
-                short(rate / 1e4)
+                number(rate / 1e4)
             ),
             None => format!("{}: no way was wrong", sweep.title()),
         },

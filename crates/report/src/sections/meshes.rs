@@ -1,17 +1,19 @@
 //! A mesh after the other: how fast each way is, and how often it is wrong.
 
 use super::Section;
+use crate::chart::number;
 use crate::checked::{self, Checked};
 use crate::effort::Effort;
 use crate::errors::Errors;
 use crate::subject::{Subject, cast_tiles, stride, tiles};
-use crate::table::{Cell, ReportError, Table, grouped, short};
+use crate::table::{Cell, ReportError, Table, grouped};
 use crate::timing::{Spread, interleaved};
 use crate::views;
 use crate::watch::Watch;
 use crate::ways::Way;
 use raycast_core::camera::{Camera, Lattice, Rect};
 use std::collections::HashSet;
+use std::time::Instant;
 
 /// What was found about a mesh.
 #[derive(Clone, Debug)]
@@ -92,8 +94,24 @@ pub fn measure(
     })
 }
 
+/// Seconds that a frame may take; of a way that takes longer fewer rays are measured.
+const LONG_FRAME: f64 = 0.15;
+
+/// The stride at which a way's frame is not too long, told by every eighth ray of every eighth row.
+fn affordable_stride(way: &dyn Way, camera: &Camera, tests: usize) -> u32 {
+    const SAMPLE: u32 = 8;
+    if way.tries() > 0 {
+        return stride(camera, way.tries(), tests);
+    }
+    let sample = tiles(camera, SAMPLE);
+    let started = Instant::now();
+    std::hint::black_box(cast_tiles(way, &sample));
+    let frame = started.elapsed().as_secs_f64() * f64::from(SAMPLE * SAMPLE);
+    ((frame / LONG_FRAME).sqrt().floor() as u32).max(1)
+}
+
 /// Million rays a second of each way, in turn; every ray of the picture, and where that would take
-/// brute force too long some of them, evenly spread.
+/// too long some of them, evenly spread.
 pub fn speeds(
     ways: &[Box<dyn Way>],
     camera: &Camera,
@@ -102,7 +120,12 @@ pub fn speeds(
 ) -> Vec<Spread> {
     let lattices: Vec<Vec<Lattice>> = ways
         .iter()
-        .map(|way| tiles(camera, stride(camera, way.tries(), effort.tests)))
+        .map(|way| {
+            tiles(
+                camera,
+                affordable_stride(way.as_ref(), camera, effort.tests),
+            )
+        })
         .collect();
     let mut works: Vec<Box<dyn FnMut() + Send>> = Vec::new();
     for (way, lattices) in ways.iter().zip(&lattices) {
@@ -224,7 +247,7 @@ pub fn show(meshes: &[MeshFigures], effort: &Effort) -> Section {
 pub fn stated(wrong: u64, rays: u64) -> String {
     let counted = format!("{} of {} rays", grouped(wrong), grouped(rays));
     if wrong == 0 && rays > 0 {
-        let bound = short(3e6 / rays as f64);
+        let bound = number(3e6 / rays as f64);
         format!("{counted}, so fewer than {bound} in a million")
     } else {
         counted

@@ -2,10 +2,10 @@
 
 use super::Section;
 use super::meshes::{MeshFigures, stated};
-use crate::chart::{Axis, Better, Chart, Form, Ink, Series};
+use crate::chart::{Axis, Better, Chart, Form, Ink, Series, number};
 use crate::errors::Errors;
 use crate::pareto::front;
-use crate::table::{Cell, Table, grouped, short};
+use crate::table::{Cell, Table, grouped};
 use crate::timing::geometric_mean;
 
 /// A way, over several scenes.
@@ -100,7 +100,7 @@ pub fn show(
         x: rates.from_to(low, high).with_roomy_zero(&format!(
             "0 of {} (< 3/N: below {} in a million)",
             grouped(most),
-            short(3e6 / most.max(1) as f64)
+            number(3e6 / most.max(1) as f64)
         )),
         y: Axis::log(
             &match threads {
@@ -119,7 +119,7 @@ pub fn show(
              million rays a second. {}",
             best.name,
             stated(best.wrong, best.rays),
-            short(best.mrays),
+            number(best.mrays),
             faster_but_wrong(standings, best),
         ));
     }
