@@ -298,8 +298,8 @@ fn conclusion(pictures: &Pictures, measure: fn(&Difference) -> f64, better: Bett
         return "no pictures".to_owned();
     };
     let affordable = pictures.by_samples.iter();
-    let affordable = affordable.filter(|made| made.ms.median <= densest.ms.median * 1.1);
-    let Some(best) = affordable.last() else {
+    let mut affordable = affordable.filter(|made| made.ms.median <= densest.ms.median * 1.1);
+    let Some(best) = affordable.next_back() else {
         return "samples cost more than steps".to_owned();
     };
     let (step, samples) = (measure(&densest.difference), measure(&best.difference));
