@@ -45,6 +45,7 @@ pub fn report(
          with 256 rays a pixel. Speeds are of ways taken in turn, ray set-up and the writing of hits \
          included; medians.",
     );
+    let embree = library.as_ref().ok();
     let mut ordinary = Section::default();
     ordinary.say("## A. Speed against wrong triangles");
     let names: Vec<&str> = figures.iter().map(|mesh| mesh.name.as_str()).collect();
@@ -52,15 +53,18 @@ pub fn report(
         "Over {}: speeds are geometric means, wrong triangles are added up.",
         names.join(", ")
     ));
+    let over_meshes = numerics::over_meshes(&figures);
+    let outcomes = hard::measure(effort, embree, watch)?;
+    let over_cases = hard::over_cases(&outcomes);
     numerics::show(
         &mut ordinary,
         "a-ordinary",
         "ordinary meshes",
-        &numerics::over_meshes(&figures),
+        &over_meshes,
         machine.threads,
     );
-    let embree = library.as_ref().ok();
-    hard::show(&mut ordinary, &hard::measure(effort, embree, watch)?);
+    numerics::headline(&mut ordinary, &over_meshes, &over_cases);
+    hard::show(&mut ordinary, &outcomes, &over_cases);
     let mut breaks = Section::default();
     breaks.say("## B. Where each way breaks");
     for sweep in breaking::Sweep::ALL {

@@ -128,8 +128,14 @@ fn speed(
     (count, least)
 }
 
-/// Plot A over the hard cases, and who is wrong where.
-pub fn show(section: &mut Section, outcomes: &Outcomes) {
+/// Each way over all cases.
+pub fn over_cases(outcomes: &Outcomes) -> Vec<Standing> {
+    let ways = outcomes.ways.iter();
+    ways.map(|way| standing(outcomes, way)).collect()
+}
+
+/// Plot A over the hard cases (`standings` being those of [`over_cases`]), and who is wrong where.
+pub fn show(section: &mut Section, outcomes: &Outcomes, standings: &[Standing]) {
     section.say("### Hard cases");
     let rays: u64 = outcomes
         .cases
@@ -144,12 +150,7 @@ pub fn show(section: &mut Section, outcomes: &Outcomes) {
         outcomes.cases.len(),
         grouped(rays)
     ));
-    let standings: Vec<Standing> = outcomes
-        .ways
-        .iter()
-        .map(|way| standing(outcomes, way))
-        .collect();
-    numerics::show(section, "a-hard", "hard cases", &standings, 1);
+    numerics::show(section, "a-hard", "hard cases", standings, 1);
     let mut summary = Table::new(&["way", "leaks", "wrong", "of rays", "wrong in these cases"]);
     for way in &outcomes.ways {
         let errors = of_way(outcomes, way).map(|(_, outcome)| outcome.errors.clone());

@@ -52,6 +52,28 @@ pub fn over_meshes(meshes: &[MeshFigures]) -> Vec<Standing> {
         .collect()
 }
 
+/// Adds the table that says it all: how fast each way is, and how often it is wrong on ordinary meshes
+/// and on hard cases.
+pub fn headline(section: &mut Section, ordinary: &[Standing], hard: &[Standing]) {
+    let mut table = Table::new(&[
+        "way",
+        "Mrays/s",
+        "wrong triangles, ordinary meshes",
+        "wrong triangles, hard cases",
+    ]);
+    let stated = |way: &Standing| format!("{} of {}", grouped(way.wrong), grouped(way.rays));
+    for way in ordinary {
+        let of_hard = hard.iter().find(|hard| hard.name == way.name);
+        table.row(vec![
+            way.name.as_str().into(),
+            Cell::short(way.mrays),
+            stated(way).into(),
+            of_hard.map_or(Cell::Empty, |hard| stated(hard).into()),
+        ]);
+    }
+    section.table("a-headline", table);
+}
+
 /// Adds the plot of some ways, its numbers, and what is to be read from it.
 pub fn show(
     section: &mut Section,
