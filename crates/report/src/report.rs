@@ -45,6 +45,8 @@ pub fn report(
          with 256 rays a pixel. Speeds are of ways taken in turn, ray set-up and the writing of hits \
          included; medians.",
     );
+    opening.say("The ways of casting:");
+    opening.say(WAYS);
     let embree = library.as_ref().ok();
     let mut ordinary = Section::default();
     ordinary.say("## A. Speed against wrong triangles");
@@ -102,6 +104,20 @@ pub fn report(
     ];
     files(sections, watch)
 }
+
+/// What the names in plots and tables mean.
+const WAYS: &str = "\
+- **RayCast tiles**: a tile of a camera's rays at once, as pictures are made; *exact*, or *fast* (rounded \
+where doubles cannot tell). With the name of an instruction set where it is not this machine's widest.
+- **RayCast single rays**: one ray after another, as `raycast cast` answers them.
+- **plane, then inside**: where the ray meets the plane, and whether that is inside; every triangle for \
+every ray. The renderer that RayCast replaces.
+- **Möller–Trumbore**: their test of 1997, over boxes that lose no ray.
+- **watertight**: the test of Woop, Benthin and Wald of 2013, over the same boxes.
+- **obvhs BVH2, CWBVH**: obvhs's own trees with its triangle test, medium build.
+- **Embree 1, 8, 16**: so many rays at a time; *robust* with its flag for watertight tests.
+
+f32 is single precision, f64 double.";
 
 /// Writes everything down.
 fn files(

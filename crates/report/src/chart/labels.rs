@@ -59,22 +59,11 @@ pub(super) struct Taken {
     pub(super) line_points: Vec<Point>,
 }
 
-/// Distances from a point to its label, from the best to the worst.
-const DISTANCES: [f64; 8] = [7.0, 12.0, 19.0, 28.0, 40.0, 56.0, 76.0, 100.0];
+/// From a point to the nearest side of its label.
+const GAPS: [f64; 5] = [7.0, 16.0, 34.0, 60.0, 90.0];
 
-/// Directions from a point to its label, from the best to the worst.
-const DIRECTIONS: [Point; 10] = [
-    (1.0, 0.0),
-    (1.0, -0.55),
-    (1.0, 0.55),
-    (0.0, -1.0),
-    (0.0, 1.0),
-    (0.6, -1.0),
-    (0.6, 1.0),
-    (-1.0, 0.0),
-    (-1.0, -0.55),
-    (-1.0, 0.55),
-];
+/// Rows of labels above and below a point that are tried.
+const ROWS: i32 = 12;
 
 impl Taken {
     /// The best place for a label of this size at one of the points (the first being the best to
@@ -82,26 +71,17 @@ impl Taken {
     pub(super) fn place(&mut self, (width, height): (f64, f64), points: &[Point]) -> (Area, Point) {
         let mut best = (f64::INFINITY, Area::around((0.0, 0.0), 0.0), (0.0, 0.0));
         for (rank, &point) in points.iter().enumerate() {
-            for (ring, &distance) in DISTANCES.iter().enumerate() {
-                for (turn, &(right, down)) in DIRECTIONS.iter().enumerate() {
-                    let center = (
-                        point.0 + right * (distance + width * 0.5),
-                        point.1 + down * (distance + height * 0.5),
-                    );
-                    let area = Area {
-                        low: (center.0 - width * 0.5, center.1 - height * 0.5),
-                        high: (center.0 + width * 0.5, center.1 + height * 0.5),
-                    };
-                    if !self.bounds.holds(&area) {
-                        continue;
-                    }
-                    let cost = self.cost(&area)
-                        + 5.0 * ring as f64
-                        + 0.8 * turn as f64
-                        + 3.0 * (rank as f64).min(10.0);
-                    if cost < best.0 {
-                        best = (cost, area, point);
-                    }
+            for (center, trouble) in candidates(point, (width, height)) {
+                let area = Area {
+                    low: (center.0 - width * 0.5, center.1 - height * 0.5),
+                    high: (center.0 + width * 0.5, center.1 + height * 0.5),
+                };
+                if !self.bounds.holds(&area) {
+                    continue;
+                }
+                let cost = self.cost(&area) + trouble + 3.0 * (rank as f64).min(10.0);
+                if cost < best.0 {
+                    best = (cost, area, point);
                 }
             }
         }
@@ -123,6 +103,26 @@ impl Taken {
             .count();
         400.0 * over as f64 + 6.0 * crossed as f64
     }
+}
+
+/// Middles of places for a label about a point, each with how far-fetched it is: to the right, to the
+/// left, above and below, and in rows ever further up and down.
+fn candidates(point: Point, (width, height): (f64, f64)) -> Vec<(Point, f64)> {
+    let mut all = Vec::new();
+    for (ring, gap) in GAPS.into_iter().enumerate() {
+        let far = 6.0 * ring as f64;
+        for (side, away) in [(1.0, 0.0), (-1.0, 2.5)] {
+            let x = point.0 + side * (gap + width * 0.5);
+            for row in -ROWS..=ROWS {
+                let center = (x, point.1 + f64::from(row) * height * 0.75);
+                all.push((center, far + away + 2.2 * f64::from(row.abs())));
+            }
+        }
+        for (side, away) in [(-1.0, 1.5), (1.0, 2.0)] {
+            all.push(((point.0, point.1 + side * (gap + height * 0.5)), far + away));
+        }
+    }
+    all
 }
 
 #[cfg(test)]

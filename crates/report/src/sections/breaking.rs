@@ -243,7 +243,7 @@ pub fn show(section: &mut Section, sweep: Sweep, curves: &[Curve]) {
         series.push(Series {
             label: match alike.len() {
                 1 => first.way.clone(),
-                count => format!("{} and {} alike", first.way, count - 1),
+                count => format!("{} (+{} alike)", first.way, count - 1),
             },
             points: first
                 .points

@@ -17,13 +17,9 @@ pub(super) struct Embree<const N: usize> {
 impl<const N: usize> Embree<N> {
     /// `scene` holds the triangles of `accel` in the order of their slots.
     pub(super) fn new(accel: &Arc<Accel>, scene: &Arc<EmbreeScene>, robust: bool) -> Self {
-        let rays = match N {
-            1 => "single rays".to_owned(),
-            n => format!("packets of {n}"),
-        };
-        let robust = if robust { ", robust" } else { "" };
+        let robust = if robust { " robust" } else { "" };
         Self {
-            name: format!("Embree {rays}{robust}, f32"),
+            name: format!("Embree {N}{robust}, f32"),
             accel: Arc::clone(accel),
             scene: Arc::clone(scene),
         }
