@@ -110,12 +110,30 @@ impl Chart {
                 other => others.push(other),
             }
         }
-        frame.column(canvas, &lines, frame.high.0 + 16.0)?;
-        frame.column(canvas, &zeros, frame.x(self.x.place(0.0)) + 34.0)?;
+        let bounds = taken.bounds;
+        frame.column(canvas, &lines, Side::Right(frame.high.0 + 16.0), &mut taken)?;
+        let beside_zero = Side::Right(frame.x(self.x.place(0.0)) + 34.0);
+        frame.column(canvas, &zeros, beside_zero, &mut taken)?;
         if let Some(end) = self.x.zero_end() {
             taken.bounds.low.0 = taken.bounds.low.0.max(frame.x(end));
         }
-        for series in others {
+        let (piles, alone) = frame.piles(others);
+        for pile in piles {
+            let xs = || pile.iter().map(|series| frame.end(series).0);
+            let widths = pile
+                .iter()
+                .map(|series| canvas.measure(&series.label, style::LABEL));
+            let widths = widths.collect::<Result<Vec<_>, _>>()?;
+            let width = widths.into_iter().map(|size| size.0).fold(0.0, f64::max);
+            let right = xs().fold(0.0, f64::max) + 26.0;
+            let side = if right + width < bounds.high.0 {
+                Side::Right(right)
+            } else {
+                Side::Left(xs().fold(f64::INFINITY, f64::min) - 26.0)
+            };
+            frame.column(canvas, &pile, side, &mut taken)?;
+        }
+        for series in alone {
             frame.label(canvas, series, &mut taken)?;
         }
         Ok(())
@@ -126,6 +144,15 @@ impl Series {
     fn is_line(&self) -> bool {
         matches!(self.form, Form::Line | Form::Dashes)
     }
+}
+
+/// Which way names go from a line.
+#[derive(Clone, Copy)]
+enum Side {
+    /// To the right of it.
+    Right(f64),
+    /// To the left.
+    Left(f64),
 }
 
 /// The rectangle that points lie in.
@@ -251,24 +278,56 @@ impl Frame<'_> {
         &self,
         canvas: &Canvas<'_, B>,
         series: &[&Series],
-        left: f64,
+        side: Side,
+        taken: &mut Taken,
     ) -> Result<(), ChartError> {
         const APART: f64 = 17.5;
         let mut names: Vec<(Point, &Series)> = series
             .iter()
-            .filter_map(|series| Some((self.at(*series.points.last()?), *series)))
+            .map(|&series| (self.end(series), series))
             .collect();
         names.sort_by(|(a, _), (b, _)| a.1.total_cmp(&b.1));
         let ends: Vec<f64> = names.iter().map(|((_, y), _)| *y).collect();
         let places = spread_out(&ends, APART, (self.low.1, self.high.1));
-        for (((x, y), series), place) in names.into_iter().zip(places) {
+        for ((end, series), place) in names.into_iter().zip(places) {
             let color = series.ink.color();
-            canvas.line(&[(x, y), (left, place)], 1.0, color.mix(0.5))?;
-            let at = (left + 3.0, place);
+            let (width, _) = canvas.measure(&series.label, style::LABEL)?;
+            let (x, low) = match side {
+                Side::Right(x) => (x, x + 3.0),
+                Side::Left(x) => (x, x - 3.0 - width),
+            };
+            canvas.line(&[end, (x, place)], 1.0, color.mix(0.5))?;
             let anchor = (HPos::Left, VPos::Center);
-            canvas.text(&series.label, at, style::LABEL, color, anchor)?;
+            canvas.text(&series.label, (low, place), style::LABEL, color, anchor)?;
+            taken.areas.push(Area {
+                low: (low, place - APART * 0.5),
+                high: (low + width, place + APART * 0.5),
+            });
         }
         Ok(())
+    }
+
+    /// Where a series ends.
+    fn end(&self, series: &Series) -> Point {
+        let last = series.points.last().copied();
+        last.map_or(self.high, |point| self.at(point))
+    }
+
+    /// Dots that stand one above the other, three or more, and all others.
+    fn piles<'s>(&self, dots: Vec<&'s Series>) -> (Vec<Vec<&'s Series>>, Vec<&'s Series>) {
+        const NEAR: f64 = 9.0;
+        let mut sorted = dots;
+        sorted.sort_by(|a, b| self.end(a).0.total_cmp(&self.end(b).0));
+        let near = |a: &&Series, b: &&Series| self.end(b).0 - self.end(a).0 < NEAR;
+        let (mut piles, mut alone) = (Vec::new(), Vec::new());
+        for pile in sorted.chunk_by(near) {
+            if pile.len() > 2 {
+                piles.push(pile.to_vec());
+            } else {
+                alone.extend_from_slice(pile);
+            }
+        }
+        (piles, alone)
     }
 
     fn series<B: DrawingBackend>(
