@@ -202,7 +202,7 @@ impl Block {
         } else if right - left < ROW as i32 {
             let rows = (bottom - top + 1) as usize;
             self.meet_rows(lanes, &functions, row * SIDE + column, rows);
-            let (first, last) = (column / ROW, (column + ROW - 1) / ROW);
+            let (first, last) = (column / ROW, column.div_ceil(ROW));
             let columns = (1u32 << first) | (1 << last);
             for sub_row in row / ROW..=bottom as usize / ROW {
                 self.touched |= columns << (SUBS * sub_row);

@@ -83,6 +83,10 @@ where
     /// Embree that they are. `keep` is given each ray's place in the lattice.
     ///
     /// Rays are set up lane by lane in plain loops, which compilers lay side by side.
+    #[allow(
+        clippy::needless_range_loop,
+        reason = "a lane is an index into all the arrays at once"
+    )]
     #[inline(always)]
     fn for_each(&self, lattice: &Lattice, mut keep: impl FnMut(&Packet<N>, usize, usize)) {
         let (width, height) = match N {
