@@ -42,6 +42,7 @@ const FAST_IS_WRONG: &[(&str, usize)] = &[
     ("four_triangles", 2),
     ("powers_of_two", 1029),
     ("origins_beyond_the_scene", 1923),
+    ("next_to_what_is_stored_far_away", 1026),
     ("no_area", 348),
     ("random_bits", 214),
 ];
@@ -58,13 +59,14 @@ cases! {
     small_distant_fan
     negative_zeros in_the_plane_of_a_face eye_on_the_surface quads_in_one_place four_triangles
     directions_of_any_length powers_of_two coordinates_to_1e18 origins_beyond_the_scene
-    half_a_trillion grazed_sliver small_thing_on_vast_ground ten_million_away close_planes
+    half_a_trillion grazed_sliver small_thing_on_vast_ground ten_million_away
+    next_to_what_is_stored_far_away close_planes
     feet_to_horizon
     no_area random_bits one_bad_vertex rays_that_are_none few_triangles copies
     random_soups culled_sphere alternating_fronts unit_triangle
     smaller_than_a_pixel changing_density around_the_eye edge_on corners_on_pixel_centres
     edges_through_block_corners slivers_along_rows surfaces_on_one_another crossing_layers
-    fan_on_a_pixel ends_of_the_range narrow_and_wide
+    fan_on_a_pixel ends_of_the_range narrow_and_wide narrower_than_rounding
 }
 
 #[test]

@@ -95,6 +95,13 @@ pub(super) const CASES: &[Case] = &[
         variants: 20,
         setting: narrow_and_wide,
     },
+    Case {
+        name: "narrower_than_rounding",
+        theme: Theme::Blocks,
+        trouble: "A view of a corner so narrow that neighbouring rays are a few roundings apart: a row of rays is no straight line.",
+        variants: 24,
+        setting: narrower_than_rounding,
+    },
 ];
 
 const CULLS: [Cull; 2] = [Cull::None, Cull::Back];
@@ -439,4 +446,15 @@ fn narrow_and_wide(variant: u32) -> Setting {
         .seen([camera(eye, target, projection, (61, 45), height)])
         .culled(CULLS[variant as usize / 2 % 2])
         .making(move |random| Ray::new(eye, random.in_cube() * 8.0 - eye))
+}
+
+fn narrower_than_rounding(variant: u32) -> Setting {
+    let mut random = Random::new(1200 + u64::from(variant));
+    // Alone: where a surface goes on, what one triangle loses the next one has.
+    let corners = [(); 3].map(|()| random.in_cube().as_vec3().as_dvec3());
+    let target = corners[0];
+    let eye = target + random.direction() * random.between(2.0, 9.0);
+    let height = (eye - target).length() * random.decade(-13.5, -8.0);
+    Setting::of([soup(&[corners])])
+        .seen(PROJECTIONS.map(|projection| camera(eye, target, projection, (61, 45), height)))
 }

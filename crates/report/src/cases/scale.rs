@@ -67,6 +67,13 @@ pub(super) const CASES: &[Case] = &[
         setting: ten_million_away,
     },
     Case {
+        name: "next_to_what_is_stored_far_away",
+        theme: Theme::Scale,
+        trouble: "An eye next to one object, while all is stored relative to another at 1e7: the eye itself is rounded.",
+        variants: 12,
+        setting: next_to_what_is_stored_far_away,
+    },
+    Case {
         name: "close_planes",
         theme: Theme::Scale,
         trouble: "A plane 1, 2, 4 or 8 units in the last place behind another shines through.",
@@ -272,6 +279,32 @@ pub fn moved_sphere(by: DVec3) -> Mesh {
         .iter()
         .map(|p| (p.as_dvec3() * grain).round() / grain + by);
     mesh(points.collect(), near.triangles().to_vec())
+}
+
+/// The second object's corners have whole coordinates, which are kept at 1e7.
+fn next_to_what_is_stored_far_away(variant: u32) -> Setting {
+    let mut random = Random::new(1900 + u64::from(variant));
+    let far = DVec3::X * 1e7;
+    let first = meshes::cuboid(far - DVec3::ONE, far + DVec3::ONE);
+    let second = meshes::integer_heights(8, variant.into());
+    let corners: Vec<DVec3> = second.positions().iter().map(|p| p.as_dvec3()).collect();
+    // On the border: where a surface goes on, what one triangle loses the next one has.
+    let target = corners[random.below(9) as usize];
+    let eye = target + random.direction() * random.between(3.0, 9.0);
+    let height = match variant % 2 {
+        0 => random.decade(-9.0, 1.0),
+        _ => random.decade(-12.0, -9.0),
+    };
+    Setting::of([first, second])
+        .seen(PROJECTIONS.map(|projection| camera(eye, target, projection, (61, 45), height)))
+        .making(move |random| {
+            let origin = target + random.direction() * random.between(1.0, 9.0);
+            let (a, b) = (random.below(81) as usize, random.below(81) as usize);
+            // Half of them at corners, half between two of them: often along an edge.
+            let share = [0.0, 0.5][random.below(2) as usize];
+            let aim = corners[a] + (corners[b] - corners[a]) * share;
+            Ray::new(origin, aim - origin)
+        })
 }
 
 fn close_planes(variant: u32) -> Setting {
