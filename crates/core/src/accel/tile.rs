@@ -51,7 +51,8 @@ impl std::ops::AddAssign for CastCounts {
 impl Accel {
     /// Casts every ray of a lattice: its hits row by row, in place of what `hits` held.
     ///
-    /// Each is what [`Accel::cast_slot`] answers for that ray, as far as `detail` asks for it.
+    /// Each is what [`Accel::cast_slot`] answers for that ray, as far as `detail` asks for it. With
+    /// [`Precision::Fast`] a block may be right where a single ray in doubles is not.
     pub fn cast_lattice(
         &self,
         lattice: &Lattice,
