@@ -307,13 +307,13 @@ mod avx2 {
 }
 
 /// Work that is compiled for each instruction set. `run` must be inlined to be.
-pub(super) trait Work {
+pub(crate) trait Work {
     /// Does it.
     fn run(self, lanes: impl Lanes);
 }
 
 /// Runs `work` as compiled for `simd`, or for the best below it that this machine has.
-pub(super) fn dispatch(simd: Simd, work: impl Work) {
+pub(crate) fn dispatch(simd: Simd, work: impl Work) {
     #[cfg(target_arch = "x86_64")]
     {
         use avx2::Avx2;

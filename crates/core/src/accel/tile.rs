@@ -12,7 +12,7 @@ use super::{Accel, MISS, SlotHit, traverse};
 use crate::camera::{Lattice, Projection};
 use crate::intersect::block::Block;
 use crate::intersect::row::{self, Corners, RowHits, meet_row};
-use crate::intersect::setup::{Batch, BlockSpace, SIDE};
+use crate::intersect::setup::{self, Batch, BlockSpace, SIDE};
 use crate::intersect::{Cull, Detail, Precision, PreparedRay};
 use glam::{DVec3, Vec3};
 
@@ -29,6 +29,8 @@ const BEYOND: f32 = 1.0 + 1e-5;
 /// What casting a lattice took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CastCounts {
+    /// Rays that met something.
+    pub hits: u64,
     /// Nodes of the tree whose children's boxes were tested.
     pub nodes: u64,
     /// Triangles set up.
@@ -41,6 +43,7 @@ pub struct CastCounts {
 
 impl std::ops::AddAssign for CastCounts {
     fn add_assign(&mut self, other: Self) {
+        self.hits += other.hits;
         self.nodes += other.nodes;
         self.triangles += other.triangles;
         self.double_rays += other.double_rays;
@@ -184,8 +187,9 @@ impl Work for Find<'_> {
                 continue;
             }
             for part in large.split(SIDE as u32) {
-                walk.cast(lanes, &part, self.cull, &mut block);
-                self.keep(&part, &block);
+                if walk.cast(lanes, &part, self.cull, &mut block) {
+                    self.keep(&part, &block);
+                }
             }
         }
         *self.counts = CastCounts {
@@ -206,15 +210,19 @@ impl Find<'_> {
             let (slots, low) = block.row(row);
             let (slots, low) = (&slots[..columns], &low[..columns]);
             self.slots[first..first + columns].copy_from_slice(slots);
-            let mut any_open = false;
-            for &low in low {
+            let (mut met, mut any_open) = (0, false);
+            for (&slot, &low) in slots.iter().zip(low) {
+                met += u32::from(slot != MISS);
                 any_open |= Block::is_open(low);
             }
+            self.counts.hits += u64::from(met);
             if any_open {
                 for (column, &low) in low.iter().enumerate() {
                     if Block::is_open(low) {
                         let slot = self.cast_one(part.column + column as u32, part.row + row);
-                        self.slots[first + column] = slot;
+                        let guess = std::mem::replace(&mut self.slots[first + column], slot);
+                        self.counts.hits += u64::from(slot != MISS);
+                        self.counts.hits -= u64::from(guess != MISS);
                     }
                 }
             }
@@ -430,55 +438,53 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Casts a block's rays.
+    /// Casts a block's rays. `false`, and the block as it was, where no triangle is near them.
     #[inline(always)]
-    fn cast(&mut self, lanes: impl Lanes, part: &Part, cull: Cull, block: &mut Block) {
-        let perspective = self.lattice.camera.projection() == Projection::Perspective;
-        block.clear(lanes, part.columns, part.rows, perspective);
+    fn cast(&mut self, lanes: impl Lanes, part: &Part, cull: Cull, block: &mut Block) -> bool {
         let frustum = self.frustum(part);
         let space = self.space(part, cull);
         let mut limit = f32::INFINITY;
         let mut stack = [(Subtree::default(), 0.0f32); DEPTH_LIMIT + 2];
-        for pair in 0..self.pairs.len() {
-            if self.nears[pair] > limit {
-                break;
-            }
-            let mut depth = 0;
-            self.counts.nodes += 1;
-            self.push(
-                lanes,
-                &self.pairs[pair],
-                &frustum,
-                limit,
-                &mut stack,
-                &mut depth,
-            );
-            while depth > 0 {
-                depth -= 1;
-                let (subtree, near) = stack[depth];
-                if near > limit {
+        let (mut pair, mut depth) = (0, 0);
+        let mut leaf = 0..0;
+        let mut begun = false;
+        loop {
+            while self.batch.len < setup::LANES {
+                if let Some(slot) = leaf.next() {
+                    let corners = &self.accel.triangles[slot as usize].corners;
+                    self.batch.push(slot, corners);
                     continue;
                 }
-                if subtree.count == 0 {
-                    self.counts.nodes += 1;
-                    let node = &self.accel.tree.nodes[subtree.first as usize];
-                    self.push(lanes, node, &frustum, limit, &mut stack, &mut depth);
-                    continue;
-                }
-                for slot in subtree.first..subtree.first + subtree.count {
-                    let full = self
-                        .batch
-                        .push(slot, &self.accel.triangles[slot as usize].corners);
-                    if full {
-                        self.counts.triangles +=
-                            u64::from(block.meet(lanes, &space, &mut self.batch));
-                        limit = self.limit(block.horizon());
+                let node = if depth > 0 {
+                    depth -= 1;
+                    let (subtree, near) = stack[depth];
+                    if near > limit {
+                        continue;
                     }
-                }
+                    if subtree.count > 0 {
+                        leaf = subtree.first..subtree.first + subtree.count;
+                        continue;
+                    }
+                    &self.accel.tree.nodes[subtree.first as usize]
+                } else if pair < self.pairs.len() && self.nears[pair] <= limit {
+                    pair += 1;
+                    &self.pairs[pair - 1]
+                } else {
+                    break;
+                };
+                self.counts.nodes += 1;
+                self.push(lanes, node, &frustum, limit, &mut stack, &mut depth);
             }
-        }
-        if self.batch.len > 0 {
+            if self.batch.len == 0 {
+                return begun;
+            }
+            if !begun {
+                begun = true;
+                let perspective = self.lattice.camera.projection() == Projection::Perspective;
+                block.clear(lanes, part.columns, part.rows, perspective);
+            }
             self.counts.triangles += u64::from(block.meet(lanes, &space, &mut self.batch));
+            limit = self.limit(block.horizon());
         }
     }
 

@@ -1,4 +1,4 @@
-use crate::camera::Rect;
+use crate::camera::{Grid, Rect};
 
 /// What a picture knows of each pixel besides its 8-bit colour. Row by row, one value a pixel.
 ///
@@ -69,6 +69,30 @@ impl Picture {
             pixels: vec![[0; 4]; pixels],
             layers: layers.then(|| Layers::blank(pixels)),
         }
+    }
+
+    /// The rows of each of a grid's tiles, in the order of [`Grid::tiles`]: every pixel once, for
+    /// workers that fill tiles side by side.
+    pub fn tile_rows(&mut self, grid: Grid) -> Vec<Vec<&mut [[u8; 4]]>> {
+        let (across, _) = grid.counts(self.width, self.height);
+        let tiles = grid.tiles(self.width, self.height);
+        let mut places: Vec<Vec<_>> = tiles
+            .iter()
+            .map(|tile| Vec::with_capacity(tile.height as usize))
+            .collect();
+        let mut rest = &mut self.pixels[..];
+        let bands = tiles.chunks(across.max(1) as usize);
+        for (band, places) in bands.zip(places.chunks_mut(across.max(1) as usize)) {
+            for _ in 0..band[0].height {
+                for (tile, place) in band.iter().zip(&mut *places) {
+                    let columns = (tile.width as usize).min(rest.len());
+                    let (row, after) = std::mem::take(&mut rest).split_at_mut(columns);
+                    place.push(row);
+                    rest = after;
+                }
+            }
+        }
+        places
     }
 
     /// Copies a rectangle's pixels (and layers, where both have them) into their place.

@@ -459,9 +459,9 @@ impl Batch {
         }
     }
 
-    /// Adds a triangle; `true` when the batch is full.
+    /// Adds a triangle to a batch that is not full.
     #[inline(always)]
-    pub(crate) fn push(&mut self, slot: u32, corners: &[Vec3; 3]) -> bool {
+    pub(crate) fn push(&mut self, slot: u32, corners: &[Vec3; 3]) {
         let lane = self.len & (LANES - 1);
         for (corner, at) in corners.iter().zip([0, 3, 6]) {
             self.corners[at][lane] = corner.x;
@@ -470,7 +470,6 @@ impl Batch {
         }
         self.slots[lane] = slot;
         self.len += 1;
-        self.len == LANES
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::sample::sample_offset;
 use super::{Pass, Settings, Tile, TileStats, View};
-use crate::accel::{MISS, SlotHit};
+use crate::accel::SlotHit;
 use crate::camera::{Lattice, Rect};
 use crate::image::Layers;
 use crate::intersect::Detail;
@@ -25,14 +25,9 @@ pub(super) struct Job {
 
 impl Job {
     pub(super) fn new(rect: Rect) -> Self {
-        Self::reusing(rect, Vec::new())
-    }
-
-    /// A tile whose pixels go where another's were.
-    pub(super) fn reusing(rect: Rect, pixels: Vec<[u8; 4]>) -> Self {
         Self {
             rect,
-            pixels,
+            pixels: Vec::new(),
             sums: Vec::new(),
             layers: None,
             samples: 0,
@@ -46,14 +41,22 @@ impl Job {
         rect: Rect,
         buffers: &mut Buffers,
     ) -> TileStats {
-        let mut work = Work {
-            view,
-            shader,
-            clock: &|| Duration::ZERO,
-            buffers,
-            stats: TileStats::default(),
-        };
+        let mut work = Work::new(view, shader, &|| Duration::ZERO, buffers);
         work.find(&Lattice::new(view.camera, rect, 1, (0, 0)));
+        work.stats
+    }
+
+    /// One sample a pixel of a rectangle, into its rows in a picture.
+    pub(super) fn paint<'p>(
+        view: &View,
+        shader: &Shader<'_>,
+        rect: Rect,
+        rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
+        clock: Clock<'_>,
+        buffers: &mut Buffers,
+    ) -> TileStats {
+        let mut work = Work::new(view, shader, clock, buffers);
+        work.paint(rect, rows);
         work.stats
     }
 
@@ -66,14 +69,7 @@ impl Job {
         clock: Clock<'_>,
         buffers: &mut Buffers,
     ) -> TileStats {
-        let mut work = Work {
-            view,
-            shader,
-            clock,
-            buffers,
-            stats: TileStats::default(),
-        };
-        work.stats.worker = rayon::current_thread_index().unwrap_or(0) as u32;
+        let mut work = Work::new(view, shader, clock, buffers);
         self.pixels.resize(self.rect.area(), [0; 4]);
         let stride = pass.stride.max(1);
         if pass.samples <= 1 && !view.settings.layers {
@@ -89,20 +85,11 @@ impl Job {
     /// Rays of a coarser lattice are cast again: leaving them out would spare a quarter of the rays,
     /// and cost more than all of them, since a kernel for blocks is at its best with neighbours.
     fn refine(&mut self, work: &mut Work<'_, '_>, stride: u32) {
-        let lattice = Lattice::new(work.view.camera, self.rect, stride, (0, 0));
         if stride == 1 {
-            work.find(&lattice);
-            if work.shader.detail() == Detail::Triangle {
-                work.shade(|shader, buffers| {
-                    shader.shade_slots(self.rect, &buffers.slots, &mut self.pixels);
-                });
-            } else {
-                work.evaluate(&lattice);
-                work.shade(|shader, buffers| {
-                    shader.shade_tile(self.rect, &buffers.hits, &mut self.pixels);
-                });
-            }
+            let columns = self.rect.width.max(1) as usize;
+            work.paint(self.rect, self.pixels.chunks_mut(columns));
         } else {
+            let lattice = Lattice::new(work.view.camera, self.rect, stride, (0, 0));
             self.fill(work, &lattice, stride);
         }
         self.samples = 1;
@@ -206,8 +193,6 @@ pub(super) struct Buffers {
     slots: Vec<u32>,
     /// Where.
     hits: Vec<SlotHit>,
-    /// A finished tile's, to be filled again.
-    pub(super) pixels: Vec<[u8; 4]>,
 }
 
 /// What casting and shading need, and what they took.
@@ -219,7 +204,40 @@ struct Work<'a, 'b> {
     stats: TileStats,
 }
 
-impl Work<'_, '_> {
+impl<'a, 'b> Work<'a, 'b> {
+    fn new(
+        view: &'a View,
+        shader: &'a Shader<'a>,
+        clock: Clock<'a>,
+        buffers: &'b mut Buffers,
+    ) -> Self {
+        let worker = rayon::current_thread_index().unwrap_or(0) as u32;
+        Self {
+            view,
+            shader,
+            clock,
+            buffers,
+            stats: TileStats {
+                worker,
+                ..TileStats::default()
+            },
+        }
+    }
+
+    /// One sample a pixel of a rectangle, into its rows.
+    fn paint<'p>(&mut self, rect: Rect, rows: impl Iterator<Item = &'p mut [[u8; 4]]>) {
+        let lattice = Lattice::new(self.view.camera, rect, 1, (0, 0));
+        self.find(&lattice);
+        if self.stats.counts.hits == 0 {
+            self.shade(|shader, _| shader.shade_nothing(rect, rows));
+        } else if self.shader.detail() == Detail::Triangle {
+            self.shade(|shader, buffers| shader.shade_slots(rect, &buffers.slots, rows));
+        } else {
+            self.evaluate(&lattice);
+            self.shade(|shader, buffers| shader.shade_tile(rect, &buffers.hits, rows));
+        }
+    }
+
     /// Visibility.
     fn find(&mut self, lattice: &Lattice) {
         let Settings {
@@ -231,8 +249,6 @@ impl Work<'_, '_> {
         self.stats.cast += self.since(begin);
         self.stats.counts += counts;
         self.stats.rays += self.buffers.slots.len() as u64;
-        let met = self.buffers.slots.iter().filter(|&&slot| slot != MISS);
-        self.stats.hits += met.count() as u64;
     }
 
     /// Where the triangles found are met, as far as the picture asks for it.

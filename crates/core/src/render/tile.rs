@@ -8,8 +8,6 @@ use std::time::Duration;
 pub struct TileStats {
     /// Rays cast.
     pub rays: u64,
-    /// Rays that met something.
-    pub hits: u64,
     /// What visibility took, counted.
     pub counts: CastCounts,
     /// Time for visibility: which triangle each ray meets.
@@ -24,7 +22,6 @@ impl std::ops::AddAssign for TileStats {
     /// Adds counts and times; the worker stays.
     fn add_assign(&mut self, other: Self) {
         self.rays += other.rays;
-        self.hits += other.hits;
         self.counts += other.counts;
         self.cast += other.cast;
         self.shade += other.shade;

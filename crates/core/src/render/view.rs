@@ -67,7 +67,7 @@ impl View {
         grid: Grid,
         clock: Clock<'_>,
         cancel: &Cancel,
-        sink: &(dyn Fn(&Tile) + Sync),
+        sink: &(dyn Fn(&TileStats) + Sync),
     ) -> Option<Picture> {
         let plane = self.camera.plane();
         let mut picture = Picture::blank(plane.columns, plane.rows, self.settings.layers);
@@ -83,20 +83,35 @@ impl View {
         grid: Grid,
         clock: Clock<'_>,
         cancel: &Cancel,
-        sink: &(dyn Fn(&Tile) + Sync),
+        sink: &(dyn Fn(&TileStats) + Sync),
         picture: &mut Picture,
     ) -> bool {
         let plane = self.camera.plane();
         let tiles = grid.tiles(plane.columns, plane.rows);
-        let picture = Mutex::new(picture);
         let shader = self.shader();
+        if self.settings.samples <= 1 && !self.settings.layers {
+            let places = picture.tile_rows(grid);
+            let places: Vec<_> = places.into_iter().map(Mutex::new).collect();
+            return in_parallel(tiles.len().min(places.len()), cancel, |buffers, index| {
+                let mut rows = places[index].lock().unwrap_or_else(PoisonError::into_inner);
+                let rows = rows.iter_mut().map(|row| &mut **row);
+                sink(&Job::paint(
+                    self,
+                    &shader,
+                    tiles[index],
+                    rows,
+                    clock,
+                    buffers,
+                ));
+            });
+        }
+        let picture = Mutex::new(picture);
         in_parallel(tiles.len(), cancel, |buffers, index| {
             let tile = self.finish(&shader, tiles[index], clock, buffers);
-            sink(&tile);
             let mut picture = picture.lock().unwrap_or_else(PoisonError::into_inner);
             picture.place(tile.rect, &tile.pixels, tile.layers.as_ref());
             drop(picture);
-            buffers.pixels = tile.pixels;
+            sink(&tile.stats);
         })
     }
 
@@ -160,7 +175,7 @@ impl View {
         clock: Clock<'_>,
         buffers: &mut Buffers,
     ) -> Tile {
-        let mut job = Job::reusing(rect, std::mem::take(&mut buffers.pixels));
+        let mut job = Job::new(rect);
         let pass = Pass {
             stride: 1,
             samples: self.settings.samples.max(1),

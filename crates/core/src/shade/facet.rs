@@ -87,6 +87,7 @@ impl Facet {
 ///
 /// `corners` are relative to the eye. `forward` decides for an orthographic camera, whose rays do
 /// not start in the eye.
+#[inline(always)]
 pub(super) fn facing_normal(corners: [DVec3; 3], forward: Option<DVec3>) -> Vec3 {
     let [a, b, c] = corners;
     let normal = unit(unit_scaled(b - a).cross(unit_scaled(c - a)));
@@ -95,11 +96,13 @@ pub(super) fn facing_normal(corners: [DVec3; 3], forward: Option<DVec3>) -> Vec3
 }
 
 /// A vector divided by its largest component, so that products of two stay in range.
+#[inline(always)]
 fn unit_scaled(vector: DVec3) -> DVec3 {
     vector * (1.0 / vector.abs().max_element())
 }
 
 /// A unit vector, or zero where there is no direction.
+#[inline(always)]
 pub(super) fn unit(vector: DVec3) -> DVec3 {
     let length = vector.length();
     if length.is_finite() && length > 0.0 {

@@ -5,7 +5,7 @@ use super::sample::sample;
 use super::srgb::{self, Tables};
 use super::triplanar::Triplanar;
 use super::{Background, Mode, Shading, TextureProjection, TileShader, Wireframe};
-use crate::accel::{Accel, MISS, SlotHit};
+use crate::accel::{Accel, MISS, Simd, SlotHit};
 use crate::camera::{Camera, Projection, Rect};
 use crate::intersect::Detail;
 use crate::scene::{Color, ColorRule, Object, Scene, Texture};
@@ -34,6 +34,8 @@ pub struct Shader<'a> {
     triplanar: Vec<Option<Triplanar>>,
     depth: DepthRange,
     background: Option<[Vec3; 2]>,
+    /// The background at the middle of each row.
+    backdrops: Vec<[u8; 4]>,
     line_color: Vec3,
     line_width: f64,
     tables: &'static Tables,
@@ -136,10 +138,12 @@ impl<'a> Shader<'a> {
                 }
                 Background::Transparent => None,
             },
+            backdrops: Vec::new(),
             line_color: srgb::linear(lines.color),
             line_width: f64::from(width),
             tables: srgb::tables(),
         }
+        .with_backdrops()
     }
 
     /// How much the picture asks of hits: colours of triangles alone need no weights.
@@ -201,17 +205,49 @@ impl<'a> Shader<'a> {
         TileShader::new(self)
     }
 
-    /// Colours the pixels of `rect` from hits at their centres, both row by row.
+    /// Colours the pixels of `rect`, given as its rows, from hits at their centres, row by row.
     ///
-    /// Pixels beyond the shorter of `hits` and `pixels` are left alone.
-    pub fn shade_tile(&self, rect: Rect, hits: &[SlotHit], pixels: &mut [[u8; 4]]) {
-        self.tile().shade(rect, hits, pixels);
+    /// Pixels without a hit, or beyond the rectangle, are left alone.
+    pub fn shade_tile<'p>(
+        &self,
+        rect: Rect,
+        hits: &[SlotHit],
+        rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
+    ) {
+        self.tile().shade(rect, hits, rows);
     }
 
     /// As [`Shader::shade_tile`] where the triangles alone are known: for pictures whose
     /// [`Shader::detail`] asks for no more.
-    pub fn shade_slots(&self, rect: Rect, slots: &[u32], pixels: &mut [[u8; 4]]) {
-        self.tile().shade_slots(rect, slots, pixels);
+    pub fn shade_slots<'p>(
+        &self,
+        rect: Rect,
+        slots: &[u32],
+        rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
+    ) {
+        self.tile().shade_slots(rect, slots, rows);
+    }
+
+    /// As [`Shader::shade_tile`] where nothing was met.
+    pub fn shade_nothing<'p>(&self, rect: Rect, rows: impl Iterator<Item = &'p mut [[u8; 4]]>) {
+        for (y, row) in (rect.y..rect.bottom()).zip(rows) {
+            row.fill(self.backdrop8(y));
+        }
+    }
+
+    /// What lies behind everything at the middle of a row of the picture, as a picture holds it.
+    pub(super) fn backdrop8(&self, row: u32) -> [u8; 4] {
+        self.backdrops
+            .get(row as usize)
+            .copied()
+            .unwrap_or_else(|| srgb::encode(self.backdrop(f64::from(row) + 0.5)))
+    }
+
+    /// Makes [`Shader::backdrop8`] ready.
+    fn with_backdrops(mut self) -> Self {
+        let rows = self.camera.plane().rows;
+        self.backdrops = (0..rows).map(|row| self.backdrop8(row)).collect();
+        self
     }
 
     /// Whether all pixels of a triangle have one colour.
@@ -219,6 +255,11 @@ impl<'a> Shader<'a> {
         matches!(self.shading.mode, Mode::Color | Mode::Flat)
             && !self.needs.texture
             && !self.needs.edges
+    }
+
+    /// The instruction set to shade with: the tree's.
+    pub(super) fn simd(&self) -> Simd {
+        self.accel.simd()
     }
 
     /// What the mode asks of each triangle.
@@ -246,7 +287,7 @@ impl<'a> Shader<'a> {
                 .corners(slot)
                 .map(|corner| corner.as_dvec3() - self.eye);
             if needs.normal {
-                self.place(&mut facet, corners);
+                (facet.normal, facet.to_eye) = self.place(corners);
             }
             facet.edges = needs.edges.then(|| Edges::new(&self.camera, corners));
         }
@@ -278,20 +319,38 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Finds which way a triangle with these corners, relative to the eye, faces.
-    fn place(&self, facet: &mut Facet, corners: [DVec3; 3]) {
-        let forward = match self.camera.projection() {
-            Projection::Orthographic => Some(self.camera.forward()),
+    /// The unit normal of a triangle with these corners, relative to the eye, and the unit vector from
+    /// its middle to the eye.
+    #[inline(always)]
+    fn place(&self, corners: [DVec3; 3]) -> (Vec3, Vec3) {
+        let away = -self.camera.forward().as_vec3();
+        let (forward, to_eye) = match self.camera.projection() {
+            Projection::Orthographic => (Some(self.camera.forward()), away),
             Projection::Perspective => {
                 let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-                facet.to_eye = -unit(middle).as_vec3();
-                None
+                (None, -unit(middle).as_vec3())
             }
         };
         let normal = facing_normal(corners, forward);
-        if normal != Vec3::ZERO {
-            facet.normal = normal;
+        if normal == Vec3::ZERO {
+            (away, to_eye)
+        } else {
+            (normal, to_eye)
         }
+    }
+
+    /// [`Shader::color`] where all pixels of a triangle have one colour: the same, with nothing made
+    /// ready that a single answer does not need.
+    pub(super) fn constant_color(&self, slot: u32) -> [f32; 4] {
+        let (number, triangle) = self.accel.identify(slot);
+        let object = &self.scene.objects[number as usize];
+        let color = srgb::linear(self.triangle_color(object, triangle));
+        if self.shading.mode == Mode::Color {
+            return opaque(color);
+        }
+        let corners = self.accel.corners(slot);
+        let (normal, to_eye) = self.place(corners.map(|corner| corner.as_dvec3() - self.eye));
+        opaque(color * self.lights.on(normal, to_eye))
     }
 
     /// The mesh's own normals at a triangle's corners, in world space.

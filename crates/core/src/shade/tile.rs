@@ -1,5 +1,6 @@
 use super::facet::Facet;
 use super::{Shader, srgb};
+use crate::accel::simd::{Lanes, Work, dispatch};
 use crate::accel::{MISS, SlotHit};
 use crate::camera::Rect;
 
@@ -53,12 +54,16 @@ impl<'s> TileShader<'s> {
     }
 
     /// As [`Shader::shade_tile`].
-    pub fn shade(&mut self, rect: Rect, hits: &[SlotHit], pixels: &mut [[u8; 4]]) {
+    pub fn shade<'p>(
+        &mut self,
+        rect: Rect,
+        hits: &[SlotHit],
+        rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
+    ) {
         let columns = rect.width.max(1) as usize;
-        let rows = hits.chunks(columns).zip(pixels.chunks_mut(columns));
-        for (row, (hits, pixels)) in rows.enumerate() {
-            let y = f64::from(rect.y) + row as f64 + 0.5;
-            let backdrop = srgb::encode(self.shader.backdrop(y));
+        for ((y, hits), pixels) in (rect.y..).zip(hits.chunks(columns)).zip(rows) {
+            let backdrop = self.shader.backdrop8(y);
+            let y = f64::from(y) + 0.5;
             for (column, (hit, pixel)) in hits.iter().zip(pixels).enumerate() {
                 let x = f64::from(rect.x) + column as f64 + 0.5;
                 *pixel = if hit.slot == MISS {
@@ -71,52 +76,66 @@ impl<'s> TileShader<'s> {
     }
 
     /// As [`Shader::shade_slots`].
-    pub fn shade_slots(&mut self, rect: Rect, slots: &[u32], pixels: &mut [[u8; 4]]) {
-        let columns = rect.width.max(1) as usize;
-        let constant = self.shader.is_constant();
-        let rows = slots.chunks(columns).zip(pixels.chunks_mut(columns));
-        for (row, (slots, pixels)) in rows.enumerate() {
-            let count = slots.len().min(pixels.len());
-            let (slots, pixels) = (&slots[..count], &mut pixels[..count]);
-            let y = f64::from(rect.y) + row as f64 + 0.5;
-            let backdrop = srgb::encode(self.shader.backdrop(y));
-            // A miss is one more triangle of one colour, which changes from row to row.
-            self.colors[MISS as usize % COLORS] = (MISS, backdrop);
-            let (runs, _) = slots.as_chunks::<RUN>();
-            for (run, slots) in runs.iter().enumerate() {
-                let pixels = &mut pixels[run * RUN..run * RUN + RUN];
-                let mut differ = 0;
-                for &slot in slots {
-                    differ |= slot ^ slots[0];
-                }
-                if differ == 0 && (slots[0] == MISS || constant) {
-                    let x = f64::from(rect.x) + (run * RUN) as f64 + 0.5;
-                    pixels.fill(self.constant(x, y, slots[0], backdrop));
-                } else {
-                    self.shade_run(rect.x + (run * RUN) as u32, y, slots, pixels, backdrop);
-                }
-            }
-            let done = runs.len() * RUN;
-            let (slots, pixels) = (&slots[done..], &mut pixels[done..]);
-            self.shade_run(rect.x + done as u32, y, slots, pixels, backdrop);
-        }
+    pub fn shade_slots<'p>(
+        &mut self,
+        rect: Rect,
+        slots: &[u32],
+        rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
+    ) {
+        dispatch(
+            self.shader.simd(),
+            ShadeSlots {
+                shader: self,
+                rect,
+                slots,
+                rows,
+            },
+        );
     }
 
-    /// Some pixels of a row, from column `left` on, one by one.
+    /// Pixels of a row, from column `left` on. `CONSTANT` says whether triangles have but one colour.
     #[inline(always)]
-    fn shade_run(
+    fn shade_row<const CONSTANT: bool>(
+        &mut self,
+        left: u32,
+        y: u32,
+        slots: &[u32],
+        pixels: &mut [[u8; 4]],
+    ) {
+        let count = slots.len().min(pixels.len());
+        let (slots, pixels) = (&slots[..count], &mut pixels[..count]);
+        let backdrop = self.shader.backdrop8(y);
+        let y = f64::from(y) + 0.5;
+        // A miss is one more triangle of one colour, which changes from row to row.
+        self.colors[MISS as usize % COLORS] = (MISS, backdrop);
+        let (runs, _) = slots.as_chunks::<RUN>();
+        for (run, slots) in runs.iter().enumerate() {
+            let pixels = &mut pixels[run * RUN..run * RUN + RUN];
+            let left = left + (run * RUN) as u32;
+            if *slots == [slots[0]; RUN] && (CONSTANT || slots[0] == MISS) {
+                pixels.fill(self.constant(f64::from(left) + 0.5, y, slots[0]));
+            } else {
+                self.shade_each::<CONSTANT>(left, y, slots, pixels);
+            }
+        }
+        let done = runs.len() * RUN;
+        let left = left + done as u32;
+        self.shade_each::<CONSTANT>(left, y, &slots[done..], &mut pixels[done..]);
+    }
+
+    /// Some pixels of a row, one by one.
+    #[inline(always)]
+    fn shade_each<const CONSTANT: bool>(
         &mut self,
         left: u32,
         y: f64,
         slots: &[u32],
         pixels: &mut [[u8; 4]],
-        backdrop: [u8; 4],
     ) {
-        let constant = self.shader.is_constant();
         for (column, (&slot, pixel)) in slots.iter().zip(pixels).enumerate() {
             let x = f64::from(left) + column as f64 + 0.5;
-            *pixel = if slot == MISS || constant {
-                self.constant(x, y, slot, backdrop)
+            *pixel = if CONSTANT || slot == MISS {
+                self.constant(x, y, slot)
             } else {
                 srgb::encode(self.color(x, y, &on(slot)))
             };
@@ -125,23 +144,26 @@ impl<'s> TileShader<'s> {
 
     /// The colour of a triangle that has but one, or of a miss.
     #[inline(always)]
-    fn constant(&mut self, x: f64, y: f64, slot: u32, backdrop: [u8; 4]) -> [u8; 4] {
+    fn constant(&mut self, x: f64, y: f64, slot: u32) -> [u8; 4] {
         let (known, color) = self.colors[slot as usize % COLORS];
         if known == slot {
-            return color;
-        }
-        let color = if slot == MISS {
-            backdrop
+            color
         } else {
-            self.new_color(x, y, slot)
-        };
-        self.colors[slot as usize % COLORS] = (slot, color);
-        color
+            self.new_constant(x, y, slot)
+        }
     }
 
     #[inline(never)]
-    fn new_color(&self, x: f64, y: f64, slot: u32) -> [u8; 4] {
-        srgb::encode(self.shader.color(x, y, &on(slot)))
+    fn new_constant(&mut self, x: f64, y: f64, slot: u32) -> [u8; 4] {
+        // Another triangle may have taken the place of the miss.
+        let color = if slot != MISS && self.shader.is_constant() {
+            self.shader.constant_color(slot)
+        } else {
+            self.shader.color(x, y, &on(slot))
+        };
+        let color = srgb::encode(color);
+        self.colors[slot as usize % COLORS] = (slot, color);
+        color
     }
 
     /// A triangle, remembered or made.
@@ -158,6 +180,31 @@ impl<'s> TileShader<'s> {
             self.facets[place] = (slot, shader.facet(slot, needs));
         }
         &self.facets[place].1
+    }
+}
+
+/// What [`TileShader::shade_slots`] is asked.
+struct ShadeSlots<'t, 's, 'h, R> {
+    shader: &'t mut TileShader<'s>,
+    rect: Rect,
+    slots: &'h [u32],
+    rows: R,
+}
+
+impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadeSlots<'_, '_, '_, R> {
+    #[inline(always)]
+    fn run(self, _: impl Lanes) {
+        let columns = self.rect.width.max(1) as usize;
+        let constant = self.shader.shader.is_constant();
+        let slots = self.slots.chunks(columns);
+        for ((y, slots), pixels) in (self.rect.y..).zip(slots).zip(self.rows) {
+            if constant {
+                self.shader.shade_row::<true>(self.rect.x, y, slots, pixels);
+            } else {
+                self.shader
+                    .shade_row::<false>(self.rect.x, y, slots, pixels);
+            }
+        }
     }
 }
 

@@ -190,9 +190,9 @@ impl Way {
         };
         let picture = self
             .view
-            .render(Grid::default(), &clock, &Cancel::default(), &|tile| {
+            .render(Grid::default(), &clock, &Cancel::default(), &|stats| {
                 if self.counted {
-                    rays.fetch_add(tile.stats.rays, Ordering::Relaxed);
+                    rays.fetch_add(stats.rays, Ordering::Relaxed);
                 }
             });
         std::hint::black_box((picture, rays));

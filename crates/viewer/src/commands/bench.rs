@@ -241,7 +241,7 @@ fn measure_view(
     Ok(ViewFigures {
         view: name,
         rays: tiles.rays,
-        hits: tiles.hits,
+        hits: tiles.counts.hits,
         cast_ms,
         frame_ms: Spread::of(&mut frame_times),
         mrays_per_s: stats::mrays_per_s(tiles.rays, cast_time),

@@ -110,7 +110,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         shade_ms: milliseconds(shares.shade),
         total_ms: milliseconds(started.elapsed()),
         rays: tiles.rays,
-        hits: tiles.hits,
+        hits: tiles.counts.hits,
         invalid_rays: 0,
         nodes: tiles.counts.nodes,
         triangles_set_up: tiles.counts.triangles,
@@ -165,8 +165,8 @@ fn render_whole(
     let (across, down) = grid.counts(plane.columns, plane.rows);
     progress.counting("rendering", u64::from(across) * u64::from(down));
     let sum = Mutex::new(TileStats::default());
-    let picture = view.render(grid, clock, &Cancel::default(), &|tile| {
-        *sum.lock().unwrap_or_else(PoisonError::into_inner) += tile.stats;
+    let picture = view.render(grid, clock, &Cancel::default(), &|&stats| {
+        *sum.lock().unwrap_or_else(PoisonError::into_inner) += stats;
         progress.done(1);
     });
     let sum = sum.into_inner().unwrap_or_else(PoisonError::into_inner);

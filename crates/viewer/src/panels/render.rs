@@ -53,7 +53,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Comman
             .report
             .filter(|report| report.stats.rays > 0)
             .map_or_else(dash, |report| {
-                let share = report.stats.hits as f64 / report.stats.rays as f64 * 100.0;
+                let share = report.stats.counts.hits as f64 / report.stats.rays as f64 * 100.0;
                 format!("{share:.1} % of rays")
             });
         fact(
