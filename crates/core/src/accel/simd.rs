@@ -84,6 +84,10 @@ pub(crate) trait Lanes: Copy {
     fn sub(self, a: Self::Singles, b: Self::Singles) -> Self::Singles;
     /// Products.
     fn mul(self, a: Self::Singles, b: Self::Singles) -> Self::Singles;
+    /// Quotients.
+    fn div(self, a: Self::Singles, b: Self::Singles) -> Self::Singles;
+    /// Square roots.
+    fn sqrt(self, a: Self::Singles) -> Self::Singles;
     /// The lesser ones; where either is not a number, b.
     fn min(self, a: Self::Singles, b: Self::Singles) -> Self::Singles;
     /// The greater ones; where either is not a number, b.
@@ -159,6 +163,14 @@ impl Lanes for Plain {
         each!(l => a[l] * b[l])
     }
     #[inline(always)]
+    fn div(self, a: Self::Singles, b: Self::Singles) -> Self::Singles {
+        each!(l => a[l] / b[l])
+    }
+    #[inline(always)]
+    fn sqrt(self, a: Self::Singles) -> Self::Singles {
+        each!(l => a[l].sqrt())
+    }
+    #[inline(always)]
     fn min(self, a: Self::Singles, b: Self::Singles) -> Self::Singles {
         each!(l => if a[l] < b[l] { a[l] } else { b[l] })
     }
@@ -202,9 +214,10 @@ mod avx2 {
     use super::{LANES, Lanes};
     use std::arch::x86_64::{
         __m256, _CMP_LT_OQ, _mm256_add_ps, _mm256_and_ps, _mm256_blendv_epi8, _mm256_blendv_ps,
-        _mm256_castps_si256, _mm256_cmp_ps, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_max_ps,
-        _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_or_ps, _mm256_set1_epi32,
-        _mm256_set1_ps, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps,
+        _mm256_castps_si256, _mm256_cmp_ps, _mm256_div_ps, _mm256_loadu_ps, _mm256_loadu_si256,
+        _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_or_ps,
+        _mm256_set1_epi32, _mm256_set1_ps, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_storeu_si256,
+        _mm256_sub_ps,
     };
 
     /// The machine has AVX2: made nowhere but in [`Avx2::new`].
@@ -255,6 +268,16 @@ mod avx2 {
         fn mul(self, a: __m256, b: __m256) -> __m256 {
             // SAFETY: see above.
             unsafe { _mm256_mul_ps(a, b) }
+        }
+        #[inline(always)]
+        fn div(self, a: __m256, b: __m256) -> __m256 {
+            // SAFETY: see above.
+            unsafe { _mm256_div_ps(a, b) }
+        }
+        #[inline(always)]
+        fn sqrt(self, a: __m256) -> __m256 {
+            // SAFETY: see above.
+            unsafe { _mm256_sqrt_ps(a) }
         }
         #[inline(always)]
         fn min(self, a: __m256, b: __m256) -> __m256 {

@@ -272,20 +272,24 @@ impl Evaluate<'_> {
         let first = (row * self.lattice.columns + column) as usize;
         let count = row::LANES.min((self.lattice.columns - column) as usize);
         let slots = &self.slots[first..first + count];
+        let one = slots.iter().all(|&slot| slot == slots[0]);
+        if one && slots[0] == MISS {
+            return;
+        }
         let mut corners: Corners = [[0.0; row::LANES]; 9];
-        let mut any = false;
-        for (lane, &slot) in slots.iter().enumerate() {
-            if slot != MISS {
-                any = true;
+        if one {
+            let [a, b, c] = self.accel.corners(slots[0]).map(|corner| corner.to_array());
+            for (all, one) in corners.iter_mut().zip([a, b, c].into_iter().flatten()) {
+                *all = [one; row::LANES];
+            }
+        } else {
+            for (lane, &slot) in slots.iter().enumerate().filter(|(_, slot)| **slot != MISS) {
                 for (corner, at) in self.accel.corners(slot).iter().zip([0, 3, 6]) {
                     corners[at][lane] = corner.x;
                     corners[at + 1][lane] = corner.y;
                     corners[at + 2][lane] = corner.z;
                 }
             }
-        }
-        if !any {
-            return;
         }
         let place = self.lattice.place(column, row);
         let stride = f64::from(self.lattice.stride);
@@ -296,21 +300,19 @@ impl Evaluate<'_> {
             stride,
             &corners,
         );
-        for (lane, &slot) in slots.iter().enumerate() {
-            if slot == MISS {
-                continue;
-            }
-            self.hits[first + lane] = if row_hits.sure[lane] {
-                let RowHits { t, u, v, .. } = &row_hits;
-                SlotHit {
-                    slot,
-                    t: t[lane],
-                    u: u[lane],
-                    v: v[lane],
-                }
+        let RowHits { t, u, v, sure } = &row_hits;
+        for (lane, &slot) in slots.iter().enumerate().filter(|(_, slot)| **slot != MISS) {
+            if sure[lane] {
+                // Number by number: a hit put together elsewhere first would be read before it is
+                // all written.
+                let hit = &mut self.hits[first + lane];
+                hit.slot = slot;
+                hit.t = t[lane];
+                hit.u = u[lane];
+                hit.v = v[lane];
             } else {
-                self.evaluate_one(slot, column + lane as u32, row)
-            };
+                self.hits[first + lane] = self.evaluate_one(slot, column + lane as u32, row);
+            }
         }
     }
 

@@ -32,8 +32,8 @@ pub(crate) fn meet_row(
     stride: f64,
     corners: &Corners,
 ) -> RowHits {
-    let DVec3 { x, y, z } = camera.ray(place.0, place.1).direction;
-    // Rays this near each other nearly always share their major axis.
+    let DVec3 { x, y, z } = camera.direction(place.0, place.1);
+    // Rays this near each other nearly always share their major axis; those that do not say so.
     match (major_axis(x, y, z), camera.projection()) {
         (0, Projection::Perspective) => meet::<0, true>(camera, frame, place, stride, corners),
         (1, Projection::Perspective) => meet::<1, true>(camera, frame, place, stride, corners),
@@ -108,15 +108,13 @@ fn meet<const MAJOR: usize, const PERSPECTIVE: bool>(
             shear,
             origin_error,
         );
-        let point = edges.point(advance);
-        // A camera's rays begin at zero and have no end.
-        hits.sure[lane] = same_major
-            & edges.surely_inside()
-            & point.is_single()
-            & (point.t - point.t_error >= 0.0);
-        hits.t[lane] = point.t as f32;
-        hits.u[lane] = point.u as f32;
-        hits.v[lane] = point.v as f32;
+        let [t, u, v] = edges.weights(advance);
+        // A camera's rays begin at zero and have no end; what is off by far less than itself has
+        // its own sign.
+        hits.sure[lane] = same_major & edges.surely_inside() & edges.surely_single() & (t >= 0.0);
+        hits.t[lane] = t as f32;
+        hits.u[lane] = u as f32;
+        hits.v[lane] = v as f32;
     }
     hits
 }

@@ -341,18 +341,46 @@ impl Edges {
     /// Where the ray meets the triangle that it is surely inside of.
     #[inline(always)]
     pub(super) fn point(&self, advance: f64) -> Point {
-        let [u, v, w] = self.functions;
-        let z = self.depths;
-        let depth = (u * z[0] + v * z[1] + w * z[2]) / self.determinant;
-        let span = greater(greater(z[0], z[1]), z[2]) + greater(greater(-z[0], -z[1]), -z[2]);
-        let depth_error = 4.0 * self.error * span / self.determinant.abs() + 2.0 * self.delta;
-        let t = depth / advance;
+        let [t, u, v] = self.weights(advance);
+        let depth_error =
+            4.0 * self.error * self.span() / self.determinant.abs() + 2.0 * self.delta;
         Point {
             t,
             t_error: depth_error / advance.abs() * (1.0 + 4.0 * EPSILON) + 2.0 * EPSILON * t.abs(),
-            u: v / self.determinant,
-            v: w / self.determinant,
+            u,
+            v,
         }
+    }
+
+    /// What [`Edges::point`] gives, without its error.
+    #[inline(always)]
+    pub(super) fn weights(&self, advance: f64) -> [f64; 3] {
+        let [_, v, w] = self.functions;
+        let depth = self.depth_sum() / self.determinant;
+        [depth / advance, v / self.determinant, w / self.determinant]
+    }
+
+    /// Whether the parameter is surely good to single precision: [`Point::is_single`] multiplied by
+    /// the determinant, which spares two divisions, and with a limit half as high, which makes room
+    /// for the few roundings of each side.
+    #[inline(always)]
+    pub(super) fn surely_single(&self) -> bool {
+        let error = 4.0 * self.error * self.span() + 2.0 * self.delta * self.determinant.abs();
+        error <= 1.0 / (1u64 << 28) as f64 * self.depth_sum().abs()
+    }
+
+    /// The depth times the determinant.
+    #[inline(always)]
+    fn depth_sum(&self) -> f64 {
+        let ([u, v, w], z) = (self.functions, self.depths);
+        u * z[0] + v * z[1] + w * z[2]
+    }
+
+    /// From the corner nearest along the major axis to the furthest.
+    #[inline(always)]
+    fn span(&self) -> f64 {
+        let z = self.depths;
+        greater(greater(z[0], z[1]), z[2]) + greater(greater(-z[0], -z[1]), -z[2])
     }
 }
 

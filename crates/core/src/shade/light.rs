@@ -4,18 +4,18 @@ use crate::camera::Camera;
 use glam::Vec3;
 
 /// Brightness of the key light on a surface that faces it.
-const KEY: f32 = 0.80;
+pub(super) const KEY: f32 = 0.80;
 
 /// How far round the key light reaches past a right angle, as a cosine: the edge of its shadow
 /// side is soft, so that shapes there can still be read.
-const WRAP: f32 = 0.10;
+pub(super) const WRAP: f32 = 0.10;
 
 /// Fill from above the camera, a little cool, and from below, a little warm and much darker.
-const SKY: Vec3 = Vec3::new(0.160, 0.168, 0.184);
-const GROUND: Vec3 = Vec3::new(0.066, 0.060, 0.055);
+pub(super) const SKY: Vec3 = Vec3::new(0.160, 0.168, 0.184);
+pub(super) const GROUND: Vec3 = Vec3::new(0.066, 0.060, 0.055);
 
 /// Brightness of the rim where a surface turns away from the eye.
-const RIM: f32 = 0.10;
+pub(super) const RIM: f32 = 0.10;
 
 /// A key light that stands up and to the left of the camera, a soft fill from its upper side, and a
 /// faint rim. They move with the camera: whatever one looks at is lit.
@@ -23,8 +23,8 @@ const RIM: f32 = 0.10;
 /// Brightness is in linear light. White that faces the key light is at about 0.95.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lights {
-    to_key: Vec3,
-    up: Vec3,
+    pub(super) to_key: Vec3,
+    pub(super) up: Vec3,
 }
 
 impl Lights {

@@ -6,6 +6,7 @@ mod light;
 mod mode;
 mod sample;
 mod shader;
+mod smooth;
 pub(crate) mod srgb;
 #[cfg(test)]
 mod tests;

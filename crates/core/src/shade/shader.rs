@@ -2,9 +2,11 @@ use super::edges::Edges;
 use super::facet::{Facet, Mapping, Needs, blend, facing_normal, unit};
 use super::light::Lights;
 use super::sample::sample;
+use super::smooth::{self, Facets, Row, Vectors};
 use super::srgb::{self, Tables};
 use super::triplanar::Triplanar;
 use super::{Background, Mode, Shading, TextureProjection, TileShader, Wireframe};
+use crate::accel::simd::Lanes;
 use crate::accel::{Accel, MISS, Simd, SlotHit};
 use crate::camera::{Camera, Projection, Rect};
 use crate::intersect::Detail;
@@ -262,6 +264,29 @@ impl<'a> Shader<'a> {
         self.accel.simd()
     }
 
+    /// Whether pixels are shaded by the mesh's normals, with no lines over them.
+    pub(super) fn is_smooth(&self) -> bool {
+        self.shading.mode == Mode::Smooth && !self.needs.edges
+    }
+
+    /// The light on eight pixels of a row whose triangles and weights are known.
+    #[inline(always)]
+    pub(super) fn light<L: Lanes>(
+        &self,
+        lanes: L,
+        facets: &Facets<L>,
+        weights: (&Row, &Row),
+        place: (&Row, f32),
+    ) -> Vectors<L> {
+        smooth::light(lanes, facets, &self.lights, &self.to_eye, weights, place)
+    }
+
+    /// The bytes of an opaque colour.
+    #[inline(always)]
+    pub(super) fn encode_opaque(&self, color: Vec3) -> [u8; 4] {
+        self.tables.encode_opaque(color)
+    }
+
     /// What the mode asks of each triangle.
     pub(super) fn needs(&self) -> Needs {
         self.needs
@@ -418,7 +443,7 @@ impl<'a> Shader<'a> {
     }
 
     /// The triangle's colour and its object's texture, mixed in linear light.
-    fn surface_color(&self, facet: &Facet, hit: &SlotHit) -> Vec3 {
+    pub(super) fn surface_color(&self, facet: &Facet, hit: &SlotHit) -> Vec3 {
         let Some(mapping) = &facet.texture else {
             return facet.color;
         };

@@ -73,6 +73,7 @@ impl Tables {
     }
 
     /// The nearest byte; below zero and NaN give 0, above one gives 255.
+    #[inline(always)]
     pub(crate) fn encode(&self, linear: f32) -> u8 {
         // NaN compares as false, and becomes the darkest.
         let linear = if linear > DARKEST {
@@ -86,6 +87,7 @@ impl Tables {
     }
 
     /// The bytes of an opaque colour.
+    #[inline(always)]
     pub(crate) fn encode_opaque(&self, linear: Vec3) -> [u8; 4] {
         [
             self.encode(linear.x),
@@ -132,8 +134,14 @@ pub(crate) fn encode_premultiplied([r, g, b, a]: [f32; 4]) -> [u8; 4] {
 
 /// sRGB bytes from linear light, alpha apart in both: the same bytes as by way of
 /// [`premultiply`], so that a picture's bytes follow from its layers.
+#[inline]
 pub(crate) fn encode(color: [f32; 4]) -> [u8; 4] {
-    encode_premultiplied(premultiply(color))
+    let [r, g, b, a] = color;
+    if a == 1.0 {
+        TABLES.encode_opaque(Vec3::new(r, g, b))
+    } else {
+        encode_premultiplied(premultiply(color))
+    }
 }
 
 /// sRGB bytes laid over black in linear light.

@@ -1,6 +1,7 @@
 use super::facet::Facet;
+use super::smooth::{FacetRows, Facets, Row, Rows, Vectors};
 use super::{Shader, srgb};
-use crate::accel::simd::{Lanes, Work, dispatch};
+use crate::accel::simd::{LANES, Lanes, Work, dispatch};
 use crate::accel::{MISS, SlotHit};
 use crate::camera::Rect;
 
@@ -60,18 +61,117 @@ impl<'s> TileShader<'s> {
         hits: &[SlotHit],
         rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
     ) {
+        if self.shader.is_smooth() {
+            dispatch(
+                self.shader.simd(),
+                ShadeSmooth {
+                    shader: self,
+                    rect,
+                    hits,
+                    rows,
+                },
+            );
+            return;
+        }
         let columns = rect.width.max(1) as usize;
         for ((y, hits), pixels) in (rect.y..).zip(hits.chunks(columns)).zip(rows) {
-            let backdrop = self.shader.backdrop8(y);
-            let y = f64::from(y) + 0.5;
-            for (column, (hit, pixel)) in hits.iter().zip(pixels).enumerate() {
-                let x = f64::from(rect.x) + column as f64 + 0.5;
-                *pixel = if hit.slot == MISS {
-                    backdrop
-                } else {
-                    srgb::encode(self.color(x, y, hit))
-                };
+            self.shade_hits(rect.x, y, hits, pixels);
+        }
+    }
+
+    /// Some pixels of a row, one by one.
+    fn shade_hits(&mut self, left: u32, y: u32, hits: &[SlotHit], pixels: &mut [[u8; 4]]) {
+        let backdrop = self.shader.backdrop8(y);
+        let y = f64::from(y) + 0.5;
+        for (column, (hit, pixel)) in hits.iter().zip(pixels).enumerate() {
+            let x = f64::from(left) + column as f64 + 0.5;
+            *pixel = if hit.slot == MISS {
+                backdrop
+            } else {
+                srgb::encode(self.color(x, y, hit))
+            };
+        }
+    }
+
+    /// Eight pixels of a row in the smooth mode, at barycentrics (u, v) of their triangles.
+    #[inline(always)]
+    fn shade_smooth(
+        &mut self,
+        lanes: impl Lanes,
+        (left, y): (u32, u32),
+        slots: &[u32; LANES],
+        (u, v): (&Row, &Row),
+        pixels: &mut [[u8; 4]; LANES],
+    ) {
+        let shader = self.shader;
+        let one = *slots == [slots[0]; LANES];
+        if one && slots[0] == MISS {
+            pixels.fill(shader.backdrop8(y));
+            return;
+        }
+        let hit = |lane: usize| SlotHit {
+            slot: slots[lane],
+            u: u[lane],
+            v: v[lane],
+            ..SlotHit::NONE
+        };
+        let mut colors = Rows::ZERO;
+        let (facets, colors) = if one {
+            let facet = self.facet(slots[0]);
+            let facets = Facets::one(lanes, facet);
+            if facet.texture.is_none() {
+                (facets, Vectors::splat(lanes, facet.color))
+            } else {
+                for lane in 0..LANES {
+                    colors.set(lane, shader.surface_color(facet, &hit(lane)));
+                }
+                (facets, Vectors::load(lanes, &colors))
             }
+        } else {
+            let mut facets = FacetRows::NONE;
+            for lane in (0..LANES).filter(|&lane| slots[lane] != MISS) {
+                let facet = self.facet(slots[lane]);
+                colors.set(lane, shader.surface_color(facet, &hit(lane)));
+                facets.set(lane, facet);
+            }
+            let facets = Facets::load(lanes, &facets);
+            (facets, Vectors::load(lanes, &colors))
+        };
+        let x = std::array::from_fn(|lane| left as f32 + lane as f32 + 0.5);
+        let light = shader.light(lanes, &facets, (u, v), (&x, y as f32 + 0.5));
+        let colors = colors.times(light).store();
+        for (lane, pixel) in pixels.iter_mut().enumerate() {
+            *pixel = shader.encode_opaque(colors.get(lane));
+        }
+        if !one {
+            let backdrop = shader.backdrop8(y);
+            for (&slot, pixel) in slots.iter().zip(pixels) {
+                if slot == MISS {
+                    *pixel = backdrop;
+                }
+            }
+        }
+    }
+
+    /// A row in the smooth mode of triangles that have no normals but their own.
+    #[inline(always)]
+    fn shade_smooth_row(
+        &mut self,
+        lanes: impl Lanes,
+        mut left: u32,
+        y: u32,
+        slots: &[u32],
+        pixels: &mut [[u8; 4]],
+    ) {
+        let (rows, rest) = slots.as_chunks();
+        let (pixel_rows, pixels) = pixels.as_chunks_mut();
+        let nowhere = (&[0.0; LANES], &[0.0; LANES]);
+        for (slots, pixels) in rows.iter().zip(pixel_rows) {
+            self.shade_smooth(lanes, (left, y), slots, nowhere, pixels);
+            left += LANES as u32;
+        }
+        for (x, (&slot, pixel)) in (left..).zip(rest.iter().zip(pixels)) {
+            *pixel = self.pixel8(f64::from(x) + 0.5, f64::from(y) + 0.5, &on(slot));
         }
     }
 
@@ -183,6 +283,35 @@ impl<'s> TileShader<'s> {
     }
 }
 
+/// What [`TileShader::shade`] is asked where it shades by the mesh's normals.
+struct ShadeSmooth<'t, 's, 'h, R> {
+    shader: &'t mut TileShader<'s>,
+    rect: Rect,
+    hits: &'h [SlotHit],
+    rows: R,
+}
+
+impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadeSmooth<'_, '_, '_, R> {
+    #[inline(always)]
+    fn run(self, lanes: impl Lanes) {
+        let columns = self.rect.width.max(1) as usize;
+        let hits = self.hits.chunks(columns);
+        for ((y, hits), pixels) in (self.rect.y..).zip(hits).zip(self.rows) {
+            let (rows, rest) = hits.as_chunks();
+            let (pixel_rows, pixels) = pixels.as_chunks_mut();
+            let mut left = self.rect.x;
+            for (hits, pixels) in rows.iter().zip(pixel_rows) {
+                let slots = hits.map(|hit| hit.slot);
+                let (u, v) = (hits.map(|hit| hit.u), hits.map(|hit| hit.v));
+                self.shader
+                    .shade_smooth(lanes, (left, y), &slots, (&u, &v), pixels);
+                left += LANES as u32;
+            }
+            self.shader.shade_hits(left, y, rest, pixels);
+        }
+    }
+}
+
 /// What [`TileShader::shade_slots`] is asked.
 struct ShadeSlots<'t, 's, 'h, R> {
     shader: &'t mut TileShader<'s>,
@@ -193,16 +322,19 @@ struct ShadeSlots<'t, 's, 'h, R> {
 
 impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadeSlots<'_, '_, '_, R> {
     #[inline(always)]
-    fn run(self, _: impl Lanes) {
+    fn run(self, lanes: impl Lanes) {
         let columns = self.rect.width.max(1) as usize;
-        let constant = self.shader.shader.is_constant();
+        let left = self.rect.x;
+        let shader = self.shader;
+        let (constant, smooth) = (shader.shader.is_constant(), shader.shader.is_smooth());
         let slots = self.slots.chunks(columns);
         for ((y, slots), pixels) in (self.rect.y..).zip(slots).zip(self.rows) {
-            if constant {
-                self.shader.shade_row::<true>(self.rect.x, y, slots, pixels);
+            if smooth {
+                shader.shade_smooth_row(lanes, left, y, slots, pixels);
+            } else if constant {
+                shader.shade_row::<true>(left, y, slots, pixels);
             } else {
-                self.shader
-                    .shade_row::<false>(self.rect.x, y, slots, pixels);
+                shader.shade_row::<false>(left, y, slots, pixels);
             }
         }
     }

@@ -307,7 +307,6 @@ mod tests {
     use super::*;
     use crate::stage::scene_of;
     use raycast_core::accel::Accel;
-    use raycast_core::camera::Lattice;
     use raycast_core::intersect::Cull;
 
     #[test]

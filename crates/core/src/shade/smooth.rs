@@ -1,0 +1,239 @@
+//! Smooth shading of eight pixels of a row side by side.
+//!
+//! Each lane does what [`Shader::color`](super::Shader::color) does for one sample, operation by
+//! operation, so that the bytes are the same.
+
+use super::facet::Facet;
+use super::light::{GROUND, KEY, Lights, RIM, SKY, WRAP};
+use crate::accel::simd::{LANES, Lanes};
+use glam::Vec3;
+
+/// Eight numbers in memory.
+pub(super) type Row = [f32; LANES];
+
+/// Eight vectors in memory, coordinates side by side.
+#[derive(Clone, Copy)]
+pub(super) struct Rows([Row; 3]);
+
+impl Rows {
+    /// Eight times zero.
+    pub(super) const ZERO: Self = Self([[0.0; LANES]; 3]);
+
+    /// Gives a lane its vector.
+    #[inline(always)]
+    pub(super) fn set(&mut self, lane: usize, vector: Vec3) {
+        for (row, coordinate) in self.0.iter_mut().zip(vector.to_array()) {
+            row[lane] = coordinate;
+        }
+    }
+
+    /// A lane's vector.
+    #[inline(always)]
+    pub(super) fn get(&self, lane: usize) -> Vec3 {
+        Vec3::from(self.0.map(|row| row[lane]))
+    }
+}
+
+/// Eight vectors side by side.
+#[derive(Clone, Copy)]
+pub(super) struct Vectors<L: Lanes> {
+    lanes: L,
+    xyz: [L::Singles; 3],
+}
+
+impl<L: Lanes> Vectors<L> {
+    /// The same vector in each lane.
+    #[inline(always)]
+    pub(super) fn splat(lanes: L, vector: Vec3) -> Self {
+        let [x, y, z] = vector.to_array();
+        let xyz = [lanes.splat(x), lanes.splat(y), lanes.splat(z)];
+        Self { lanes, xyz }
+    }
+
+    /// From memory.
+    #[inline(always)]
+    pub(super) fn load(lanes: L, rows: &Rows) -> Self {
+        let [x, y, z] = &rows.0;
+        let xyz = [lanes.load(x), lanes.load(y), lanes.load(z)];
+        Self { lanes, xyz }
+    }
+
+    /// To memory.
+    #[inline(always)]
+    pub(super) fn store(self) -> Rows {
+        let mut rows = Rows::ZERO;
+        for (row, coordinates) in rows.0.iter_mut().zip(self.xyz) {
+            self.lanes.store(coordinates, row);
+        }
+        rows
+    }
+
+    #[inline(always)]
+    fn with(self, other: Self, each: impl Fn(L, L::Singles, L::Singles) -> L::Singles) -> Self {
+        let ([a, b, c], [x, y, z]) = (self.xyz, other.xyz);
+        let lanes = self.lanes;
+        let xyz = [each(lanes, a, x), each(lanes, b, y), each(lanes, c, z)];
+        Self { lanes, xyz }
+    }
+
+    #[inline(always)]
+    fn all(lanes: L, number: L::Singles) -> Self {
+        let xyz = [number; 3];
+        Self { lanes, xyz }
+    }
+
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        self.with(other, L::add)
+    }
+
+    /// Products, coordinate by coordinate.
+    #[inline(always)]
+    pub(super) fn times(self, other: Self) -> Self {
+        self.with(other, L::mul)
+    }
+
+    #[inline(always)]
+    fn scaled(self, factor: L::Singles) -> Self {
+        self.times(Self::all(self.lanes, factor))
+    }
+
+    #[inline(always)]
+    fn dot(self, other: Self) -> L::Singles {
+        let [x, y, z] = self.times(other).xyz;
+        self.lanes.add(self.lanes.add(x, y), z)
+    }
+
+    #[inline(always)]
+    fn length(self) -> L::Singles {
+        self.lanes.sqrt(self.dot(self))
+    }
+}
+
+/// The normals of the triangles that eight pixels show.
+pub(super) struct Facets<L: Lanes> {
+    /// The triangles' own, towards the eye.
+    flat: Vectors<L>,
+    /// The mesh's at the corners.
+    corners: [Vectors<L>; 3],
+    /// Above zero where the mesh has them.
+    smooth: L::Singles,
+}
+
+/// [`Facets`] in memory, to be filled lane by lane.
+pub(super) struct FacetRows {
+    flat: Rows,
+    corners: [Rows; 3],
+    smooth: Row,
+}
+
+impl FacetRows {
+    /// Of no triangles yet.
+    pub(super) const NONE: Self = Self {
+        flat: Rows::ZERO,
+        corners: [Rows::ZERO; 3],
+        smooth: [0.0; LANES],
+    };
+
+    /// Gives a lane its triangle.
+    #[inline(always)]
+    pub(super) fn set(&mut self, lane: usize, facet: &Facet) {
+        self.flat.set(lane, facet.normal);
+        if let Some(normals) = facet.normals {
+            self.smooth[lane] = 1.0;
+            for (corners, normal) in self.corners.iter_mut().zip(normals) {
+                corners.set(lane, normal);
+            }
+        }
+    }
+}
+
+impl<L: Lanes> Facets<L> {
+    /// Of one triangle that all pixels show.
+    #[inline(always)]
+    pub(super) fn one(lanes: L, facet: &Facet) -> Self {
+        let [a, b, c] = facet.normals.unwrap_or_default();
+        let splat = |normal| Vectors::splat(lanes, normal);
+        Self {
+            flat: splat(facet.normal),
+            corners: [splat(a), splat(b), splat(c)],
+            smooth: lanes.splat(if facet.normals.is_some() { 1.0 } else { 0.0 }),
+        }
+    }
+
+    /// Of a triangle for each lane.
+    #[inline(always)]
+    pub(super) fn load(lanes: L, rows: &FacetRows) -> Self {
+        let [a, b, c] = &rows.corners;
+        let load = |rows| Vectors::load(lanes, rows);
+        Self {
+            flat: load(&rows.flat),
+            corners: [load(a), load(b), load(c)],
+            smooth: lanes.load(&rows.smooth),
+        }
+    }
+
+    /// [`Facet::normal_at`].
+    #[inline(always)]
+    fn normal_at(&self, lanes: L, u: L::Singles, v: L::Singles) -> Vectors<L> {
+        let [a, b, c] = self.corners;
+        let (zero, one) = (lanes.splat(0.0), lanes.splat(1.0));
+        let w = lanes.sub(lanes.sub(one, u), v);
+        let blended = a.scaled(w).plus(b.scaled(u)).plus(c.scaled(v));
+        let length = blended.length();
+        let turned = lanes.less(blended.dot(self.flat), zero);
+        let side = lanes.pick(turned, lanes.sub(zero, length), length);
+        let unit = blended.with(Vectors::all(lanes, side), L::div);
+        let good = lanes.and(
+            lanes.less(zero, self.smooth),
+            lanes.and(
+                lanes.less(lanes.splat(1e-6), length),
+                lanes.less(length, lanes.splat(f32::INFINITY)),
+            ),
+        );
+        unit.with(self.flat, |lanes, unit, flat| lanes.pick(good, unit, flat))
+    }
+}
+
+/// The light on eight pixels at barycentrics (u, v) of their triangles: what
+/// [`Lights::on`](super::light::Lights::on) says. `to_eye` is the [`Shader`](super::Shader)'s; the
+/// pixels are `x` to the right in the picture and `y` down.
+#[inline(always)]
+pub(super) fn light<L: Lanes>(
+    lanes: L,
+    facets: &Facets<L>,
+    lights: &Lights,
+    to_eye: &[Vec3; 3],
+    (u, v): (&Row, &Row),
+    (x, y): (&Row, f32),
+) -> Vectors<L> {
+    let splat = |vector| Vectors::splat(lanes, vector);
+    let normal = facets.normal_at(lanes, lanes.load(u), lanes.load(v));
+    let [corner, right, down] = to_eye.map(splat);
+    let to_eye = corner
+        .plus(right.scaled(lanes.load(x)))
+        .plus(down.scaled(lanes.splat(y)));
+    let to_eye = to_eye.scaled(lanes.div(lanes.splat(1.0), to_eye.length()));
+    on(lanes, lights, normal, to_eye)
+}
+
+/// [`Lights::on`] for eight surfaces.
+#[inline(always)]
+fn on<L: Lanes>(lanes: L, lights: &Lights, normal: Vectors<L>, to_eye: Vectors<L>) -> Vectors<L> {
+    let splat = |vector| Vectors::splat(lanes, vector);
+    let (zero, one, half) = (lanes.splat(0.0), lanes.splat(1.0), lanes.splat(0.5));
+    let key = lanes.add(normal.dot(splat(lights.to_key)), lanes.splat(WRAP));
+    let key = lanes.max(lanes.div(key, lanes.splat(1.0 + WRAP)), zero);
+    let above = lanes.add(half, lanes.mul(half, normal.dot(splat(lights.up))));
+    let facing = normal.dot(to_eye);
+    let facing = lanes.max(facing, lanes.sub(zero, facing));
+    let away = lanes.sub(one, lanes.min(facing, one));
+    let rim = lanes.mul(lanes.mul(lanes.mul(away, away), away), above);
+    let white = lanes.add(
+        lanes.mul(lanes.splat(KEY), key),
+        lanes.mul(lanes.splat(RIM), rim),
+    );
+    splat(GROUND)
+        .plus(splat(SKY - GROUND).scaled(above))
+        .plus(Vectors::all(lanes, white))
+}
