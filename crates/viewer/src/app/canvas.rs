@@ -1,5 +1,7 @@
 //! The picture as the window holds it: pixels in memory, and their copy on the graphics side.
 
+use super::present::{Dirty, Presenter};
+use super::theme;
 use crate::worker::outbox::{Batch, Layout, PassReport};
 use egui::{Color32, ColorImage, TextureHandle, TextureOptions};
 use raycast_core::camera::Rect;
@@ -35,6 +37,9 @@ pub struct Progress {
 #[derive(Default)]
 pub struct Canvas {
     image: Arc<ColorImage>,
+    /// Whether pixels hold blue first, for the [`Presenter`], in place of red.
+    blue_first: bool,
+    presenter: Option<Presenter>,
     texture: Option<TextureHandle>,
     dirty: Dirty,
     generation: u64,
@@ -45,16 +50,15 @@ pub struct Canvas {
     pub notes_version: u64,
 }
 
-/// What the texture does not have yet.
-#[derive(Debug, Default, PartialEq)]
-enum Dirty {
-    #[default]
-    Nothing,
-    Tiles(Vec<Rect>),
-    All,
-}
-
 impl Canvas {
+    /// A canvas that copies its picture to the window where it can.
+    pub fn with_presenter(presenter: Option<Presenter>) -> Self {
+        Self {
+            presenter,
+            ..Self::default()
+        }
+    }
+
     /// Columns and rows of what is shown; zero before the first picture.
     pub fn size(&self) -> (u32, u32) {
         (self.image.width() as u32, self.image.height() as u32)
@@ -82,8 +86,8 @@ impl Canvas {
     /// Forgets the picture: another scene is coming, and nothing older than `generation` is shown.
     pub fn clear(&mut self, generation: u64) {
         self.generation = generation;
-        let image = Arc::make_mut(&mut self.image);
-        image.pixels.fill(Color32::TRANSPARENT);
+        let nothing = self.nothing();
+        Arc::make_mut(&mut self.image).pixels.fill(nothing);
         self.dirty = Dirty::All;
         self.progress = Progress::default();
     }
@@ -104,7 +108,11 @@ impl Canvas {
             }
         }
         for arrival in batch.tiles {
-            if !copy(Arc::make_mut(&mut self.image), &arrival.tile) {
+            if !copy(
+                Arc::make_mut(&mut self.image),
+                &arrival.tile,
+                self.blue_first,
+            ) {
                 continue;
             }
             self.dirty.add(arrival.tile.rect);
@@ -131,7 +139,7 @@ impl Canvas {
         if (columns, rows) == (old_columns, old_rows) {
             return;
         }
-        let mut image = ColorImage::filled([columns as usize, rows as usize], Color32::TRANSPARENT);
+        let mut image = ColorImage::filled([columns as usize, rows as usize], self.nothing());
         if old_columns > 0 && old_rows > 0 && columns > 0 {
             let source = |at: usize, new: u32, old: u32| at * old as usize / new as usize;
             let from: Vec<_> = (0..columns as usize)
@@ -148,12 +156,45 @@ impl Canvas {
         self.dirty = Dirty::All;
     }
 
+    /// What shows the picture by copying its pixels as they are over `rect`, which is of their number;
+    /// `None` where the window has no such way.
+    pub fn copy_to(&mut self, rect: egui::Rect) -> Option<egui::Shape> {
+        self.presenter.as_ref()?;
+        self.arrange(true);
+        let dirty = std::mem::take(&mut self.dirty);
+        let image = Arc::clone(&self.image);
+        Some(self.presenter.as_ref()?.shape(rect, image, dirty))
+    }
+
+    /// A pixel of which nothing is known: clear, or what is behind it where nothing shows through.
+    fn nothing(&self) -> Color32 {
+        let [r, g, b, _] = theme::BACKDROP.to_array();
+        match (&self.presenter, self.blue_first) {
+            (None, _) => Color32::TRANSPARENT,
+            (Some(_), false) => theme::BACKDROP,
+            (Some(_), true) => Color32::from_rgb(b, g, r),
+        }
+    }
+
+    /// Orders each pixel's bytes.
+    fn arrange(&mut self, blue_first: bool) {
+        if self.blue_first != blue_first {
+            self.blue_first = blue_first;
+            self.dirty = Dirty::All;
+            for pixel in &mut Arc::make_mut(&mut self.image).pixels {
+                let [r, g, b, a] = pixel.to_array();
+                *pixel = Color32::from_rgba_premultiplied(b, g, r, a);
+            }
+        }
+    }
+
     /// Brings the texture up to date: at most one transfer of the whole picture, or the few tiles
     /// that are new. `None` before the first picture.
     pub fn texture(&mut self, context: &egui::Context) -> Option<egui::TextureId> {
         if self.image.pixels.is_empty() {
             return None;
         }
+        self.arrange(false);
         // Nearest: few rays show as the blocks that they are.
         let options = TextureOptions::NEAREST;
         let size = self.image.size;
@@ -207,7 +248,7 @@ fn part(image: &ColorImage, rect: Rect) -> ColorImage {
 }
 
 /// Copies a tile into its place; `false`, and nothing copied, where it does not fit.
-fn copy(image: &mut ColorImage, tile: &Tile) -> bool {
+fn copy(image: &mut ColorImage, tile: &Tile, blue_first: bool) -> bool {
     let (width, height) = (image.width(), image.height());
     let rect = tile.rect;
     let columns = rect.width as usize;
@@ -221,6 +262,7 @@ fn copy(image: &mut ColorImage, tile: &Tile) -> bool {
     for (y, row) in (rect.y as usize..).zip(tile.pixels.chunks_exact(columns)) {
         let start = y * width + rect.x as usize;
         for (pixel, &[r, g, b, a]) in image.pixels[start..start + columns].iter_mut().zip(row) {
+            let (r, b) = if blue_first { (b, r) } else { (r, b) };
             *pixel = if a == 255 {
                 Color32::from_rgb(r, g, b)
             } else {

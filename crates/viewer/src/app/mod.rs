@@ -9,6 +9,7 @@ pub mod canvas;
 pub mod command;
 pub mod input;
 pub mod log;
+pub mod present;
 pub mod settings;
 pub mod state;
 pub mod theme;
@@ -186,7 +187,9 @@ impl App {
         tasks.open(files);
         Ok(Self {
             state,
-            canvas: Canvas::default(),
+            canvas: Canvas::with_presenter(
+                creation.gl.as_deref().and_then(present::Presenter::new),
+            ),
             overlay: TileOverlay::default(),
             renderer,
             files: tasks,

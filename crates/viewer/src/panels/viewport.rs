@@ -42,7 +42,14 @@ pub fn show(
     if state.settings.shading.background == Background::Transparent {
         checkers(&painter, rect);
     }
-    if let Some(texture) = canvas.texture(ui.ctx()) {
+    // A pixel of the picture for each of the window's, and none that can be seen through.
+    let as_it_is = rect == room
+        && canvas.size() == pixels
+        && state.settings.shading.background != Background::Transparent;
+    if let Some(copy) = as_it_is.then(|| canvas.copy_to(rect)).flatten() {
+        painter.add(copy);
+        overlay.show(&painter, canvas, rect, state.overlay);
+    } else if let Some(texture) = canvas.texture(ui.ctx()) {
         let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(texture, rect, uv, Color32::WHITE);
         overlay.show(&painter, canvas, rect, state.overlay);
