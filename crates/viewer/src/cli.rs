@@ -11,6 +11,7 @@ use raycast_core::intersect::Cull;
 use raycast_core::render::Precision;
 use raycast_core::scene::Crop;
 use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
+use raycast_report::scenes::Made;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -307,8 +308,11 @@ Example:
   raycast bench bunny.obj dragon.obj --frames 50 --threads 1")]
 pub struct BenchArgs {
     /// Meshes or scene files
-    #[arg(required = true)]
+    #[arg(required_unless_present = "made")]
     pub files: Vec<PathBuf>,
+    /// A scene made in code: ball:TRIANGLES, or interior:TRIANGLES, which is seen from inside
+    #[arg(long, value_name = "SCENE", value_parser = <Made as std::str::FromStr>::from_str)]
+    pub made: Vec<Made>,
     /// Frames to measure a view, after one that is not
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: u32,

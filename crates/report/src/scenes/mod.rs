@@ -2,6 +2,8 @@
 
 mod bumpy_sphere;
 mod interior;
+mod made;
 
 pub use bumpy_sphere::bumpy_sphere;
 pub use interior::{interior, interior_camera};
+pub use made::Made;

@@ -261,13 +261,17 @@ fn copy(image: &mut ColorImage, tile: &Tile, blue_first: bool) -> bool {
     }
     for (y, row) in (rect.y as usize..).zip(tile.pixels.chunks_exact(columns)) {
         let start = y * width + rect.x as usize;
-        for (pixel, &[r, g, b, a]) in image.pixels[start..start + columns].iter_mut().zip(row) {
-            let (r, b) = if blue_first { (b, r) } else { (r, b) };
-            *pixel = if a == 255 {
-                Color32::from_rgb(r, g, b)
-            } else {
-                Color32::from_rgba_unmultiplied(r, g, b, a)
-            };
+        let pixels = &mut image.pixels[start..start + columns];
+        if row.iter().fold(255, |all, pixel| all & pixel[3]) == 255 {
+            for (pixel, &[r, g, b, a]) in pixels.iter_mut().zip(row) {
+                let (r, b) = if blue_first { (b, r) } else { (r, b) };
+                *pixel = Color32::from_rgba_premultiplied(r, g, b, a);
+            }
+        } else {
+            for (pixel, &[r, g, b, a]) in pixels.iter_mut().zip(row) {
+                let (r, b) = if blue_first { (b, r) } else { (r, b) };
+                *pixel = Color32::from_rgba_unmultiplied(r, g, b, a);
+            }
         }
     }
     true

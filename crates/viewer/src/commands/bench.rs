@@ -17,7 +17,6 @@ use raycast_report::ways::{self, Way};
 use raycast_report::{subject, views};
 use rayon::ThreadPool;
 use serde::Serialize;
-use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -93,20 +92,42 @@ pub(super) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let pool = workers(args.casting.threads)?;
     let mut figures = Vec::with_capacity(args.files.len());
     for file in &args.files {
-        figures.push(measure_file(args, file, &pool)?);
+        let progress = Progress::new();
+        progress.loading();
+        let scene = formats::read_scene(file, &|share| progress.loaded(share))?.scene;
+        let cameras = cameras(args, &scene)?;
+        let name = file.display().to_string();
+        figures.push(measure(args, name, scene, cameras, &pool, &progress)?);
+    }
+    for made in &args.made {
+        let scene = made.scene();
+        let camera = |close| made.camera(&scene, args.size, close);
+        let cameras = vec![("medium", camera(false)?), ("close", camera(true)?)];
+        let progress = Progress::new();
+        figures.push(measure(
+            args,
+            made.to_string(),
+            scene,
+            cameras,
+            &pool,
+            &progress,
+        )?);
     }
     print(&json(&figures)?)
 }
 
-fn measure_file(args: &BenchArgs, path: &Path, pool: &ThreadPool) -> Result<FileFigures, Failure> {
-    let progress = Progress::new();
-    progress.loading();
-    let scene = formats::read_scene(path, &|share| progress.loaded(share))?.scene;
+fn measure(
+    args: &BenchArgs,
+    name: String,
+    scene: Scene,
+    cameras: Vec<(&'static str, Camera)>,
+    pool: &ThreadPool,
+    progress: &Progress,
+) -> Result<FileFigures, Failure> {
     progress.building();
     let building = Instant::now();
     let accel = Arc::new(pool.install(|| setup::tree(&scene))?);
     let build_time = building.elapsed();
-    let cameras = cameras(args, &scene)?;
     let baselines = args
         .baselines
         .then(|| pool.install(|| baselines(&accel, pool.current_num_threads())));
@@ -133,12 +154,12 @@ fn measure_file(args: &BenchArgs, path: &Path, pool: &ThreadPool) -> Result<File
                 layers: false,
             },
         };
-        let measured = pool
-            .install(|| measure_view(name, &view, baselines.as_deref(), args.frames, &progress));
+        let measured =
+            pool.install(|| measure_view(name, &view, baselines.as_deref(), args.frames, progress));
         views.push(measured?);
     }
     Ok(FileFigures {
-        file: path.display().to_string(),
+        file: name,
         triangles: scene.triangle_count(),
         build_ms: milliseconds(build_time),
         threads: pool.current_num_threads(),
