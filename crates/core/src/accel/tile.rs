@@ -6,6 +6,7 @@
 //! the single ray.
 
 use super::frustum::{Frustum, Window};
+use super::levels::Notice;
 use super::simd::{Lanes, Work, dispatch};
 use super::tree::{Box32, DEPTH_LIMIT, Node, Subtree};
 use super::{Accel, MISS, SlotHit, traverse};
@@ -17,7 +18,7 @@ use crate::intersect::{Cull, Detail, Precision, PreparedRay};
 use glam::{DVec3, Vec3};
 
 /// Rays along the side of a block that walks down the tree first.
-const LARGE_SIDE: u32 = 64;
+pub(super) const LARGE_SIDE: u32 = 64;
 
 /// Sub-trees at which the large block's walk ends: below, each block sorts out its own.
 const LIST_LENGTH: usize = 24;
@@ -132,28 +133,28 @@ impl Accel {
     }
 }
 
-struct Find<'a> {
-    accel: &'a Accel,
-    lattice: &'a Lattice,
-    cull: Cull,
-    precision: Precision,
-    slots: &'a mut [u32],
-    counts: &'a mut CastCounts,
+pub(super) struct Find<'a> {
+    pub(super) accel: &'a Accel,
+    pub(super) lattice: &'a Lattice,
+    pub(super) cull: Cull,
+    pub(super) precision: Precision,
+    pub(super) slots: &'a mut [u32],
+    pub(super) counts: &'a mut CastCounts,
 }
 
 /// A rectangle of a lattice's rays.
 #[derive(Clone, Copy)]
-struct Part {
-    column: u32,
-    row: u32,
-    columns: u32,
-    rows: u32,
+pub(super) struct Part {
+    pub(super) column: u32,
+    pub(super) row: u32,
+    pub(super) columns: u32,
+    pub(super) rows: u32,
 }
 
 impl Part {
     /// Its parts of at most `side × side` rays.
     #[inline(always)]
-    fn split(self, side: u32) -> impl Iterator<Item = Self> {
+    pub(super) fn split(self, side: u32) -> impl Iterator<Item = Self> {
         let (right, bottom) = (self.column + self.columns, self.row + self.rows);
         (self.row..bottom)
             .step_by(side as usize)
@@ -187,7 +188,7 @@ impl Work for Find<'_> {
                 continue;
             }
             for part in large.split(SIDE as u32) {
-                if walk.cast(lanes, &part, self.cull, &mut block) {
+                if walk.cast(lanes, &part, self.cull, &mut block, &mut ()) {
                     self.keep(&part, &block);
                 }
             }
@@ -203,7 +204,7 @@ impl Work for Find<'_> {
 impl Find<'_> {
     /// Keeps what a block found, and casts the rays that it left open.
     #[inline(always)]
-    fn keep(&mut self, part: &Part, block: &Block) {
+    pub(super) fn keep(&mut self, part: &Part, block: &Block) {
         let columns = part.columns as usize;
         for row in 0..part.rows {
             let first = ((part.row + row) * self.lattice.columns + part.column) as usize;
@@ -327,7 +328,7 @@ impl Evaluate<'_> {
 }
 
 /// The walk of a lattice's blocks through the tree.
-struct Walk<'a> {
+pub(super) struct Walk<'a> {
     accel: &'a Accel,
     lattice: &'a Lattice,
     eye: DVec3,
@@ -336,14 +337,15 @@ struct Walk<'a> {
     pairs: Vec<Node>,
     /// Where each pair begins along the view axis.
     nears: Vec<f32>,
-    list: Vec<(Subtree, Box32, f32)>,
+    /// The same one by one: what each is, its box, and where it begins.
+    pub(super) list: Vec<(Subtree, Box32, f32)>,
     next: Vec<(Subtree, Box32, f32)>,
     batch: Batch,
-    counts: CastCounts,
+    pub(super) counts: CastCounts,
 }
 
 impl<'a> Walk<'a> {
-    fn new(accel: &'a Accel, lattice: &'a Lattice) -> Self {
+    pub(super) fn new(accel: &'a Accel, lattice: &'a Lattice) -> Self {
         let eye_in_world = lattice.camera.placement().eye;
         let eye = eye_in_world - accel.origin;
         let off = accel.origin != DVec3::ZERO;
@@ -392,7 +394,7 @@ impl<'a> Walk<'a> {
 
     /// Makes the list of sub-trees that a large block's frustum touches.
     #[inline(always)]
-    fn list(&mut self, lanes: impl Lanes, large: &Part) {
+    pub(super) fn list(&mut self, lanes: impl Lanes, large: &Part) {
         let tree = &self.accel.tree;
         self.list.clear();
         self.pairs.clear();
@@ -410,6 +412,7 @@ impl<'a> Walk<'a> {
                     continue;
                 }
                 deepened = true;
+                self.counts.nodes += 1;
                 let node = &tree.nodes[subtree.first as usize];
                 let entered = frustum.enter(lanes, node);
                 for (child, (near, inside)) in entered.into_iter().enumerate() {
@@ -442,7 +445,14 @@ impl<'a> Walk<'a> {
 
     /// Casts a block's rays. `false`, and the block as it was, where no triangle is near them.
     #[inline(always)]
-    fn cast(&mut self, lanes: impl Lanes, part: &Part, cull: Cull, block: &mut Block) -> bool {
+    pub(super) fn cast(
+        &mut self,
+        lanes: impl Lanes,
+        part: &Part,
+        cull: Cull,
+        block: &mut Block,
+        notice: &mut impl Notice,
+    ) -> bool {
         let frustum = self.frustum(part);
         let space = self.space(part, cull);
         let mut limit = f32::INFINITY;
@@ -465,6 +475,7 @@ impl<'a> Walk<'a> {
                     }
                     if subtree.count > 0 {
                         leaf = subtree.first..subtree.first + subtree.count;
+                        notice.reached(leaf.clone());
                         continue;
                     }
                     &self.accel.tree.nodes[subtree.first as usize]
@@ -485,7 +496,9 @@ impl<'a> Walk<'a> {
                 let perspective = self.lattice.camera.projection() == Projection::Perspective;
                 block.clear(lanes, part.columns, part.rows, perspective);
             }
-            self.counts.triangles += u64::from(block.meet(lanes, &space, &mut self.batch));
+            let set_up = block.meet(lanes, &space, &mut self.batch);
+            self.counts.triangles += u64::from(set_up.count_ones());
+            notice.set_up(&self.batch.slots, set_up);
             limit = self.limit(block.horizon());
         }
     }
@@ -542,7 +555,7 @@ impl<'a> Walk<'a> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::accel::Simd;
     use crate::camera::{Camera, ImagePlane, Orbit, Rect};
@@ -550,7 +563,7 @@ mod tests {
     use std::sync::Arc;
 
     /// Waves of triangles over a square, `side²` quads of them.
-    fn waves(side: u32, size: f64, offset: DVec3) -> Accel {
+    pub(in crate::accel) fn waves(side: u32, size: f64, offset: DVec3) -> Accel {
         let positions = (0..=side)
             .flat_map(|y| (0..=side).map(move |x| (x, y)))
             .map(|(x, y)| {
@@ -606,7 +619,7 @@ mod tests {
         met
     }
 
-    fn cameras(size: f64, offset: DVec3) -> Vec<Camera> {
+    pub(in crate::accel) fn cameras(size: f64, offset: DVec3) -> Vec<Camera> {
         let mut cameras = Vec::new();
         for projection in [Projection::Perspective, Projection::Orthographic] {
             for (yaw, pitch, distance) in [

@@ -117,7 +117,7 @@ impl Block {
         least
     }
 
-    /// Meets every triangle of a batch, and empties it. Returns how many were set up.
+    /// Meets every triangle of a batch, and empties it. Returns which of them were set up, as bits.
     #[inline(always)]
     pub(crate) fn meet(&mut self, lanes: impl Lanes, space: &BlockSpace, batch: &mut Batch) -> u32 {
         let count = batch.len;
@@ -147,14 +147,14 @@ impl Block {
             return 0;
         }
         let set_up = space.set_up(placed);
-        let count = wanted.count_ones();
+        let were_set_up = wanted;
         while wanted != 0 {
             let l = wanted.trailing_zeros() as usize & (LANES - 1);
             wanted &= wanted - 1;
             self.meet_one(lanes, &set_up, l, batch.slots[l]);
         }
         self.look_around(lanes);
-        count
+        were_set_up
     }
 
     /// The least horizon of the sub-blocks that a box of rays touches, as far as that is quickly told.
