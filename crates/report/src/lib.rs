@@ -12,7 +12,7 @@
 //!   [`subject`] at what, [`views`] from where, [`machine`] on what, [`watch`] how far it is.
 //! - [`metrics`]: how far a picture is from another.
 //! - [`timing`], [`pareto`]: what is typical of times, and what is best of two kinds.
-//! - [`chart`], [`table`]: plots and numbers.
+//! - [`chart`], [`table`], [`figure`]: plots, numbers, drawings in space.
 
 pub mod cameras;
 pub mod cases;
@@ -22,6 +22,7 @@ pub mod effort;
 pub mod embree;
 pub mod errors;
 pub mod fault;
+pub mod figure;
 pub mod machine;
 pub mod meshes;
 pub mod metrics;

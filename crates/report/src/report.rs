@@ -3,7 +3,7 @@
 use crate::effort::Effort;
 use crate::embree::Embree;
 use crate::machine::Machine;
-use crate::sections::{Section, breaking, density, hard, meshes, numerics, pay, shape};
+use crate::sections::{Section, breaking, density, hard, levels, meshes, numerics, pay, shape};
 use crate::subject::{Input, Subject};
 use crate::table::ReportError;
 use crate::watch::Watch;
@@ -89,6 +89,16 @@ pub fn report(
     let mut paid = Section::default();
     paid.say("## E. Pay for what is used");
     pay::show(&mut paid, &pay::measure(effort, watch)?);
+    let mut way_down = Section::default();
+    // One mesh shows more than many.
+    let single = inputs.iter().find(|input| input.scene.objects.len() == 1);
+    if let Some(input) = single.or(inputs.first()) {
+        watch.begin("levels", 1);
+        if let Some(shown) = levels::measure(input)? {
+            levels::show(&mut way_down, shown);
+        }
+        watch.step();
+    }
     let mut closing = Section::default();
     closing.say("## To measure this again");
     closing.say(format!("```sh\n{command}\n```"));
@@ -100,6 +110,7 @@ pub fn report(
         speed,
         dense,
         paid,
+        way_down,
         closing,
     ];
     files(sections, watch)

@@ -7,11 +7,13 @@ mod axis;
 mod canvas;
 mod draw;
 mod labels;
+mod notes;
 mod strip;
 mod style;
 
 pub use axis::{Axis, Scale, Zero, number};
 pub use draw::ChartError;
+pub use notes::{Note, QUIET, TEXT, annotated};
 pub use strip::captioned;
 pub use style::Ink;
 

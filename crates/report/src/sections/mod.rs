@@ -3,6 +3,7 @@
 pub mod breaking;
 pub mod density;
 pub mod hard;
+pub mod levels;
 pub mod meshes;
 pub mod numerics;
 pub mod pay;
