@@ -49,7 +49,7 @@ type Counts = [i64; 3];
 /// Reads the lines of an OBJ file.
 ///
 /// # Errors
-/// A line with too few words, a face with fewer than three corners, an index that the whole file
+/// The first bad line: one with too few words, a face with fewer than three corners, an index that the whole file
 /// has nothing for.
 pub(super) fn read(
     path: &Path,
@@ -63,22 +63,28 @@ pub(super) fn read(
         seen: [0; 3],
         highest: [0; 3],
         totals: None,
+        checks_numbers: false,
         material: NO_MATERIAL,
         material_numbers: HashMap::new(),
     };
     reader.out.text.reserve(bytes.len());
-    reader.lines(bytes, progress)?;
+    let fault = reader.lines(bytes, progress).err();
     let totals = reader.seen;
     reader.out.dangling = reader.forgive_dangling(totals);
-    // Which line it was is worth a second reading only when it is known that there is one.
-    if (0..3).any(|kind| totals[kind] > 0 && reader.highest[kind] > totals[kind])
-        || reader.highest[0] > totals[0]
-    {
-        reader.totals = Some(totals);
+    let is_short = (0..3).any(|kind| totals[kind] > 0 && reader.highest[kind] > totals[kind])
+        || reader.highest[0] > totals[0];
+    // Which line was the first bad one is worth a second reading only when it is known that there is
+    // one.
+    if fault.is_some() || is_short {
+        reader.totals = fault.is_none().then_some(totals);
+        reader.checks_numbers = true;
         reader.seen = [0; 3];
         reader.out = ObjText::default();
         reader.material_numbers.clear();
         reader.lines(bytes, &|_| ())?;
+    }
+    if let Some(fault) = fault {
+        return Err(fault);
     }
     reader.out.vertices = totals[0] as usize;
     Ok(reader.out)
@@ -93,6 +99,8 @@ struct Reader<'a> {
     highest: Counts,
     /// How many of each the file has, once that is known.
     totals: Option<Counts>,
+    /// Whether what should be numbers is held against that here, before `tobj` does it.
+    checks_numbers: bool,
     material: u32,
     material_numbers: HashMap<String, u32>,
 }
@@ -147,8 +155,10 @@ impl Reader<'_> {
                 .unwrap_or_default()
                 .split_whitespace()
         };
+        let is_number = |value: &str| value.parse::<f64>().is_ok();
         let least = |count: usize, expected: &str| {
-            if values().count() < count {
+            let are_numbers = || !self.checks_numbers || values().take(count).all(is_number);
+            if values().count() < count || !are_numbers() {
                 return Err(FormatError::unexpected(
                     self.path,
                     Some(number),
@@ -318,6 +328,42 @@ mod tests {
             "\n\nv 0 0 0\nv 1 0 0\n\nvt 0.5 0\nv 0 1 0\nf 1 2 3\n\n\nv 2 2 2\n"
         );
         assert_eq!(out.faces.len(), 1);
+    }
+
+    #[test]
+    fn the_first_bad_line_is_named() {
+        for (source, line, expected) in [
+            ("v 0 0 0\nv 1 x 3\nf 1 2 3\n", 2, "three numbers behind `v`"),
+            (
+                "v 0 0 0\nv 1 x 3\nv 0 1 0\nf -1 -2 -4\n",
+                2,
+                "three numbers behind `v`",
+            ),
+            (
+                "v 0 0 0\nvn 0 ? 1\nf 1 2 3\n",
+                2,
+                "three numbers behind `vn`",
+            ),
+            (
+                "v 0 0 0\nvt up\nv 1\n",
+                2,
+                "one or more numbers behind `vt`",
+            ),
+            (
+                "v 0 0 0\nf 1 2 3\nv 1 x 3\n",
+                2,
+                "a vertex index from 1 to 2",
+            ),
+            (
+                "v nan inf 1e9\nv 1 1 1\nf 1 2 3\n",
+                3,
+                "a vertex index from 1 to 2",
+            ),
+        ] {
+            let told = text(source).expect_err(source);
+            let place = format!("a.obj:{line}: expected {expected}");
+            assert!(told.starts_with(&place), "{source:?}: {told}");
+        }
     }
 
     #[test]
