@@ -14,6 +14,7 @@ use raycast_viewer::app::theme;
 use raycast_viewer::app::update::{Effect, update};
 use raycast_viewer::panels::overlay::TileOverlay;
 use raycast_viewer::panels::{Commands, Status, window};
+use raycast_viewer::worker::files::Activity;
 use std::path::PathBuf;
 
 /// A window without the eframe around it.
@@ -104,6 +105,21 @@ fn a_click_on_wireframe_asks_for_lines_and_another_for_none() {
     assert!(harness.state().state.settings.shading.wireframe.is_some());
     click(&mut harness, "Wireframe");
     assert!(harness.state().state.settings.shading.wireframe.is_none());
+}
+
+#[test]
+fn an_empty_window_says_what_to_do() {
+    const HINT: &str = "Open a mesh (Ctrl+O) or drop one here";
+    let mut harness = open();
+    harness.state_mut().state.errors = vec!["broken.obj:2: expected faces, found none".to_owned()];
+    harness.run();
+    assert!(harness.query_by_label(HINT).is_some());
+    harness.state_mut().status.activity = Some(Activity {
+        label: "Reading a mesh".to_owned(),
+        share: Some(0.5),
+    });
+    harness.run();
+    assert!(harness.query_by_label(HINT).is_none());
 }
 
 #[test]

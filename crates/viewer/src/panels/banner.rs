@@ -1,10 +1,14 @@
-//! What lies over the picture: progress, the path line, errors, short messages.
+//! What lies over the picture: progress, the path line, errors, short messages, and what to do where
+//! there is none.
 
 use super::{Commands, Status};
 use crate::app::command::{Command, PromptKind};
 use crate::app::state::{Prompt, State};
 use crate::app::theme;
 use egui::{Align2, Area, Context, Frame, Id, Margin, Order, RichText, Stroke, Ui, vec2};
+
+/// What an empty window says.
+const HINT: &str = "Open a mesh (Ctrl+O) or drop one here";
 
 /// Shows them over `room`, the picture's place.
 pub fn show(
@@ -14,6 +18,17 @@ pub fn show(
     status: &Status,
     out: &mut Commands,
 ) {
+    if state.document.is_none() && status.activity.is_none() && state.prompt.is_none() {
+        Area::new(Id::unique("hint"))
+            .order(Order::Middle)
+            .pivot(Align2::CENTER_CENTER)
+            .fixed_pos(room.center())
+            .interactable(false)
+            .show(context, |ui| {
+                let text = RichText::new(HINT).color(theme::QUIET).size(15.0);
+                ui.add(egui::Label::new(text).extend());
+            });
+    }
     let width = (room.width() - 24.0).clamp(160.0, 620.0);
     let top = Area::new(Id::unique("banners"))
         .order(Order::Middle)
