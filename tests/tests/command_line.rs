@@ -446,6 +446,42 @@ fn without_a_display_the_window_says_what_to_do() {
     }
 }
 
+/// Every command that builds a tree takes the instruction set from the environment, and refuses one
+/// that there is not.
+#[test]
+fn the_instruction_set_is_forced_everywhere() {
+    let mesh = asset("cube.obj");
+    let folder = folder();
+    let place = |name: &str| folder.path().join(name);
+    let rays = place("rays");
+    write_rays(&rays, &[[0.0, 0.0, 9.0, 0.0, 0.0, 0.0, -1.0, 1e9]]);
+    let commands = [
+        arguments![],
+        arguments!["view", &mesh],
+        arguments!["render", &mesh, "-o", place("a.png"), "--size", "8x8"],
+        arguments!["cast", &mesh, "--rays", &rays, "--hits", place("h")],
+        arguments!["info", &mesh],
+        arguments!["bench", &mesh, "--frames", "1"],
+        arguments!["verify", &mesh, "--size", "8x8"],
+        arguments!["report", &mesh, "-o", place("report"), "--quick"],
+    ];
+    for arguments in commands {
+        let mut command = command(&arguments);
+        let told = run(command.env("RAYCAST_SIMD", "mmx"));
+        assert_eq!(told.status, Some(2), "{arguments:?}: {told:?}");
+        assert_eq!(told.errors.lines().count(), 1, "{told:?}");
+        let named = told
+            .errors
+            .contains("RAYCAST_SIMD: expected plain, avx2 or avx512");
+        assert!(named && told.errors.contains("mmx"), "{told:?}");
+    }
+    let mut bench = command(arguments!["bench", &mesh, "--frames", "1", "--size", "8x8"]);
+    let told = run(bench.env("RAYCAST_SIMD", "plain"));
+    assert_eq!(json(&told.output)[0]["simd"], "plain");
+    let mut verify = command(arguments!["verify", &mesh, "--size", "64x64"]);
+    assert_eq!(run(verify.env("RAYCAST_SIMD", "plain")).status, Some(0));
+}
+
 // Rays and hits.
 
 /// A ray as the file holds it.

@@ -1,5 +1,7 @@
 //! How much is measured: for seconds, or for minutes.
 
+use raycast_core::accel::Simd;
+
 /// Sizes and counts of a report.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
@@ -25,6 +27,8 @@ pub struct Effort {
     pub samples: u32,
     /// Columns and rows of the pictures that are compared.
     pub compared: (u32, u32),
+    /// The widest instruction set that tiles are cast with, where the machine has it.
+    pub simd: Simd,
 }
 
 impl Effort {
@@ -41,6 +45,7 @@ impl Effort {
         largest: 1_000_000,
         samples: 256,
         compared: (640, 360),
+        simd: Simd::Avx512,
     };
 
     /// Some seconds: to see that it works.
@@ -56,5 +61,6 @@ impl Effort {
         largest: 20_000,
         samples: 256,
         compared: (160, 90),
+        simd: Simd::Avx512,
     };
 }

@@ -27,7 +27,7 @@ pub fn report(
     let mut figures = Vec::with_capacity(inputs.len());
     for input in inputs {
         watch.begin("building", 1);
-        let subject = Subject::new(input, library.as_ref().ok())?;
+        let subject = Subject::new(input, effort.simd, library.as_ref().ok())?;
         figures.push(meshes::measure(&subject, effort, watch)?);
     }
 

@@ -2,7 +2,7 @@
 
 use crate::table::ReportError;
 use crate::{Stage, embree, ways};
-use raycast_core::accel::{Accel, MISS};
+use raycast_core::accel::{Accel, MISS, Simd};
 use raycast_core::camera::{Camera, Lattice, Rect};
 use raycast_core::intersect::Precision;
 use raycast_core::scene::Scene;
@@ -37,17 +37,22 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// Builds every way's tree.
+    /// Builds every way's tree; RayCast's tiles are cast with `simd` or the widest that this machine has
+    /// below it, and with the plainer ones beside it.
     ///
     /// # Errors
     /// A scene whose transforms or parents are not valid.
-    pub fn new(input: &Input, library: Option<&Arc<embree::Embree>>) -> Result<Self, ReportError> {
+    pub fn new(
+        input: &Input,
+        simd: Simd,
+        library: Option<&Arc<embree::Embree>>,
+    ) -> Result<Self, ReportError> {
         let started = Instant::now();
-        let accel = Arc::new(Accel::build(&input.scene)?);
+        let accel = Arc::new(Accel::build(&input.scene)?.with_simd(simd));
         let building = started.elapsed();
         let mut all = ways::raycast(&accel);
         for simd in ways::instruction_sets() {
-            if simd != accel.simd() {
+            if simd < accel.simd() {
                 let plainer = Arc::new(Accel::build(&input.scene)?.with_simd(simd));
                 all.push(ways::raycast_simd(&plainer, Precision::Exact));
             }

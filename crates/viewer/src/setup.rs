@@ -37,15 +37,13 @@ pub fn load(files: &[PathBuf], progress: Progress<'_>) -> Result<SceneFile, Form
 /// The environment variable that forces an instruction set on the casting of tiles.
 pub const SIMD_VARIABLE: &str = "RAYCAST_SIMD";
 
-/// The tree over a scene, for the instruction set that [`SIMD_VARIABLE`] names, else the machine's
-/// widest.
+/// The instruction set that [`SIMD_VARIABLE`] names, else the machine's widest.
 ///
 /// # Errors
-/// As [`Accel::build`]; a variable that names no instruction set that this machine has.
-pub fn tree(scene: &Scene) -> Result<Accel, Failure> {
-    let accel = Accel::build(scene)?;
+/// A variable that names no instruction set that this machine has.
+pub fn instruction_set() -> Result<Simd, Failure> {
     let Some(name) = std::env::var_os(SIMD_VARIABLE) else {
-        return Ok(accel);
+        return Ok(Simd::best());
     };
     let name = name.to_string_lossy();
     let simd: Simd = name
@@ -57,7 +55,16 @@ pub fn tree(scene: &Scene) -> Result<Accel, Failure> {
             Simd::best().name()
         )));
     }
-    Ok(accel.with_simd(simd))
+    Ok(simd)
+}
+
+/// The tree over a scene, for the instruction set of [`instruction_set`].
+///
+/// # Errors
+/// As [`Accel::build`], as [`instruction_set`].
+pub fn tree(scene: &Scene) -> Result<Accel, Failure> {
+    let simd = instruction_set()?;
+    Ok(Accel::build(scene)?.with_simd(simd))
 }
 
 /// The files that a scene was read from, beside those that were named.

@@ -195,7 +195,7 @@ pub fn measure(
             scene: Arc::new(scene),
             parsing: None,
         };
-        let subject = Subject::new(&input, library)?;
+        let subject = Subject::new(&input, effort.simd, library)?;
         let pixels = pixels_by_lot(&camera, effort.breaking);
         let checked = Checked::new(&subject.stage, Vec::new(), vec![(camera, pixels)]);
         for way in &subject.ways {

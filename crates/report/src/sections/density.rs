@@ -62,7 +62,7 @@ pub fn measure(
     let camera = views::filling(scene, effort.compared, views::FOV, 1.2)?;
     let view = View {
         scene: Arc::clone(scene),
-        accel: Arc::new(Accel::build(scene)?),
+        accel: Arc::new(Accel::build(scene)?.with_simd(effort.simd)),
         camera,
         settings: Settings {
             shading: Shading {

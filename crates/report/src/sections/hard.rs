@@ -56,7 +56,7 @@ pub fn measure(
         for mut setting in open.take(effort.variants) {
             setting.cameras.truncate(effort.cameras);
             let rays = setting.rays(effort.hard, 1);
-            let subject = Subject::new(&as_input(&case, &setting), library)?;
+            let subject = Subject::new(&as_input(&case, &setting), effort.simd, library)?;
             let each = effort.hard / setting.cameras.len().max(1);
             let pictures = setting.cameras.iter();
             let pictures = pictures.map(|camera| (*camera, pixels_by_lot(camera, each)));

@@ -80,7 +80,7 @@ pub fn measure(effort: &Effort, watch: &dyn Watch) -> Result<Vec<Cost>, ReportEr
     };
     let way = |scene: Scene, settings: Settings| -> Result<Way, ReportError> {
         let camera = views::filling(&scene, effort.size, views::FOV, 1.0)?;
-        let accel = Arc::new(Accel::build(&scene)?);
+        let accel = Arc::new(Accel::build(&scene)?.with_simd(effort.simd));
         let view = View {
             scene: Arc::new(scene),
             accel,

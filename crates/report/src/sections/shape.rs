@@ -12,7 +12,7 @@ use crate::timing::Spread;
 use crate::watch::Watch;
 use crate::ways::{self, Way};
 use crate::{subject, views};
-use raycast_core::accel::Accel;
+use raycast_core::accel::{Accel, Simd};
 use raycast_core::camera::{Camera, ImagePlane, fov_to_frame};
 use raycast_core::scene::Scene;
 use std::sync::Arc;
@@ -98,7 +98,7 @@ pub fn measure(
             let views = [0.0625, 0.125, 0.25, 0.5, 1.0].map(|nearer| (nearer, views::FOV));
             let lenses = [2.0, 4.0, 8.0, 16.0].map(|longer| (1.0, views::FOV / longer));
             watch.begin("density", (views.len() + lenses.len()) as u64);
-            let target = Target::new(most, library)?;
+            let target = Target::new(most, effort.simd, library)?;
             for (nearer, fov) in views.into_iter().chain(lenses) {
                 let camera = views::filling(&target.scene, effort.size, views::FOV, nearer)?;
                 let frame = fov_to_frame(fov, camera.distance()) / f64::from(effort.size.1);
@@ -116,7 +116,7 @@ pub fn measure(
                 .collect();
             watch.begin("triangles", counts.len() as u64);
             for count in counts {
-                let target = Target::new(count, library)?;
+                let target = Target::new(count, effort.simd, library)?;
                 let speeds = target.measure(effort.size, effort)?;
                 add(&mut curves, target.accel.len() as f64, speeds);
                 watch.step();
@@ -127,7 +127,7 @@ pub fn measure(
                 .map(|(up, down)| ((columns * up / down).max(1), (rows * up / down).max(1)))
                 .to_vec();
             watch.begin("resolution", sizes.len() as u64);
-            let target = Target::new(most, library)?;
+            let target = Target::new(most, effort.simd, library)?;
             for size in sizes {
                 let speeds = target.measure(size, effort)?;
                 add(&mut curves, f64::from(size.0 * size.1), speeds);
@@ -142,7 +142,7 @@ pub fn measure(
                 .collect();
             counts.push(cores);
             watch.begin("threads", counts.len() as u64);
-            let target = Target::new(most, library)?;
+            let target = Target::new(most, effort.simd, library)?;
             for threads in counts {
                 let pool = rayon::ThreadPoolBuilder::new()
                     .num_threads(threads)
@@ -179,9 +179,9 @@ struct Target {
 }
 
 impl Target {
-    fn new(triangles: u32, library: Option<&Arc<Embree>>) -> Result<Self, ReportError> {
+    fn new(triangles: u32, simd: Simd, library: Option<&Arc<Embree>>) -> Result<Self, ReportError> {
         let scene = Arc::new(scene_of([bumpy_sphere(triangles)]));
-        let accel = Arc::new(Accel::build(&scene)?);
+        let accel = Arc::new(Accel::build(&scene)?.with_simd(simd));
         let mut all = ways::raycast(&accel);
         all.extend(ways::trees(&accel));
         if let Some(Ok(embree)) = library.map(|library| ways::embree(&accel, library)) {

@@ -63,6 +63,10 @@ impl Way for Tile {
             .cast_lattice(lattice, Cull::None, self.precision, Detail::Full, hits);
     }
 
+    fn find_lattice(&self, lattice: &Lattice, slots: &mut Vec<u32>) {
+        self.accel.find(lattice, Cull::None, self.precision, slots);
+    }
+
     fn identify(&self, slot: u32) -> (u32, u32) {
         self.accel.identify(slot)
     }

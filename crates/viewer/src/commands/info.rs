@@ -4,7 +4,6 @@ use crate::output::print;
 use crate::progress::Progress;
 use crate::setup;
 use crate::stats::{json, milliseconds};
-use raycast_core::accel::Accel;
 use raycast_core::formats::{self, SceneFile};
 use raycast_core::scene::{Bounds, Dropped, Object};
 use serde::Serialize;
@@ -135,7 +134,7 @@ fn inspect(path: &Path) -> Result<FileInfo, Failure> {
     let load_time = loading.elapsed();
     progress.building();
     let building = Instant::now();
-    let accel = Accel::build(&scene)?;
+    let accel = setup::tree(&scene)?;
     let build_time = building.elapsed();
     let tree_bytes = accel.retained_bytes();
     Ok(FileInfo {

@@ -24,12 +24,12 @@ use std::process::ExitCode;
 pub fn run(cli: Cli) -> ExitCode {
     let command = match cli.command {
         None => {
-            return app::run(app::Options {
+            return view(app::Options {
                 files: cli.files,
                 log: None,
             });
         }
-        Some(Command::View { files, log }) => return app::run(app::Options { files, log }),
+        Some(Command::View { files, log }) => return view(app::Options { files, log }),
         Some(command) => command,
     };
     output::remove_unfinished_on_interrupt();
@@ -45,11 +45,21 @@ pub fn run(cli: Cli) -> ExitCode {
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            eprintln!("raycast: {failure}");
-            failure.exit_code()
-        }
+        Err(failure) => tell(&failure),
     }
+}
+
+/// Opens the window, if it could build a tree.
+fn view(options: app::Options) -> ExitCode {
+    match setup::instruction_set() {
+        Ok(_) => app::run(options),
+        Err(failure) => tell(&failure),
+    }
+}
+
+fn tell(failure: &Failure) -> ExitCode {
+    eprintln!("raycast: {failure}");
+    failure.exit_code()
 }
 
 /// So many workers; 0 for one each of the machine's.

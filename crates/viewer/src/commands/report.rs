@@ -2,8 +2,8 @@ use super::{Failure, warn_of_reading, workers};
 use crate::cli::ReportArgs;
 use crate::output::Output;
 use crate::progress::Progress;
+use crate::setup;
 use crate::worker::demo;
-use raycast_core::accel::Accel;
 use raycast_core::formats;
 use raycast_core::scene::Scene;
 use raycast_report::{Effort, Input, ReportError, Watch, scenes, stage};
@@ -13,6 +13,14 @@ use std::time::Instant;
 
 /// Measures speed against error, and writes a report of it.
 pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
+    let effort = Effort {
+        simd: setup::instruction_set()?,
+        ..if args.quick {
+            Effort::QUICK
+        } else {
+            Effort::FULL
+        }
+    };
     std::fs::create_dir_all(&args.output).map_err(|error| {
         Failure::could_not(format!(
             "{}: cannot be made: {error}",
@@ -23,11 +31,6 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let place = |name: &str| Output::at(&args.output.join(name), &inputs);
     // Better now than after minutes.
     place("report.md")?;
-    let effort = if args.quick {
-        Effort::QUICK
-    } else {
-        Effort::FULL
-    };
     let pool = workers(args.threads)?;
     let progress = Progress::new();
     let scenes = if args.files.is_empty() {
@@ -70,7 +73,7 @@ fn read_scenes(args: &ReportArgs, progress: &Progress) -> Result<Vec<Input>, Fai
         let started = Instant::now();
         let file = formats::read_scene(path, &|share| progress.loaded(share))?;
         let parsing = started.elapsed();
-        warn_of_reading(&file.warnings, &file.scene, &Accel::build(&file.scene)?);
+        warn_of_reading(&file.warnings, &file.scene, &setup::tree(&file.scene)?);
         let name = path.file_stem().unwrap_or(path.as_os_str());
         Ok(Input {
             name: name.to_string_lossy().into_owned(),

@@ -2,7 +2,6 @@ use super::{Failure, warn_of_reading, workers};
 use crate::cli::VerifyArgs;
 use crate::progress::Progress;
 use crate::{output, setup};
-use raycast_core::accel::Accel;
 use raycast_core::camera::{Camera, Grid, Rect};
 use raycast_core::formats::SceneFile;
 use raycast_core::image::{Fragment, Layers, Picture};
@@ -139,7 +138,7 @@ fn read(path: &Path) -> Result<Image, Failure> {
 }
 
 fn stage(scene: Scene) -> Result<Stage, Failure> {
-    let accel = Accel::build(&scene)?;
+    let accel = setup::tree(&scene)?;
     Ok(Stage::of_parts(Arc::new(scene), Arc::new(accel))?)
 }
 

@@ -4,7 +4,7 @@ use super::{Wake, case, demo, panic_text};
 use crate::app::command::PromptKind;
 use crate::app::state::Document;
 use crate::app::update::{DialogAnswer, Loaded, News};
-use raycast_core::accel::Accel;
+use crate::setup;
 use raycast_core::camera::Grid;
 use raycast_core::formats::{self, SceneFile};
 use raycast_core::image::{Format, Picture};
@@ -264,7 +264,7 @@ fn load(
     progress.0.store(BUILDING, Ordering::Relaxed);
     (shared.wake)();
     let started = Instant::now();
-    let accel = Accel::build(&file.scene).map_err(|error| error.to_string())?;
+    let accel = setup::tree(&file.scene).map_err(|error| error.to_string())?;
     let build_time = started.elapsed();
     if accel.is_empty() {
         return Err(match paths.first() {
