@@ -4,7 +4,7 @@ use crate::meshes;
 use crate::stage::scene_of;
 use crate::table::ReportError;
 use image::{Rgb, RgbImage};
-use raycast_core::accel::Accel;
+use raycast_core::accel::{Accel, Simd};
 use raycast_core::camera::{Camera, Grid, Rect};
 use raycast_core::glam::DVec3;
 use raycast_core::image::Picture;
@@ -25,15 +25,17 @@ const SAMPLES: u32 = 16;
 #[derive(Clone, Debug)]
 pub struct Figure {
     camera: Camera,
+    simd: Simd,
     positions: Vec<DVec3>,
     colors: Vec<Color>,
 }
 
 impl Figure {
-    /// An empty sheet.
-    pub fn new(camera: Camera) -> Self {
+    /// An empty sheet, to be drawn with an instruction set.
+    pub fn new(camera: Camera, simd: Simd) -> Self {
         Self {
             camera,
+            simd,
             positions: Vec::new(),
             colors: Vec::new(),
         }
@@ -145,11 +147,11 @@ impl Figure {
     }
 
     fn view(self) -> Result<View, ReportError> {
-        let camera = self.camera;
+        let (camera, simd) = (self.camera, self.simd);
         let scene = Arc::new(scene_of([self.into_mesh()]));
         let white = Color([255; 3]);
         Ok(View {
-            accel: Arc::new(Accel::build(&scene)?),
+            accel: Arc::new(Accel::build(&scene)?.with_simd(simd)),
             scene,
             camera,
             settings: Settings {
@@ -211,7 +213,7 @@ mod tests {
         let plane = ImagePlane::new(160, 120, 0.05).expect("a plane");
         let camera = Camera::new(placement, Projection::Perspective, plane);
         let black = Color([0; 3]);
-        let mut figure = Figure::new(camera);
+        let mut figure = Figure::new(camera, Simd::best());
         // Away from the eye, beside the view axis.
         let (near, far) = (DVec3::new(-1.0, 1.0, 6.0), DVec3::new(3.0, 1.0, -30.0));
         figure.line(near, far, 4.0, black);

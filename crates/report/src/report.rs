@@ -94,7 +94,7 @@ pub fn report(
     let single = inputs.iter().find(|input| input.scene.objects.len() == 1);
     if let Some(input) = single.or(inputs.first()) {
         watch.begin("levels", 1);
-        if let Some(shown) = levels::measure(input)? {
+        if let Some(shown) = levels::measure(input, effort.simd)? {
             levels::show(&mut way_down, shown);
         }
         watch.step();

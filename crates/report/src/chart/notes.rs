@@ -10,18 +10,16 @@ use plotters::style::text_anchor::{HPos, VPos};
 /// Something to be drawn over a picture; places in pixels from its top left.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Note {
-    /// Words that begin, or end, at a place, level with it.
+    /// Words that begin at a place, level with it.
     Words {
         /// What they say.
         text: String,
-        /// Where they begin or end.
+        /// Where they begin.
         at: (f64, f64),
         /// How high they are, in pixels.
         size: f64,
         /// sRGB.
         color: [u8; 3],
-        /// Whether the place is where they end.
-        ends: bool,
     },
     /// A filled rectangle.
     Patch {
@@ -65,11 +63,7 @@ pub fn annotated(picture: &RgbImage, notes: &[Note]) -> Result<Vec<u8>, ChartErr
                     at,
                     size,
                     color,
-                    ends,
-                } => {
-                    let across = if *ends { HPos::Right } else { HPos::Left };
-                    canvas.text(text, *at, *size, ink(*color), (across, VPos::Center))?;
-                }
+                } => canvas.text(text, *at, *size, ink(*color), (HPos::Left, VPos::Center))?,
                 Note::Patch { low, high, color } => canvas.fill(*low, *high, ink(*color))?,
                 Note::Line {
                     points,
@@ -84,7 +78,7 @@ pub fn annotated(picture: &RgbImage, notes: &[Note]) -> Result<Vec<u8>, ChartErr
     encode_png(&pixels, size)
 }
 
-/// sRGB of words that are read first, and of those beside them.
+/// sRGB of words that are to be read.
 pub const TEXT: [u8; 3] = [style::TEXT.0, style::TEXT.1, style::TEXT.2];
 /// sRGB of words that may be passed over.
 pub const QUIET: [u8; 3] = [style::QUIET.0, style::QUIET.1, style::QUIET.2];

@@ -7,7 +7,7 @@ use crate::subject::Input;
 use crate::table::{Cell, ReportError, Table, grouped};
 use crate::views;
 use image::{RgbImage, imageops};
-use raycast_core::accel::{Accel, BlockLevel, Levels, MISS};
+use raycast_core::accel::{Accel, BlockLevel, Levels, MISS, Simd};
 use raycast_core::camera::{Camera, ImagePlane, Lattice, Placement, Projection, Rect};
 use raycast_core::glam::DVec3;
 use raycast_core::intersect::{Cull, Precision};
@@ -63,8 +63,8 @@ struct Chosen {
 ///
 /// # Errors
 /// A scene that cannot be cast at, a figure that cannot be drawn.
-pub fn measure(input: &Input) -> Result<Option<Shown>, ReportError> {
-    let accel = Accel::build(&input.scene)?;
+pub fn measure(input: &Input, simd: Simd) -> Result<Option<Shown>, ReportError> {
+    let accel = Accel::build(&input.scene)?.with_simd(simd);
     let camera = views::filling(&input.scene, SIZE, views::FOV, 1.1)?;
     let Some(chosen) = choose(&accel, &camera) else {
         return Ok(None);
@@ -205,6 +205,7 @@ fn distinct<'a>(slots: impl Iterator<Item = &'a Vec<u32>>) -> usize {
 /// What the figure shows, the scene's bounding sphere made the unit sphere.
 struct Stage<'a> {
     chosen: &'a Chosen,
+    simd: Simd,
     /// The camera whose tile it is.
     inner: Camera,
     /// The camera that looks at all of it from outside.
@@ -273,6 +274,7 @@ impl<'a> Stage<'a> {
         let end = ends.fold(begin, f64::max) + 0.12;
         let mut stage = Self {
             chosen,
+            simd: accel.simd(),
             inner,
             outer: inner,
             triangles,
@@ -378,7 +380,7 @@ impl<'a> Stage<'a> {
 
     /// All of it from outside.
     fn overview(&self) -> Result<RgbImage, ReportError> {
-        let mut figure = Figure::new(self.outer);
+        let mut figure = Figure::new(self.outer, self.simd);
         self.mesh(&mut figure);
         for bounds in &self.boxes {
             figure.edges(bounds, 1.6, BOX_INK);
@@ -429,7 +431,7 @@ impl<'a> Stage<'a> {
         let (columns, rows) = SIZE;
         let step = self.inner.plane().step / f64::from(times);
         let plane = ImagePlane::new(columns * times, rows * times, step)?;
-        let mut figure = Figure::new(self.inner.with_plane(plane));
+        let mut figure = Figure::new(self.inner.with_plane(plane), self.simd);
         self.mesh(&mut figure);
         figure.draw_part(Rect {
             x: rays.x * times,
@@ -540,7 +542,6 @@ fn words(text: &str, at: (f64, f64), color: [u8; 3]) -> Note {
         at,
         size: 24.0,
         color,
-        ends: false,
     }
 }
 
@@ -554,10 +555,18 @@ pub fn show(section: &mut Section, shown: Shown) {
          rays meet it.",
         shown.name
     ));
-    section.say("![The frusta of a tile, a block and a sub-block, and the triangles that each leaves](f-levels.png)");
+    section.say(
+        "![The frusta of a tile, a block and a sub-block, and the triangles that each leaves]\
+         (f-levels.png)",
+    );
     section
         .pictures
         .push(("f-levels.png".to_owned(), shown.png));
+    section.say(
+        "The block is one of the tile's, the sub-block one of the block's. In reach are all triangles of \
+         the scene, those of the tile's sub-trees, those of the leaves that the block comes to. Set up for \
+         the tile is what any of its blocks sets up.",
+    );
     section.table("f-levels", shown.table);
 }
 
@@ -580,7 +589,7 @@ mod tests {
     #[test]
     fn each_level_leaves_fewer() {
         let input = input(scene_of([bumpy_sphere(2000)]));
-        let shown = measure(&input).expect("a picture");
+        let shown = measure(&input, Simd::best()).expect("a picture");
         let shown = shown.expect("something is seen");
         let column = |name: &str| -> Vec<f64> {
             let at = shown.table.columns.iter().position(|column| column == name);
@@ -616,7 +625,7 @@ mod tests {
     #[test]
     fn nothing_has_no_way_down() {
         assert!(
-            measure(&input(Scene::default()))
+            measure(&input(Scene::default()), Simd::best())
                 .expect("no error")
                 .is_none()
         );
