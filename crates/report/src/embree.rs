@@ -11,6 +11,7 @@
 use libloading::Library;
 use raycast_core::glam::Vec3;
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};
+use std::mem::ManuallyDrop;
 use std::path::Path;
 use std::ptr::{NonNull, null_mut};
 use std::sync::Arc;
@@ -166,8 +167,9 @@ struct Functions {
 pub struct Embree {
     functions: Functions,
     device: Device,
-    // Last: it is unloaded after everything else is gone.
-    _library: Library,
+    // Never unloaded: the threads that it started end some time after the device is released, in the
+    // library's code.
+    _library: ManuallyDrop<Library>,
 }
 
 // SAFETY: "All Embree API calls are thread-safe" but for building one scene from several threads, and
@@ -227,7 +229,7 @@ impl Embree {
         Ok(Arc::new(Self {
             functions,
             device,
-            _library: library,
+            _library: ManuallyDrop::new(library),
         }))
     }
 
