@@ -1,6 +1,6 @@
 //! Placing triangles in the world, and building the tree with obvhs.
 
-use super::tree::{Box32, DEPTH_LIMIT, Node, Subtree, Tree};
+use super::tree::{Box32, DEPTH_LIMIT, Node, Subtree, TRIANGLE_LIMIT, Tree};
 use super::{Accel, Simd, Triangle};
 use crate::scene::{COORDINATE_LIMIT, Scene, SceneError};
 use glam::{DAffine3, DVec3, Vec3, Vec3A};
@@ -45,8 +45,7 @@ pub(super) fn build(scene: &Scene) -> Result<Accel, SceneError> {
 
 /// The first number of each object, and the number after the last.
 fn number(scene: &Scene) -> Result<Vec<u32>, SceneError> {
-    // The last number is MISS.
-    let limit = u32::MAX - 1;
+    let limit = TRIANGLE_LIMIT;
     let mut next: u64 = 0;
     let mut first_numbers = vec![0];
     for object in &scene.objects {
@@ -271,7 +270,8 @@ type Place = Option<(u32, usize)>;
 
 /// A tree as it is laid out, depth first.
 struct Layout {
-    nodes: Vec<Node>,
+    /// Each node's children; inner ones have no slots yet.
+    children: Vec<[Subtree; 2]>,
     root: Option<Subtree>,
     order: Vec<u32>,
 }
@@ -279,7 +279,7 @@ struct Layout {
 impl Layout {
     fn new(boxes: usize) -> Self {
         Self {
-            nodes: Vec::new(),
+            children: Vec::new(),
             root: None,
             order: Vec::with_capacity(boxes),
         }
@@ -288,57 +288,48 @@ impl Layout {
     fn attach(&mut self, place: Place, subtree: Subtree) {
         match place {
             None => self.root = Some(subtree),
-            Some((node, child)) => self.nodes[node as usize].children[child] = subtree,
+            Some((node, child)) => self.children[node as usize][child] = subtree,
         }
     }
 
     fn leaf(&mut self, place: Place, members: &[u32]) {
-        self.attach(
-            place,
-            Subtree {
-                first: self.order.len() as u32,
-                count: members.len() as u32,
-            },
-        );
+        let first = self.order.len() as u32;
+        self.attach(place, Subtree::leaf(first, members.len() as u32));
         self.order.extend_from_slice(members);
     }
 
     fn inner(&mut self, place: Place) -> u32 {
-        let first = self.nodes.len() as u32;
-        self.attach(place, Subtree { first, count: 0 });
-        self.nodes.push(Node::default());
-        first
+        let node = self.children.len() as u32;
+        self.attach(place, Subtree::inner(node, 0, 0));
+        self.children.push([Subtree::default(); 2]);
+        node
     }
 
     /// Makes the boxes from the leaves upwards: the triangles' own, whatever the builder saw.
-    fn finish(mut self, boxes: &[Box32]) -> (Tree, Vec<u32>) {
-        let mut around = vec![Box32::EMPTY; self.nodes.len()];
-        let enclose = |subtree: Subtree, around: &[Box32]| {
-            let first = subtree.first as usize;
-            match subtree.count as usize {
-                0 => around[first],
-                count => self.order[first..first + count]
-                    .iter()
-                    .fold(Box32::EMPTY, |all, &index| all.union(boxes[index as usize])),
+    fn finish(self, boxes: &[Box32]) -> (Tree, Vec<u32>) {
+        let mut nodes = vec![Node::default(); self.children.len()];
+        // Each node's slots, and the box around them.
+        let mut below = vec![(Subtree::default(), Box32::EMPTY); nodes.len()];
+        let known = |subtree: Subtree, below: &[(Subtree, Box32)]| match subtree.node() {
+            Some(node) => below[node as usize],
+            None => {
+                let members = &self.order[subtree.first as usize..][..subtree.count as usize];
+                let around = |all: Box32, &index: &u32| all.union(boxes[index as usize]);
+                (subtree, members.iter().fold(Box32::EMPTY, around))
             }
         };
-        for index in (0..self.nodes.len()).rev() {
-            let children = self.nodes[index].children;
-            let boxes = children.map(|child| enclose(child, &around));
-            self.nodes[index] = Node::of(boxes, children);
-            around[index] = boxes[0].union(boxes[1]);
+        for (index, children) in self.children.iter().enumerate().rev() {
+            let [(a, around_a), (b, around_b)] = children.map(|child| known(child, &below));
+            nodes[index] = Node::of([around_a, around_b], [a, b]);
+            let all = Subtree::inner(index as u32, a.first, a.count + b.count);
+            below[index] = (all, around_a.union(around_b));
         }
-        let bounds = self
-            .root
-            .map_or(Box32::EMPTY, |root| enclose(root, &around));
-        self.nodes.shrink_to_fit();
-        (
-            Tree {
-                nodes: self.nodes,
-                root: self.root,
-                bounds,
-            },
-            self.order,
-        )
+        let root = self.root.map(|root| known(root, &below));
+        let tree = Tree {
+            nodes,
+            root: root.map(|(root, _)| root),
+            bounds: root.map_or(Box32::EMPTY, |(_, bounds)| bounds),
+        };
+        (tree, self.order)
     }
 }

@@ -1,7 +1,7 @@
 //! A frustum against boxes: four sides, what lies behind the eye, and how near a box begins.
 
 use super::simd::{LANES, Lanes};
-use super::tree::{Box32, Node};
+use super::tree::{Box32, BoxPair};
 use crate::camera::{Camera, Projection};
 use glam::DVec3;
 
@@ -105,22 +105,22 @@ impl Frustum {
         frustum
     }
 
-    /// For each child of a node: how near it begins along the view axis, and whether any of it may
+    /// For each of two boxes: how near it begins along the view axis, and whether any of it may
     /// be inside the frustum.
     #[inline(always)]
-    pub(crate) fn enter(&self, lanes: impl Lanes, node: &Node) -> [(f32, bool); 2] {
+    pub(crate) fn enter(&self, lanes: impl Lanes, boxes: &BoxPair) -> [(f32, bool); 2] {
         [
-            self.enter_child(lanes, node, 0),
-            self.enter_child(lanes, node, 1),
+            self.enter_one(lanes, boxes, 0),
+            self.enter_one(lanes, boxes, 1),
         ]
     }
 
     #[inline(always)]
-    fn enter_child(&self, lanes: impl Lanes, node: &Node, child: usize) -> (f32, bool) {
+    fn enter_one(&self, lanes: impl Lanes, boxes: &BoxPair, which: usize) -> (f32, bool) {
         let mut value = lanes.load(&self.offset);
         for axis in 0..3 {
-            let low = lanes.splat(node.min[axis][child]);
-            let high = lanes.splat(node.max[axis][child]);
+            let low = lanes.splat(boxes.min[axis][which]);
+            let high = lanes.splat(boxes.max[axis][which]);
             let part = lanes.add(
                 lanes.mul(lanes.load(&self.positive[axis]), high),
                 lanes.mul(lanes.load(&self.negative[axis]), low),

@@ -2,9 +2,9 @@
 //!
 //! The walk is the very one of [`Accel::find`], which tells what it does to a [`Notice`].
 
-use super::simd::{LANES, Lanes, Plain, Work};
-use super::tile::{Find, LARGE_SIDE, Part, Walk};
-use super::tree::{Subtree, Tree};
+use super::simd::{Lanes, Plain, Work};
+use super::tile::{Find, LARGE_SIDE};
+use super::walk::{Part, Walk};
 use super::{Accel, CastCounts, MISS};
 use crate::camera::Lattice;
 use crate::intersect::block::Block;
@@ -76,8 +76,8 @@ pub(super) trait Notice {
     /// It came to a leaf with these slots.
     fn reached(&mut self, slots: Range<u32>);
 
-    /// Of these slots it set up those whose bits are set.
-    fn set_up(&mut self, slots: &[u32; LANES], which: u32);
+    /// It set these up.
+    fn set_up(&mut self, slots: &[u32]);
 }
 
 /// Nobody.
@@ -86,7 +86,7 @@ impl Notice for () {
     fn reached(&mut self, _: Range<u32>) {}
 
     #[inline(always)]
-    fn set_up(&mut self, _: &[u32; LANES], _: u32) {}
+    fn set_up(&mut self, _: &[u32]) {}
 }
 
 #[derive(Default)]
@@ -100,9 +100,8 @@ impl Notice for Noted {
         self.reached.extend(slots);
     }
 
-    fn set_up(&mut self, slots: &[u32; LANES], which: u32) {
-        let lanes = (0..LANES).filter(|lane| which & (1 << lane) != 0);
-        self.set_up.extend(lanes.map(|lane| slots[lane]));
+    fn set_up(&mut self, slots: &[u32]) {
+        self.set_up.extend(slots);
     }
 }
 
@@ -154,7 +153,7 @@ impl Work for Tell<'_> {
                         min: accel.origin + bounds.min.as_dvec3(),
                         max: accel.origin + bounds.max.as_dvec3(),
                     },
-                    slots: slots_of(&accel.tree, subtree),
+                    slots: subtree.slots().collect(),
                 });
             }
             if !level.list.is_empty() {
@@ -203,19 +202,6 @@ fn ascending(mut slots: Vec<u32>) -> Vec<u32> {
     slots.sort_unstable();
     slots.dedup();
     slots
-}
-
-fn slots_of(tree: &Tree, subtree: Subtree) -> Vec<u32> {
-    let mut slots = Vec::new();
-    let mut rest = vec![subtree];
-    while let Some(Subtree { first, count }) = rest.pop() {
-        if count > 0 {
-            slots.extend(first..first + count);
-        } else {
-            rest.extend(tree.nodes[first as usize].children);
-        }
-    }
-    ascending(slots)
 }
 
 #[cfg(test)]

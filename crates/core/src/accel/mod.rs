@@ -7,7 +7,8 @@ pub(crate) mod simd;
 mod slab;
 mod tile;
 mod traverse;
-mod tree;
+pub(crate) mod tree;
+mod walk;
 
 use crate::camera::Ray;
 use crate::intersect::{Cull, Hit, Nearest, Precision, PreparedRay};

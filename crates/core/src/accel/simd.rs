@@ -104,6 +104,8 @@ pub(crate) trait Lanes: Copy {
     fn put(self, mask: Self::Mask, number: u32, to: &mut [u32; LANES]);
     /// The mask as bits, the first lane lowest.
     fn bits(self, mask: Self::Mask) -> u32;
+    /// Asks for an item of a slice to be brought near, if there is such an item.
+    fn prefetch<T>(self, from: &[T], index: usize);
 
     /// The least of the eight; they are numbers.
     #[inline(always)]
@@ -207,17 +209,19 @@ impl Lanes for Plain {
         }
         bits
     }
+    #[inline(always)]
+    fn prefetch<T>(self, _: &[T], _: usize) {}
 }
 
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
     use super::{LANES, Lanes};
     use std::arch::x86_64::{
-        __m256, _CMP_LT_OQ, _mm256_add_ps, _mm256_and_ps, _mm256_blendv_epi8, _mm256_blendv_ps,
-        _mm256_castps_si256, _mm256_cmp_ps, _mm256_div_ps, _mm256_loadu_ps, _mm256_loadu_si256,
-        _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_or_ps,
-        _mm256_set1_epi32, _mm256_set1_ps, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_storeu_si256,
-        _mm256_sub_ps,
+        __m256, _CMP_LT_OQ, _MM_HINT_T0, _mm_prefetch, _mm256_add_ps, _mm256_and_ps,
+        _mm256_blendv_epi8, _mm256_blendv_ps, _mm256_castps_si256, _mm256_cmp_ps, _mm256_div_ps,
+        _mm256_loadu_ps, _mm256_loadu_si256, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps,
+        _mm256_mul_ps, _mm256_or_ps, _mm256_set1_epi32, _mm256_set1_ps, _mm256_sqrt_ps,
+        _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps,
     };
 
     /// The machine has AVX2: made nowhere but in [`Avx2::new`].
@@ -325,6 +329,11 @@ mod avx2 {
         fn bits(self, mask: __m256) -> u32 {
             // SAFETY: see above.
             unsafe { _mm256_movemask_ps(mask) }.cast_unsigned()
+        }
+        #[inline(always)]
+        fn prefetch<T>(self, from: &[T], index: usize) {
+            // SAFETY: a hint, which faults nowhere; the address is worked out without following it.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(from.as_ptr().wrapping_add(index).cast()) };
         }
     }
 }

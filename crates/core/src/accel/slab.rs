@@ -3,7 +3,7 @@
 //! After Ize, "Robust BVH Ray Traversal", JCGT 2013: the far end is moved outwards by what rounding
 //! may have moved the two ends together.
 
-use super::tree::{Box32, Node};
+use super::tree::{Box32, BoxPair};
 use crate::intersect::PreparedRay;
 
 /// Below this share of the longest component a direction is taken to be along the box's faces.
@@ -73,15 +73,15 @@ impl SlabRay {
 
     /// Where the ray enters each child's box, and whether it touches it before `limit`.
     #[inline(always)]
-    pub(super) fn enter(&self, node: &Node, limit: f32) -> [(f32, bool); 2] {
+    pub(super) fn enter(&self, boxes: &BoxPair, limit: f32) -> [(f32, bool); 2] {
         let mut near = [self.begin; 2];
         let mut far = [f32::INFINITY; 2];
         for axis in 0..3 {
             for child in 0..2 {
                 // Against the higher origin the lower face is never too far, and against the lower
                 // origin the higher face is never too near, whichever way the ray runs.
-                let a = (node.min[axis][child] - self.high[axis]) * self.inverse[axis];
-                let b = (node.max[axis][child] - self.low[axis]) * self.inverse[axis];
+                let a = (boxes.min[axis][child] - self.high[axis]) * self.inverse[axis];
+                let b = (boxes.max[axis][child] - self.low[axis]) * self.inverse[axis];
                 near[child] = max(near[child], min(a, b));
                 far[child] = min(far[child], max(a, b));
             }

@@ -5,27 +5,17 @@
 //! Hurley, "Multi-Level Ray Tracing Algorithm", 2005). Rays that a block cannot decide go the way of
 //! the single ray.
 
-use super::frustum::{Frustum, Window};
-use super::levels::Notice;
 use super::simd::{Lanes, Work, dispatch};
-use super::tree::{Box32, DEPTH_LIMIT, Node, Subtree};
+use super::walk::{Part, Walk};
 use super::{Accel, MISS, SlotHit, traverse};
-use crate::camera::{Lattice, Projection};
+use crate::camera::Lattice;
 use crate::intersect::block::Block;
 use crate::intersect::row::{self, Corners, RowHits, meet_row};
-use crate::intersect::setup::{self, Batch, BlockSpace, SIDE};
+use crate::intersect::setup::SIDE;
 use crate::intersect::{Cull, Detail, Precision, PreparedRay};
-use glam::{DVec3, Vec3};
 
 /// Rays along the side of a block that walks down the tree first.
 pub(super) const LARGE_SIDE: u32 = 64;
-
-/// Sub-trees at which the large block's walk ends: below, each block sorts out its own.
-const LIST_LENGTH: usize = 24;
-
-/// How much further than the horizon a box must begin to be left out: rounding of the horizon's
-/// inverse and of the box's distance are each a few 2⁻²⁴.
-const BEYOND: f32 = 1.0 + 1e-5;
 
 /// What casting a lattice took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -142,35 +132,6 @@ pub(super) struct Find<'a> {
     pub(super) counts: &'a mut CastCounts,
 }
 
-/// A rectangle of a lattice's rays.
-#[derive(Clone, Copy)]
-pub(super) struct Part {
-    pub(super) column: u32,
-    pub(super) row: u32,
-    pub(super) columns: u32,
-    pub(super) rows: u32,
-}
-
-impl Part {
-    /// Its parts of at most `side × side` rays.
-    #[inline(always)]
-    pub(super) fn split(self, side: u32) -> impl Iterator<Item = Self> {
-        let (right, bottom) = (self.column + self.columns, self.row + self.rows);
-        (self.row..bottom)
-            .step_by(side as usize)
-            .flat_map(move |row| {
-                (self.column..right)
-                    .step_by(side as usize)
-                    .map(move |column| Self {
-                        column,
-                        row,
-                        columns: side.min(right - column),
-                        rows: side.min(bottom - row),
-                    })
-            })
-    }
-}
-
 impl Work for Find<'_> {
     #[inline(always)]
     fn run(mut self, lanes: impl Lanes) {
@@ -184,7 +145,7 @@ impl Work for Find<'_> {
         let mut block = Block::new();
         for large in whole.split(LARGE_SIDE) {
             walk.list(lanes, &large);
-            if walk.pairs.is_empty() {
+            if walk.list.is_empty() {
                 continue;
             }
             for part in large.split(SIDE as u32) {
@@ -210,9 +171,10 @@ impl Find<'_> {
             let first = ((part.row + row) * self.lattice.columns + part.column) as usize;
             let (slots, low) = block.row(row);
             let (slots, low) = (&slots[..columns], &low[..columns]);
-            self.slots[first..first + columns].copy_from_slice(slots);
             let (mut met, mut any_open) = (0, false);
-            for (&slot, &low) in slots.iter().zip(low) {
+            let kept = &mut self.slots[first..first + columns];
+            for ((kept, &slot), &low) in kept.iter_mut().zip(slots).zip(low) {
+                *kept = Block::slot(slot);
                 met += u32::from(slot != MISS);
                 any_open |= Block::is_open(low);
             }
@@ -327,243 +289,31 @@ impl Evaluate<'_> {
     }
 }
 
-/// The walk of a lattice's blocks through the tree.
-pub(super) struct Walk<'a> {
-    accel: &'a Accel,
-    lattice: &'a Lattice,
-    eye: DVec3,
-    eye_error: f64,
-    /// The large block's sub-trees in pairs, from near to far, as nodes of their own.
-    pairs: Vec<Node>,
-    /// Where each pair begins along the view axis.
-    nears: Vec<f32>,
-    /// The same one by one: what each is, its box, and where it begins.
-    pub(super) list: Vec<(Subtree, Box32, f32)>,
-    next: Vec<(Subtree, Box32, f32)>,
-    batch: Batch,
-    pub(super) counts: CastCounts,
-}
-
-impl<'a> Walk<'a> {
-    pub(super) fn new(accel: &'a Accel, lattice: &'a Lattice) -> Self {
-        let eye_in_world = lattice.camera.placement().eye;
-        let eye = eye_in_world - accel.origin;
-        let off = accel.origin != DVec3::ZERO;
-        let eye_error = if off {
-            eye.abs().max_element() * f64::EPSILON * 0.5
-        } else {
-            0.0
-        };
-        Self {
-            accel,
-            lattice,
-            eye,
-            eye_error,
-            pairs: Vec::new(),
-            nears: Vec::new(),
-            list: Vec::new(),
-            next: Vec::new(),
-            batch: Batch::new(),
-            counts: CastCounts::default(),
-        }
-    }
-
-    /// The window of the image plane that a part's rays go through.
-    fn window(&self, part: &Part) -> Window {
-        let (x0, y0) = self.lattice.place(part.column, part.row);
-        let (x1, y1) = self
-            .lattice
-            .place(part.column + part.columns - 1, part.row + part.rows - 1);
-        let (left, top) = self.lattice.camera.across_and_along(x0, y0);
-        let (right, bottom) = self.lattice.camera.across_and_along(x1, y1);
-        Window {
-            across: (left, right),
-            along: (bottom, top),
-        }
-    }
-
-    fn frustum(&self, part: &Part) -> Frustum {
-        Frustum::new(
-            &self.lattice.camera,
-            self.eye,
-            self.eye_error,
-            &self.window(part),
-            &self.accel.tree.bounds,
-        )
-    }
-
-    /// Makes the list of sub-trees that a large block's frustum touches.
-    #[inline(always)]
-    pub(super) fn list(&mut self, lanes: impl Lanes, large: &Part) {
-        let tree = &self.accel.tree;
-        self.list.clear();
-        self.pairs.clear();
-        self.nears.clear();
-        let Some(root) = tree.root else { return };
-        let frustum = self.frustum(large);
-        self.list.push((root, tree.bounds, f32::NEG_INFINITY));
-        let mut deepened = true;
-        while deepened && self.list.len() < LIST_LENGTH {
-            deepened = false;
-            self.next.clear();
-            for &(subtree, bounds, near) in &self.list {
-                if subtree.count > 0 {
-                    self.next.push((subtree, bounds, near));
-                    continue;
-                }
-                deepened = true;
-                self.counts.nodes += 1;
-                let node = &tree.nodes[subtree.first as usize];
-                let entered = frustum.enter(lanes, node);
-                for (child, (near, inside)) in entered.into_iter().enumerate() {
-                    if inside {
-                        self.next
-                            .push((node.children[child], node.bounds(child), near));
-                    }
-                }
-            }
-            std::mem::swap(&mut self.list, &mut self.next);
-        }
-        self.list.sort_unstable_by(|a, b| a.2.total_cmp(&b.2));
-        for pair in self.list.chunks(2) {
-            let (first, second) = (&pair[0], pair.get(1));
-            // An empty box is outside every frustum: its lowest corner is above its highest.
-            let nothing = (
-                Subtree::default(),
-                Box32 {
-                    min: Vec3::MAX,
-                    max: Vec3::MIN,
-                },
-                f32::INFINITY,
-            );
-            let second = second.unwrap_or(&nothing);
-            self.pairs
-                .push(Node::of([first.1, second.1], [first.0, second.0]));
-            self.nears.push(first.2);
-        }
-    }
-
-    /// Casts a block's rays. `false`, and the block as it was, where no triangle is near them.
-    #[inline(always)]
-    pub(super) fn cast(
-        &mut self,
-        lanes: impl Lanes,
-        part: &Part,
-        cull: Cull,
-        block: &mut Block,
-        notice: &mut impl Notice,
-    ) -> bool {
-        let frustum = self.frustum(part);
-        let space = self.space(part, cull);
-        let mut limit = f32::INFINITY;
-        let mut stack = [(Subtree::default(), 0.0f32); DEPTH_LIMIT + 2];
-        let (mut pair, mut depth) = (0, 0);
-        let mut leaf = 0..0;
-        let mut begun = false;
-        loop {
-            while self.batch.len < setup::LANES {
-                if let Some(slot) = leaf.next() {
-                    let corners = &self.accel.triangles[slot as usize].corners;
-                    self.batch.push(slot, corners);
-                    continue;
-                }
-                let node = if depth > 0 {
-                    depth -= 1;
-                    let (subtree, near) = stack[depth];
-                    if near > limit {
-                        continue;
-                    }
-                    if subtree.count > 0 {
-                        leaf = subtree.first..subtree.first + subtree.count;
-                        notice.reached(leaf.clone());
-                        continue;
-                    }
-                    &self.accel.tree.nodes[subtree.first as usize]
-                } else if pair < self.pairs.len() && self.nears[pair] <= limit {
-                    pair += 1;
-                    &self.pairs[pair - 1]
-                } else {
-                    break;
-                };
-                self.counts.nodes += 1;
-                self.push(lanes, node, &frustum, limit, &mut stack, &mut depth);
-            }
-            if self.batch.len == 0 {
-                return begun;
-            }
-            if !begun {
-                begun = true;
-                let perspective = self.lattice.camera.projection() == Projection::Perspective;
-                block.clear(lanes, part.columns, part.rows, perspective);
-            }
-            let set_up = block.meet(lanes, &space, &mut self.batch);
-            self.counts.triangles += u64::from(set_up.count_ones());
-            notice.set_up(&self.batch.slots, set_up);
-            limit = self.limit(block.horizon());
-        }
-    }
-
-    /// Pushes the children that the frustum touches before the limit, the nearer one last.
-    #[inline(always)]
-    fn push(
-        &self,
-        lanes: impl Lanes,
-        node: &Node,
-        frustum: &Frustum,
-        limit: f32,
-        stack: &mut [(Subtree, f32); DEPTH_LIMIT + 2],
-        depth: &mut usize,
-    ) {
-        let [(near_a, inside_a), (near_b, inside_b)] = frustum.enter(lanes, node);
-        let [a, b] = node.children;
-        let (a_meets, b_meets) = (inside_a & (near_a <= limit), inside_b & (near_b <= limit));
-        let (first, second) = if near_b < near_a {
-            (((b, near_b), b_meets), ((a, near_a), a_meets))
-        } else {
-            (((a, near_a), a_meets), ((b, near_b), b_meets))
-        };
-        for (entry, meets) in [second, first] {
-            if meets {
-                stack[*depth] = entry;
-                *depth += 1;
-            }
-        }
-    }
-
-    fn space(&self, part: &Part, cull: Cull) -> BlockSpace {
-        BlockSpace::new(
-            &self.lattice.camera,
-            self.eye,
-            self.eye_error,
-            self.lattice.place(part.column, part.row),
-            f64::from(self.lattice.stride),
-            (part.columns, part.rows),
-            cull,
-        )
-    }
-
-    /// How far along the view axis a box may begin and still hold something nearer than `horizon`.
-    #[inline(always)]
-    fn limit(&self, horizon: f32) -> f32 {
-        match self.lattice.camera.projection() {
-            // The nearness is the inverse of the depth.
-            Projection::Perspective if horizon > 0.0 => BEYOND / horizon,
-            Projection::Perspective => f32::INFINITY,
-            Projection::Orthographic => -horizon + horizon.abs() * (BEYOND - 1.0),
-        }
-    }
-}
-
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
     use crate::accel::Simd;
-    use crate::camera::{Camera, ImagePlane, Orbit, Rect};
+    use crate::camera::{Camera, ImagePlane, Orbit, Projection, Rect};
     use crate::scene::{Mesh, MeshData, Object, Scene};
+    use glam::DVec3;
     use std::sync::Arc;
 
     /// Waves of triangles over a square, `side²` quads of them.
     pub(in crate::accel) fn waves(side: u32, size: f64, offset: DVec3) -> Accel {
+        build([waves_mesh(side, size, offset)])
+    }
+
+    fn build(meshes: impl IntoIterator<Item = Mesh>) -> Accel {
+        let objects = meshes
+            .into_iter()
+            .map(|mesh| Object::new("mesh", Arc::new(mesh)));
+        let scene = Scene {
+            objects: objects.collect(),
+        };
+        Accel::build(&scene).expect("a valid scene")
+    }
+
+    fn waves_mesh(side: u32, size: f64, offset: DVec3) -> Mesh {
         let positions = (0..=side)
             .flat_map(|y| (0..=side).map(move |x| (x, y)))
             .map(|(x, y)| {
@@ -581,15 +331,11 @@ pub(super) mod tests {
                 [[a, a + row, a + row + 1], [a, a + row + 1, a + 1]]
             })
             .collect();
-        let mesh = Mesh::new(MeshData {
+        Mesh::new(MeshData {
             positions,
             triangles,
             ..MeshData::default()
-        });
-        let scene = Scene {
-            objects: vec![Object::new("waves", Arc::new(mesh))],
-        };
-        Accel::build(&scene).expect("a valid scene")
+        })
     }
 
     fn assert_tiles_equal_rays(accel: &Accel, camera: Camera) -> usize {
@@ -661,6 +407,29 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn triangles_of_few_rays_are_met_as_single_rays_do() {
+        // From many rays a triangle to many triangles a ray; one layer, and layers so close that what
+        // is told from a triangle's nearest and furthest corner alone does not order them.
+        let apart = |gap: f64| DVec3::new(0.0, gap, 0.0);
+        for layers in [
+            vec![0.0],
+            vec![0.0, 1e-3, 2e-3],
+            vec![0.0, 1e-6],
+            vec![0.0, 0.0],
+        ] {
+            for side in [60, 120, 200] {
+                let meshes = layers.iter().map(|&gap| waves_mesh(side, 1.0, apart(gap)));
+                let accel = build(meshes);
+                let met: usize = cameras(1.0, DVec3::ZERO)
+                    .into_iter()
+                    .map(|camera| assert_tiles_equal_rays(&accel, camera))
+                    .sum();
+                assert!(met > 50_000, "{met}");
+            }
+        }
+    }
+
+    #[test]
     fn fast_pictures_are_the_exact_ones_but_for_a_millionth() {
         let accel = waves(40, 1.0, DVec3::ZERO);
         let (mut rays, mut wrong) = (0, 0);
@@ -710,10 +479,7 @@ pub(super) mod tests {
             triangles,
             ..MeshData::default()
         });
-        let scene = Scene {
-            objects: vec![Object::new("grid", Arc::new(mesh))],
-        };
-        let accel = Accel::build(&scene).expect("a valid scene");
+        let accel = build([mesh]);
         for projection in [Projection::Perspective, Projection::Orthographic] {
             let orbit = Orbit {
                 pivot: DVec3::new(16.0, 16.0, 0.0),

@@ -17,17 +17,10 @@ pub(super) fn nearest(accel: &Accel, ray: &PreparedRay) -> Nearest {
     let mut stack = [(Subtree::default(), 0.0f32); DEPTH_LIMIT];
     let mut depth = 0;
     loop {
-        if subtree.count > 0 {
-            for slot in subtree.first..subtree.first + subtree.count {
-                accel.meet(ray, slot, &mut nearest);
-            }
-            if !nearest.is_miss() {
-                limit = SlabRay::limit(ray, nearest.t, nearest.t_error);
-            }
-        } else {
-            let node = &tree.nodes[subtree.first as usize];
-            let [(near_a, meets_a), (near_b, meets_b)] = slab.enter(node, limit);
-            let [a, b] = node.children;
+        if let Some(index) = subtree.node() {
+            let node = &tree.nodes[index as usize];
+            let [(near_a, meets_a), (near_b, meets_b)] = slab.enter(&node.boxes, limit);
+            let [a, b] = node.children(index);
             match (meets_a, meets_b) {
                 (true, true) => {
                     let (first, second) = if near_b < near_a {
@@ -49,6 +42,13 @@ pub(super) fn nearest(accel: &Accel, ray: &PreparedRay) -> Nearest {
                     continue;
                 }
                 (false, false) => {}
+            }
+        } else {
+            for slot in subtree.slots() {
+                accel.meet(ray, slot, &mut nearest);
+            }
+            if !nearest.is_miss() {
+                limit = SlabRay::limit(ray, nearest.t, nearest.t_error);
             }
         }
         // A box that begins beyond the limit holds nothing nearer; one that begins at it may tie.

@@ -1,29 +1,131 @@
 //! A binary tree of boxes, laid out for the traversals here.
 
 use glam::Vec3;
+use std::ops::Range;
 
 /// The deepest that a tree may be: traversals keep their stacks in arrays of this length.
 pub(crate) const DEPTH_LIMIT: usize = 64;
 
-/// A sub-tree: an inner node, or a leaf's run of triangles.
+/// What stands for a leaf where a node's index would be; also, in [`Node`], the bit of a count that
+/// says that it is a leaf's.
+const LEAF: u32 = u32::MAX;
+const LEAF_BIT: u32 = 1 << 31;
+
+/// The most triangles in a tree: their counts leave a bit free.
+pub(crate) const TRIANGLE_LIMIT: u32 = LEAF_BIT - 1;
+
+/// A sub-tree: the run of slots that its triangles have, and its node unless it is a leaf.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Subtree {
-    /// The node's index, or the leaf's first slot.
+    node: u32,
+    /// Its first slot.
     pub(crate) first: u32,
-    /// How many triangles the leaf has; zero for an inner node.
+    /// How many triangles it has.
     pub(crate) count: u32,
+}
+
+impl Subtree {
+    /// A leaf of these slots.
+    #[inline(always)]
+    pub(crate) fn leaf(first: u32, count: u32) -> Self {
+        Self {
+            node: LEAF,
+            first,
+            count,
+        }
+    }
+
+    /// The sub-tree below a node, with these slots.
+    #[inline(always)]
+    pub(crate) fn inner(node: u32, first: u32, count: u32) -> Self {
+        Self { node, first, count }
+    }
+
+    /// The same triangles as a leaf.
+    #[inline(always)]
+    pub(crate) fn whole(self) -> Self {
+        Self { node: LEAF, ..self }
+    }
+
+    /// Its node's index; `None` for a leaf.
+    #[inline(always)]
+    pub(crate) fn node(self) -> Option<u32> {
+        (self.node != LEAF).then_some(self.node)
+    }
+
+    /// The slots of its triangles.
+    #[inline(always)]
+    pub(crate) fn slots(self) -> Range<u32> {
+        self.first..self.first + self.count
+    }
+}
+
+/// Two boxes side by side.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
+pub(crate) struct BoxPair {
+    /// Lowest coordinates by axis, then by box.
+    pub(crate) min: [[f32; 2]; 3],
+    /// Highest coordinates by axis, then by box.
+    pub(crate) max: [[f32; 2]; 3],
+}
+
+impl BoxPair {
+    pub(crate) fn of([a, b]: [Box32; 2]) -> Self {
+        Self {
+            min: [[a.min.x, b.min.x], [a.min.y, b.min.y], [a.min.z, b.min.z]],
+            max: [[a.max.x, b.max.x], [a.max.y, b.max.y], [a.max.z, b.max.z]],
+        }
+    }
+
+    /// One of the boxes.
+    pub(crate) fn get(&self, which: usize) -> Box32 {
+        let ([x, y, z], [to_x, to_y, to_z]) = (&self.min, &self.max);
+        Box32 {
+            min: Vec3::new(x[which], y[which], z[which]),
+            max: Vec3::new(to_x[which], to_y[which], to_z[which]),
+        }
+    }
 }
 
 /// An inner node: its two children with their boxes, one cache line.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 pub(crate) struct Node {
-    /// Lowest coordinates by axis, then by child.
-    pub(crate) min: [[f32; 2]; 3],
-    /// Highest coordinates by axis, then by child.
-    pub(crate) max: [[f32; 2]; 3],
-    /// The children.
-    pub(crate) children: [Subtree; 2],
+    pub(crate) boxes: BoxPair,
+    /// The first slot of the first child; the second child's follow.
+    first: u32,
+    /// How many triangles the children have, with [`LEAF_BIT`] for leaves.
+    counts: [u32; 2],
+    /// The second child's node, or [`LEAF`]. The first child's is the one after this.
+    second: u32,
+}
+
+impl Node {
+    /// A node of these boxes and children: the first one's slots and node directly before the
+    /// second one's and after this.
+    pub(crate) fn of(boxes: [Box32; 2], [a, b]: [Subtree; 2]) -> Self {
+        let count = |child: Subtree| {
+            let bit = if child.node == LEAF { LEAF_BIT } else { 0 };
+            child.count | bit
+        };
+        Self {
+            boxes: BoxPair::of(boxes),
+            first: a.first,
+            counts: [count(a), count(b)],
+            second: b.node,
+        }
+    }
+
+    /// The children, `index` being this node's own.
+    #[inline(always)]
+    pub(crate) fn children(&self, index: u32) -> [Subtree; 2] {
+        let [a, b] = self.counts;
+        let node = if a & LEAF_BIT == 0 { index + 1 } else { LEAF };
+        let first = Subtree::inner(node, self.first, a & !LEAF_BIT);
+        let second = Subtree::inner(self.second, first.first + first.count, b & !LEAF_BIT);
+        [first, second]
+    }
 }
 
 /// A box in single precision.
@@ -55,28 +157,7 @@ impl Box32 {
     }
 }
 
-impl Node {
-    /// A node of these boxes and children.
-    pub(crate) fn of(boxes: [Box32; 2], children: [Subtree; 2]) -> Self {
-        let [a, b] = boxes;
-        Self {
-            min: [[a.min.x, b.min.x], [a.min.y, b.min.y], [a.min.z, b.min.z]],
-            max: [[a.max.x, b.max.x], [a.max.y, b.max.y], [a.max.z, b.max.z]],
-            children,
-        }
-    }
-
-    /// A child's box.
-    pub(crate) fn bounds(&self, child: usize) -> Box32 {
-        let ([x, y, z], [to_x, to_y, to_z]) = (&self.min, &self.max);
-        Box32 {
-            min: Vec3::new(x[child], y[child], z[child]),
-            max: Vec3::new(to_x[child], to_y[child], to_z[child]),
-        }
-    }
-}
-
-/// The tree: nodes in depth-first order, so that a child follows its parent.
+/// The tree: nodes in depth-first order, so that a first child follows its parent.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
     pub(crate) nodes: Vec<Node>,

@@ -6,9 +6,11 @@
 //! its functions' greatest and least values there (Abrash, "Rasterization on Larrabee", 2009; Greene,
 //! Kass, Miller, "Hierarchical Z-Buffer Visibility", 1993).
 
-use super::setup::{Batch, BlockSpace, LANES, ROW, SIDE, SetUp};
+use super::footprint::{FEW, RayBox};
+use super::setup::{BlockSpace, CornerLanes, LANES, ROW, SIDE, SetUp};
 use crate::accel::MISS;
 use crate::accel::simd::Lanes;
+use crate::accel::tree::TRIANGLE_LIMIT;
 
 /// Rays in a block.
 const RAYS: usize = SIDE * SIDE;
@@ -25,6 +27,12 @@ const SUB_Y: [f32; ROW] = [3.5, 3.5, 3.5, 3.5, 11.5, 11.5, 11.5, 11.5];
 /// Of two rows of sub-blocks the first one to four columns, as bits; and the first row.
 const SUB_COLUMNS: [u32; SUBS] = [0x11, 0x33, 0x77, 0xff];
 const SUB_FIRST_ROW: u32 = 0x0f;
+
+/// From the first of a box's few rays to each.
+const FEW_PLACES: [usize; FEW] = [0, 1, SIDE, SIDE + 1];
+
+/// What marks the slot of a triangle that was met as one of few rays, and not set up. No slot has it.
+const COARSE: u32 = !TRIANGLE_LIMIT;
 
 /// What marks a ray that the block could not decide, in place of how near its hit is.
 const OPEN: f32 = f32::INFINITY;
@@ -91,7 +99,7 @@ impl Block {
     }
 
     /// The slots of a row of rays, and how near each is at least: [`Block::is_open`] tells from that
-    /// whether the slot is the answer.
+    /// whether the slot is the answer, which [`Block::slot`] makes of it.
     #[inline(always)]
     pub(crate) fn row(&self, row: u32) -> (&[u32], &[f32]) {
         let first = row as usize * SIDE;
@@ -99,6 +107,12 @@ impl Block {
             &self.slots[first..first + SIDE],
             &self.low[first..first + SIDE],
         )
+    }
+
+    /// A ray's slot from what a row holds.
+    #[inline(always)]
+    pub(crate) fn slot(held: u32) -> u32 {
+        if held == MISS { MISS } else { held & !COARSE }
     }
 
     /// Whether a ray with this least nearness could not be decided.
@@ -117,58 +131,96 @@ impl Block {
         least
     }
 
-    /// Meets every triangle of a batch, and empties it. Returns which of them were set up, as bits.
+    /// Whether all rays of a box have met something surely nearer than `nearest`, as far as that is
+    /// quickly told.
     #[inline(always)]
-    pub(crate) fn meet(&mut self, lanes: impl Lanes, space: &BlockSpace, batch: &mut Batch) -> u32 {
-        let count = batch.len;
-        batch.len = 0;
-        let placed = space.place(batch);
-        let mut wanted = 0u32;
-        for l in 0..LANES {
-            let bounds = placed.bounds();
-            let seen = (bounds.left[l] <= bounds.right[l]) & (bounds.top[l] <= bounds.bottom[l]);
-            wanted |= u32::from(seen) << l;
-        }
-        wanted &= (1 << count) - 1;
-        let mut hidden = wanted;
-        while hidden != 0 {
-            let l = hidden.trailing_zeros() as usize;
-            hidden &= hidden - 1;
-            let bounds = placed.bounds();
-            let horizon = self.horizon_over(
-                [bounds.left[l], bounds.right[l]],
-                [bounds.top[l], bounds.bottom[l]],
-            );
-            if placed.nearest[l] < horizon {
-                wanted &= !(1 << l);
-            }
-        }
-        if wanted == 0 {
-            return 0;
-        }
-        let set_up = space.set_up(placed);
-        let were_set_up = wanted;
-        while wanted != 0 {
-            let l = wanted.trailing_zeros() as usize & (LANES - 1);
-            wanted &= wanted - 1;
-            self.meet_one(lanes, &set_up, l, batch.slots[l]);
-        }
-        self.look_around(lanes);
-        were_set_up
+    pub(crate) fn hides(&self, rays: &RayBox, nearest: f32) -> bool {
+        let (left, right) = (rays.left as usize / ROW, rays.right as usize / ROW);
+        let (top, bottom) = (rays.top as usize / ROW, rays.bottom as usize / ROW);
+        let horizon =
+            |row: usize, column: usize| self.horizons[(row * SUBS + column) % (SUBS * SUBS)];
+        let at_corners = lesser(
+            lesser(horizon(top, left), horizon(top, right)),
+            lesser(horizon(bottom, left), horizon(bottom, right)),
+        );
+        nearest < at_corners
+            && (top..=bottom).all(|row| (left..=right).all(|column| nearest < horizon(row, column)))
     }
 
-    /// The least horizon of the sub-blocks that a box of rays touches, as far as that is quickly told.
+    /// Meets a triangle that meets those of a box's few rays that `inside` says, there as near as
+    /// `low` at least and `high` at most. Where that does not tell whether it is nearer than what they have
+    /// met, it is not met, and the rays for which it does not are returned.
     #[inline(always)]
-    fn horizon_over(&self, [left, right]: [i32; 2], [top, bottom]: [i32; 2]) -> f32 {
-        let (left, right) = (left as usize / ROW, right as usize / ROW);
-        let (top, bottom) = (top as usize / ROW, bottom as usize / ROW);
-        let mut least = f32::INFINITY;
-        for row in top..=bottom {
-            for column in left..=right {
-                least = lesser(self.horizons[(row * SUBS + column) % (SUBS * SUBS)], least);
+    pub(crate) fn meet_few(
+        &mut self,
+        rays: &RayBox,
+        inside: u32,
+        [low, high]: [f32; 2],
+        slot: u32,
+    ) -> u32 {
+        let first = rays.top as usize * SIDE + rays.left as usize;
+        let (mut nearer, mut undecided) = (0, 0);
+        for_each_bit(inside, |which| {
+            let ray = (first + FEW_PLACES[which % FEW]) % RAYS;
+            let beats = low > self.high[ray];
+            nearer |= u32::from(beats) << which;
+            undecided |= u32::from(!beats & (high >= self.low[ray])) << which;
+        });
+        if undecided == 0 {
+            for_each_bit(nearer, |which| {
+                let ray = (first + FEW_PLACES[which % FEW]) % RAYS;
+                (self.low[ray], self.high[ray]) = (low, high);
+                self.slots[ray] = slot | COARSE;
+                self.touched |= 1 << (ray / SIDE / ROW * SUBS + ray % SIDE / ROW);
+            });
+        }
+        undecided
+    }
+
+    /// Forgets a triangle that one of a box's few rays has met as one of few rays itself. Returns its slot
+    /// and a box around its rays, for it to be set up and met again; `None` if it has been set up.
+    #[inline(never)]
+    pub(crate) fn forget(&mut self, rays: &RayBox, which: u32) -> Option<(u32, RayBox)> {
+        let (x, y) = (rays.left + which as i32 % 2, rays.top + which as i32 / 2);
+        let ray = |x: i32, y: i32| (y as usize * SIDE + x as usize) % RAYS;
+        let slot = self.slots[ray(x, y)];
+        if slot == MISS || slot & COARSE == 0 {
+            return None;
+        }
+        let last = SIDE as i32 - 1;
+        let around = RayBox {
+            left: (x - 1).max(0),
+            right: (x + 1).min(last),
+            top: (y - 1).max(0),
+            bottom: (y + 1).min(last),
+        };
+        for y in around.top..=around.bottom {
+            for x in around.left..=around.right {
+                let ray = ray(x, y);
+                if self.slots[ray] == slot && !Self::is_open(self.low[ray]) {
+                    (self.low[ray], self.high[ray]) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
+                    self.slots[ray] = MISS;
+                }
             }
         }
-        least
+        Some((slot & !COARSE, around))
+    }
+
+    /// Meets the first of eight triangles, those with slots, each with the rays of its box.
+    #[inline(always)]
+    pub(crate) fn meet(
+        &mut self,
+        lanes: impl Lanes,
+        space: &BlockSpace,
+        corners: &CornerLanes,
+        boxes: &[RayBox; LANES],
+        slots: &[u32],
+    ) {
+        let set_up = space.set_up(corners, boxes);
+        for (l, &slot) in slots.iter().enumerate().take(LANES) {
+            self.meet_one(lanes, &set_up, l, slot);
+        }
+        self.look_around(lanes);
     }
 
     #[inline(always)]
@@ -185,9 +237,12 @@ impl Block {
             nearness: linear(&set_up.nearness),
             nearness_error: set_up.nearness_error[l],
         };
-        let bounds = &set_up.bounds;
-        let (left, right) = (bounds.left[l], bounds.right[l]);
-        let (top, bottom) = (bounds.top[l], bounds.bottom[l]);
+        let RayBox {
+            left,
+            right,
+            top,
+            bottom,
+        } = set_up.boxes[l];
         let (column, row) = (set_up.column[l] as usize, set_up.row[l] as usize);
         if right < left {
             return;
@@ -380,7 +435,7 @@ impl Block {
 
     /// Brings the touched sub-blocks' horizons up to date.
     #[inline(always)]
-    fn look_around(&mut self, lanes: impl Lanes) {
+    pub(crate) fn look_around(&mut self, lanes: impl Lanes) {
         let mut touched = self.touched & ((1 << (SUBS * SUBS)) - 1);
         self.touched = 0;
         while touched != 0 {
@@ -454,6 +509,14 @@ impl<L: Lanes> Merge<L> {
         lanes.store(lanes.max(old_low, new(near_low)), low);
         lanes.store(lanes.max(old_high, new(near_high)), high);
         lanes.put(wins, self.slot, slots);
+    }
+}
+
+#[inline(always)]
+fn for_each_bit(mut bits: u32, mut of: impl FnMut(usize)) {
+    while bits != 0 {
+        of(bits.trailing_zeros() as usize);
+        bits &= bits - 1;
     }
 }
 

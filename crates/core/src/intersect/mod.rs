@@ -2,10 +2,12 @@
 
 pub(crate) mod block;
 pub(crate) mod exact;
+pub(crate) mod footprint;
 mod hit;
 mod nearest;
 pub(crate) mod row;
 pub(crate) mod setup;
+mod sides;
 mod triangle;
 
 pub use hit::{Cull, Detail, Hit, Precision};

@@ -36,13 +36,11 @@
 //!   (i, j, 1)·n is off by N = (L + hM)·(8(K + h)δ + 16εL);
 //!   A·n by F = (A·M + Z·L)·(16(K + h)δ + 24εL) + 12δ·A·L. Orthographic depths are (A·n − n₁i − n₂j)/n₃,
 //!   whose numerator is off by F with A + h for A, and n₃ by 8KδL + 8εL².
-//! * **Boxes.** A corner's place X/Z is off by (K + |X/Z|)δ/Z: below 2⁻¹¹ wherever it counts if
-//!   Z ≥ 2¹¹(K + 2h)δ. The box is made 2⁻⁹ larger. Where a corner is not that far in front of the eye, the
-//!   whole block is taken.
 
 use super::Cull;
+use super::footprint::RayBox;
 use crate::camera::{Camera, Projection};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 /// Triangles that are set up together.
 pub(crate) const LANES: usize = 8;
@@ -69,43 +67,31 @@ const EPSILON: f64 = f64::EPSILON / 2.0;
 /// such values takes a sum of each with its bound (2u). 48u covers these and the higher orders.
 const LINEAR_ERROR: f64 = 48.0 / (1u64 << 24) as f64;
 
-/// By how much a triangle's box in the block is made larger: see above.
-const BOX_MARGIN: f32 = 1.0 / 512.0;
-
-/// Adding this to a single of at most 2²² rounds it to a whole number, which then stands in the low
-/// bits.
-const ROUNDER: f32 = 12_582_912.0;
-
 /// The rays of a block, as far as triangles are concerned.
 #[derive(Clone, Debug)]
 pub(crate) struct BlockSpace {
-    perspective: bool,
+    pub(super) perspective: bool,
     /// What corners are taken relative to.
-    origin: DVec3,
+    pub(super) origin: DVec3,
     /// T's rows.
-    map: [DVec3; 3],
-    cull: Cull,
+    pub(super) map: [DVec3; 3],
+    pub(super) cull: Cull,
     /// Columns and rows of the block, less one.
-    last: (f32, f32),
-    /// K.
-    stretch: f64,
+    pub(super) last: (f32, f32),
     /// K + h, or K for orthographic blocks.
     stretch_and_reach: f64,
     /// η.
-    origin_error: f64,
+    pub(super) origin_error: f64,
     /// What r is of A and of Z.
     size: (f64, f64),
     /// 32εK·B/D; zero for orthographic blocks.
-    ray_error: f64,
+    pub(super) ray_error: f64,
+    /// B/D; one for orthographic blocks.
+    pub(super) obliqueness: f64,
 }
 
-/// Triangles waiting to be set up together, corner coordinates side by side.
-#[derive(Clone, Debug)]
-pub(crate) struct Batch {
-    corners: [[f32; LANES]; 9],
-    pub(crate) slots: [u32; LANES],
-    pub(crate) len: usize,
-}
+/// Corner coordinates of eight triangles side by side: a corner's three, then the next one's.
+pub(crate) type CornerLanes = [[f32; LANES]; 9];
 
 /// Triangles set up for a block.
 ///
@@ -125,36 +111,10 @@ pub(crate) struct SetUp {
     /// The first column and row that the functions are relative to.
     pub(crate) column: [i32; LANES],
     pub(crate) row: [i32; LANES],
-    /// The box of rays that may meet the triangle.
-    pub(crate) bounds: Bounds,
+    /// The box of rays that may meet the triangle; empty if it is culled.
+    pub(crate) boxes: [RayBox; LANES],
     /// Seen from its edge, or too badly conditioned: it cannot be told from which side.
     pub(crate) awkward: [bool; LANES],
-}
-
-/// Boxes of rays, both ends included; empty where an end is before the beginning.
-#[derive(Clone, Debug)]
-pub(crate) struct Bounds {
-    pub(crate) left: [i32; LANES],
-    pub(crate) right: [i32; LANES],
-    pub(crate) top: [i32; LANES],
-    pub(crate) bottom: [i32; LANES],
-}
-
-/// Corners in block space, and what is told from them alone.
-pub(crate) struct Placed {
-    corners: [[f64; LANES]; 9],
-    bounds: Bounds,
-    /// At least how near the nearest corner is, as [`SetUp::nearness`] counts; infinite where a corner
-    /// is not surely in front.
-    pub(crate) nearest: [f32; LANES],
-}
-
-impl Placed {
-    /// Which rays may meet each triangle.
-    #[inline(always)]
-    pub(crate) fn bounds(&self) -> &Bounds {
-        &self.bounds
-    }
 }
 
 impl BlockSpace {
@@ -193,7 +153,7 @@ impl BlockSpace {
         let determinant = a.dot(b.cross(d));
         let scale = scale / determinant;
         let map = [b.cross(d) * scale, d.cross(a) * scale, a.cross(b) * scale];
-        let (stretch, size, ray_error) = if perspective {
+        let (stretch, size, ray_error, obliqueness) = if perspective {
             let distance = camera.distance();
             let greatest = reach + distance;
             let stretch = greatest / step;
@@ -202,9 +162,10 @@ impl BlockSpace {
                 stretch,
                 (2.1 * step / distance, 1.1 * wide),
                 32.0 * EPSILON * stretch * wide,
+                wide,
             )
         } else {
-            (1.0 / step, (2.1 * step, 1.1), 0.0)
+            (1.0 / step, (2.1 * step, 1.1), 0.0, 1.0)
         };
         Self {
             perspective,
@@ -212,7 +173,6 @@ impl BlockSpace {
             map,
             cull,
             last: (columns as f32 - 1.0, rows as f32 - 1.0),
-            stretch,
             stretch_and_reach: if perspective {
                 stretch + REACH
             } else {
@@ -221,85 +181,25 @@ impl BlockSpace {
             origin_error,
             size,
             ray_error,
+            obliqueness,
         }
     }
 
-    /// Maps a batch's corners to block space, and says which rays may meet each triangle.
+    /// Corners in block space.
     #[inline(always)]
-    pub(crate) fn place(&self, batch: &Batch) -> Placed {
-        let mut out = Placed {
-            corners: [[0.0; LANES]; 9],
-            bounds: Bounds {
-                left: [0; LANES],
-                right: [0; LANES],
-                top: [0; LANES],
-                bottom: [0; LANES],
-            },
-            nearest: [0.0; LANES],
-        };
+    fn map(&self, corners: &CornerLanes) -> [[f64; LANES]; 9] {
+        let mut out = [[0.0; LANES]; 9];
         let [tx, ty, tz] = self.map;
         let o = self.origin;
         for corner in 0..3 {
             for l in 0..LANES {
-                let x = f64::from(batch.corners[3 * corner][l]) - o.x;
-                let y = f64::from(batch.corners[3 * corner + 1][l]) - o.y;
-                let z = f64::from(batch.corners[3 * corner + 2][l]) - o.z;
-                out.corners[3 * corner][l] = x * tx.x + y * tx.y + z * tx.z;
-                out.corners[3 * corner + 1][l] = x * ty.x + y * ty.y + z * ty.z;
-                out.corners[3 * corner + 2][l] = x * tz.x + y * tz.y + z * tz.z;
+                let x = f64::from(corners[3 * corner][l]) - o.x;
+                let y = f64::from(corners[3 * corner + 1][l]) - o.y;
+                let z = f64::from(corners[3 * corner + 2][l]) - o.z;
+                out[3 * corner][l] = x * tx.x + y * tx.y + z * tx.z;
+                out[3 * corner + 1][l] = x * ty.x + y * ty.y + z * ty.z;
+                out[3 * corner + 2][l] = x * tz.x + y * tz.y + z * tz.z;
             }
-        }
-        let far = (SIDE * 2) as f64;
-        for l in 0..LANES {
-            let c = |k: usize| out.corners[k][l];
-            let (ax, ay, az) = (c(0), c(1), c(2));
-            let (bx, by, bz) = (c(3), c(4), c(5));
-            let (cx, cy, cz) = (c(6), c(7), c(8));
-            let reach = max(max3(ax, bx, cx), max3(ay, by, cy));
-            let depth = max3(az, bz, cz);
-            let delta = self.delta(reach, depth);
-            let front = min(min(az, bz), cz);
-            let back = max(max(az, bz), cz);
-            let (ia, ib, ic) = if self.perspective {
-                (1.0 / az, 1.0 / bz, 1.0 / cz)
-            } else {
-                (1.0, 1.0, 1.0)
-            };
-            let safe = if self.perspective {
-                front >= 2048.0 * (self.stretch + 2.0 * REACH) * delta
-            } else {
-                2048.0 * self.stretch * delta <= 1.0
-            };
-            // Behind the eye, or the plane that orthographic rays start from.
-            let behind = back < -delta;
-            let (xa, xb, xc) = (ax * ia, bx * ib, cx * ic);
-            let (ya, yb, yc) = (ay * ia, by * ib, cy * ic);
-            let (left, right) = (min(min(xa, xb), xc), max(max(xa, xb), xc));
-            let (top, bottom) = (min(min(ya, yb), yc), max(max(ya, yb), yc));
-            let (left, top) = if safe { (left, top) } else { (-far, -far) };
-            let (right, bottom) = if safe { (right, bottom) } else { (far, far) };
-            let right = if behind { -far } else { right };
-            // The first whole number not before the box, the last not after it.
-            let first = |x: f64| {
-                let x = x as f32 - BOX_MARGIN + 0.5;
-                whole(clamp(x, 0.0, (2 * SIDE) as f32))
-            };
-            let final_ = |x: f64, last: f32| {
-                let x = x as f32 + BOX_MARGIN - 0.5;
-                whole(clamp(x, -1.0, last))
-            };
-            out.bounds.left[l] = first(left);
-            out.bounds.top[l] = first(top);
-            out.bounds.right[l] = final_(right, self.last.0);
-            out.bounds.bottom[l] = final_(bottom, self.last.1);
-            let nearest = if self.perspective {
-                max(max(ia, ib), ic)
-            } else {
-                -(front - delta)
-            };
-            // Rounding to single precision, and the corners' errors of less than 2⁻¹¹/K, in small.
-            let nearest = (nearest + nearest.abs() * (1.0 / 1024.0)) as f32;
-            out.nearest[l] = if safe { nearest } else { f32::INFINITY };
         }
         out
     }
@@ -310,9 +210,10 @@ impl BlockSpace {
         72.0 * (EPSILON * (reach * self.size.0 + depth * self.size.1) + self.origin_error)
     }
 
-    /// Sets a batch up.
+    /// Sets triangles up, each for the rays of its box.
     #[inline(always)]
-    pub(crate) fn set_up(&self, placed: Placed) -> SetUp {
+    pub(crate) fn set_up(&self, corners: &CornerLanes, boxes: &[RayBox; LANES]) -> SetUp {
+        let corners = self.map(corners);
         let mut out = SetUp {
             edges: [[[0.0; LANES]; 3]; 3],
             edge_error: [0.0; LANES],
@@ -320,13 +221,13 @@ impl BlockSpace {
             nearness_error: [0.0; LANES],
             column: [0; LANES],
             row: [0; LANES],
-            bounds: placed.bounds,
+            boxes: *boxes,
             awkward: [false; LANES],
         };
         let h = REACH;
         let kh = self.stretch_and_reach;
         for l in 0..LANES {
-            let c = |k: usize| placed.corners[k][l];
+            let c = |k: usize| corners[k][l];
             let (ax, ay, az) = (c(0), c(1), c(2));
             let (bx, by, bz) = (c(3), c(4), c(5));
             let (cx, cy, cz) = (c(6), c(7), c(8));
@@ -368,8 +269,12 @@ impl BlockSpace {
 
             // Where the functions begin: at the box's left, or for wide boxes at a whole multiple
             // of a row.
-            let (left, right) = (out.bounds.left[l], out.bounds.right[l]);
-            let (top, bottom) = (out.bounds.top[l], out.bounds.bottom[l]);
+            let RayBox {
+                left,
+                right,
+                top,
+                bottom,
+            } = boxes[l];
             let narrow = right - left < ROW as i32;
             let most = (SIDE - ROW) as i32;
             let column = if narrow {
@@ -383,7 +288,7 @@ impl BlockSpace {
             let along = f64::from(bottom - row + ROW as i32);
             out.column[l] = column;
             out.row[l] = row;
-            out.bounds.right[l] = if culled { -1 } else { right };
+            out.boxes[l].right = if culled { -1 } else { right };
 
             let (aw, bw, cw) = if self.perspective {
                 (az, bz, cz)
@@ -450,53 +355,13 @@ impl BlockSpace {
     }
 }
 
-impl Batch {
-    pub(crate) fn new() -> Self {
-        Self {
-            corners: [[0.0; LANES]; 9],
-            slots: [0; LANES],
-            len: 0,
-        }
-    }
-
-    /// Adds a triangle to a batch that is not full.
-    #[inline(always)]
-    pub(crate) fn push(&mut self, slot: u32, corners: &[Vec3; 3]) {
-        let lane = self.len & (LANES - 1);
-        for (corner, at) in corners.iter().zip([0, 3, 6]) {
-            self.corners[at][lane] = corner.x;
-            self.corners[at + 1][lane] = corner.y;
-            self.corners[at + 2][lane] = corner.z;
-        }
-        self.slots[lane] = slot;
-        self.len += 1;
-    }
-}
-
-/// The whole number that a single of at most 2²² is rounded to.
-#[inline(always)]
-fn whole(x: f32) -> i32 {
-    (x + ROUNDER).to_bits() as i32 - ROUNDER.to_bits() as i32
-}
-
 #[inline(always)]
 fn max(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
-}
-
-#[inline(always)]
-fn min(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
 }
 
 /// The greatest magnitude of three.
 #[inline(always)]
 fn max3(a: f64, b: f64, c: f64) -> f64 {
     max(max(a.abs(), b.abs()), c.abs())
-}
-
-#[inline(always)]
-fn clamp(x: f32, least: f32, most: f32) -> f32 {
-    let x = if x > least { x } else { least };
-    if x < most { x } else { most }
 }
