@@ -247,6 +247,13 @@ fn part(image: &ColorImage, rect: Rect) -> ColorImage {
     ColorImage::new([rect.width as usize, rect.height as usize], pixels)
 }
 
+/// Red and blue in each other's place.
+fn swapped(rgba: [u8; 4]) -> [u8; 4] {
+    let pixel = u32::from_le_bytes(rgba);
+    let others = pixel & 0xff00_ff00;
+    (others | (pixel >> 16 & 0xff) | (pixel & 0xff) << 16).to_le_bytes()
+}
+
 /// Copies a tile into its place; `false`, and nothing copied, where it does not fit.
 fn copy(image: &mut ColorImage, tile: &Tile, blue_first: bool) -> bool {
     let (width, height) = (image.width(), image.height());
@@ -262,10 +269,15 @@ fn copy(image: &mut ColorImage, tile: &Tile, blue_first: bool) -> bool {
     for (y, row) in (rect.y as usize..).zip(tile.pixels.chunks_exact(columns)) {
         let start = y * width + rect.x as usize;
         let pixels = &mut image.pixels[start..start + columns];
-        if row.iter().fold(255, |all, pixel| all & pixel[3]) == 255 {
-            for (pixel, &[r, g, b, a]) in pixels.iter_mut().zip(row) {
-                let (r, b) = if blue_first { (b, r) } else { (r, b) };
-                *pixel = Color32::from_rgba_premultiplied(r, g, b, a);
+        // Whole pixels as numbers, which the compiler lays side by side.
+        let every = row
+            .iter()
+            .fold(u32::MAX, |every, &pixel| every & u32::from_le_bytes(pixel));
+        if every >> 24 == 255 {
+            for (pixel, &rgba) in pixels.iter_mut().zip(row) {
+                let bytes = if blue_first { swapped(rgba) } else { rgba };
+                let [first, green, third, alpha] = bytes;
+                *pixel = Color32::from_rgba_premultiplied(first, green, third, alpha);
             }
         } else {
             for (pixel, &[r, g, b, a]) in pixels.iter_mut().zip(row) {
