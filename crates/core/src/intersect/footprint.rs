@@ -28,8 +28,8 @@
 //!   is met it is no nearer than its nearest corner, and no further than its furthest.
 //!
 //! Where Z is less than that, or a number leaves the range, every ray of the block may meet the
-//! triangle. Range: r·S < 10³⁰ and Z ≥ 10⁻³⁰ keep products and inverses finite, and what underflow
-//! leaves out, 10⁻⁴⁴, far below the bounds.
+//! triangle. Range: S and r·S < 10³⁰ and Z ≥ 10⁻³⁰ keep products and inverses finite; r is taken to be 10⁻³⁰ at
+//! least, which keeps what underflow leaves out, 10⁻⁴⁴, far below the bounds.
 
 use super::Cull;
 use super::setup::{BlockSpace, CornerLanes, LANES, SIDE};
@@ -125,7 +125,8 @@ impl Placer {
         let [x, y, z] = space.map.map(length);
         let wide = if x > y { x } else { y };
         let from_origin = space.origin.abs().max_element();
-        let sound = (from_origin < RANGE) & (space.obliqueness < 1e6);
+        // Written so that what is not a number is not sound.
+        let sound = (from_origin < RANGE) & (x + y + z < RANGE) & (space.obliqueness < 1e6);
         let most_reach = if sound { RANGE / (wide + z) } else { 0.0 };
         let per_reach = 8.0 * UNIT * 1.25;
         let depth_share = if space.perspective {
@@ -141,7 +142,7 @@ impl Placer {
                 [high, (o - f64::from(high)) as f32]
             }),
             map: space.map.map(|row| row.as_vec3().to_array()),
-            least_reach: (space.origin_error / (4.0 * UNIT)) as f32,
+            least_reach: (space.origin_error / (4.0 * UNIT) + 1.0 / RANGE) as f32,
             most_reach: most_reach as f32,
             depth_error: (8.0 * UNIT * z) as f32,
             margin: [
