@@ -5,6 +5,7 @@ use super::{Commands, Status, format};
 use crate::app::command::Command;
 use crate::app::state::{State, default_threads};
 use egui::Ui;
+use raycast_core::accel::CastCounts;
 use raycast_core::render::Pass;
 
 pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Commands) {
@@ -62,6 +63,33 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Comman
             "Rays of the last pass that met something",
             &hits,
         );
+        let counts = progress.report.map(|report| report.stats.counts);
+        let counters: [(&str, &str, fn(&CastCounts) -> u64); 4] = [
+            (
+                "Nodes",
+                "Nodes of the tree that the last pass went through",
+                |counts| counts.nodes,
+            ),
+            (
+                "Set up",
+                "Triangles that the last pass held against rays, counted once a block of rays",
+                |counts| counts.triangles,
+            ),
+            (
+                "Doubles",
+                "Rays of the last pass that single precision left open, and doubles decided",
+                |counts| counts.double_rays,
+            ),
+            (
+                "Exact",
+                "Rays of the last pass that exact arithmetic had to decide",
+                |counts| counts.exact_rays,
+            ),
+        ];
+        for (name, hint, of) in counters {
+            let counted = counts.map_or_else(dash, |counts| format::count(of(&counts)));
+            fact(ui, name, hint, &counted);
+        }
         let time = if progress.complete {
             format::time(progress.elapsed)
         } else {
