@@ -8,13 +8,13 @@
 //! u = 2⁻²⁴. T's rows are S_x, S_y, S_z long as sums of magnitudes, S the greatest of the first two; r is
 //! the greatest magnitude of a triangle's corners relative to the eye.
 //!
-//! * **Corners.** The eye is kept as two singles, which leaves u² of it, and its own error η. The
-//!   first difference is rounded by at most 2u of the result where the eye's second part is not (it
-//!   is at most u of the eye), and by u the second: 3ur + η.
+//! * **Corners.** The eye o is kept as two singles, which leaves u²|o| of it, beside its own error η. The
+//!   difference from the first is exact where the second counts (Sterbenz), else rounded by less than 2u of
+//!   the result; that from the second is rounded by u. r is taken to be no less than (η + u²|o|)/u, so that
+//!   corners are off by 4ur.
 //! * **X, Y, Z.** T's rows are rounded by u of themselves (their own errors in doubles are less as long
-//!   as B/D < 10⁶), products by u, three sums by u each, of
-//!   which the first is none: with the corners' errors X is off by S(7ur + η). We take
-//!   e_x = S(8ur + 2η), e_z = S_z(8ur + 2η).
+//!   as B/D < 10⁶), products by u, two sums by u each: with the corners' errors X is off by 8ur·S and the
+//!   second order. We take e_x = 9ur·S and e_z = 9ur·S_z.
 //! * **Boxes.** Where Z ≥ 2048·e_z, a place p with |p| ≤ 2·[`SIDE`] is off by
 //!   (e_x + |p|e_z)/Z · 2048/2047 and 3u|p| for the quotient; rays are off by ρ of a column, which
 //!   [`BlockSpace`] gives. Boxes are made larger by 2⁻⁹ + 2ρ + 1.25(e_x + 64e_z)/Z, of which 3u|p| and the
@@ -28,8 +28,8 @@
 //!   is met it is no nearer than its nearest corner, and no further than its furthest.
 //!
 //! Where Z is less than that, or a number leaves the range, every ray of the block may meet the
-//! triangle. Range: S and r·S < 10³⁰ and Z ≥ 10⁻³⁰ keep products and inverses finite; r is taken to be 10⁻³⁰ at
-//! least, which keeps what underflow leaves out, 10⁻⁴⁴, far below the bounds.
+//! triangle. Range: S and r·S < 10³⁰ and Z ≥ 10⁻³⁰ keep products and inverses finite; r is taken to be
+//! 10⁻³⁰ at least as well, which keeps what underflow leaves out, 10⁻⁴⁴, far below the bounds.
 
 use super::Cull;
 use super::setup::{BlockSpace, CornerLanes, LANES, SIDE};
@@ -68,7 +68,7 @@ pub(crate) struct Placer {
     origin: [[f32; 2]; 3],
     /// T's rows.
     map: [[f32; 3]; 3],
-    /// What r begins with, so that 8ur holds 2η.
+    /// The least r.
     least_reach: f32,
     /// The greatest r.
     most_reach: f32,
@@ -128,7 +128,7 @@ impl Placer {
         // Written so that what is not a number is not sound.
         let sound = (from_origin < RANGE) & (x + y + z < RANGE) & (space.obliqueness < 1e6);
         let most_reach = if sound { RANGE / (wide + z) } else { 0.0 };
-        let per_reach = 8.0 * UNIT * 1.25;
+        let per_reach = 9.0 * UNIT * 1.25;
         let depth_share = if space.perspective {
             2.0 * SIDE as f64 * z
         } else {
@@ -142,9 +142,9 @@ impl Placer {
                 [high, (o - f64::from(high)) as f32]
             }),
             map: space.map.map(|row| row.as_vec3().to_array()),
-            least_reach: (space.origin_error / (4.0 * UNIT) + 1.0 / RANGE) as f32,
+            least_reach: (space.origin_error / UNIT + UNIT * from_origin + 1.0 / RANGE) as f32,
             most_reach: most_reach as f32,
-            depth_error: (8.0 * UNIT * z) as f32,
+            depth_error: (9.0 * UNIT * z) as f32,
             margin: [
                 (MARGIN + 2.0 * space.ray_error) as f32,
                 (per_reach * (wide + depth_share)) as f32,

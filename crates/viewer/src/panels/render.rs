@@ -64,32 +64,30 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Comman
             &hits,
         );
         let counts = progress.report.map(|report| report.stats.counts);
-        let counters: [(&str, &str, fn(&CastCounts) -> u64); 4] = [
-            (
-                "Nodes",
-                "Nodes of the tree that the last pass went through",
-                |counts| counts.nodes,
-            ),
-            (
-                "Set up",
-                "Triangles that the last pass held against rays, counted once a block of rays",
-                |counts| counts.triangles,
-            ),
-            (
-                "Doubles",
-                "Rays of the last pass that single precision left open, and doubles decided",
-                |counts| counts.double_rays,
-            ),
-            (
-                "Exact",
-                "Rays of the last pass that exact arithmetic had to decide",
-                |counts| counts.exact_rays,
-            ),
-        ];
-        for (name, hint, of) in counters {
+        let mut counter = |name: &str, hint: &str, of: fn(&CastCounts) -> u64| {
             let counted = counts.map_or_else(dash, |counts| format::count(of(&counts)));
             fact(ui, name, hint, &counted);
-        }
+        };
+        counter(
+            "Nodes",
+            "Nodes of the tree that the last pass went through",
+            |counts| counts.nodes,
+        );
+        counter(
+            "Set up",
+            "Triangles that the last pass held against rays, counted once a block of rays",
+            |counts| counts.triangles,
+        );
+        counter(
+            "Doubles",
+            "Rays of the last pass that single precision left open, and doubles decided",
+            |counts| counts.double_rays,
+        );
+        counter(
+            "Exact",
+            "Rays of the last pass that exact arithmetic had to decide",
+            |counts| counts.exact_rays,
+        );
         let time = if progress.complete {
             format::time(progress.elapsed)
         } else {
