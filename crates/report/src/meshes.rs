@@ -94,15 +94,22 @@ pub fn octahedron() -> Mesh {
 
 /// An axis-aligned box, two triangles a face, fronts outwards.
 pub fn cuboid(low: DVec3, high: DVec3) -> Mesh {
-    let positions = (0..8)
-        .map(|i| {
-            DVec3::new(
-                if i & 1 == 0 { low.x } else { high.x },
-                if i & 2 == 0 { low.y } else { high.y },
-                if i & 4 == 0 { low.z } else { high.z },
-            )
-        })
-        .collect();
+    let (positions, triangles) = cuboid_parts(low, high);
+    mesh(positions.to_vec(), triangles.collect())
+}
+
+/// A box's corners, and its triangles by their corners.
+pub(crate) fn cuboid_parts(
+    low: DVec3,
+    high: DVec3,
+) -> ([DVec3; 8], impl Iterator<Item = [u32; 3]>) {
+    let positions = std::array::from_fn(|i| {
+        DVec3::new(
+            if i & 1 == 0 { low.x } else { high.x },
+            if i & 2 == 0 { low.y } else { high.y },
+            if i & 4 == 0 { low.z } else { high.z },
+        )
+    });
     let quads = [
         [4, 5, 7, 6],
         [1, 0, 2, 3],
@@ -113,9 +120,8 @@ pub fn cuboid(low: DVec3, high: DVec3) -> Mesh {
     ];
     let triangles = quads
         .into_iter()
-        .flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]])
-        .collect();
-    mesh(positions, triangles)
+        .flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    (positions, triangles)
 }
 
 /// Hills with whole heights over whole places, 0 to `side` along x and y.

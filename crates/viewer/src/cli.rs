@@ -310,7 +310,8 @@ pub struct BenchArgs {
     /// Meshes or scene files
     #[arg(required_unless_present = "made")]
     pub files: Vec<PathBuf>,
-    /// A scene made in code: ball:TRIANGLES, or interior:TRIANGLES, which is seen from inside
+    /// A scene made in code: ball:TRIANGLES, or interior:TRIANGLES, which is seen from inside, with a field
+    /// of view of its own unless --eye is given
     #[arg(long, value_name = "SCENE", value_parser = <Made as std::str::FromStr>::from_str)]
     pub made: Vec<Made>,
     /// Frames to measure a view, after one that is not

@@ -1,9 +1,5 @@
-//! A tile of rays against the tree: one walk for many rays.
-//!
-//! A large block of rays walks down the tree until it has a short list of sub-trees that its frustum
-//! touches; its blocks of 32 × 32 rays start from that list, from near to far (Reshetov, Soupikov,
-//! Hurley, "Multi-Level Ray Tracing Algorithm", 2005). Rays that a block cannot decide go the way of
-//! the single ray.
+//! A tile of rays against the tree: one walk for many rays (Reshetov, Soupikov, Hurley, "Multi-Level Ray
+//! Tracing Algorithm", 2005). Rays that a block cannot decide go the way of the single ray.
 
 use super::simd::{Lanes, Work, dispatch};
 use super::walk::{Part, Walk};
@@ -24,7 +20,8 @@ pub struct CastCounts {
     pub hits: u64,
     /// Nodes of the tree whose children's boxes were tested.
     pub nodes: u64,
-    /// Triangles set up.
+    /// Triangles that a block's rays were held against, counted for each block: those set up, and those
+    /// of few rays that needed no set-up.
     pub triangles: u64,
     /// Rays that single precision with its bounds left open, and doubles decided.
     pub double_rays: u64,

@@ -32,6 +32,10 @@ const RUN: u32 = 32;
 /// How large a small sub-tree's box is at most, its three sides together, as a number of columns.
 const SMALL: f64 = 16.0;
 
+/// Sub-trees that wait at most: a pair of the list, one more for each level below it, and what is written
+/// above the top.
+const STACK: usize = DEPTH_LIMIT + 3;
+
 /// Rays of boxes at which triangles are set up, though there be fewer than are set up at once: they may
 /// hide what else is on the way.
 const MANY_RAYS: i32 = 32;
@@ -264,7 +268,7 @@ impl<'a> Walk<'a> {
         let placer = Placer::new(&space);
         let small = self.small();
         let mut limit = f32::INFINITY;
-        let mut stack = [(Subtree::default(), 0.0f32); DEPTH_LIMIT + 4];
+        let mut stack = [(Subtree::default(), 0.0f32); STACK];
         let (mut pair, mut depth) = (0, 0);
         let mut leaf = 0..0;
         let mut placed = Footprints::NONE;

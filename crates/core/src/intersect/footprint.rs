@@ -48,6 +48,13 @@ const CLEAR: f32 = 2048.0;
 /// Rays of the largest boxes of which it is told ray by ray who meets the triangle.
 pub(crate) const FEW: usize = 4;
 
+/// How large a box of few rays is at most, and by how much at most it is made larger.
+const FEW_SIDE: f32 = 1.75;
+const FEW_MARGIN: f32 = 0.125;
+
+/// What cross products are off by, as a share of what the box is made larger by.
+const CROSS_ERROR: f32 = 8.0;
+
 /// What how near a corner is may be off by as a share of itself, but for the corner's error: a division,
 /// a product and a sum.
 const NEARNESS_SLACK: f32 = 1.0 / (1 << 20) as f32;
@@ -251,9 +258,9 @@ impl Placer {
 
         let size = lanes.max(
             lanes.max(across, along),
-            lanes.mul(margin, lanes.splat(14.0)),
+            lanes.mul(margin, lanes.splat(FEW_SIDE / FEW_MARGIN)),
         );
-        let small = lanes.and(in_front, lanes.less(size, lanes.splat(1.75)));
+        let small = lanes.and(in_front, lanes.less(size, lanes.splat(FEW_SIDE)));
         let mut out = Footprints {
             seen: !lanes.bits(empty) & ((1 << count) - 1),
             ..Footprints::NONE
@@ -265,7 +272,7 @@ impl Placer {
             let no_below = lanes.bits(lanes.less(bottom, lanes.add(top, one)));
             let absent = [0, no_right, no_below, no_right | no_below];
             let first = (lanes.sub(left, rounder), lanes.sub(top, rounder));
-            let error = lanes.mul(margin, lanes.splat(8.0));
+            let error = lanes.mul(margin, lanes.splat(CROSS_ERROR));
             let sides = Sides::of_few(lanes, xs, ys, first, error);
             let (mut unsure, mut any) = (0, 0);
             for (which, side) in sides.into_iter().enumerate() {

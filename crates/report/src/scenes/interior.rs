@@ -1,4 +1,4 @@
-use crate::meshes::mesh;
+use crate::meshes::{cuboid_parts, mesh};
 use raycast_core::camera::{Camera, Placement, PlaneError, PlaneRequest, Projection, fov_to_frame};
 use raycast_core::glam::DVec3;
 use raycast_core::scene::Mesh;
@@ -117,27 +117,11 @@ impl Flat {
     /// A box, fronts outwards.
     fn cuboid(&mut self, place: Place, min: DVec3, max: DVec3) {
         let first = self.positions.len() as u32;
-        for corner in 0..8 {
-            let pick = |bit: u32, min: f64, max: f64| if corner & bit == 0 { min } else { max };
-            let local = DVec3::new(
-                pick(1, min.x, max.x),
-                pick(2, min.y, max.y),
-                pick(4, min.z, max.z),
-            );
-            self.positions.push(place.point(local));
-        }
-        const SIDES: [[u32; 4]; 6] = [
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-        ];
-        for [a, b, c, d] in SIDES {
-            self.faces.push([first + a, first + b, first + c]);
-            self.faces.push([first + a, first + c, first + d]);
-        }
+        let (corners, triangles) = cuboid_parts(min, max);
+        self.positions
+            .extend(corners.map(|corner| place.point(corner)));
+        self.faces
+            .extend(triangles.map(|triangle| triangle.map(|corner| first + corner)));
     }
 
     /// A wall with a doorway, from `from` on as long as a room, `across` away from the place.

@@ -13,6 +13,7 @@ use raycast_core::render::{Cancel, Precision, Settings, TileStats, View};
 use raycast_core::scene::Scene;
 use raycast_core::shade::Shading;
 use raycast_report::embree::Embree;
+use raycast_report::scenes::{Made, interior_camera};
 use raycast_report::ways::{self, Way};
 use raycast_report::{subject, views};
 use rayon::ThreadPool;
@@ -101,8 +102,11 @@ pub(super) fn run(args: &BenchArgs) -> Result<(), Failure> {
     }
     for made in &args.made {
         let scene = made.scene();
-        let camera = |close| made.camera(&scene, args.size, close);
-        let cameras = vec![("medium", camera(false)?), ("close", camera(true)?)];
+        let cameras = match made {
+            // From outside it would show walls.
+            Made::Interior(_) if args.eye.is_none() => inside(args)?,
+            _ => cameras(args, &scene)?,
+        };
         let progress = Progress::new();
         figures.push(measure(
             args,
@@ -182,6 +186,19 @@ fn baselines(accel: &Arc<Accel>, threads: usize) -> Vec<Box<dyn Way>> {
         Err(error) => warn(&format!("Embree is left out: {error}")),
     }
     all
+}
+
+/// The views of a made interior.
+fn inside(args: &BenchArgs) -> Result<Vec<(&'static str, Camera)>, Failure> {
+    let camera = |close| -> Result<Camera, Failure> {
+        let camera = interior_camera(args.size, close)?;
+        Ok(Camera::new(
+            camera.placement(),
+            args.projection,
+            camera.plane(),
+        ))
+    };
+    Ok(vec![("medium", camera(false)?), ("close", camera(true)?)])
 }
 
 /// The views to measure, by name.
