@@ -2,12 +2,15 @@
 
 mod build;
 mod frustum;
+mod layout;
 mod levels;
+mod place;
 pub(crate) mod simd;
 mod slab;
 mod tile;
 mod traverse;
 pub(crate) mod tree;
+mod treelet;
 mod walk;
 
 use crate::camera::Ray;
@@ -201,7 +204,7 @@ mod tests {
     use std::sync::Arc;
 
     /// A small generator with a fixed seed: splitmix64 (Steele, Lea, Flood, 2014).
-    struct Random(u64);
+    pub(super) struct Random(pub(super) u64);
 
     impl Random {
         fn bits(&mut self) -> u64 {
@@ -216,7 +219,7 @@ mod tests {
             (self.bits() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
         }
 
-        fn point(&mut self) -> DVec3 {
+        pub(super) fn point(&mut self) -> DVec3 {
             DVec3::new(self.signed(), self.signed(), self.signed())
         }
     }

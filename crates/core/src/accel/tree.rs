@@ -169,6 +169,15 @@ pub(crate) struct Tree {
 }
 
 impl Tree {
+    /// A tree of these nodes, below the root and the box around it.
+    pub(crate) fn new(nodes: Vec<Node>, (root, bounds): (Subtree, Box32)) -> Self {
+        Self {
+            nodes,
+            root: (root.count > 0).then_some(root),
+            bounds,
+        }
+    }
+
     pub(crate) fn retained_bytes(&self) -> usize {
         self.nodes.capacity() * size_of::<Node>()
     }

@@ -1,0 +1,195 @@
+//! Boxes cut into treelets: small groups of neighbours along a space-filling curve.
+//!
+//! Morton codes and their highest differing bits as in Lauterbach et al., "Fast BVH Construction on
+//! GPUs", 2009; such groups below a tree that is built with more care as in Pantaleoni and Luebke,
+//! "HLBVH: Hierarchical LBVH Construction for Real-Time Ray Tracing of Dynamic Geometry", 2010.
+
+use super::tree::Box32;
+use glam::Vec3;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Boxes that are worth a second thread.
+const PARALLEL: usize = 1 << 13;
+
+/// Boxes in an order in which neighbours are close, and where to cut it.
+pub(super) struct Treelets {
+    /// Indices of boxes, treelet by treelet.
+    order: Vec<u32>,
+    /// Where in the order each treelet ends, and the next one begins.
+    ends: Vec<u32>,
+}
+
+impl Treelets {
+    /// Treelets of at most `limit` boxes, at least 1.
+    pub(super) fn of(boxes: &[Box32], limit: usize) -> Self {
+        let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
+        let counts = cut(boxes, &mut order, limit.max(1));
+        let mut end = 0;
+        let ends = counts.iter().map(|count| {
+            end += count;
+            end
+        });
+        Self {
+            ends: ends.collect(),
+            order,
+        }
+    }
+
+    /// How many treelets there are.
+    pub(super) fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// The indices of a treelet's boxes.
+    pub(super) fn members(&self, treelet: usize) -> &[u32] {
+        &self.order[self.places(treelet)]
+    }
+
+    /// The indices of all boxes, in order.
+    pub(super) fn order(&self) -> &[u32] {
+        &self.order
+    }
+
+    fn places(&self, treelet: usize) -> Range<usize> {
+        let before = treelet.checked_sub(1);
+        before.map_or(0, |before| self.ends[before] as usize)..self.ends[treelet] as usize
+    }
+}
+
+/// The middle of a box. Halved first, so that no sum leaves the range.
+pub(super) fn middle(b: &Box32) -> Vec3 {
+    b.min * 0.5 + b.max * 0.5
+}
+
+/// The box around the middles of some boxes.
+pub(super) fn span(boxes: &[Box32], indices: &[u32]) -> Box32 {
+    let point = |&index: &u32| {
+        let middle = middle(&boxes[index as usize]);
+        Box32 {
+            min: middle,
+            max: middle,
+        }
+    };
+    indices
+        .par_iter()
+        .with_min_len(PARALLEL)
+        .map(point)
+        .reduce(|| Box32::EMPTY, Box32::union)
+}
+
+/// Brings the boxes of these indices in order, and tells how many each treelet takes.
+fn cut(boxes: &[Box32], indices: &mut [u32], limit: usize) -> Vec<u32> {
+    let span = span(boxes, indices);
+    let size = (span.max.as_dvec3() - span.min.as_dvec3()).max_element();
+    if size <= 0.0 {
+        // Nothing to go by: all middles are one, or there are none.
+        let parts = indices.chunks(limit);
+        return parts.map(|part| part.len() as u32).collect();
+    }
+    // A key is a cell of a cubic grid, then the place in `indices`: all keys differ, and sort to the
+    // same order everywhere.
+    let place_bits = usize::BITS - indices.len().leading_zeros();
+    let axis_bits = (u64::BITS - place_bits) / 3;
+    let cells = f64::from(1u32 << axis_bits);
+    let (origin, per_unit) = (span.min.as_dvec3(), cells / size);
+    let key = |(place, &index): (usize, &u32)| {
+        let middle = middle(&boxes[index as usize]).as_dvec3();
+        let cell = ((middle - origin) * per_unit).min(glam::DVec3::splat(cells - 1.0));
+        let cell = cell.as_u64vec3();
+        let code = spread(cell.x) << 2 | spread(cell.y) << 1 | spread(cell.z);
+        code << place_bits | place as u64
+    };
+    let keys = indices.par_iter().enumerate().with_min_len(PARALLEL);
+    let mut keys: Vec<u64> = keys.map(key).collect();
+    keys.par_sort_unstable();
+    let before = indices.to_vec();
+    let place = |key: u64| (key & ((1 << place_bits) - 1)) as usize;
+    let moved = indices.par_iter_mut().zip(&keys).with_min_len(PARALLEL);
+    moved.for_each(|(index, &key)| *index = before[place(key)]);
+    let all = Part {
+        keys: &keys,
+        indices,
+    };
+    Cutter {
+        boxes,
+        place_bits,
+        limit,
+    }
+    .cut(all)
+}
+
+/// Moves bit i to bit 3 i, for the lowest 21 bits.
+fn spread(bits: u64) -> u64 {
+    let bits = (bits | bits << 32) & 0x001f_0000_0000_ffff;
+    let bits = (bits | bits << 16) & 0x001f_0000_ff00_00ff;
+    let bits = (bits | bits << 8) & 0x100f_00f0_0f00_f00f;
+    let bits = (bits | bits << 4) & 0x10c3_0c30_c30c_30c3;
+    (bits | bits << 2) & 0x1249_2492_4924_9249
+}
+
+/// Sorted keys, and the indices of their boxes.
+struct Part<'p> {
+    keys: &'p [u64],
+    indices: &'p mut [u32],
+}
+
+/// What cutting takes besides keys.
+#[derive(Clone, Copy)]
+struct Cutter<'b> {
+    boxes: &'b [Box32],
+    place_bits: u32,
+    limit: usize,
+}
+
+impl Cutter<'_> {
+    /// Cuts where the highest bit changes in which keys differ, until parts are small enough; tells
+    /// how many boxes each has.
+    fn cut(self, part: Part<'_>) -> Vec<u32> {
+        if part.keys.len() < PARALLEL {
+            let mut counts = Vec::new();
+            self.cut_here(part, &mut counts);
+            return counts;
+        }
+        match self.halves(part) {
+            Ok([a, b]) => {
+                let (mut a, b) = rayon::join(|| self.cut(a), || self.cut(b));
+                a.extend(b);
+                a
+            }
+            Err(cell) => cut(self.boxes, cell.indices, self.limit),
+        }
+    }
+
+    /// The same on this thread alone.
+    fn cut_here(self, part: Part<'_>, counts: &mut Vec<u32>) {
+        if part.keys.len() <= self.limit {
+            counts.push(part.keys.len() as u32);
+            return;
+        }
+        match self.halves(part) {
+            Ok(halves) => halves
+                .into_iter()
+                .for_each(|half| self.cut_here(half, counts)),
+            Err(cell) => counts.extend(cut(self.boxes, cell.indices, self.limit)),
+        }
+    }
+
+    /// A part's two halves, or itself if all of it is in one cell of the grid: it then takes a grid
+    /// of its own.
+    fn halves<'p>(self, part: Part<'p>) -> Result<[Part<'p>; 2], Part<'p>> {
+        let (Some(first), Some(last)) = (part.keys.first(), part.keys.last()) else {
+            return Err(part);
+        };
+        let bit = (first ^ last).checked_ilog2().unwrap_or(0);
+        if bit < self.place_bits {
+            return Err(part);
+        }
+        let upper = last >> bit << bit;
+        let (a, b) = part
+            .keys
+            .split_at(part.keys.partition_point(|&key| key < upper));
+        let (a_indices, b_indices) = part.indices.split_at_mut(a.len());
+        Ok([(a, a_indices), (b, b_indices)].map(|(keys, indices)| Part { keys, indices }))
+    }
+}
