@@ -15,6 +15,7 @@ use std::mem::ManuallyDrop;
 use std::path::Path;
 use std::ptr::{NonNull, null_mut};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 use thiserror::Error;
 
 /// The environment variable that names the library.
@@ -182,6 +183,7 @@ unsafe impl Sync for Embree {}
 pub struct EmbreeScene {
     embree: Arc<Embree>,
     scene: NonNull<c_void>,
+    commit: Duration,
 }
 
 // SAFETY: a committed scene is only read, and Embree allows that from any thread.
@@ -259,9 +261,10 @@ impl Embree {
             let refused = || EmbreeError::Refused {
                 code: (f.device_error)(self.device),
             };
-            let scene = EmbreeScene {
+            let mut scene = EmbreeScene {
                 embree: Arc::clone(self),
                 scene: NonNull::new((f.new_scene)(self.device)).ok_or_else(refused)?,
+                commit: Duration::ZERO,
             };
             let handle = scene.scene.as_ptr();
             (f.set_scene_flags)(handle, if robust { SCENE_FLAG_ROBUST } else { 0 });
@@ -284,10 +287,12 @@ impl Embree {
                 let first = 3 * at as u32;
                 indices.add(at).write([first, first + 1, first + 2]);
             }
+            let begin = Instant::now();
             (f.commit_geometry)(geometry);
             (f.attach_geometry)(handle, geometry);
             (f.release_geometry)(geometry);
             (f.commit_scene)(handle);
+            scene.commit = begin.elapsed();
             match (f.device_error)(self.device) {
                 0 => Ok(scene),
                 code => Err(EmbreeError::Refused { code }),
@@ -304,6 +309,11 @@ impl Drop for Embree {
 }
 
 impl EmbreeScene {
+    /// What building the tree took, its buffers being full.
+    pub fn commit_time(&self) -> Duration {
+        self.commit
+    }
+
     /// Casts one ray.
     #[inline]
     pub fn cast_1(&self, ray: &mut Packet<1>, coherent: bool) {

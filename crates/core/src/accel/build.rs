@@ -1,9 +1,9 @@
 //! The tree: triangles in treelets, obvhs's clustering above them.
 
 use super::layout::{Layout, halved};
-use super::place::{Placed, place};
 use super::tree::{Box32, Tree};
 use super::treelet::Treelets;
+use super::world::{Reachable, World};
 use super::{Accel, Simd};
 use crate::scene::{Scene, SceneError};
 use glam::{Vec3, Vec3A};
@@ -21,21 +21,23 @@ const TREELET_LIMIT: usize = 8;
 const FEW_TREELETS: usize = 1 << 14;
 
 pub(super) fn build(scene: &Scene) -> Result<Accel, SceneError> {
-    let Placed {
-        origin,
-        triangles,
-        first_numbers,
+    let world = World::of(scene)?;
+    let Reachable {
+        numbers,
+        boxes,
         out_of_range,
-    } = place(scene)?;
-    let boxes = triangles.par_iter().map(|t| Box32::around(&t.corners));
-    let (tree, order) = build_tree(&boxes.collect::<Vec<_>>());
-    let in_order = order.par_iter().map(|&index| triangles[index as usize]);
+    } = world.reachable();
+    let (tree, order) = build_tree(&boxes);
+    drop(boxes);
+    // Corners are placed a second time: that takes less than keeping them, unsorted, would.
+    let triangles = order.par_iter();
+    let triangles = triangles.map(|&index| world.triangle(numbers[index as usize]));
     Ok(Accel {
-        origin,
-        triangles: in_order.collect(),
+        origin: world.origin,
+        triangles: triangles.collect(),
         tree,
         simd: Simd::best(),
-        first_numbers,
+        first_numbers: world.first_numbers,
         out_of_range,
     })
 }

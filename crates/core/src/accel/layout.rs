@@ -3,12 +3,16 @@
 use super::tree::{Box32, DEPTH_LIMIT, Node, Subtree, Tree};
 use super::treelet::{Treelets, middle, span};
 use obvhs::bvh2::Bvh2;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 /// The most triangles in a leaf.
 const LEAF_LIMIT: usize = 4;
 
 /// Triangles that are worth a second thread.
 const PARALLEL: usize = 1 << 12;
+
+/// Levels of a tree whose children may be measured on two threads: enough of them for all.
+const PARALLEL_DEPTH: usize = 8;
 
 /// A tree by halving alone: never deep, whatever the boxes are like.
 pub(super) fn halved(boxes: &[Box32], mut order: Vec<u32>) -> (Tree, Vec<u32>) {
@@ -123,50 +127,19 @@ impl<'a> Layout<'a> {
         treelets: &'a Treelets,
         clusters: &'a Bvh2,
     ) -> Option<Self> {
-        let mut sizes = vec![Size::default(); clusters.nodes.len()];
-        let mut from_above = Vec::with_capacity(clusters.nodes.len());
-        let mut seen = vec![false; treelets.len()];
-        let mut open = vec![(0, 0)];
-        while let Some((index, depth)) = open.pop() {
-            let cluster = clusters.nodes.get(index as usize)?;
-            let mut levels = 1;
-            if cluster.is_leaf() {
-                let treelet = *clusters
-                    .primitive_indices
-                    .get(cluster.first_index as usize)?;
-                let again = std::mem::replace(seen.get_mut(treelet as usize)?, true);
-                if again || cluster.prim_count != 1 {
-                    return None;
-                }
-                let slots = treelets.members(treelet as usize).len();
-                levels += slots.div_ceil(LEAF_LIMIT).next_power_of_two().ilog2() as usize;
-                let nodes = halving_nodes(slots);
-                sizes[index as usize] = Size { nodes, slots };
-            } else {
-                open.push((cluster.first_index + 1, depth + 1));
-                open.push((cluster.first_index, depth + 1));
-                from_above.push(index);
-            }
-            if depth + levels > DEPTH_LIMIT {
-                return None;
-            }
-        }
-        for index in from_above.into_iter().rev() {
-            let first = clusters.nodes[index as usize].first_index as usize;
-            let [a, b] = [sizes[first], sizes[first + 1]];
-            let slots = a.slots + b.slots;
-            let nodes = if slots <= LEAF_LIMIT {
-                0
-            } else {
-                1 + a.nodes + b.nodes
-            };
-            sizes[index as usize] = Size { nodes, slots };
-        }
-        seen.iter().all(|&seen| seen).then_some(Self {
+        let measure = Measure {
+            treelets,
+            clusters,
+            sizes: (0..clusters.nodes.len()).map(|_| Cell::default()).collect(),
+            seen: (0..treelets.len()).map(|_| AtomicBool::default()).collect(),
+        };
+        let all = measure.below(0, 1)?;
+        // No treelet is there twice, so that as many as there are boxes are all of them.
+        (all.slots == boxes.len()).then(|| Self {
             boxes,
             treelets,
             clusters,
-            sizes,
+            sizes: measure.sizes.iter().map(Cell::get).collect(),
         })
     }
 
@@ -220,5 +193,76 @@ impl<'a> Layout<'a> {
             self.gather(first, a);
             self.gather(first + 1, b);
         }
+    }
+}
+
+/// A [`Size`] that several threads may set.
+#[derive(Default)]
+struct Cell {
+    nodes: AtomicU32,
+    slots: AtomicU32,
+}
+
+impl Cell {
+    fn set(&self, size: Size) {
+        self.nodes.store(size.nodes as u32, Ordering::Relaxed);
+        self.slots.store(size.slots as u32, Ordering::Relaxed);
+    }
+
+    fn get(&self) -> Size {
+        Size {
+            nodes: self.nodes.load(Ordering::Relaxed) as usize,
+            slots: self.slots.load(Ordering::Relaxed) as usize,
+        }
+    }
+}
+
+/// Measuring a tree.
+struct Measure<'a> {
+    treelets: &'a Treelets,
+    clusters: &'a Bvh2,
+    sizes: Vec<Cell>,
+    seen: Vec<AtomicBool>,
+}
+
+impl Measure<'_> {
+    /// Measures a cluster at some depth, the root's being 1. `None` if it is too deep, or has a treelet
+    /// that was seen before.
+    fn below(&self, index: usize, depth: usize) -> Option<Size> {
+        let cluster = self.clusters.nodes.get(index)?;
+        let size = if cluster.is_leaf() {
+            let places = &self.clusters.primitive_indices;
+            let treelet = *places.get(cluster.first_index as usize)? as usize;
+            let again = self.seen.get(treelet)?.swap(true, Ordering::Relaxed);
+            let slots = self.treelets.members(treelet).len();
+            let levels = slots.div_ceil(LEAF_LIMIT).next_power_of_two().ilog2() as usize;
+            if again || cluster.prim_count != 1 || depth + levels > DEPTH_LIMIT {
+                return None;
+            }
+            let nodes = halving_nodes(slots);
+            Size { nodes, slots }
+        } else {
+            let first = cluster.first_index as usize;
+            if depth >= DEPTH_LIMIT {
+                return None;
+            }
+            let a = || self.below(first, depth + 1);
+            let b = || self.below(first + 1, depth + 1);
+            let (a, b) = if depth <= PARALLEL_DEPTH {
+                rayon::join(a, b)
+            } else {
+                (a(), b())
+            };
+            let (a, b) = (a?, b?);
+            let slots = a.slots + b.slots;
+            let nodes = if slots <= LEAF_LIMIT {
+                0
+            } else {
+                1 + a.nodes + b.nodes
+            };
+            Size { nodes, slots }
+        };
+        self.sizes[index].set(size);
+        Some(size)
     }
 }

@@ -4,7 +4,6 @@ mod build;
 mod frustum;
 mod layout;
 mod levels;
-mod place;
 pub(crate) mod simd;
 mod slab;
 mod tile;
@@ -12,6 +11,7 @@ mod traverse;
 pub(crate) mod tree;
 mod treelet;
 mod walk;
+mod world;
 
 use crate::camera::Ray;
 use crate::intersect::{Cull, Hit, Nearest, Precision, PreparedRay};

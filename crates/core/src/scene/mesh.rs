@@ -182,10 +182,11 @@ impl Mesh {
     /// The corners of a kept triangle, relative to [`Mesh::offset`].
     ///
     /// `None` where the number or one of its indices is out of range.
+    #[inline]
     pub fn corners(&self, triangle: u32) -> Option<[Vec3; 3]> {
-        let indices = self.triangles.get(triangle as usize)?;
-        let [a, b, c] = indices.map(|i| self.positions.get(i as usize).copied());
-        Some([a?, b?, c?])
+        let &[a, b, c] = self.triangles.get(triangle as usize)?;
+        let position = |index: u32| self.positions.get(index as usize).copied();
+        Some([position(a)?, position(b)?, position(c)?])
     }
 
     /// Normals at a triangle's corners, where the mesh has them.

@@ -12,7 +12,7 @@ use raycast_core::image::Picture;
 use raycast_core::render::{Cancel, Precision, Settings, TileStats, View};
 use raycast_core::scene::Scene;
 use raycast_core::shade::Shading;
-use raycast_report::embree::Embree;
+use raycast_report::embree::{Embree, EmbreeError};
 use raycast_report::scenes::{Made, interior_camera};
 use raycast_report::ways::{self, Way};
 use raycast_report::{subject, views};
@@ -30,7 +30,16 @@ struct FileFigures {
     threads: usize,
     simd: &'static str,
     precision: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    builds: Option<Vec<BuildFigures>>,
     views: Vec<ViewFigures>,
+}
+
+/// What a way's tree took to build, in turn with the others'.
+#[derive(Debug, Serialize)]
+struct BuildFigures {
+    way: &'static str,
+    ms: Spread,
 }
 
 /// A view's figures.
@@ -57,6 +66,9 @@ struct BaselineFigures {
     /// How many times as many rays RayCast casts in the same time.
     raycast_is_faster: f64,
 }
+
+/// How often trees are built to compare them.
+const BUILDS: usize = 5;
 
 /// Tests of a ray against a triangle that brute force may take for a frame.
 const BRUTE_FORCE_TESTS: usize = 2_000_000;
@@ -132,9 +144,14 @@ fn measure(
     let building = Instant::now();
     let accel = Arc::new(pool.install(|| setup::tree(&scene))?);
     let build_time = building.elapsed();
-    let baselines = args
-        .baselines
-        .then(|| pool.install(|| baselines(&accel, pool.current_num_threads())));
+    let (builds, baselines) = if args.baselines {
+        let embree = Embree::load(pool.current_num_threads());
+        let builds = pool.install(|| measure_builds(&scene, &accel, embree.as_ref().ok()))?;
+        let ways = pool.install(|| baselines(&accel, embree));
+        (Some(builds), Some(ways))
+    } else {
+        (None, None)
+    };
 
     let scene = Arc::new(scene);
     progress.counting(
@@ -172,16 +189,43 @@ fn measure(
             Precision::Fast => "fast",
             Precision::Exact => "exact",
         },
+        builds,
         views,
     })
 }
 
+/// Builds trees, RayCast's from the scene and Embree's from buffers that are full, in turn.
+fn measure_builds(
+    scene: &Scene,
+    accel: &Accel,
+    embree: Option<&Arc<Embree>>,
+) -> Result<Vec<BuildFigures>, Failure> {
+    let corners: Vec<_> = (0..accel.len() as u32).map(|s| accel.corners(s)).collect();
+    let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+    for _ in 0..BUILDS {
+        let begin = Instant::now();
+        let tree = setup::tree(scene)?;
+        ours.push(begin.elapsed());
+        drop(tree);
+        if let Some(Ok(built)) = embree.map(|library| library.scene(&corners, true)) {
+            theirs.push(built.commit_time());
+        }
+    }
+    let figures = [("RayCast", ours), ("Embree robust", theirs)].into_iter();
+    Ok(figures
+        .filter(|(_, times)| !times.is_empty())
+        .map(|(way, mut times)| BuildFigures {
+            way,
+            ms: Spread::of(&mut times),
+        })
+        .collect())
+}
+
 /// Other people's ways: those with trees of their own, brute force, and Embree where it is there.
-fn baselines(accel: &Arc<Accel>, threads: usize) -> Vec<Box<dyn Way>> {
+fn baselines(accel: &Arc<Accel>, embree: Result<Arc<Embree>, EmbreeError>) -> Vec<Box<dyn Way>> {
     let mut all = ways::trees(accel);
     all.extend(ways::brute_force(accel));
-    let embree = Embree::load(threads).and_then(|library| ways::embree(accel, &library));
-    match embree {
+    match embree.and_then(|library| ways::embree(accel, &library)) {
         Ok(embree) => all.extend(embree),
         Err(error) => warn(&format!("Embree is left out: {error}")),
     }

@@ -1,0 +1,174 @@
+//! A scene's triangles in one space.
+
+use super::Triangle;
+use super::tree::{Box32, TRIANGLE_LIMIT};
+use crate::scene::{COORDINATE_LIMIT, Mesh, Scene, SceneError};
+use glam::{DAffine3, DVec3, Vec3};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// Where every object's triangles are.
+pub(super) struct World<'s> {
+    /// What all corners are relative to.
+    pub(super) origin: DVec3,
+    /// The first number of each object, and the number after the last.
+    pub(super) first_numbers: Vec<u32>,
+    objects: Vec<Placed<'s>>,
+}
+
+/// A mesh in the world.
+struct Placed<'s> {
+    mesh: &'s Mesh,
+    /// `None` where positions as the mesh has them are relative to the world's origin.
+    world_from_object: Option<DAffine3>,
+}
+
+/// The triangles that rays can meet.
+pub(super) struct Reachable {
+    /// Their numbers.
+    pub(super) numbers: Vec<u32>,
+    /// The boxes around them.
+    pub(super) boxes: Vec<Box32>,
+    /// Kept triangles that a transform has moved out of range.
+    pub(super) out_of_range: u32,
+}
+
+impl<'s> World<'s> {
+    pub(super) fn of(scene: &'s Scene) -> Result<Self, SceneError> {
+        let transforms = scene.world_from_objects()?;
+        let first_numbers = number(scene)?;
+        let origin = common_origin(scene, &transforms);
+        let objects = scene.objects.iter().zip(transforms);
+        let place = |(object, world_from_object): (&'s crate::scene::Object, _)| {
+            let mesh = &*object.mesh;
+            let as_stored = world_from_object == DAffine3::IDENTITY && mesh.offset() == origin;
+            Placed {
+                mesh,
+                world_from_object: (!as_stored).then_some(world_from_object),
+            }
+        };
+        Ok(Self {
+            origin,
+            first_numbers,
+            objects: objects.map(place).collect(),
+        })
+    }
+
+    /// The triangle of a number. One that its mesh does not have is nowhere.
+    pub(super) fn triangle(&self, number: u32) -> Triangle {
+        let object = match &self.objects[..] {
+            // Nothing to look up.
+            [_] => 0,
+            _ => self.first_numbers.partition_point(|&first| first <= number) - 1,
+        };
+        let corners = self.corners(object, number - self.first_numbers[object]);
+        Triangle { corners, number }
+    }
+
+    fn corners(&self, object: usize, triangle: u32) -> [Vec3; 3] {
+        let Placed {
+            mesh,
+            world_from_object,
+        } = &self.objects[object];
+        let corners = mesh.corners(triangle).unwrap_or([Vec3::NAN; 3]);
+        let Some(world_from_object) = world_from_object else {
+            return corners;
+        };
+        corners.map(|corner| {
+            let in_object = mesh.offset() + corner.as_dvec3();
+            (world_from_object.transform_point3(in_object) - self.origin).as_vec3()
+        })
+    }
+
+    /// All kept triangles but those out of range.
+    pub(super) fn reachable(&self) -> Reachable {
+        let mut numbers =
+            Vec::with_capacity(self.objects.iter().map(|o| o.mesh.kept().len()).sum());
+        for (object, first) in self.objects.iter().zip(&self.first_numbers) {
+            numbers.par_extend(object.mesh.kept().par_iter().map(|kept| first + kept));
+        }
+        let out_of_range = AtomicU32::new(0);
+        let around = |&number: &u32| {
+            let corners = self.triangle(number).corners;
+            if !in_range(&corners) {
+                out_of_range.fetch_add(1, Ordering::Relaxed);
+            }
+            Box32::around(&corners)
+        };
+        let boxes = numbers.par_iter().map(around).collect();
+        let out_of_range = out_of_range.into_inner();
+        if out_of_range == 0 {
+            return Reachable {
+                numbers,
+                boxes,
+                out_of_range,
+            };
+        }
+        numbers.retain(|&number| in_range(&self.triangle(number).corners));
+        let boxes = numbers.par_iter();
+        let boxes = boxes.map(|&number| Box32::around(&self.triangle(number).corners));
+        Reachable {
+            boxes: boxes.collect(),
+            numbers,
+            out_of_range,
+        }
+    }
+}
+
+/// Whether rays can meet a triangle: all its coordinates are within twice the limit, since a mesh at
+/// the limit may have been moved off its offset.
+fn in_range(corners: &[Vec3; 3]) -> bool {
+    let within = |corner: &Vec3| f64::from(corner.abs().max_element()) <= 2.0 * COORDINATE_LIMIT;
+    corners
+        .iter()
+        .all(|corner| corner.is_finite() && within(corner))
+}
+
+/// The first number of each object, and the number after the last.
+fn number(scene: &Scene) -> Result<Vec<u32>, SceneError> {
+    let limit = TRIANGLE_LIMIT;
+    let mut next: u64 = 0;
+    let mut first_numbers = vec![0];
+    for object in &scene.objects {
+        next += object.mesh.triangles().len() as u64;
+        first_numbers.push(next.min(limit.into()) as u32);
+    }
+    if next > limit.into() {
+        return Err(SceneError::TooManyTriangles {
+            triangles: next,
+            limit,
+        });
+    }
+    Ok(first_numbers)
+}
+
+/// What all corners are stored relative to: the first object's place if it lies far from zero.
+///
+/// A mesh at rest keeps its positions as they are when this is its own offset; for others it is as
+/// good as any other point nearby.
+fn common_origin(scene: &Scene, transforms: &[DAffine3]) -> DVec3 {
+    let mut offsets = scene
+        .objects
+        .iter()
+        .zip(transforms)
+        .filter(|(object, _)| !object.mesh.kept().is_empty())
+        .map(|(object, world_from_object)| {
+            let offset = object.mesh.offset();
+            if offset == DVec3::ZERO && world_from_object.translation.abs().max_element() < 1e6 {
+                DVec3::ZERO
+            } else {
+                let place = world_from_object.transform_point3(offset);
+                // Whole numbers of a coarse grain, so that differences from it stay exact.
+                if *world_from_object == DAffine3::IDENTITY {
+                    offset
+                } else {
+                    place.round()
+                }
+            }
+        });
+    let first = offsets.next().unwrap_or(DVec3::ZERO);
+    // Objects far apart share no good origin but zero itself.
+    let shared =
+        offsets.all(|offset| (offset - first).abs().max_element() <= first.abs().max_element());
+    if shared { first } else { DVec3::ZERO }
+}
