@@ -7,7 +7,7 @@ use raycast_core::formats::{read_mesh, read_scene};
 use raycast_core::glam::DVec3;
 use raycast_core::image::{Format, Fragment, Picture, stitch};
 use raycast_core::intersect::Cull;
-use raycast_core::render::{Cancel, Passes, Settings, View};
+use raycast_core::render::{Cancel, Passes, Settings, TileStats, View};
 use raycast_core::scene::{Mesh, Object, Scene, Transform};
 use raycast_core::shade::{Mode, Shading, Wireframe};
 use raycast_oracle::random::Random;
@@ -111,6 +111,59 @@ fn stitched_equals_whole() {
                         "{projection:?} {mode:?} {grid:?} on {threads} threads"
                     );
                 }
+            }
+        }
+    }
+}
+
+/// A picture without layers, which is shaded where it lies, has the pixels of one with them, and tells
+/// of each tile once.
+#[test]
+fn strips_of_tiles_equal_tiles() {
+    let stage = stage();
+    let (columns, rows) = (150, 110);
+    for (index, mode) in MODES.into_iter().enumerate() {
+        let mut view = stage.view(front(PROJECTIONS[index % 2], (columns, rows)), Cull::None);
+        view.settings.shading.mode = mode;
+        view.settings.samples = 1;
+        view.settings.layers = true;
+        let expected = on_threads(1, || render(&view, Grid::Size(16)));
+        view.settings.layers = false;
+        let cast = view.cast(Grid::Size(16));
+        for grid in [
+            Grid::Count {
+                columns: 3,
+                rows: 2,
+            },
+            Grid::Size(1),
+            Grid::Size(8),
+            Grid::Size(17),
+            Grid::Size(64),
+            Grid::Size(1000),
+        ] {
+            for threads in [1, 2, 5] {
+                let told = Mutex::new((0, TileStats::default()));
+                let sink = |stats: &TileStats| {
+                    let mut told = told.lock().expect("no worker panicked");
+                    told.0 += 1;
+                    told.1 += *stats;
+                };
+                // Whatever was there before is gone.
+                let mut picture = Picture::blank(columns, rows, false);
+                picture.pixels.fill([1, 2, 3, 4]);
+                let clock = || Duration::ZERO;
+                let done = on_threads(threads, || {
+                    view.render_into(grid, &clock, &Cancel::default(), &sink, &mut picture)
+                });
+                assert!(done);
+                assert!(
+                    picture.pixels == expected.pixels,
+                    "{mode:?} {grid:?} {threads}"
+                );
+                let (tiles, stats) = told.into_inner().expect("no worker panicked");
+                assert_eq!(tiles, grid.tiles(columns, rows).len());
+                assert_eq!(stats.rays, u64::from(columns * rows));
+                assert_eq!(stats.counts.hits, cast.counts.hits);
             }
         }
     }

@@ -10,4 +10,4 @@ mod ppm;
 
 pub use encode::{Format, ImageError};
 pub use fragment::{Fragment, FragmentError, stitch};
-pub use picture::{Layers, Picture};
+pub use picture::{Layers, Picture, Strip};

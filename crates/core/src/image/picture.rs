@@ -71,28 +71,34 @@ impl Picture {
         }
     }
 
-    /// The rows of each of a grid's tiles, in the order of [`Grid::tiles`]: every pixel once, for
-    /// workers that fill tiles side by side.
-    pub fn tile_rows(&mut self, grid: Grid) -> Vec<Vec<&mut [[u8; 4]]>> {
+    /// The picture in strips of a grid's tiles: every tile once, in the order of [`Grid::tiles`], for
+    /// workers that fill strips side by side. `most` says how many tiles a strip may have where so many
+    /// are left.
+    pub fn strips(&mut self, grid: Grid, most: impl Fn(usize) -> usize) -> Vec<Strip<'_>> {
         let (across, _) = grid.counts(self.width, self.height);
         let tiles = grid.tiles(self.width, self.height);
-        let mut places: Vec<Vec<_>> = tiles
-            .iter()
-            .map(|tile| Vec::with_capacity(tile.height as usize))
-            .collect();
+        let mut strips: Vec<Strip<'_>> = Vec::new();
         let mut rest = &mut self.pixels[..];
-        let bands = tiles.chunks(across.max(1) as usize);
-        for (band, places) in bands.zip(places.chunks_mut(across.max(1) as usize)) {
+        let mut left = tiles.len();
+        for band in tiles.chunks(across.max(1) as usize) {
+            let first = strips.len();
+            let most = most(left).max(1);
+            left -= band.len();
+            strips.extend(band.chunks(most).map(|tiles| Strip {
+                tiles: tiles.to_vec(),
+                rows: Vec::with_capacity(tiles[0].height as usize),
+            }));
             for _ in 0..band[0].height {
-                for (tile, place) in band.iter().zip(&mut *places) {
-                    let columns = (tile.width as usize).min(rest.len());
+                for strip in &mut strips[first..] {
+                    let columns: u32 = strip.tiles.iter().map(|tile| tile.width).sum();
+                    let columns = (columns as usize).min(rest.len());
                     let (row, after) = std::mem::take(&mut rest).split_at_mut(columns);
-                    place.push(row);
+                    strip.rows.push(row);
                     rest = after;
                 }
             }
         }
-        places
+        strips
     }
 
     /// Copies a rectangle's pixels (and layers, where both have them) into their place.
@@ -118,6 +124,26 @@ impl Picture {
             copy_rows(&mut mine.uv, width, rect, &theirs.uv);
         }
         true
+    }
+}
+
+/// Tiles of a picture side by side.
+#[derive(Debug)]
+pub struct Strip<'p> {
+    /// Their rectangles, from left to right; all as high.
+    pub tiles: Vec<Rect>,
+    /// The pixels of all of them, row by row.
+    pub rows: Vec<&'p mut [[u8; 4]]>,
+}
+
+impl Strip<'_> {
+    /// The rows of a rectangle among the tiles, of their height.
+    pub fn rows_of(&mut self, rect: Rect) -> impl Iterator<Item = &mut [[u8; 4]]> {
+        let left = self.tiles.first().map_or(rect.x, |first| first.x);
+        let columns = (rect.x - left) as usize..(rect.x - left + rect.width) as usize;
+        self.rows
+            .iter_mut()
+            .filter_map(move |row| row.get_mut(columns.clone()))
     }
 }
 

@@ -13,7 +13,7 @@ const COLORS: usize = 256;
 const FACETS: usize = 64;
 
 /// Pixels that are looked at together: most show one triangle, or none.
-const RUN: usize = 8;
+const RUN: usize = 16;
 
 /// A [`Shader`] for many pixels near each other, which mostly show triangles already met.
 ///
