@@ -7,7 +7,7 @@ use crate::camera::{Lattice, Rect};
 use crate::image::{Layers, Strip};
 use crate::intersect::Detail;
 use crate::render::Clock;
-use crate::shade::{self, Shader};
+use crate::shade::{self, Shader, TileShader};
 use std::time::Duration;
 
 /// A tile as far as it has come.
@@ -35,13 +35,8 @@ impl Job {
     }
 
     /// Casts the rays through a rectangle's pixels, and forgets what they met.
-    pub(super) fn cast(
-        view: &View,
-        shader: &Shader<'_>,
-        rect: Rect,
-        buffers: &mut Buffers,
-    ) -> TileStats {
-        let mut work = Work::new(view, shader, &|| Duration::ZERO, buffers);
+    pub(super) fn cast(view: &View, rect: Rect, buffers: &mut Buffers<'_>) -> TileStats {
+        let mut work = Work::new(view, &|| Duration::ZERO, buffers);
         work.find(&Lattice::new(view.camera, rect, 1, (0, 0)));
         work.stats
     }
@@ -52,12 +47,12 @@ impl Job {
     /// cores, and long rows get there twice as fast as short ones.
     pub(super) fn paint(
         view: &View,
-        shader: &Shader<'_>,
         strip: &mut Strip<'_>,
         clock: Clock<'_>,
-        buffers: &mut Buffers,
+        buffers: &mut Buffers<'_>,
         sink: &dyn Fn(&TileStats),
     ) {
+        let shader = buffers.shader.shader();
         let mut empty: Option<(Rect, TileStats)> = None;
         let fill = |strip: &mut Strip<'_>, (rect, mut stats): (Rect, TileStats)| {
             let begin = clock();
@@ -66,7 +61,7 @@ impl Job {
             sink(&stats);
         };
         for tile in strip.tiles.clone() {
-            let mut work = Work::new(view, shader, clock, buffers);
+            let mut work = Work::new(view, clock, buffers);
             let lattice = Lattice::new(view.camera, tile, 1, (0, 0));
             work.find(&lattice);
             if work.stats.counts.hits == 0 {
@@ -98,12 +93,11 @@ impl Job {
     pub(super) fn advance(
         &mut self,
         view: &View,
-        shader: &Shader<'_>,
         pass: Pass,
         clock: Clock<'_>,
-        buffers: &mut Buffers,
+        buffers: &mut Buffers<'_>,
     ) -> TileStats {
-        let mut work = Work::new(view, shader, clock, buffers);
+        let mut work = Work::new(view, clock, buffers);
         self.pixels.resize(self.rect.area(), [0; 4]);
         let stride = pass.stride.max(1);
         if pass.samples <= 1 && !view.settings.layers {
@@ -138,8 +132,7 @@ impl Job {
         work.evaluate(lattice);
         let rect = self.rect;
         let pixels = &mut self.pixels;
-        work.shade(|shader, Buffers { hits, .. }| {
-            let mut shader = shader.tile();
+        work.shade(|Buffers { shader, hits, .. }| {
             for row in 0..lattice.rows {
                 for column in 0..lattice.columns {
                     let (x, y) = lattice.place(column, row);
@@ -173,9 +166,8 @@ impl Job {
             work.find(&lattice);
             work.evaluate(&lattice);
             let sums = &mut self.sums;
-            work.shade(|shader, Buffers { hits, .. }| {
-                let mut shader = shader.tile();
-                for (at, (sum, hit)) in sums.iter_mut().zip(hits).enumerate() {
+            work.shade(|Buffers { shader, hits, .. }| {
+                for (at, (sum, hit)) in sums.iter_mut().zip(&*hits).enumerate() {
                     let (x, y) =
                         lattice.place(at as u32 % lattice.columns, at as u32 / lattice.columns);
                     let [r, g, b, a] = shader.color(x, y, hit);
@@ -209,46 +201,56 @@ impl Job {
         }
     }
 
-    /// The tile at its end.
-    pub(super) fn into_tile(self, stats: TileStats) -> Tile {
+    /// The tile at its end; nothing of it stays.
+    pub(super) fn take_tile(&mut self, stats: TileStats) -> Tile {
+        let Self {
+            rect,
+            pixels,
+            layers,
+            ..
+        } = std::mem::replace(self, Self::new(self.rect));
         Tile {
-            rect: self.rect,
-            pixels: self.pixels,
-            layers: self.layers,
+            rect,
+            pixels,
+            layers,
             stats,
         }
     }
 }
 
 /// What a worker keeps from tile to tile.
-#[derive(Debug, Default)]
-pub(super) struct Buffers {
+#[derive(Debug)]
+pub(super) struct Buffers<'s> {
     /// Triangles met.
     slots: Vec<u32>,
     /// Where.
     hits: Vec<SlotHit>,
+    shader: TileShader<'s>,
+}
+
+impl<'s> Buffers<'s> {
+    pub(super) fn new(shader: &'s Shader<'s>) -> Self {
+        Self {
+            slots: Vec::new(),
+            hits: Vec::new(),
+            shader: shader.tile(),
+        }
+    }
 }
 
 /// What casting and shading need, and what they took.
-struct Work<'a, 'b> {
+struct Work<'a, 's> {
     view: &'a View,
-    shader: &'a Shader<'a>,
     clock: Clock<'a>,
-    buffers: &'b mut Buffers,
+    buffers: &'a mut Buffers<'s>,
     stats: TileStats,
 }
 
-impl<'a, 'b> Work<'a, 'b> {
-    fn new(
-        view: &'a View,
-        shader: &'a Shader<'a>,
-        clock: Clock<'a>,
-        buffers: &'b mut Buffers,
-    ) -> Self {
+impl<'a, 's> Work<'a, 's> {
+    fn new(view: &'a View, clock: Clock<'a>, buffers: &'a mut Buffers<'s>) -> Self {
         let worker = rayon::current_thread_index().unwrap_or(0) as u32;
         Self {
             view,
-            shader,
             clock,
             buffers,
             stats: TileStats {
@@ -263,7 +265,7 @@ impl<'a, 'b> Work<'a, 'b> {
         let lattice = Lattice::new(self.view.camera, rect, 1, (0, 0));
         self.find(&lattice);
         if self.stats.counts.hits == 0 {
-            self.shade(|shader, _| shader.shade_nothing(rect, rows));
+            self.shade(|buffers| buffers.shader.shader().shade_nothing(rect, rows));
         } else {
             self.shade_found(&lattice, rect, rows);
         }
@@ -276,11 +278,11 @@ impl<'a, 'b> Work<'a, 'b> {
         rect: Rect,
         rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
     ) {
-        if self.shader.detail() == Detail::Triangle {
-            self.shade(|shader, buffers| shader.shade_slots(rect, &buffers.slots, rows));
+        if self.shader().detail() == Detail::Triangle {
+            self.shade(|Buffers { shader, slots, .. }| shader.shade_slots(rect, slots, rows));
         } else {
             self.evaluate(lattice);
-            self.shade(|shader, buffers| shader.shade_tile(rect, &buffers.hits, rows));
+            self.shade(|Buffers { shader, hits, .. }| shader.shade(rect, hits, rows));
         }
     }
 
@@ -306,8 +308,9 @@ impl<'a, 'b> Work<'a, 'b> {
             layers,
             ..
         } = self.view.settings;
+        let full = layers || self.shader().detail() == Detail::Full;
         let Buffers { slots, hits, .. } = &mut *self.buffers;
-        if layers || self.shader.detail() == Detail::Full {
+        if full {
             self.view
                 .accel
                 .evaluate(lattice, cull, precision, slots, hits);
@@ -321,9 +324,13 @@ impl<'a, 'b> Work<'a, 'b> {
         self.stats.shade += self.since(begin);
     }
 
-    fn shade(&mut self, shade: impl FnOnce(&Shader<'_>, &Buffers)) {
+    fn shader(&self) -> &'s Shader<'s> {
+        self.buffers.shader.shader()
+    }
+
+    fn shade(&mut self, shade: impl FnOnce(&mut Buffers<'s>)) {
         let begin = (self.clock)();
-        shade(self.shader, self.buffers);
+        shade(self.buffers);
         self.stats.shade += self.since(begin);
     }
 
@@ -339,7 +346,7 @@ impl<'a, 'b> Work<'a, 'b> {
         for (at, hit) in hits.iter().enumerate().filter(|(_, hit)| !hit.is_miss()) {
             let (x, y) = lattice.place(at as u32 % lattice.columns, at as u32 / lattice.columns);
             (layers.object[at], layers.triangle[at]) = self.view.accel.identify(hit.slot);
-            (layers.normal[at], layers.uv[at]) = self.shader.surface(x, y, hit);
+            (layers.normal[at], layers.uv[at]) = self.shader().surface(x, y, hit);
             layers.depth[at] = hit.t;
         }
         self.stats.shade += self.since(begin);

@@ -89,20 +89,21 @@ impl View {
         let plane = self.camera.plane();
         let tiles = grid.tiles(plane.columns, plane.rows);
         let shader = self.shader();
+        let buffers = || Buffers::new(&shader);
         if self.settings.samples <= 1 && !self.settings.layers {
             // Long strips first, for long rows of pixels, and short ones last, for which no worker waits
             // long (Polychronopoulos and Kuck, "Guided Self-Scheduling", 1987).
             let share = 4 * rayon::current_num_threads();
             let strips = picture.strips(grid, |left| left / share);
             let strips: Vec<_> = strips.into_iter().map(Mutex::new).collect();
-            return in_parallel(strips.len(), cancel, |buffers, index| {
+            return in_parallel(strips.len(), cancel, buffers, |buffers, index| {
                 let mut strip = strips[index].lock().unwrap_or_else(PoisonError::into_inner);
-                Job::paint(self, &shader, &mut strip, clock, buffers, sink);
+                Job::paint(self, &mut strip, clock, buffers, sink);
             });
         }
         let picture = Mutex::new(picture);
-        in_parallel(tiles.len(), cancel, |buffers, index| {
-            let tile = self.finish(&shader, tiles[index], clock, buffers);
+        in_parallel(tiles.len(), cancel, buffers, |buffers, index| {
+            let tile = self.finish(tiles[index], clock, buffers);
             let mut picture = picture.lock().unwrap_or_else(PoisonError::into_inner);
             picture.place(tile.rect, &tile.pixels, tile.layers.as_ref());
             drop(picture);
@@ -116,16 +117,23 @@ impl View {
         let tiles = grid.tiles(plane.columns, plane.rows);
         let sum = Mutex::new(TileStats::default());
         let shader = self.shader();
-        in_parallel(tiles.len(), &Cancel::default(), |buffers, index| {
-            let stats = Job::cast(self, &shader, tiles[index], buffers);
-            *sum.lock().unwrap_or_else(PoisonError::into_inner) += stats;
-        });
+        let buffers = || Buffers::new(&shader);
+        in_parallel(
+            tiles.len(),
+            &Cancel::default(),
+            buffers,
+            |buffers, index| {
+                let stats = Job::cast(self, tiles[index], buffers);
+                *sum.lock().unwrap_or_else(PoisonError::into_inner) += stats;
+            },
+        );
         sum.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Renders one rectangle of the picture: what the sub-camera over it sees.
     pub fn render_rect(&self, rect: Rect, clock: Clock<'_>) -> Tile {
-        self.finish(&self.shader(), rect, clock, &mut Buffers::default())
+        let shader = self.shader();
+        self.finish(rect, clock, &mut Buffers::new(&shader))
     }
 
     /// Renders `passes` one after another, each tile of each pass handed to `sink` whole, from the
@@ -149,11 +157,19 @@ impl View {
             .map(|rect| Mutex::new(Job::new(rect)))
             .collect();
         let shader = self.shader();
-        passes.iter().all(|&pass| {
-            in_parallel(jobs.len(), cancel, |buffers, index| {
+        let buffers = || Buffers::new(&shader);
+        let last = passes.len().saturating_sub(1);
+        passes.iter().enumerate().all(|(number, &pass)| {
+            in_parallel(jobs.len(), cancel, buffers, |buffers, index| {
                 let mut job = jobs[index].lock().unwrap_or_else(PoisonError::into_inner);
-                let stats = job.advance(self, &shader, pass, clock, buffers);
-                sink(pass, job.tile(stats));
+                let stats = job.advance(self, pass, clock, buffers);
+                let tile = if number == last {
+                    job.take_tile(stats)
+                } else {
+                    job.tile(stats)
+                };
+                drop(job);
+                sink(pass, tile);
             })
         })
     }
@@ -163,32 +179,31 @@ impl View {
     }
 
     /// A tile in one go.
-    fn finish(
-        &self,
-        shader: &Shader<'_>,
-        rect: Rect,
-        clock: Clock<'_>,
-        buffers: &mut Buffers,
-    ) -> Tile {
+    fn finish(&self, rect: Rect, clock: Clock<'_>, buffers: &mut Buffers<'_>) -> Tile {
         let mut job = Job::new(rect);
         let pass = Pass {
             stride: 1,
             samples: self.settings.samples.max(1),
         };
-        let stats = job.advance(self, shader, pass, clock, buffers);
-        job.into_tile(stats)
+        let stats = job.advance(self, pass, clock, buffers);
+        job.take_tile(stats)
     }
 }
 
 /// Calls `work` with every index below `count`, in ascending order as far as several workers can,
 /// until `cancel`; each worker has buffers of its own. Returns whether all were done.
-fn in_parallel(count: usize, cancel: &Cancel, work: impl Fn(&mut Buffers, usize) + Sync) -> bool {
+fn in_parallel<B>(
+    count: usize,
+    cancel: &Cancel,
+    buffers: impl Fn() -> B + Sync,
+    work: impl Fn(&mut B, usize) + Sync,
+) -> bool {
     let next = AtomicUsize::new(0);
     let done = AtomicUsize::new(0);
     rayon::scope(|scope| {
         for _ in 0..rayon::current_num_threads() {
             scope.spawn(|_| {
-                let mut buffers = Buffers::default();
+                let mut buffers = buffers();
                 while !cancel.is_cancelled() {
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     if index >= count {

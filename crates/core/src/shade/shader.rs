@@ -6,7 +6,7 @@ use super::smooth::{self, Facets, Row, Vectors};
 use super::srgb::{self, Tables};
 use super::triplanar::Triplanar;
 use super::{Background, Mode, Shading, TextureProjection, TileShader, Wireframe};
-use crate::accel::simd::Lanes;
+use crate::accel::simd::{LANES, Lanes};
 use crate::accel::{Accel, MISS, Simd, SlotHit};
 use crate::camera::{Camera, Projection, Rect};
 use crate::intersect::Detail;
@@ -202,35 +202,12 @@ impl<'a> Shader<'a> {
         )
     }
 
-    /// A shader for the pixels of one tile, on one thread: it remembers the triangles that it met.
+    /// A shader for many pixels, on one thread: it remembers the triangles that it met.
     pub fn tile(&self) -> TileShader<'_> {
         TileShader::new(self)
     }
 
-    /// Colours the pixels of `rect`, given as its rows, from hits at their centres, row by row.
-    ///
-    /// Pixels without a hit, or beyond the rectangle, are left alone.
-    pub fn shade_tile<'p>(
-        &self,
-        rect: Rect,
-        hits: &[SlotHit],
-        rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
-    ) {
-        self.tile().shade(rect, hits, rows);
-    }
-
-    /// As [`Shader::shade_tile`] where the triangles alone are known: for pictures whose
-    /// [`Shader::detail`] asks for no more.
-    pub fn shade_slots<'p>(
-        &self,
-        rect: Rect,
-        slots: &[u32],
-        rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
-    ) {
-        self.tile().shade_slots(rect, slots, rows);
-    }
-
-    /// As [`Shader::shade_tile`] where nothing was met.
+    /// As [`TileShader::shade`] where nothing was met.
     pub fn shade_nothing<'p>(&self, rect: Rect, rows: impl Iterator<Item = &'p mut [[u8; 4]]>) {
         for (y, row) in (rect.y..rect.bottom()).zip(rows) {
             row.fill(self.backdrop8(y));
@@ -275,16 +252,21 @@ impl<'a> Shader<'a> {
         &self,
         lanes: L,
         facets: &Facets<L>,
-        weights: (&Row, &Row),
+        weights: Option<(&Row, &Row)>,
         place: (&Row, f32),
     ) -> Vectors<L> {
         smooth::light(lanes, facets, &self.lights, &self.to_eye, weights, place)
     }
 
-    /// The bytes of an opaque colour.
+    /// The bytes of eight opaque colours.
     #[inline(always)]
-    pub(super) fn encode_opaque(&self, color: Vec3) -> [u8; 4] {
-        self.tables.encode_opaque(color)
+    pub(super) fn encode_row<L: Lanes>(
+        &self,
+        lanes: L,
+        colors: Vectors<L>,
+        pixels: &mut [[u8; 4]; LANES],
+    ) {
+        self.tables.encode_row(lanes, colors, pixels);
     }
 
     /// What the mode asks of each triangle.
@@ -443,6 +425,7 @@ impl<'a> Shader<'a> {
     }
 
     /// The triangle's colour and its object's texture, mixed in linear light.
+    #[inline]
     pub(super) fn surface_color(&self, facet: &Facet, hit: &SlotHit) -> Vec3 {
         let Some(mapping) = &facet.texture else {
             return facet.color;

@@ -11,9 +11,11 @@ use glam::Vec3;
 /// Eight numbers in memory.
 pub(super) type Row = [f32; LANES];
 
-/// Eight vectors in memory, coordinates side by side.
+/// Eight vectors in memory, coordinates side by side. Aligned, since a lane that is read back from a
+/// store across two cache lines waits for it to leave.
 #[derive(Clone, Copy)]
-pub(super) struct Rows([Row; 3]);
+#[repr(align(32))]
+pub(super) struct Rows(pub(super) [Row; 3]);
 
 impl Rows {
     /// Eight times zero.
@@ -25,12 +27,6 @@ impl Rows {
         for (row, coordinate) in self.0.iter_mut().zip(vector.to_array()) {
             row[lane] = coordinate;
         }
-    }
-
-    /// A lane's vector.
-    #[inline(always)]
-    pub(super) fn get(&self, lane: usize) -> Vec3 {
-        Vec3::from(self.0.map(|row| row[lane]))
     }
 }
 
@@ -87,6 +83,18 @@ impl<L: Lanes> Vectors<L> {
         self.with(other, L::add)
     }
 
+    /// The lesser coordinates; where either is not a number, the other's.
+    #[inline(always)]
+    pub(super) fn min(self, other: Self) -> Self {
+        self.with(other, L::min)
+    }
+
+    /// The greater coordinates; where either is not a number, the other's.
+    #[inline(always)]
+    pub(super) fn max(self, other: Self) -> Self {
+        self.with(other, L::max)
+    }
+
     /// Products, coordinate by coordinate.
     #[inline(always)]
     pub(super) fn times(self, other: Self) -> Self {
@@ -121,6 +129,7 @@ pub(super) struct Facets<L: Lanes> {
 }
 
 /// [`Facets`] in memory, to be filled lane by lane.
+#[repr(C)]
 pub(super) struct FacetRows {
     flat: Rows,
     corners: [Rows; 3],
@@ -196,7 +205,8 @@ impl<L: Lanes> Facets<L> {
 }
 
 /// The light on eight pixels at barycentrics (u, v) of their triangles: what
-/// [`Lights::on`](super::light::Lights::on) says. `to_eye` is the [`Shader`](super::Shader)'s; the
+/// [`Lights::on`](super::light::Lights::on) says; without weights the triangles' own normals count.
+/// `to_eye` is the [`Shader`](super::Shader)'s; the
 /// pixels are `x` to the right in the picture and `y` down.
 #[inline(always)]
 pub(super) fn light<L: Lanes>(
@@ -204,11 +214,14 @@ pub(super) fn light<L: Lanes>(
     facets: &Facets<L>,
     lights: &Lights,
     to_eye: &[Vec3; 3],
-    (u, v): (&Row, &Row),
+    weights: Option<(&Row, &Row)>,
     (x, y): (&Row, f32),
 ) -> Vectors<L> {
     let splat = |vector| Vectors::splat(lanes, vector);
-    let normal = facets.normal_at(lanes, lanes.load(u), lanes.load(v));
+    let normal = match weights {
+        Some((u, v)) => facets.normal_at(lanes, lanes.load(u), lanes.load(v)),
+        None => facets.flat,
+    };
     let [corner, right, down] = to_eye.map(splat);
     let to_eye = corner
         .plus(right.scaled(lanes.load(x)))

@@ -1,6 +1,8 @@
 //! Between sRGB bytes and linear light (IEC 61966-2-1), by tables: exact to the last byte, and no
 //! power in any pixel's loop.
 
+use super::smooth::Vectors;
+use crate::accel::simd::{LANES, Lanes};
 use crate::scene::Color;
 use glam::Vec3;
 use std::sync::LazyLock;
@@ -28,11 +30,13 @@ const BUCKETS: usize = 13 * 128;
 pub(crate) struct Tables {
     /// The linear light of each byte.
     linear: [f32; 256],
-    /// The least linear light that rounds to each byte; infinity after the last.
-    begins: [f32; 257],
-    /// The byte at each bucket's lower end.
-    bucket: [u8; BUCKETS],
+    /// Of each bucket the byte at its lower end, times [`BUCKET`], plus what a number's bits within the
+    /// bucket lack of [`BUCKET`] where the next byte begins.
+    steps: [u32; BUCKETS],
 }
+
+/// How many numbers a bucket has.
+const BUCKET: u32 = 1 << BUCKET_SHIFT;
 
 /// Linear light from an sRGB value, both 0 to 1.
 fn to_linear(value: f64) -> f64 {
@@ -43,27 +47,31 @@ fn to_linear(value: f64) -> f64 {
     }
 }
 
+/// The least linear light that rounds to a byte: the first single at or above the real threshold.
+fn begin(byte: u8) -> f32 {
+    let threshold = to_linear(((f64::from(byte) - 0.5) / 255.0).max(0.0));
+    let nearest = threshold as f32;
+    if f64::from(nearest) < threshold {
+        nearest.next_up()
+    } else {
+        nearest
+    }
+}
+
 impl Tables {
     fn new() -> Self {
-        let mut begins = [f32::INFINITY; 257];
-        for (byte, begin) in begins.iter_mut().take(256).enumerate() {
-            // The first single-precision number at or above the real threshold.
-            let threshold = to_linear(((byte as f64 - 0.5) / 255.0).max(0.0));
-            let nearest = threshold as f32;
-            *begin = if f64::from(nearest) < threshold {
-                nearest.next_up()
-            } else {
-                nearest
-            };
-        }
-        let bucket = std::array::from_fn(|index| {
-            let lower = f32::from_bits(DARKEST.to_bits() + ((index as u32) << BUCKET_SHIFT));
-            (begins.partition_point(|&begin| begin <= lower) - 1) as u8
-        });
+        let begins: [f32; 256] = std::array::from_fn(|byte| begin(byte as u8));
+        let step = |index: usize| {
+            let lower = DARKEST.to_bits() + index as u32 * BUCKET;
+            let reached = |&begin: &f32| begin.to_bits() <= lower;
+            let byte = begins.partition_point(reached) as u32 - 1;
+            let next = begins.get(byte as usize + 1);
+            let next = next.map_or(BUCKET, |next| (next.to_bits() - lower).min(BUCKET));
+            byte * BUCKET + (BUCKET - next)
+        };
         Self {
             linear: std::array::from_fn(|byte| to_linear(byte as f64 / 255.0) as f32),
-            begins,
-            bucket,
+            steps: std::array::from_fn(step),
         }
     }
 
@@ -76,14 +84,42 @@ impl Tables {
     #[inline(always)]
     pub(crate) fn encode(&self, linear: f32) -> u8 {
         // NaN compares as false, and becomes the darkest.
-        let linear = if linear > DARKEST {
+        self.encode_within(if linear > DARKEST {
             linear.min(BRIGHTEST)
         } else {
             DARKEST
-        };
-        let index = (linear.to_bits() - DARKEST.to_bits()) >> BUCKET_SHIFT;
-        let byte = self.bucket[index as usize];
-        byte + u8::from(linear >= self.begins[usize::from(byte) + 1])
+        })
+    }
+
+    /// The same of a value from [`DARKEST`] to [`BRIGHTEST`].
+    #[inline(always)]
+    fn encode_within(&self, linear: f32) -> u8 {
+        let above = linear.to_bits() - DARKEST.to_bits();
+        let step = self.steps[(above / BUCKET) as usize];
+        ((step + above % BUCKET) / BUCKET) as u8
+    }
+
+    /// The bytes of eight opaque colours.
+    #[inline(always)]
+    pub(super) fn encode_row<L: Lanes>(
+        &self,
+        lanes: L,
+        colors: Vectors<L>,
+        pixels: &mut [[u8; 4]; LANES],
+    ) {
+        let [x, y, z] = colors
+            .max(Vectors::splat(lanes, Vec3::splat(DARKEST)))
+            .min(Vectors::splat(lanes, Vec3::splat(BRIGHTEST)))
+            .store()
+            .0;
+        for (lane, pixel) in pixels.iter_mut().enumerate() {
+            *pixel = [
+                self.encode_within(x[lane]),
+                self.encode_within(y[lane]),
+                self.encode_within(z[lane]),
+                u8::MAX,
+            ];
+        }
     }
 
     /// The bytes of an opaque colour.
@@ -196,7 +232,7 @@ mod tests {
     #[test]
     fn every_threshold_is_sharp() {
         for byte in 1..=255u8 {
-            let begin = TABLES.begins[usize::from(byte)];
+            let begin = begin(byte);
             assert_eq!(TABLES.encode(begin), byte);
             assert_eq!(TABLES.encode(begin.next_down()), byte - 1);
             assert!((formula(f64::from(begin)) - (f64::from(byte) - 0.5)).abs() < 1e-4);

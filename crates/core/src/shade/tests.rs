@@ -352,11 +352,13 @@ fn tiles_remember_without_a_trace() {
                 let shader = bench.shader(shading);
                 let mut pixels = vec![[0; 4]; rect.area()];
                 let columns = rect.width as usize;
-                shader.shade_tile(rect, &hits, pixels.chunks_mut(columns));
+                shader.tile().shade(rect, &hits, pixels.chunks_mut(columns));
                 if shader.detail() == Detail::Triangle {
                     let slots: Vec<u32> = hits.iter().map(|hit| hit.slot).collect();
                     let mut from_slots = vec![[0; 4]; rect.area()];
-                    shader.shade_slots(rect, &slots, from_slots.chunks_mut(columns));
+                    shader
+                        .tile()
+                        .shade_slots(rect, &slots, from_slots.chunks_mut(columns));
                     assert_eq!(pixels, from_slots, "{shading:?}");
                 }
                 let mut tile = shader.tile();

@@ -10,7 +10,7 @@ use crate::camera::Rect;
 const COLORS: usize = 256;
 
 /// How many triangles a tile remembers: fewer, because one takes some 300 bytes.
-const FACETS: usize = 64;
+const FACETS: usize = 1024;
 
 /// Pixels that are looked at together: most show one triangle, or none.
 const RUN: usize = 16;
@@ -36,6 +36,11 @@ impl<'s> TileShader<'s> {
         }
     }
 
+    /// What it shades as.
+    pub fn shader(&self) -> &'s Shader<'s> {
+        self.shader
+    }
+
     /// As [`Shader::color`].
     pub fn color(&mut self, x: f64, y: f64, hit: &SlotHit) -> [f32; 4] {
         if hit.slot == MISS {
@@ -54,7 +59,9 @@ impl<'s> TileShader<'s> {
         }
     }
 
-    /// As [`Shader::shade_tile`].
+    /// Colours the pixels of `rect`, given as its rows, from hits at their centres, row by row.
+    ///
+    /// Pixels without a hit, or beyond the rectangle, are left alone.
     pub fn shade<'p>(
         &mut self,
         rect: Rect,
@@ -93,14 +100,15 @@ impl<'s> TileShader<'s> {
         }
     }
 
-    /// Eight pixels of a row in the smooth mode, at barycentrics (u, v) of their triangles.
+    /// Eight pixels of a row in the smooth mode, at barycentrics (u, v) of their triangles; `None` where
+    /// no triangle has normals or a texture, to which they matter.
     #[inline(always)]
     fn shade_smooth(
         &mut self,
         lanes: impl Lanes,
         (left, y): (u32, u32),
         slots: &[u32; LANES],
-        (u, v): (&Row, &Row),
+        weights: Option<(&Row, &Row)>,
         pixels: &mut [[u8; 4]; LANES],
     ) {
         let shader = self.shader;
@@ -111,8 +119,8 @@ impl<'s> TileShader<'s> {
         }
         let hit = |lane: usize| SlotHit {
             slot: slots[lane],
-            u: u[lane],
-            v: v[lane],
+            u: weights.map_or(0.0, |(u, _)| u[lane]),
+            v: weights.map_or(0.0, |(_, v)| v[lane]),
             ..SlotHit::NONE
         };
         let mut colors = Rows::ZERO;
@@ -129,20 +137,27 @@ impl<'s> TileShader<'s> {
             }
         } else {
             let mut facets = FacetRows::NONE;
-            for lane in (0..LANES).filter(|&lane| slots[lane] != MISS) {
-                let facet = self.facet(slots[lane]);
-                colors.set(lane, shader.surface_color(facet, &hit(lane)));
-                facets.set(lane, facet);
+            let mut lane = 0;
+            while lane < LANES {
+                let slot = slots[lane];
+                let next = (lane + 1..LANES).find(|&next| slots[next] != slot);
+                let run = lane..next.unwrap_or(LANES);
+                lane = run.end;
+                if slot == MISS {
+                    continue;
+                }
+                let facet = self.facet(slot);
+                for lane in run {
+                    colors.set(lane, shader.surface_color(facet, &hit(lane)));
+                    facets.set(lane, facet);
+                }
             }
             let facets = Facets::load(lanes, &facets);
             (facets, Vectors::load(lanes, &colors))
         };
         let x = std::array::from_fn(|lane| left as f32 + lane as f32 + 0.5);
-        let light = shader.light(lanes, &facets, (u, v), (&x, y as f32 + 0.5));
-        let colors = colors.times(light).store();
-        for (lane, pixel) in pixels.iter_mut().enumerate() {
-            *pixel = shader.encode_opaque(colors.get(lane));
-        }
+        let light = shader.light(lanes, &facets, weights, (&x, y as f32 + 0.5));
+        shader.encode_row(lanes, colors.times(light), pixels);
         if !one {
             let backdrop = shader.backdrop8(y);
             for (&slot, pixel) in slots.iter().zip(pixels) {
@@ -165,9 +180,8 @@ impl<'s> TileShader<'s> {
     ) {
         let (rows, rest) = slots.as_chunks();
         let (pixel_rows, pixels) = pixels.as_chunks_mut();
-        let nowhere = (&[0.0; LANES], &[0.0; LANES]);
         for (slots, pixels) in rows.iter().zip(pixel_rows) {
-            self.shade_smooth(lanes, (left, y), slots, nowhere, pixels);
+            self.shade_smooth(lanes, (left, y), slots, None, pixels);
             left += LANES as u32;
         }
         for (x, (&slot, pixel)) in (left..).zip(rest.iter().zip(pixels)) {
@@ -175,7 +189,8 @@ impl<'s> TileShader<'s> {
         }
     }
 
-    /// As [`Shader::shade_slots`].
+    /// As [`TileShader::shade`] where the triangles alone are known: for pictures whose
+    /// [`Shader::detail`] asks for no more.
     pub fn shade_slots<'p>(
         &mut self,
         rect: Rect,
@@ -304,7 +319,7 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadeSmooth<'_, '_, '_,
                 let slots = hits.map(|hit| hit.slot);
                 let (u, v) = (hits.map(|hit| hit.u), hits.map(|hit| hit.v));
                 self.shader
-                    .shade_smooth(lanes, (left, y), &slots, (&u, &v), pixels);
+                    .shade_smooth(lanes, (left, y), &slots, Some((&u, &v)), pixels);
                 left += LANES as u32;
             }
             self.shader.shade_hits(left, y, rest, pixels);
