@@ -33,6 +33,18 @@ pub struct Progress {
     pub elapsed: Duration,
 }
 
+/// How the picture gets to the window in this frame.
+#[derive(Clone, Copy, Default)]
+enum Shown {
+    /// Not at all.
+    #[default]
+    Not,
+    /// By the [`Presenter`].
+    Copied,
+    /// As a texture.
+    Painted,
+}
+
 /// Pixels, what is known of the tiles, and the texture.
 #[derive(Default)]
 pub struct Canvas {
@@ -42,6 +54,7 @@ pub struct Canvas {
     presenter: Option<Presenter>,
     texture: Option<TextureHandle>,
     dirty: Dirty,
+    shown: Shown,
     generation: u64,
     layout: Arc<Layout>,
     notes: Vec<Option<TileNote>>,
@@ -157,13 +170,28 @@ impl Canvas {
     }
 
     /// What shows the picture by copying its pixels as they are over `rect`, which is of their number;
-    /// `None` where the window has no such way.
+    /// `None` where the window has no such way. To be followed by [`Canvas::hand_over`].
     pub fn copy_to(&mut self, rect: egui::Rect) -> Option<egui::Shape> {
-        self.presenter.as_ref()?;
+        let shape = self.presenter.as_ref()?.shape(rect);
         self.arrange(true);
-        let dirty = std::mem::take(&mut self.dirty);
-        let image = Arc::clone(&self.image);
-        Some(self.presenter.as_ref()?.shape(rect, image, dirty))
+        self.shown = Shown::Copied;
+        Some(shape)
+    }
+
+    /// Hands over what has come since the picture was put into this frame: the last thing before the
+    /// frame is painted.
+    pub fn hand_over(&mut self, context: &egui::Context) {
+        match (std::mem::take(&mut self.shown), &self.presenter) {
+            (Shown::Copied, Some(presenter)) => {
+                let dirty = std::mem::take(&mut self.dirty);
+                presenter.hand_over(Arc::clone(&self.image), dirty);
+            }
+            (Shown::Painted, _) => {
+                self.texture(context);
+                self.shown = Shown::Not;
+            }
+            _ => {}
+        }
     }
 
     /// A pixel of which nothing is known: clear, or what is behind it where nothing shows through.
@@ -195,6 +223,7 @@ impl Canvas {
             return None;
         }
         self.arrange(false);
+        self.shown = Shown::Painted;
         // Nearest: few rays show as the blocks that they are.
         let options = TextureOptions::NEAREST;
         let size = self.image.size;

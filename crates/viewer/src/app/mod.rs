@@ -214,7 +214,7 @@ impl App {
             let effect = update::receive(&mut self.state, news, now);
             self.carry_out(effect);
         }
-        for batch in self.renderer.outbox().fetch(now) {
+        for batch in self.renderer.outbox().fetch(now, |_| true) {
             self.canvas.take_in(batch);
         }
         if let Some(next) = update::expire_toasts(&mut self.state, now) {
@@ -227,6 +227,16 @@ impl App {
             .map(|file| file.path().to_path_buf())
             .collect();
         self.drop_in(paths);
+    }
+
+    /// Takes in tiles that have come since the frame began: a picture that was asked for in the last one
+    /// is then mostly there. One of another size must wait, since this one's place is laid out.
+    fn take_in_late(&mut self, context: &egui::Context) {
+        let (now, size) = ((self.clock)(), self.canvas.size());
+        for batch in self.renderer.outbox().fetch(now, |other| other == size) {
+            self.canvas.take_in(batch);
+        }
+        self.canvas.hand_over(context);
     }
 
     /// Opens what was dropped: an image becomes the texture, anything else the scene.
@@ -350,6 +360,7 @@ impl eframe::App for App {
         self.show(ui);
         self.request();
         self.set_title(ui.ctx());
+        self.take_in_late(ui.ctx());
         let now = (self.clock)();
         let line = FrameLine {
             now,

@@ -53,12 +53,12 @@ impl Presenter {
         })
     }
 
-    /// What shows a picture at its own size, over what is there: its pixels are blue, green, red, alpha,
-    /// and their alpha is ignored. `dirty` says what has changed since the last one.
-    pub fn shape(&self, rect: Rect, image: Arc<ColorImage>, dirty: Dirty) -> Shape {
-        let mut shared = self.lock();
+    /// The picture to show from now on: its pixels are blue, green, red, alpha, and their alpha is ignored.
+    /// `dirty` says what has changed since the last one.
+    pub fn hand_over(&self, image: Arc<ColorImage>, dirty: Dirty) {
+        let mut shared = self.shared.lock().unwrap_or_else(PoisonError::into_inner);
         shared.image = image;
-        // What an earlier shape brought may not have been painted.
+        // What came earlier may not have been painted.
         shared.dirty = match (std::mem::take(&mut shared.dirty), dirty) {
             (Dirty::Nothing, new) => new,
             (old, Dirty::Nothing) => old,
@@ -68,7 +68,11 @@ impl Presenter {
             }
             _ => Dirty::All,
         };
-        drop(shared);
+    }
+
+    /// What shows the picture at its own size, over what is there: the one that was handed over last when
+    /// it is painted.
+    pub fn shape(&self, rect: Rect) -> Shape {
         let shared = Arc::clone(&self.shared);
         let paint = move |info: PaintCallbackInfo, painter: &eframe::egui_glow::Painter| {
             let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
@@ -80,10 +84,6 @@ impl Presenter {
             rect,
             callback: Arc::new(eframe::egui_glow::CallbackFn::new(paint)),
         })
-    }
-
-    fn lock(&self) -> std::sync::MutexGuard<'_, Shared> {
-        self.shared.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -220,16 +220,22 @@ impl Outbox {
         }
     }
 
-    /// Takes what there is to show, oldest first.
-    pub fn fetch(&self, now: Duration) -> Vec<Batch> {
+    /// Takes what there is to show, oldest first, up to a picture whose size does not fit.
+    pub fn fetch(&self, now: Duration, fits: impl Fn((u32, u32)) -> bool) -> Vec<Batch> {
         let mut inner = self.lock();
         let mut batches = Vec::new();
+        if let Some(ready) = &inner.ready
+            && !fits(ready.layout.size)
+        {
+            return batches;
+        }
         if let Some(mut ready) = inner.ready.take() {
             batches.push(ready.drain());
         }
         if let Some(current) = &mut inner.current
             && current.news
             && current.can_be_seen(now)
+            && fits(current.layout.size)
         {
             batches.push(current.drain());
         }
@@ -297,9 +303,9 @@ mod tests {
         let now = Duration::from_millis(1);
         outbox.begin(1, Arc::clone(&layout), Duration::ZERO);
         assert!(!outbox.put(COARSE, tile(&layout, 1, 1), now).pass_done);
-        assert!(outbox.fetch(now).is_empty());
+        assert!(outbox.fetch(now, |_| true).is_empty());
         assert!(outbox.put(COARSE, tile(&layout, 0, 1), now).pass_done);
-        let batches = outbox.fetch(now);
+        let batches = outbox.fetch(now, |_| true);
         assert_eq!(batches.len(), 1);
         let orders: Vec<_> = batches[0]
             .tiles
@@ -308,7 +314,7 @@ mod tests {
             .collect();
         assert_eq!(orders, [(1, 0), (0, 1)]);
         assert!(
-            outbox.fetch(now).is_empty(),
+            outbox.fetch(now, |_| true).is_empty(),
             "each tile is handed over once"
         );
     }
@@ -332,7 +338,7 @@ mod tests {
         let (outbox, layout) = (Outbox::default(), layout());
         outbox.begin(1, Arc::clone(&layout), Duration::ZERO);
         outbox.put(COARSE, tile(&layout, 0, 1), HOLD);
-        assert_eq!(outbox.fetch(HOLD).len(), 1);
+        assert_eq!(outbox.fetch(HOLD, |_| true).len(), 1);
     }
 
     #[test]
@@ -345,7 +351,7 @@ mod tests {
             }
         }
         outbox.finish(Duration::from_millis(5));
-        let batches = outbox.fetch(Duration::ZERO);
+        let batches = outbox.fetch(Duration::ZERO, |_| true);
         assert_eq!(batches[0].tiles.len(), 2, "one picture waits, not two");
         assert!(batches[0].tiles.iter().all(|a| a.tile.pixels[0] == [2; 4]));
         assert!(batches[0].complete);
@@ -361,7 +367,7 @@ mod tests {
         outbox.put(COARSE, tile(&layout, 0, 2), Duration::ZERO);
         outbox.begin(3, Arc::clone(&layout), Duration::ZERO);
         let generations: Vec<_> = outbox
-            .fetch(Duration::ZERO)
+            .fetch(Duration::ZERO, |_| true)
             .iter()
             .map(|b| b.generation)
             .collect();
@@ -375,6 +381,6 @@ mod tests {
         let mut stranger = tile(&layout, 0, 1);
         stranger.rect.width = 3;
         assert_eq!(outbox.put(FINE, stranger, HOLD), Posted::default());
-        assert!(outbox.fetch(HOLD).is_empty());
+        assert!(outbox.fetch(HOLD, |_| true).is_empty());
     }
 }
