@@ -342,7 +342,8 @@ pub struct BenchArgs {
     #[command(flatten)]
     pub casting: CastingArgs,
     /// Measure obvhs's own traversals, and Embree's where the machine has it, on the same rays, frame
-    /// by frame in turn, and brute force on a sample of them
+    /// by frame in turn, and brute force on a sample of them; build trees in turn with Embree's, five
+    /// times each
     #[arg(long)]
     pub baselines: bool,
 }

@@ -17,7 +17,8 @@ use rayon::prelude::*;
 /// three times as long to build; rays one by one lose a tenth from 16 on.
 const TREELET_LIMIT: usize = 8;
 
-/// How many treelets small meshes have at least: below that every triangle is clustered by itself.
+/// A treelet takes one triangle more for each time that a mesh has as many as this: below twice as many
+/// every triangle is clustered by itself.
 const FEW_TREELETS: usize = 1 << 14;
 
 pub(super) fn build(scene: &Scene) -> Result<Accel, SceneError> {
@@ -157,6 +158,20 @@ mod tests {
             }
         }
         assert_eq!(nodes, tree.nodes.len(), "{name}");
+    }
+
+    #[test]
+    fn trees_are_the_same_on_any_number_of_threads() {
+        let mut random = Random(2);
+        let mut cube_somewhere = || cube(random.point().as_vec3(), 1e-2);
+        for count in [5_000, 300_000] {
+            let boxes: Vec<Box32> = (0..count).map(|_| cube_somewhere()).collect();
+            let orders = [1, 2, 5].map(|threads| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+                pool.expect("a pool").install(|| build_tree(&boxes).1)
+            });
+            assert!(orders[0] == orders[1] && orders[1] == orders[2], "{count}");
+        }
     }
 
     #[test]

@@ -133,9 +133,10 @@ impl<'a> Layout<'a> {
             sizes: (0..clusters.nodes.len()).map(|_| Cell::default()).collect(),
             seen: (0..treelets.len()).map(|_| AtomicBool::default()).collect(),
         };
-        let all = measure.below(0, 1)?;
+        let (all, levels) = measure.below(0, 1)?;
         // No treelet is there twice, so that as many as there are boxes are all of them.
-        (all.slots == boxes.len()).then(|| Self {
+        let whole = all.slots == boxes.len() && levels <= DEPTH_LIMIT;
+        whole.then(|| Self {
             boxes,
             treelets,
             clusters,
@@ -226,26 +227,26 @@ struct Measure<'a> {
 }
 
 impl Measure<'_> {
-    /// Measures a cluster at some depth, the root's being 1. `None` if it is too deep, or has a treelet
-    /// that was seen before.
-    fn below(&self, index: usize, depth: usize) -> Option<Size> {
+    /// Measures a cluster at some depth, the root's being 1: what it takes, and its levels. `None` if it
+    /// is too deep, or has a treelet that was seen before.
+    fn below(&self, index: usize, depth: usize) -> Option<(Size, usize)> {
+        // Clusters that become one leaf are not as deep as they look: by fewer levels than it has room.
+        if depth > DEPTH_LIMIT + LEAF_LIMIT {
+            return None;
+        }
         let cluster = self.clusters.nodes.get(index)?;
-        let size = if cluster.is_leaf() {
-            let places = &self.clusters.primitive_indices;
-            let treelet = *places.get(cluster.first_index as usize)? as usize;
+        let first = cluster.first_index as usize;
+        let (size, levels) = if cluster.is_leaf() {
+            let treelet = *self.clusters.primitive_indices.get(first)? as usize;
             let again = self.seen.get(treelet)?.swap(true, Ordering::Relaxed);
+            if again || cluster.prim_count != 1 {
+                return None;
+            }
             let slots = self.treelets.members(treelet).len();
-            let levels = slots.div_ceil(LEAF_LIMIT).next_power_of_two().ilog2() as usize;
-            if again || cluster.prim_count != 1 || depth + levels > DEPTH_LIMIT {
-                return None;
-            }
             let nodes = halving_nodes(slots);
-            Size { nodes, slots }
+            let halvings = slots.div_ceil(LEAF_LIMIT).next_power_of_two().ilog2();
+            (Size { nodes, slots }, 1 + halvings as usize)
         } else {
-            let first = cluster.first_index as usize;
-            if depth >= DEPTH_LIMIT {
-                return None;
-            }
             let a = || self.below(first, depth + 1);
             let b = || self.below(first + 1, depth + 1);
             let (a, b) = if depth <= PARALLEL_DEPTH {
@@ -253,16 +254,16 @@ impl Measure<'_> {
             } else {
                 (a(), b())
             };
-            let (a, b) = (a?, b?);
+            let ((a, a_levels), (b, b_levels)) = (a?, b?);
             let slots = a.slots + b.slots;
-            let nodes = if slots <= LEAF_LIMIT {
-                0
+            if slots <= LEAF_LIMIT {
+                (Size { nodes: 0, slots }, 1)
             } else {
-                1 + a.nodes + b.nodes
-            };
-            Size { nodes, slots }
+                let nodes = 1 + a.nodes + b.nodes;
+                (Size { nodes, slots }, 1 + a_levels.max(b_levels))
+            }
         };
         self.sizes[index].set(size);
-        Some(size)
+        Some((size, levels))
     }
 }

@@ -271,6 +271,42 @@ mod tests {
     }
 
     #[test]
+    fn what_leaves_the_range_is_counted_and_the_rest_is_met() {
+        let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::ONE * 1e10];
+        let mesh = |triangles| {
+            Arc::new(Mesh::new(MeshData {
+                positions: corners.clone(),
+                triangles,
+                ..MeshData::default()
+            }))
+        };
+        let mut far = Object::new("far", mesh(vec![[0, 1, 2], [0, 1, 3], [0, 1, 2]]));
+        far.transform.scale = DVec3::splat(1e9);
+        let nothing = Object::new("nothing", mesh(vec![]));
+        let scene = Scene {
+            objects: vec![
+                nothing.clone(),
+                far,
+                nothing.clone(),
+                nothing,
+                Object::new("near", mesh(vec![[0, 1, 2]])),
+            ],
+        };
+        let accel = Accel::build(&scene).expect("a valid scene");
+        assert_eq!((accel.out_of_range(), accel.len()), (1, 3));
+        let hit = |x: f64, y: f64| {
+            let ray = Ray::new(DVec3::new(x, y, 1.0), DVec3::NEG_Z);
+            let hit = accel.cast(&ray, Cull::None);
+            hit.map(|hit| (hit.object, hit.triangle))
+        };
+        assert_eq!(hit(0.25, 0.25), Some((1, 0)));
+        assert_eq!(hit(5e8, 2e8), Some((1, 0)));
+        assert_eq!(hit(6e8, 6e8), None);
+        let above = Ray::new(DVec3::new(0.25, 0.25, 1.0), DVec3::Z);
+        assert_eq!(accel.cast(&above, Cull::None), None);
+    }
+
+    #[test]
     fn copies_go_to_the_lowest_number() {
         for copies in [2, 7, 1000, 100_000] {
             let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y];

@@ -3,8 +3,8 @@
 use glam::Vec3;
 use std::ops::Range;
 
-/// The deepest that a tree may be: traversals keep their stacks in arrays of this length. Clustered
-/// trees of millions of triangles that crowd at poles are between 64 and 96 deep.
+/// The deepest that a tree may be: traversals keep their stacks in arrays of this length. Trees of
+/// millions of triangles that crowd at poles, clustered one by one, were between 64 and 96 deep.
 pub(crate) const DEPTH_LIMIT: usize = 96;
 
 /// What stands for a leaf where a node's index would be; also, in [`Node`], the bit of a count that

@@ -107,6 +107,7 @@ fn cut(boxes: &[Box32], indices: &mut [u32], limit: usize) -> Vec<u32> {
     let place = |key: u64| (key & ((1 << place_bits) - 1)) as usize;
     let moved = indices.par_iter_mut().zip(&keys).with_min_len(PARALLEL);
     moved.for_each(|(index, &key)| *index = before[place(key)]);
+    drop(before);
     let all = Part {
         keys: &keys,
         indices,

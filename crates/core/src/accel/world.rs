@@ -2,7 +2,7 @@
 
 use super::Triangle;
 use super::tree::{Box32, TRIANGLE_LIMIT};
-use crate::scene::{COORDINATE_LIMIT, Mesh, Scene, SceneError};
+use crate::scene::{COORDINATE_LIMIT, Mesh, Object, Scene, SceneError};
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -39,7 +39,7 @@ impl<'s> World<'s> {
         let first_numbers = number(scene)?;
         let origin = common_origin(scene, &transforms);
         let objects = scene.objects.iter().zip(transforms);
-        let place = |(object, world_from_object): (&'s crate::scene::Object, _)| {
+        let place = |(object, world_from_object): (&'s Object, _)| {
             let mesh = &*object.mesh;
             let as_stored = world_from_object == DAffine3::IDENTITY && mesh.offset() == origin;
             Placed {

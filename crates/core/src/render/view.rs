@@ -33,7 +33,8 @@ pub type Clock<'a> = &'a (dyn Fn() -> Duration + Sync);
 pub struct Cancel(Arc<AtomicBool>);
 
 impl Cancel {
-    /// Asks the render to stop at its next tile.
+    /// Asks the render to stop where each of its workers next can: at a tile, or at the end of a row of
+    /// them.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
@@ -60,7 +61,7 @@ pub struct View {
 impl View {
     /// Renders the whole picture, tile by tile, in parallel on rayon's current pool.
     ///
-    /// `sink` is called from the workers as each tile is done, with its statistics. The picture is
+    /// `sink` is called from the workers once for each tile, with its statistics. The picture is
     /// the same, byte for byte, for every grid and thread count. `None` if cancelled.
     pub fn render(
         &self,
@@ -87,7 +88,6 @@ impl View {
         picture: &mut Picture,
     ) -> bool {
         let plane = self.camera.plane();
-        let tiles = grid.tiles(plane.columns, plane.rows);
         let shader = self.shader();
         let buffers = || Buffers::new(&shader);
         if self.settings.samples <= 1 && !self.settings.layers {
@@ -101,6 +101,7 @@ impl View {
                 Job::paint(self, &mut strip, clock, buffers, sink);
             });
         }
+        let tiles = grid.tiles(plane.columns, plane.rows);
         let picture = Mutex::new(picture);
         in_parallel(tiles.len(), cancel, buffers, |buffers, index| {
             let tile = self.finish(tiles[index], clock, buffers);

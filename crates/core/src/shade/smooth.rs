@@ -83,13 +83,13 @@ impl<L: Lanes> Vectors<L> {
         self.with(other, L::add)
     }
 
-    /// The lesser coordinates; where either is not a number, the other's.
+    /// The lesser coordinates; where either is not a number, those of `other`.
     #[inline(always)]
     pub(super) fn min(self, other: Self) -> Self {
         self.with(other, L::min)
     }
 
-    /// The greater coordinates; where either is not a number, the other's.
+    /// The greater coordinates; where either is not a number, those of `other`.
     #[inline(always)]
     pub(super) fn max(self, other: Self) -> Self {
         self.with(other, L::max)
@@ -128,7 +128,7 @@ pub(super) struct Facets<L: Lanes> {
     smooth: L::Singles,
 }
 
-/// [`Facets`] in memory, to be filled lane by lane.
+/// [`Facets`] in memory, to be filled lane by lane. In this order, so that all of it is aligned.
 #[repr(C)]
 pub(super) struct FacetRows {
     flat: Rows,

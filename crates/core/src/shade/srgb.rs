@@ -124,7 +124,7 @@ impl Tables {
 
     /// The bytes of an opaque colour.
     #[inline(always)]
-    pub(crate) fn encode_opaque(&self, linear: Vec3) -> [u8; 4] {
+    fn encode_opaque(&self, linear: Vec3) -> [u8; 4] {
         [
             self.encode(linear.x),
             self.encode(linear.y),

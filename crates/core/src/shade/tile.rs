@@ -5,12 +5,13 @@ use crate::accel::simd::{LANES, Lanes, Work, dispatch};
 use crate::accel::{MISS, SlotHit};
 use crate::camera::Rect;
 
-/// How many triangles' colours a tile remembers: most of what 64 × 64 pixels show of triangles a
-/// few pixels wide, in two kilobytes.
+/// How many triangles' colours are remembered: most of what 64 × 64 pixels show of triangles a few
+/// pixels wide, in two kilobytes.
 const COLORS: usize = 256;
 
-/// How many triangles a tile remembers: fewer, because one takes some 300 bytes.
-const FACETS: usize = 1024;
+/// How many triangles are remembered: as many, though one takes some 300 bytes. They are worth it: a
+/// small triangle comes back in the next row.
+const FACETS: usize = 256;
 
 /// Pixels that are looked at together: most show one triangle, or none.
 const RUN: usize = 16;
@@ -61,7 +62,7 @@ impl<'s> TileShader<'s> {
 
     /// Colours the pixels of `rect`, given as its rows, from hits at their centres, row by row.
     ///
-    /// Pixels without a hit, or beyond the rectangle, are left alone.
+    /// Pixels without a hit show what is behind everything; those beyond the rectangle are left alone.
     pub fn shade<'p>(
         &mut self,
         rect: Rect,

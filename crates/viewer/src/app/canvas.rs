@@ -178,18 +178,15 @@ impl Canvas {
         Some(shape)
     }
 
-    /// Hands over what has come since the picture was put into this frame: the last thing before the
-    /// frame is painted.
-    pub fn hand_over(&mut self, context: &egui::Context) {
+    /// Hands the picture over, with what has come since it was put into this frame: the last thing
+    /// before the frame is painted.
+    pub fn hand_over(&mut self) {
         match (std::mem::take(&mut self.shown), &self.presenter) {
             (Shown::Copied, Some(presenter)) => {
                 let dirty = std::mem::take(&mut self.dirty);
                 presenter.hand_over(Arc::clone(&self.image), dirty);
             }
-            (Shown::Painted, _) => {
-                self.texture(context);
-                self.shown = Shown::Not;
-            }
+            (Shown::Painted, _) => self.upload(),
             _ => {}
         }
     }
@@ -216,38 +213,46 @@ impl Canvas {
         }
     }
 
-    /// Brings the texture up to date: at most one transfer of the whole picture, or the few tiles
-    /// that are new. `None` before the first picture.
+    /// The texture that shows the picture, of its size: brought up to date by [`Canvas::hand_over`].
+    /// `None` before the first picture.
     pub fn texture(&mut self, context: &egui::Context) -> Option<egui::TextureId> {
         if self.image.pixels.is_empty() {
             return None;
         }
         self.arrange(false);
         self.shown = Shown::Painted;
-        // Nearest: few rays show as the blocks that they are.
-        let options = TextureOptions::NEAREST;
         let size = self.image.size;
-        let dirty = std::mem::take(&mut self.dirty);
-        match &mut self.texture {
-            Some(texture) if texture.size() == size => match dirty {
-                Dirty::Nothing => {}
-                Dirty::Tiles(rects) if few(&rects, size) => {
-                    for rect in rects {
-                        let corner = [rect.x as usize, rect.y as usize];
-                        texture.set_partial(corner, part(&self.image, rect), options);
-                    }
-                }
-                // All at once, shared, without a copy: and into the storage that is there.
-                _ => texture.set_partial([0, 0], Arc::clone(&self.image), options),
-            },
-            texture => {
-                let image = Arc::clone(&self.image);
-                *texture = Some(context.load_texture("picture", image, options));
-            }
+        if self.texture.as_ref().map(TextureHandle::size) != Some(size) {
+            let image = Arc::clone(&self.image);
+            self.texture = Some(context.load_texture("picture", image, OPTIONS));
+            self.dirty = Dirty::Nothing;
         }
         self.texture.as_ref().map(TextureHandle::id)
     }
+
+    /// Brings the texture up to date: at most one transfer of the whole picture, or the few tiles
+    /// that are new.
+    fn upload(&mut self) {
+        let size = self.image.size;
+        let Some(texture) = self.texture.as_mut().filter(|of| of.size() == size) else {
+            return;
+        };
+        match std::mem::take(&mut self.dirty) {
+            Dirty::Nothing => {}
+            Dirty::Tiles(rects) if few(&rects, size) => {
+                for rect in rects {
+                    let corner = [rect.x as usize, rect.y as usize];
+                    texture.set_partial(corner, part(&self.image, rect), OPTIONS);
+                }
+            }
+            // All at once, shared, without a copy: and into the storage that is there.
+            _ => texture.set_partial([0, 0], Arc::clone(&self.image), OPTIONS),
+        }
+    }
 }
+
+/// Nearest: few rays show as the blocks that they are.
+const OPTIONS: TextureOptions = TextureOptions::NEAREST;
 
 impl Dirty {
     fn add(&mut self, rect: Rect) {
@@ -431,7 +436,12 @@ mod tests {
         canvas.take_in(batch(2, (64, 64), &[5], 20));
         assert_eq!(canvas.dirty, Dirty::Tiles(vec![canvas.layout.tiles[5]]));
         assert_eq!(canvas.texture(&context), id);
+        assert_ne!(canvas.dirty, Dirty::Nothing, "more may come");
+        canvas.hand_over();
         assert_eq!(canvas.dirty, Dirty::Nothing);
+        canvas.take_in(batch(2, (64, 64), &[6], 20));
+        canvas.hand_over();
+        assert_ne!(canvas.dirty, Dirty::Nothing, "this frame does not show it");
         let delta = context.tex_manager().write().take_delta();
         assert_eq!(
             id.and_then(|id| delta.set.get(&id)).map(|sets| sets.len()),

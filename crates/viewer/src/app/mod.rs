@@ -231,12 +231,13 @@ impl App {
 
     /// Takes in tiles that have come since the frame began: a picture that was asked for in the last one
     /// is then mostly there. One of another size must wait, since this one's place is laid out.
-    fn take_in_late(&mut self, context: &egui::Context) {
+    /// What the panels say of it follows in the next frame, which the worker has asked for.
+    fn take_in_late(&mut self) {
         let (now, size) = ((self.clock)(), self.canvas.size());
         for batch in self.renderer.outbox().fetch(now, |other| other == size) {
             self.canvas.take_in(batch);
         }
-        self.canvas.hand_over(context);
+        self.canvas.hand_over();
     }
 
     /// Opens what was dropped: an image becomes the texture, anything else the scene.
@@ -360,7 +361,7 @@ impl eframe::App for App {
         self.show(ui);
         self.request();
         self.set_title(ui.ctx());
-        self.take_in_late(ui.ctx());
+        self.take_in_late();
         let now = (self.clock)();
         let line = FrameLine {
             now,

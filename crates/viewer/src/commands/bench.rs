@@ -207,8 +207,10 @@ fn measure_builds(
         let tree = setup::tree(scene)?;
         ours.push(begin.elapsed());
         drop(tree);
-        if let Some(Ok(built)) = embree.map(|library| library.scene(&corners, true)) {
-            theirs.push(built.commit_time());
+        match embree.map(|library| library.scene(&corners, true)) {
+            Some(Ok(built)) => theirs.push(built.commit_time()),
+            Some(Err(error)) => warn(&format!("Embree built no tree: {error}")),
+            None => {}
         }
     }
     let figures = [("RayCast", ours), ("Embree robust", theirs)].into_iter();

@@ -320,6 +320,24 @@ mod tests {
     }
 
     #[test]
+    fn a_picture_of_another_size_waits() {
+        let (outbox, layout) = (Outbox::default(), layout());
+        let now = Duration::from_millis(1);
+        let finish = |generation| {
+            outbox.begin(generation, Arc::clone(&layout), Duration::ZERO);
+            for place in 0..2 {
+                outbox.put(COARSE, tile(&layout, place, 1), now);
+            }
+        };
+        finish(1);
+        finish(2);
+        assert!(outbox.fetch(now, |size| size == (9, 4)).is_empty());
+        let batches = outbox.fetch(now, |size| size == (8, 4));
+        let generations: Vec<_> = batches.iter().map(|batch| batch.generation).collect();
+        assert_eq!(generations, [1, 2]);
+    }
+
+    #[test]
     fn quick_passes_after_the_first_do_not_wake_the_window() {
         let (outbox, layout) = (Outbox::default(), layout());
         outbox.begin(1, Arc::clone(&layout), Duration::ZERO);
