@@ -166,24 +166,25 @@ impl Find<'_> {
         let columns = part.columns as usize;
         for row in 0..part.rows {
             let first = ((part.row + row) * self.lattice.columns + part.column) as usize;
-            let (slots, low) = block.row(row);
-            let (slots, low) = (&slots[..columns], &low[..columns]);
+            let held = &block.row(row)[..columns];
             let (mut met, mut any_open) = (0, false);
             let kept = &mut self.slots[first..first + columns];
-            for ((kept, &slot), &low) in kept.iter_mut().zip(slots).zip(low) {
-                *kept = Block::slot(slot);
-                met += u32::from(slot != MISS);
-                any_open |= Block::is_open(low);
+            for (kept, &held) in kept.iter_mut().zip(held) {
+                *kept = Block::slot(held);
+                met += u32::from(held != MISS);
+                any_open |= Block::is_open(held);
             }
             self.counts.hits += u64::from(met);
             if any_open {
-                for (column, &low) in low.iter().enumerate() {
-                    if Block::is_open(low) {
-                        let slot = self.cast_one(part.column + column as u32, part.row + row);
-                        let guess = std::mem::replace(&mut self.slots[first + column], slot);
-                        self.counts.hits += u64::from(slot != MISS);
-                        self.counts.hits -= u64::from(guess != MISS);
-                    }
+                for (column, _) in held
+                    .iter()
+                    .enumerate()
+                    .filter(|held| Block::is_open(*held.1))
+                {
+                    let slot = self.cast_one(part.column + column as u32, part.row + row);
+                    self.slots[first + column] = slot;
+                    // It was counted as one that met something.
+                    self.counts.hits -= u64::from(slot == MISS);
                 }
             }
         }

@@ -28,20 +28,24 @@ const SUB_Y: [f32; ROW] = [3.5, 3.5, 3.5, 3.5, 11.5, 11.5, 11.5, 11.5];
 const SUB_COLUMNS: [u32; SUBS] = [0x11, 0x33, 0x77, 0xff];
 const SUB_FIRST_ROW: u32 = 0x0f;
 
+/// The lanes of a row, as bits.
+const ALL: u32 = (1 << ROW) - 1;
+
 /// From the first of a box's few rays to each.
 const FEW_PLACES: [usize; FEW] = [0, 1, SIDE, SIDE + 1];
 
 /// What marks the slot of a triangle that was met as one of few rays, and not set up. No slot has it.
 const COARSE: u32 = !TRIANGLE_LIMIT;
 
-/// What marks a ray that the block could not decide, in place of how near its hit is.
-const OPEN: f32 = f32::INFINITY;
+/// What marks a ray for which it cannot be told which of several triangles is nearest, in place of a
+/// slot: a triangle surely nearer than all of them takes its place.
+const OPEN: u32 = MISS - 1;
 
 /// The nearest triangle of each ray so far, rows of rays one after another.
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
     /// How near the hit is at least: inverse depth, or for orthographic blocks depth negated, so
-    /// that it grows towards the eye. −∞ where nothing is met yet, [`OPEN`] where it cannot be told.
+    /// that it grows towards the eye. −∞ where nothing is surely met yet.
     low: [f32; RAYS],
     /// How near it is at most.
     high: [f32; RAYS],
@@ -90,23 +94,20 @@ impl Block {
         if columns < SIDE || rows < SIDE {
             // Rays beyond the block's own take no part.
             for ray in (0..RAYS).filter(|ray| ray / SIDE >= rows || ray % SIDE >= columns) {
-                self.low[ray] = OPEN;
-                self.high[ray] = OPEN;
+                self.low[ray] = f32::INFINITY;
+                self.high[ray] = f32::INFINITY;
             }
             self.touched = u32::MAX >> (32 - SUBS * SUBS);
             self.look_around(lanes);
         }
     }
 
-    /// The slots of a row of rays, and how near each is at least: [`Block::is_open`] tells from that
-    /// whether the slot is the answer, which [`Block::slot`] makes of it.
+    /// What a row of rays has met: [`Block::slot`] makes slots of it, where [`Block::is_open`] does not
+    /// say that it could not be told.
     #[inline(always)]
-    pub(crate) fn row(&self, row: u32) -> (&[u32], &[f32]) {
+    pub(crate) fn row(&self, row: u32) -> &[u32] {
         let first = row as usize * SIDE;
-        (
-            &self.slots[first..first + SIDE],
-            &self.low[first..first + SIDE],
-        )
+        &self.slots[first..first + SIDE]
     }
 
     /// A ray's slot from what a row holds.
@@ -115,10 +116,10 @@ impl Block {
         if held == MISS { MISS } else { held & !COARSE }
     }
 
-    /// Whether a ray with this least nearness could not be decided.
+    /// Whether a ray could not be decided, from what a row holds.
     #[inline(always)]
-    pub(crate) fn is_open(low: f32) -> bool {
-        low == OPEN
+    pub(crate) fn is_open(held: u32) -> bool {
+        held == OPEN
     }
 
     /// What every ray's hit is at least as near as: anything surely further is of no use.
@@ -184,7 +185,7 @@ impl Block {
         let (x, y) = (rays.left + which as i32 % 2, rays.top + which as i32 / 2);
         let ray = |x: i32, y: i32| (y as usize * SIDE + x as usize) % RAYS;
         let slot = self.slots[ray(x, y)];
-        if slot == MISS || slot & COARSE == 0 {
+        if slot == MISS || slot == OPEN || slot & COARSE == 0 {
             return None;
         }
         let last = SIDE as i32 - 1;
@@ -197,7 +198,7 @@ impl Block {
         for y in around.top..=around.bottom {
             for x in around.left..=around.right {
                 let ray = ray(x, y);
-                if self.slots[ray] == slot && !Self::is_open(self.low[ray]) {
+                if self.slots[ray] == slot {
                     (self.low[ray], self.high[ray]) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
                     self.slots[ray] = MISS;
                 }
@@ -426,8 +427,8 @@ impl Block {
                 let below = values.iter().any(|&value| value < -error);
                 let above = values.iter().any(|&value| value > error);
                 if !(below & above) {
-                    self.low[j * SIDE + i] = OPEN;
-                    self.high[j * SIDE + i] = OPEN;
+                    self.high[j * SIDE + i] = f32::INFINITY;
+                    self.slots[j * SIDE + i] = OPEN;
                 }
             }
         }
@@ -458,7 +459,6 @@ struct Merge<L: Lanes> {
     slot: u32,
     error: L::Singles,
     begin: L::Singles,
-    open: L::Singles,
     never: L::Singles,
 }
 
@@ -469,7 +469,6 @@ impl<L: Lanes> Merge<L> {
             slot: functions.slot,
             error: lanes.splat(functions.nearness_error),
             begin: lanes.splat(begin),
-            open: lanes.splat(OPEN),
             never: lanes.splat(f32::NEG_INFINITY),
         }
     }
@@ -491,24 +490,26 @@ impl<L: Lanes> Merge<L> {
         let (old_low, old_high) = (lanes.load(low), lanes.load(high));
         let near_low = lanes.sub(near, self.error);
         let near_high = lanes.add(near, self.error);
-        let further = lanes.or(
-            lanes.less(near_high, old_low),
-            lanes.less(self.begin, near_low),
-        );
-        let nearer = lanes.and(
-            lanes.less(old_high, near_low),
-            lanes.less(near_high, self.begin),
-        );
-        let (wins, loses) = match sides {
-            Some((inside, outside)) => (lanes.and(inside, nearer), lanes.or(outside, further)),
-            None => (nearer, further),
+        let began = lanes.less(near_high, self.begin);
+        let unbegun = lanes.less(self.begin, near_low);
+        let (met, missed) = match sides {
+            Some((inside, outside)) => (lanes.and(inside, began), lanes.or(outside, unbegun)),
+            None => (began, unbegun),
         };
-        // What neither wins nor loses is open. What wins is nearer than what was there, so that the
-        // greater one stays; open rays are nearer than all.
-        let new = |near| lanes.pick(loses, self.never, lanes.pick(wins, near, self.open));
-        lanes.store(lanes.max(old_low, new(near_low)), low);
-        lanes.store(lanes.max(old_high, new(near_high)), high);
+        // What is nearest is as near as all that is surely met, and as what may be met at most. A
+        // triangle surely further than that moves neither.
+        let if_met = lanes.pick(met, near_low, self.never);
+        let unless_missed = lanes.pick(missed, self.never, near_high);
+        lanes.store(lanes.max(old_low, if_met), low);
+        lanes.store(lanes.max(old_high, unless_missed), high);
+        let wins = lanes.and(met, lanes.less(old_high, near_low));
+        let loses = lanes.or(missed, lanes.less(near_high, old_low));
         lanes.put(wins, self.slot, slots);
+        // Rays of which neither is sure are open, as long as nothing nearer wins them.
+        let open = !lanes.bits(lanes.or(wins, loses)) & ALL;
+        if open != 0 {
+            for_each_bit(open, |lane| slots[lane % ROW] = OPEN);
+        }
     }
 }
 
