@@ -516,6 +516,69 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn what_is_hidden_need_not_be_told_apart() {
+        // Two triangles in one place, and a third in front of both, in every order. The two lean
+        // towards the eye, so that they come first.
+        let far = [
+            DVec3::new(-4.0, -4.0, -2.0),
+            DVec3::new(4.0, -4.0, -2.5),
+            DVec3::new(0.25, 30.0, 14.0),
+        ];
+        // The same plane from another corner, so that rounding tells nothing.
+        let other = [far[0] + (far[0] - far[1]), far[1], far[2]];
+        let near = [
+            DVec3::new(-9.0, -9.0, 3.0),
+            DVec3::new(9.0, -9.0, 3.0),
+            DVec3::new(0.0, 9.0, 3.0),
+        ];
+        let triangles = [far, other, near];
+        for order in [
+            [0, 1, 2],
+            [0, 2, 1],
+            [1, 0, 2],
+            [1, 2, 0],
+            [2, 0, 1],
+            [2, 1, 0],
+        ] {
+            let open = |shown: &[usize]| {
+                let positions: Vec<_> = shown.iter().flat_map(|&at| triangles[at]).collect();
+                let accel = build([Mesh::new(MeshData {
+                    triangles: (0..shown.len() as u32)
+                        .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
+                        .collect(),
+                    positions,
+                    ..MeshData::default()
+                })]);
+                let orbit = Orbit {
+                    pivot: DVec3::ZERO,
+                    distance: 20.0,
+                    yaw: 0.0,
+                    pitch: 0.0,
+                };
+                let plane = ImagePlane {
+                    columns: 64,
+                    rows: 64,
+                    step: 0.03,
+                };
+                let camera = Camera::new(orbit.placement(), Projection::Perspective, plane);
+                let rect = Rect {
+                    x: 0,
+                    y: 0,
+                    width: 64,
+                    height: 64,
+                };
+                let lattice = Lattice::new(camera, rect, 1, (0, 0));
+                let mut slots = Vec::new();
+                let counts = accel.find(&lattice, Cull::None, Precision::Exact, &mut slots);
+                counts.double_rays + counts.exact_rays
+            };
+            let without: Vec<_> = order.into_iter().filter(|&at| at != 2).collect();
+            assert!(open(&without) > 500, "{order:?}");
+            assert!(open(&order) < 10, "{order:?}");
+        }
+    }
+
+    #[test]
     fn every_instruction_set_gives_the_same_bits() {
         let camera = cameras(1.0, DVec3::ZERO)[0];
         let rect = Rect {
