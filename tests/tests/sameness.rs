@@ -68,6 +68,25 @@ fn front(projection: Projection, size: (u32, u32)) -> Camera {
     )
 }
 
+/// Splits of a picture of some 150 × 110 pixels.
+const GRIDS: [Grid; 9] = [
+    Grid::Count {
+        columns: 3,
+        rows: 2,
+    },
+    Grid::Count {
+        columns: 11,
+        rows: 1,
+    },
+    Grid::Size(1),
+    Grid::Size(8),
+    Grid::Size(16),
+    Grid::Size(17),
+    Grid::Size(32),
+    Grid::Size(64),
+    Grid::Size(1000),
+];
+
 /// Every split and thread count gives the picture that one tile on one thread gives.
 #[test]
 fn stitched_equals_whole() {
@@ -87,23 +106,7 @@ fn stitched_equals_whole() {
             };
             view.settings.samples = if index == 0 { 4 } else { 1 };
             let expected = on_threads(1, || render(&view, whole));
-            for grid in [
-                whole,
-                Grid::Count {
-                    columns: 3,
-                    rows: 2,
-                },
-                Grid::Count {
-                    columns: 11,
-                    rows: 1,
-                },
-                Grid::Size(8),
-                Grid::Size(16),
-                Grid::Size(17),
-                Grid::Size(32),
-                Grid::Size(64),
-                Grid::Size(1000),
-            ] {
+            for grid in GRIDS.into_iter().chain([whole]) {
                 for threads in [1, 2, 5] {
                     let picture = on_threads(threads, || render(&view, grid));
                     assert!(
@@ -130,17 +133,7 @@ fn strips_of_tiles_equal_tiles() {
         let expected = on_threads(1, || render(&view, Grid::Size(16)));
         view.settings.layers = false;
         let cast = view.cast(Grid::Size(16));
-        for grid in [
-            Grid::Count {
-                columns: 3,
-                rows: 2,
-            },
-            Grid::Size(1),
-            Grid::Size(8),
-            Grid::Size(17),
-            Grid::Size(64),
-            Grid::Size(1000),
-        ] {
+        for grid in GRIDS {
             for threads in [1, 2, 5] {
                 let told = Mutex::new((0, TileStats::default()));
                 let sink = |stats: &TileStats| {

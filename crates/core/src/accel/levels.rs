@@ -207,7 +207,7 @@ fn ascending(mut slots: Vec<u32>) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::tile::tests::{cameras, waves};
+    use crate::accel::tile_tests::{cameras, waves};
     use crate::camera::Rect;
     use crate::intersect::{Nearest, PreparedRay};
     use glam::DVec3;

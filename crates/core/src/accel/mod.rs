@@ -7,6 +7,8 @@ mod levels;
 pub(crate) mod simd;
 mod slab;
 mod tile;
+#[cfg(test)]
+mod tile_tests;
 mod traverse;
 pub(crate) mod tree;
 mod treelet;

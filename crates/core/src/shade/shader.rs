@@ -6,7 +6,7 @@ use super::smooth::{self, Facets, Row, Vectors};
 use super::srgb::{self, Tables};
 use super::triplanar::Triplanar;
 use super::{Background, Mode, Shading, TextureProjection, TileShader, Wireframe};
-use crate::accel::simd::{LANES, Lanes};
+use crate::accel::simd::Lanes;
 use crate::accel::{Accel, MISS, Simd, SlotHit};
 use crate::camera::{Camera, Projection, Rect};
 use crate::intersect::Detail;
@@ -40,7 +40,7 @@ pub struct Shader<'a> {
     backdrops: Vec<[u8; 4]>,
     line_color: Vec3,
     line_width: f64,
-    tables: &'static Tables,
+    pub(super) tables: &'static Tables,
 }
 
 /// Distances that the depth mode spreads its greys over.
@@ -256,17 +256,6 @@ impl<'a> Shader<'a> {
         place: (&Row, f32),
     ) -> Vectors<L> {
         smooth::light(lanes, facets, &self.lights, &self.to_eye, weights, place)
-    }
-
-    /// The bytes of eight opaque colours.
-    #[inline(always)]
-    pub(super) fn encode_row<L: Lanes>(
-        &self,
-        lanes: L,
-        colors: Vectors<L>,
-        pixels: &mut [[u8; 4]; LANES],
-    ) {
-        self.tables.encode_row(lanes, colors, pixels);
     }
 
     /// What the mode asks of each triangle.

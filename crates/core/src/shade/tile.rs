@@ -158,7 +158,7 @@ impl<'s> TileShader<'s> {
         };
         let x = std::array::from_fn(|lane| left as f32 + lane as f32 + 0.5);
         let light = shader.light(lanes, &facets, weights, (&x, y as f32 + 0.5));
-        shader.encode_row(lanes, colors.times(light), pixels);
+        shader.tables.encode_row(lanes, colors.times(light), pixels);
         if !one {
             let backdrop = shader.backdrop8(y);
             for (&slot, pixel) in slots.iter().zip(pixels) {
