@@ -7,8 +7,10 @@
 
 pub mod canvas;
 pub mod command;
+pub mod frames;
 pub mod input;
 pub mod log;
+pub mod open;
 pub mod present;
 pub mod settings;
 pub mod state;
@@ -17,6 +19,7 @@ pub mod update;
 
 use crate::panels::{self, Commands, Status, overlay::TileOverlay};
 use crate::worker::files::Files;
+use crate::worker::outbox::Outbox;
 use crate::worker::render::{Renderer, Request};
 use crate::worker::{Clock, Wake};
 use canvas::Canvas;
@@ -26,107 +29,9 @@ use raycast_core::render::Settings;
 use settings::Remembered;
 use state::State;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use update::{Effect, News};
-
-/// What the window is opened with.
-#[derive(Clone, Debug, Default)]
-pub struct Options {
-    /// Meshes and scenes to open together; the demo scene if there are none.
-    pub files: Vec<PathBuf>,
-    /// Where to write the window's [frame log](log). Such a window starts from the default settings
-    /// and remembers nothing, so that two logs can be compared.
-    pub log: Option<PathBuf>,
-}
-
-/// Opens the window; on the demo scene if there are no files. Returns when it is closed.
-///
-/// With no display it prints one line that names `raycast render`, and exits with 1.
-pub fn run(options: Options) -> ExitCode {
-    let log = match options.log.as_deref().map(FrameLog::create).transpose() {
-        Ok(log) => log,
-        Err(error) => {
-            let name = options.log.unwrap_or_default();
-            return refuse(&format!("{}: {error}", name.display()));
-        }
-    };
-    if !has_display() {
-        return refuse(NO_DISPLAY);
-    }
-    let remembers = log.is_none();
-    let native = eframe::NativeOptions {
-        viewport: egui::ViewportBuilder::default()
-            .with_app_id("raycast")
-            .with_title("RayCast")
-            .with_inner_size([1280.0, 800.0])
-            .with_min_inner_size([640.0, 400.0])
-            .with_drag_and_drop(true),
-        renderer: eframe::Renderer::Glow,
-        persist_window: remembers,
-        // Without a GPU the window is painted by the cores that cast rays: what is drawn is flat or
-        // is the picture itself, and needs no noise worked out for each of its pixels.
-        dithering: false,
-        ..Default::default()
-    };
-    // winit panics on some displays that are named but not there; its words go to no one.
-    let hook = std::panic::take_hook();
-    std::panic::set_hook(Box::new(|_| {}));
-    let opened = AtomicBool::new(false);
-    let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-        eframe::run_native(
-            "raycast",
-            native,
-            Box::new(|context| {
-                std::panic::set_hook(hook);
-                let app = App::new(context, options.files, log)?;
-                opened.store(true, Ordering::Relaxed);
-                Ok(Box::new(app))
-            }),
-        )
-    }));
-    match outcome {
-        Ok(Ok(())) => ExitCode::SUCCESS,
-        Ok(Err(error)) => refuse(&format!("{NO_WINDOW} ({})", last_words(&error.to_string()))),
-        Err(_) if opened.into_inner() => refuse("the window was closed by a fault of its own"),
-        Err(_) => refuse(NO_WINDOW),
-    }
-}
-
-const NO_DISPLAY: &str =
-    "there is no display to open a window on; `raycast render` makes pictures without one";
-const NO_WINDOW: &str =
-    "the window could not be opened; `raycast render` makes pictures without one";
-
-#[expect(
-    clippy::print_stderr,
-    reason = "the one line that says why there is no window"
-)]
-fn refuse(reason: &str) -> ExitCode {
-    eprintln!("raycast: {reason}");
-    ExitCode::FAILURE
-}
-
-/// The last part of an error's chain, on one line: before it stand places in other crates' sources.
-fn last_words(text: &str) -> String {
-    let last = text.rsplit(": ").next().unwrap_or(text);
-    last.trim_end_matches(')')
-        .split_whitespace()
-        .collect::<Vec<_>>()
-        .join(" ")
-}
-
-/// Whether anything says where windows go. Elsewhere than on X11 and Wayland there always is.
-fn has_display() -> bool {
-    if !cfg!(all(unix, not(target_vendor = "apple"))) {
-        return true;
-    }
-    ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"]
-        .iter()
-        .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
-}
 
 /// Everything that decides the picture.
 #[derive(Clone, Copy, PartialEq)]
@@ -157,7 +62,7 @@ pub struct App {
 }
 
 impl App {
-    /// A window on `files`.
+    /// A window on `files`, whose pictures come through `outbox`.
     ///
     /// # Errors
     /// The system's refusal to start a thread.
@@ -165,11 +70,10 @@ impl App {
         creation: &eframe::CreationContext<'_>,
         files: Vec<PathBuf>,
         log: Option<FrameLog>,
+        (outbox, clock): (Arc<Outbox>, Clock),
     ) -> std::io::Result<Self> {
         let context = &creation.egui_ctx;
         theme::apply(context);
-        let opened = Instant::now();
-        let clock: Clock = Arc::new(move || opened.elapsed());
         let wake: Wake = {
             let context = context.clone();
             Arc::new(move || context.request_repaint())
@@ -183,7 +87,7 @@ impl App {
             remembered.restore(&mut state);
         }
         let tasks = Files::new(Arc::clone(&wake));
-        let renderer = Renderer::start(Arc::clone(&clock), wake, tasks.fault())?;
+        let renderer = Renderer::start(Arc::clone(&clock), wake, outbox, tasks.fault())?;
         tasks.open(files);
         Ok(Self {
             state,
@@ -387,7 +291,7 @@ impl eframe::App for App {
     }
 
     fn clear_color(&self, _visuals: &egui::Visuals) -> [f32; 4] {
-        theme::BACKDROP.to_normalized_gamma_f32()
+        theme::PANEL.to_normalized_gamma_f32()
     }
 }
 

@@ -12,7 +12,7 @@ mod verify;
 pub use failure::Failure;
 
 use crate::cli::{Cli, Command};
-use crate::{app, output, setup};
+use crate::{app::open, output, setup};
 use raycast_core::accel::Accel;
 use raycast_core::scene::Scene;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -24,12 +24,12 @@ use std::process::ExitCode;
 pub fn run(cli: Cli) -> ExitCode {
     let command = match cli.command {
         None => {
-            return view(app::Options {
+            return view(open::Options {
                 files: cli.files,
                 log: None,
             });
         }
-        Some(Command::View { files, log }) => return view(app::Options { files, log }),
+        Some(Command::View { files, log }) => return view(open::Options { files, log }),
         Some(command) => command,
     };
     output::remove_unfinished_on_interrupt();
@@ -50,9 +50,9 @@ pub fn run(cli: Cli) -> ExitCode {
 }
 
 /// Opens the window, if it could build a tree.
-fn view(options: app::Options) -> ExitCode {
+fn view(options: open::Options) -> ExitCode {
     match setup::instruction_set() {
-        Ok(_) => app::run(options),
+        Ok(_) => open::run(options),
         Err(failure) => tell(&failure),
     }
 }

@@ -6,7 +6,6 @@ use super::{Commands, Status, banner, help, side, status};
 use crate::app::canvas::Canvas;
 use crate::app::input;
 use crate::app::state::State;
-use crate::app::theme;
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 
 /// Shows everything, and puts what a person asked for, by mouse, keys or controls, into `out`.
@@ -20,7 +19,8 @@ pub fn show(
 ) -> Place {
     let context = ui.ctx().clone();
     out.extend(input::keys(&context, state));
-    let frame = Frame::new().fill(theme::PANEL);
+    // The window is cleared to the panels' colour: filling them again would cost what drawing them does.
+    let frame = Frame::new();
     if state.panel {
         Panel::right("side")
             .resizable(false)

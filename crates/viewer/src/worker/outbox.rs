@@ -100,6 +100,8 @@ pub struct Outbox {
 
 #[derive(Debug, Default)]
 struct Inner {
+    /// The newest picture that was asked for.
+    expected: u64,
     ready: Option<Current>,
     current: Option<Current>,
 }
@@ -131,6 +133,23 @@ pub struct Posted {
 }
 
 impl Outbox {
+    /// Notes that a picture has been asked for.
+    pub fn expect(&self, generation: u64) {
+        self.lock().expected = generation;
+    }
+
+    /// Whether something is under way, and no tiles of it are there to be shown.
+    pub fn is_awaited(&self, now: Duration) -> bool {
+        let inner = self.lock();
+        let under_way = match &inner.current {
+            Some(current) => !current.complete || current.generation < inner.expected,
+            None => inner.expected > 0,
+        };
+        let seen = |of: &Option<Current>| of.as_ref().is_some_and(|of| of.has_tiles(now));
+        let ready = seen(&inner.ready) || seen(&inner.current);
+        under_way && !ready
+    }
+
     /// Starts a picture. What waits of the last one stays only if its first pass is whole.
     pub fn begin(&self, generation: u64, layout: Arc<Layout>, now: Duration) {
         let mut inner = self.lock();
@@ -248,6 +267,10 @@ impl Outbox {
 }
 
 impl Current {
+    fn has_tiles(&self, now: Duration) -> bool {
+        !self.waiting.is_empty() && self.can_be_seen(now)
+    }
+
     fn can_be_seen(&self, now: Duration) -> bool {
         self.first_pass_done || now.saturating_sub(self.started) >= HOLD
     }
@@ -317,6 +340,37 @@ mod tests {
             outbox.fetch(now, |_| true).is_empty(),
             "each tile is handed over once"
         );
+    }
+
+    #[test]
+    fn a_picture_is_awaited_from_its_request_until_tiles_are_there() {
+        let (outbox, layout) = (Outbox::default(), layout());
+        let now = Duration::from_millis(1);
+        let ask = |generation| {
+            outbox.expect(generation);
+            assert!(outbox.is_awaited(now), "asked for");
+            outbox.begin(generation, Arc::clone(&layout), Duration::ZERO);
+            assert!(outbox.is_awaited(now), "begun");
+            outbox.put(FINE, tile(&layout, 0, 1), now);
+            assert!(outbox.is_awaited(now), "held back");
+            outbox.put(FINE, tile(&layout, 1, 1), now);
+            assert!(!outbox.is_awaited(now), "there to be shown");
+        };
+        assert!(!outbox.is_awaited(now), "nothing was asked for");
+        ask(1);
+        outbox.fetch(now, |_| true);
+        assert!(outbox.is_awaited(now), "finer tiles may come");
+        outbox.finish(now);
+        assert!(!outbox.is_awaited(now), "done");
+        ask(2);
+        outbox.finish(now);
+        outbox.expect(3);
+        assert!(!outbox.is_awaited(now), "the last one is still to be shown");
+        outbox.fetch(now, |_| true);
+        assert!(outbox.is_awaited(now));
+        outbox.begin(3, Arc::clone(&layout), Duration::ZERO);
+        outbox.put(COARSE, tile(&layout, 0, 1), now);
+        assert!(!outbox.is_awaited(HOLD), "a slow one is seen to fill in");
     }
 
     #[test]

@@ -35,17 +35,17 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// Starts the thread. `failed` is told, from there, of a render that broke.
+    /// Starts the thread, which fills `outbox`. `failed` is told, from there, of a render that broke.
     ///
     /// # Errors
     /// The system's refusal to start a thread.
     pub fn start(
         clock: Clock,
         wake: Wake,
+        outbox: Arc<Outbox>,
         failed: Box<dyn Fn(String) + Send + Sync>,
     ) -> std::io::Result<Self> {
         let mailbox = Arc::new(Mailbox::default());
-        let outbox = Arc::new(Outbox::default());
         let worker = Worker {
             mailbox: Arc::clone(&mailbox),
             outbox: Arc::clone(&outbox),
@@ -69,6 +69,7 @@ impl Renderer {
 
     /// Asks for a picture in place of any other.
     pub fn request(&self, request: Request) {
+        self.outbox.expect(request.generation);
         self.mailbox.post(request);
     }
 

@@ -1,0 +1,119 @@
+//! When the window is painted.
+//!
+//! The display may set the pace, or nothing may: painted by the CPU, a window is ready for its next
+//! frame at once. A frame that begins when a picture is nearly there shows nothing new, and takes
+//! the cores from it. So a frame begins when there is something to show, or when the last one is
+//! [`LONGEST`] past. In between the window sleeps, and takes in events as ever.
+
+use crate::worker::Clock;
+use crate::worker::outbox::Outbox;
+use eframe::{EframeWinitApplication, UserEvent};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use winit::application::ApplicationHandler;
+use winit::event::{DeviceEvent, DeviceId, StartCause, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow};
+use winit::window::WindowId;
+
+/// From the beginning of a frame to that of the next while a picture is awaited: time for one that
+/// just misses a display's frame of a 60th of a second, and still 40 frames where pictures take longer.
+const LONGEST: Duration = Duration::from_millis(25);
+
+/// eframe's window, whose frames wait for pictures.
+pub struct Frames<'a> {
+    window: EframeWinitApplication<'a>,
+    outbox: Arc<Outbox>,
+    clock: Clock,
+    /// A frame that has been asked for.
+    held: Option<WindowId>,
+    /// When the last one began.
+    begun: Option<Duration>,
+}
+
+impl<'a> Frames<'a> {
+    /// The frames of `window`, which shows what comes through `outbox`.
+    pub fn new(window: EframeWinitApplication<'a>, outbox: Arc<Outbox>, clock: Clock) -> Self {
+        Self {
+            window,
+            outbox,
+            clock,
+            held: None,
+            begun: None,
+        }
+    }
+
+    /// How long the next frame waits; `None` if there is no reason to.
+    fn pause(&self) -> Option<Duration> {
+        let now = (self.clock)();
+        let pause = (self.begun? + LONGEST).checked_sub(now)?;
+        self.outbox.is_awaited(now).then_some(pause)
+    }
+
+    fn begin(&mut self, event_loop: &ActiveEventLoop, window: WindowId) {
+        self.held = None;
+        self.begun = Some((self.clock)());
+        self.window
+            .window_event(event_loop, window, WindowEvent::RedrawRequested);
+    }
+}
+
+impl ApplicationHandler<UserEvent> for Frames<'_> {
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, window: WindowId, event: WindowEvent) {
+        if event != WindowEvent::RedrawRequested {
+            self.window.window_event(event_loop, window, event);
+        } else if self.pause().is_some() {
+            self.held = Some(window);
+        } else {
+            self.begin(event_loop, window);
+        }
+    }
+
+    /// The last of each turn of the loop: decides how long it sleeps.
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        self.window.about_to_wait(event_loop);
+        let Some(window) = self.held else {
+            return;
+        };
+        let Some(pause) = self.pause() else {
+            self.begin(event_loop, window);
+            return;
+        };
+        let due = Instant::now() + pause;
+        let sooner = match event_loop.control_flow() {
+            ControlFlow::Poll => true,
+            ControlFlow::WaitUntil(other) => other < due,
+            ControlFlow::Wait => false,
+        };
+        if !sooner {
+            event_loop.set_control_flow(ControlFlow::WaitUntil(due));
+        }
+    }
+
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        self.window.resumed(event_loop);
+    }
+
+    fn new_events(&mut self, event_loop: &ActiveEventLoop, cause: StartCause) {
+        self.window.new_events(event_loop, cause);
+    }
+
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, event: UserEvent) {
+        self.window.user_event(event_loop, event);
+    }
+
+    fn device_event(&mut self, event_loop: &ActiveEventLoop, device: DeviceId, event: DeviceEvent) {
+        self.window.device_event(event_loop, device, event);
+    }
+
+    fn suspended(&mut self, event_loop: &ActiveEventLoop) {
+        self.window.suspended(event_loop);
+    }
+
+    fn exiting(&mut self, event_loop: &ActiveEventLoop) {
+        self.window.exiting(event_loop);
+    }
+
+    fn memory_warning(&mut self, event_loop: &ActiveEventLoop) {
+        self.window.memory_warning(event_loop);
+    }
+}

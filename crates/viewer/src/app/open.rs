@@ -1,0 +1,159 @@
+//! Opens the window, or says in one line why there is none.
+
+use super::App;
+use super::frames::Frames;
+use super::log::FrameLog;
+use crate::worker::Clock;
+use crate::worker::outbox::Outbox;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+use winit::event_loop::EventLoop;
+
+/// What the window is opened with.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Meshes and scenes to open together; the demo scene if there are none.
+    pub files: Vec<PathBuf>,
+    /// Where to write the window's [frame log](super::log). Such a window starts from the default
+    /// settings and remembers nothing, so that two logs can be compared.
+    pub log: Option<PathBuf>,
+}
+
+/// Opens the window; on the demo scene if there are no files. Returns when it is closed.
+///
+/// With no display it prints one line that names `raycast render`, and exits with 1.
+pub fn run(options: Options) -> ExitCode {
+    let log = match options.log.as_deref().map(FrameLog::create).transpose() {
+        Ok(log) => log,
+        Err(error) => {
+            let name = options.log.unwrap_or_default();
+            return refuse(&format!("{}: {error}", name.display()));
+        }
+    };
+    if !has_display() {
+        return refuse(NO_DISPLAY);
+    }
+    let native = native(log.is_none());
+    // winit panics on some displays that are named but not there; its words go to no one.
+    let hook = std::panic::take_hook();
+    std::panic::set_hook(Box::new(|_| {}));
+    let opened = AtomicBool::new(false);
+    let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+        let outbox = Arc::new(Outbox::default());
+        let opening = Instant::now();
+        let clock: Clock = Arc::new(move || opening.elapsed());
+        let channel = (Arc::clone(&outbox), Arc::clone(&clock));
+        let create: eframe::AppCreator<'_> = Box::new(|context| {
+            std::panic::set_hook(hook);
+            let app = App::new(context, options.files, log, channel)?;
+            opened.store(true, Ordering::Relaxed);
+            Ok(Box::new(app))
+        });
+        LAST_ERROR.listen();
+        let event_loop = EventLoop::with_user_event().build()?;
+        let window = eframe::create_native("raycast", native, create, &event_loop);
+        event_loop.run_app(&mut Frames::new(window, outbox, clock))
+    }));
+    let failure = match &outcome {
+        Ok(Err(error)) => Some(error.to_string()),
+        _ => LAST_ERROR.take(),
+    };
+    match (failure, outcome) {
+        (Some(error), _) => refuse(&format!("{NO_WINDOW} ({})", last_words(&error))),
+        (None, Ok(_)) => ExitCode::SUCCESS,
+        (None, Err(_)) if opened.into_inner() => {
+            refuse("the window was closed by a fault of its own")
+        }
+        (None, Err(_)) => refuse(NO_WINDOW),
+    }
+}
+
+fn native(remembers: bool) -> eframe::NativeOptions {
+    eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_app_id("raycast")
+            .with_title("RayCast")
+            .with_inner_size([1280.0, 800.0])
+            .with_min_inner_size([640.0, 400.0])
+            .with_drag_and_drop(true),
+        renderer: eframe::Renderer::Glow,
+        persist_window: remembers,
+        // Without a GPU the window is painted by the cores that cast rays: what is drawn is flat or
+        // is the picture itself, and needs no noise worked out for each of its pixels.
+        dithering: false,
+        ..Default::default()
+    }
+}
+
+const NO_DISPLAY: &str =
+    "there is no display to open a window on; `raycast render` makes pictures without one";
+const NO_WINDOW: &str =
+    "the window could not be opened; `raycast render` makes pictures without one";
+
+#[expect(
+    clippy::print_stderr,
+    reason = "the one line that says why there is no window"
+)]
+fn refuse(reason: &str) -> ExitCode {
+    eprintln!("raycast: {reason}");
+    ExitCode::FAILURE
+}
+
+/// The last part of an error's chain, on one line: before it stand places in other crates' sources.
+fn last_words(text: &str) -> String {
+    let last = text.rsplit(": ").next().unwrap_or(text);
+    last.trim_end_matches(')')
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+/// Whether anything says where windows go. Elsewhere than on X11 and Wayland there always is.
+fn has_display() -> bool {
+    if !cfg!(all(unix, not(target_vendor = "apple"))) {
+        return true;
+    }
+    ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"]
+        .iter()
+        .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
+}
+
+/// Why eframe gave up: in an event loop of one's own it tells no one but the log.
+struct LastError(Mutex<Option<String>>);
+
+static LAST_ERROR: LastError = LastError(Mutex::new(None));
+
+impl LastError {
+    fn listen(&'static self) {
+        // Another log would be there first only if there were another window in the process.
+        if log::set_logger(self).is_ok() {
+            log::set_max_level(log::LevelFilter::Error);
+        }
+    }
+
+    fn take(&self) -> Option<String> {
+        self.lock().take()
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, Option<String>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl log::Log for LastError {
+    fn enabled(&self, about: &log::Metadata<'_>) -> bool {
+        about.target().starts_with("eframe")
+    }
+
+    fn log(&self, record: &log::Record<'_>) {
+        let text = record.args().to_string();
+        if self.enabled(record.metadata()) && text.starts_with("Exiting because of error") {
+            *self.lock() = Some(text);
+        }
+    }
+
+    fn flush(&self) {}
+}
