@@ -2,10 +2,11 @@
 
 use super::present::{Dirty, Presenter};
 use super::theme;
-use crate::worker::outbox::{Batch, Layout, PassReport};
+use crate::worker::outbox::{Arrival, Batch, Layout, PassReport};
 use egui::{Color32, ColorImage, TextureHandle, TextureOptions};
 use raycast_core::camera::Rect;
 use raycast_core::render::{Pass, Tile, TileStats};
+use raycast_core::shade::Background;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -16,6 +17,21 @@ pub struct TileNote {
     pub stats: TileStats,
     /// Its place in that pass's order of arrival, from zero.
     pub order: u32,
+    /// What it shows, if that is nothing but what lies behind everything.
+    empty: Option<Background>,
+}
+
+impl TileNote {
+    fn new(arrival: &Arrival, background: Background) -> Self {
+        let stats = arrival.tile.stats;
+        // Between the rays of coarse passes, and between samples, other colours come about.
+        let plain = arrival.pass.stride == 1 && arrival.pass.samples == 1;
+        Self {
+            stats,
+            order: arrival.order,
+            empty: (plain && stats.counts.hits == 0).then_some(background),
+        }
+    }
 }
 
 /// How far the picture is.
@@ -101,6 +117,7 @@ impl Canvas {
         self.generation = generation;
         let nothing = self.nothing();
         Arc::make_mut(&mut self.image).pixels.fill(nothing);
+        self.notes.fill(None);
         self.dirty = Dirty::All;
         self.progress = Progress::default();
     }
@@ -121,21 +138,21 @@ impl Canvas {
             }
         }
         for arrival in batch.tiles {
-            if !copy(
-                Arc::make_mut(&mut self.image),
-                &arrival.tile,
-                self.blue_first,
-            ) {
+            let Some(note) = self.notes.get_mut(arrival.place) else {
                 continue;
+            };
+            let new = TileNote::new(&arrival, batch.background);
+            let empty = note.and_then(|note| note.empty);
+            // A moving camera sees much of nothing, which stays as it is.
+            if empty.is_none() || empty != new.empty {
+                let image = Arc::make_mut(&mut self.image);
+                if !copy(image, &arrival.tile, self.blue_first) {
+                    continue;
+                }
+                self.dirty.add(arrival.tile.rect);
             }
-            self.dirty.add(arrival.tile.rect);
+            *note = Some(new);
             self.progress.pass = Some(arrival.pass);
-            if let Some(note) = self.notes.get_mut(arrival.place) {
-                *note = Some(TileNote {
-                    stats: arrival.tile.stats,
-                    order: arrival.order,
-                });
-            }
         }
         for report in batch.reports {
             self.progress.rays += report.stats.rays;
@@ -327,7 +344,9 @@ fn copy(image: &mut ColorImage, tile: &Tile, blue_first: bool) -> bool {
 mod tests {
     use super::*;
     use crate::worker::outbox::Arrival;
+    use raycast_core::accel::CastCounts;
     use raycast_core::camera::Grid;
+    use raycast_core::scene::Color;
 
     const PASS: Pass = Pass {
         stride: 1,
@@ -347,13 +366,20 @@ mod tests {
                     rect: layout.tiles[place],
                     pixels: vec![[value, value, value, 255]; layout.tiles[place].area()],
                     layers: None,
-                    stats: TileStats::default(),
+                    stats: TileStats {
+                        counts: CastCounts {
+                            hits: 1,
+                            ..CastCounts::default()
+                        },
+                        ..TileStats::default()
+                    },
                 },
             })
             .collect();
         Batch {
             generation,
             layout,
+            background: Background::default(),
             tiles,
             reports: Vec::new(),
             complete: false,
@@ -404,6 +430,52 @@ mod tests {
             .map(|(_, note)| note.map(|n| n.order))
             .collect();
         assert_eq!(orders, [None, Some(0)]);
+    }
+
+    #[test]
+    fn nothing_before_the_same_background_is_copied_once() {
+        let mut canvas = Canvas::default();
+        let show = |canvas: &mut Canvas, generation, hits, background, pass| {
+            let mut batch = batch(generation, (8, 4), &[0], generation as u8);
+            batch.layout = Arc::clone(&canvas.layout);
+            if batch.layout.tiles.is_empty() {
+                batch.layout = Arc::new(Layout::new((8, 4), Grid::Size(4).tiles(8, 4)));
+            }
+            batch.background = background;
+            batch.tiles[0].pass = pass;
+            batch.tiles[0].tile.stats.counts.hits = hits;
+            canvas.take_in(batch);
+            canvas.hand_over();
+            canvas.image.pixels[0].r()
+        };
+        let here = Background::default();
+        let other = Background::Gradient(Color([1; 3]), Color([2; 3]));
+        let coarse = Pass { stride: 2, ..PASS };
+        assert_eq!(show(&mut canvas, 1, 0, here, PASS), 1, "new");
+        assert_eq!(show(&mut canvas, 2, 0, here, PASS), 1, "as it was");
+        assert_eq!(
+            show(&mut canvas, 3, 0, other, PASS),
+            3,
+            "another background"
+        );
+        assert_eq!(show(&mut canvas, 4, 9, other, PASS), 4, "something is met");
+        assert_eq!(
+            show(&mut canvas, 5, 0, other, PASS),
+            5,
+            "nothing is left of it"
+        );
+        assert_eq!(show(&mut canvas, 6, 0, other, coarse), 6, "blocks");
+        assert_eq!(
+            show(&mut canvas, 7, 0, other, PASS),
+            7,
+            "no blocks any more"
+        );
+        canvas.clear(8);
+        assert_eq!(
+            show(&mut canvas, 8, 0, other, PASS),
+            8,
+            "after another scene"
+        );
     }
 
     #[test]

@@ -6,6 +6,7 @@
 
 use raycast_core::camera::Rect;
 use raycast_core::render::{Pass, Tile, TileStats};
+use raycast_core::shade::Background;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -69,6 +70,8 @@ pub struct Batch {
     pub generation: u64,
     /// Its tiles.
     pub layout: Arc<Layout>,
+    /// What lies behind everything in it.
+    pub background: Background,
     /// Place in the layout, place in its pass's order of arrival, pass, and the tile.
     pub tiles: Vec<Arrival>,
     /// Passes that were finished.
@@ -110,6 +113,7 @@ struct Inner {
 struct Current {
     generation: u64,
     layout: Arc<Layout>,
+    background: Background,
     slots: Vec<Option<Arrival>>,
     waiting: Vec<usize>,
     reports: Vec<PassReport>,
@@ -151,7 +155,13 @@ impl Outbox {
     }
 
     /// Starts a picture. What waits of the last one stays only if its first pass is whole.
-    pub fn begin(&self, generation: u64, layout: Arc<Layout>, now: Duration) {
+    pub fn begin(
+        &self,
+        generation: u64,
+        layout: Arc<Layout>,
+        background: Background,
+        now: Duration,
+    ) {
         let mut inner = self.lock();
         if let Some(last) = inner.current.take()
             && last.first_pass_done
@@ -163,6 +173,7 @@ impl Outbox {
             generation,
             slots: layout.tiles.iter().map(|_| None).collect(),
             layout,
+            background,
             waiting: Vec::new(),
             reports: Vec::new(),
             started: now,
@@ -284,6 +295,7 @@ impl Current {
         Batch {
             generation: self.generation,
             layout: Arc::clone(&self.layout),
+            background: self.background,
             tiles,
             reports: std::mem::take(&mut self.reports),
             complete: self.complete,
@@ -306,6 +318,10 @@ mod tests {
         samples: 1,
     };
 
+    fn begin(outbox: &Outbox, generation: u64, layout: Arc<Layout>, now: Duration) {
+        outbox.begin(generation, layout, Background::default(), now);
+    }
+
     fn layout() -> Arc<Layout> {
         Arc::new(Layout::new((8, 4), Grid::Size(4).tiles(8, 4)))
     }
@@ -324,7 +340,7 @@ mod tests {
     fn a_first_pass_is_held_until_it_is_whole() {
         let (outbox, layout) = (Outbox::default(), layout());
         let now = Duration::from_millis(1);
-        outbox.begin(1, Arc::clone(&layout), Duration::ZERO);
+        begin(&outbox, 1, Arc::clone(&layout), Duration::ZERO);
         assert!(!outbox.put(COARSE, tile(&layout, 1, 1), now).pass_done);
         assert!(outbox.fetch(now, |_| true).is_empty());
         assert!(outbox.put(COARSE, tile(&layout, 0, 1), now).pass_done);
@@ -349,7 +365,7 @@ mod tests {
         let ask = |generation| {
             outbox.expect(generation);
             assert!(outbox.is_awaited(now), "asked for");
-            outbox.begin(generation, Arc::clone(&layout), Duration::ZERO);
+            begin(&outbox, generation, Arc::clone(&layout), Duration::ZERO);
             assert!(outbox.is_awaited(now), "begun");
             outbox.put(FINE, tile(&layout, 0, 1), now);
             assert!(outbox.is_awaited(now), "held back");
@@ -368,7 +384,7 @@ mod tests {
         assert!(!outbox.is_awaited(now), "the last one is still to be shown");
         outbox.fetch(now, |_| true);
         assert!(outbox.is_awaited(now));
-        outbox.begin(3, Arc::clone(&layout), Duration::ZERO);
+        begin(&outbox, 3, Arc::clone(&layout), Duration::ZERO);
         outbox.put(COARSE, tile(&layout, 0, 1), now);
         assert!(!outbox.is_awaited(HOLD), "a slow one is seen to fill in");
     }
@@ -378,7 +394,7 @@ mod tests {
         let (outbox, layout) = (Outbox::default(), layout());
         let now = Duration::from_millis(1);
         let finish = |generation| {
-            outbox.begin(generation, Arc::clone(&layout), Duration::ZERO);
+            begin(&outbox, generation, Arc::clone(&layout), Duration::ZERO);
             for place in 0..2 {
                 outbox.put(COARSE, tile(&layout, place, 1), now);
             }
@@ -394,7 +410,7 @@ mod tests {
     #[test]
     fn quick_passes_after_the_first_do_not_wake_the_window() {
         let (outbox, layout) = (Outbox::default(), layout());
-        outbox.begin(1, Arc::clone(&layout), Duration::ZERO);
+        begin(&outbox, 1, Arc::clone(&layout), Duration::ZERO);
         let wakes: Vec<_> = [(COARSE, 0, 1), (COARSE, 1, 2), (FINE, 0, 3), (FINE, 1, 103)]
             .into_iter()
             .map(|(pass, place, ms)| {
@@ -408,7 +424,7 @@ mod tests {
     #[test]
     fn a_slow_first_pass_is_seen_to_fill_in() {
         let (outbox, layout) = (Outbox::default(), layout());
-        outbox.begin(1, Arc::clone(&layout), Duration::ZERO);
+        begin(&outbox, 1, Arc::clone(&layout), Duration::ZERO);
         outbox.put(COARSE, tile(&layout, 0, 1), HOLD);
         assert_eq!(outbox.fetch(HOLD, |_| true).len(), 1);
     }
@@ -416,7 +432,7 @@ mod tests {
     #[test]
     fn finer_tiles_take_the_place_of_coarser_ones() {
         let (outbox, layout) = (Outbox::default(), layout());
-        outbox.begin(1, Arc::clone(&layout), Duration::ZERO);
+        begin(&outbox, 1, Arc::clone(&layout), Duration::ZERO);
         for (pass, value) in [(COARSE, 1), (FINE, 2)] {
             for place in 0..2 {
                 outbox.put(pass, tile(&layout, place, value), Duration::ZERO);
@@ -432,12 +448,12 @@ mod tests {
     #[test]
     fn a_whole_first_pass_survives_the_next_request_and_a_torn_one_does_not() {
         let (outbox, layout) = (Outbox::default(), layout());
-        outbox.begin(1, Arc::clone(&layout), Duration::ZERO);
+        begin(&outbox, 1, Arc::clone(&layout), Duration::ZERO);
         outbox.put(COARSE, tile(&layout, 0, 1), Duration::ZERO);
         outbox.put(COARSE, tile(&layout, 1, 1), Duration::ZERO);
-        outbox.begin(2, Arc::clone(&layout), Duration::ZERO);
+        begin(&outbox, 2, Arc::clone(&layout), Duration::ZERO);
         outbox.put(COARSE, tile(&layout, 0, 2), Duration::ZERO);
-        outbox.begin(3, Arc::clone(&layout), Duration::ZERO);
+        begin(&outbox, 3, Arc::clone(&layout), Duration::ZERO);
         let generations: Vec<_> = outbox
             .fetch(Duration::ZERO, |_| true)
             .iter()
@@ -449,7 +465,7 @@ mod tests {
     #[test]
     fn tiles_of_another_layout_are_refused() {
         let (outbox, layout) = (Outbox::default(), layout());
-        outbox.begin(1, Arc::clone(&layout), Duration::ZERO);
+        begin(&outbox, 1, Arc::clone(&layout), Duration::ZERO);
         let mut stranger = tile(&layout, 0, 1);
         stranger.rect.width = 3;
         assert_eq!(outbox.put(FINE, stranger, HOLD), Posted::default());

@@ -124,8 +124,13 @@ impl Worker {
                 ..Sum::default()
             });
             let layout = Arc::clone(&self.layout.1);
-            self.outbox
-                .begin(request.generation, Arc::clone(&layout), (self.clock)());
+            let background = request.view.settings.shading.background;
+            self.outbox.begin(
+                request.generation,
+                Arc::clone(&layout),
+                background,
+                (self.clock)(),
+            );
             let sink = |pass, tile| self.take_in(&sum, pass, tile);
             let clock = Arc::clone(&self.clock);
             let render = || {
