@@ -8,6 +8,8 @@ use glam::{DVec3, Vec2, Vec3};
 pub(super) struct Needs {
     /// The surface's direction.
     pub(super) normal: bool,
+    /// The way from its middle to the eye.
+    pub(super) middle: bool,
     /// The mesh's own normals.
     pub(super) smooth: bool,
     /// The triangle's colour.
@@ -49,19 +51,17 @@ pub(super) enum Mapping {
 }
 
 impl Facet {
-    /// A triangle of no particular shape or colour, which faces the eye.
-    pub(super) fn plain(object: u32, to_eye: Vec3) -> Self {
-        Self {
-            object,
-            normal: to_eye,
-            normals: None,
-            color: Vec3::ZERO,
-            to_eye,
-            texture: None,
-            uvs: None,
-            edges: None,
-        }
-    }
+    /// Of which nothing is known.
+    pub(super) const NONE: Self = Self {
+        object: 0,
+        normal: Vec3::ZERO,
+        normals: None,
+        color: Vec3::ZERO,
+        to_eye: Vec3::ZERO,
+        texture: None,
+        uvs: None,
+        edges: None,
+    };
 
     /// The unit normal at barycentrics (u, v): the mesh's own where it has them, on the side that
     /// the triangle shows.
@@ -151,8 +151,9 @@ mod tests {
     fn smooth_normals_stay_on_the_side_that_shows() {
         let normals = [Vec3::NEG_Z, Vec3::new(0.6, 0.0, -0.8), Vec3::NEG_Z];
         let facet = Facet {
+            normal: Vec3::Z,
             normals: Some(normals),
-            ..Facet::plain(0, Vec3::Z)
+            ..Facet::NONE
         };
         assert_eq!(facet.normal_at(0.0, 0.0), Vec3::Z);
         let turned = facet.normal_at(1.0, 0.0);

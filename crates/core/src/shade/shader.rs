@@ -273,19 +273,29 @@ impl<'a> Shader<'a> {
     }
 
     /// A triangle made ready for its pixels.
-    pub(super) fn facet(&self, slot: u32, needs: Needs) -> Facet {
+    fn facet(&self, slot: u32, needs: Needs) -> Facet {
+        let mut facet = Facet::NONE;
+        self.make_ready(&mut facet, slot, needs);
+        facet
+    }
+
+    /// Makes a triangle ready in the place of another with the same needs: what they do not ask for
+    /// is not touched.
+    pub(super) fn make_ready(&self, facet: &mut Facet, slot: u32, needs: Needs) {
         let (number, triangle) = self.accel.identify(slot);
         let object = &self.scene.objects[number as usize];
-        let mut facet = Facet::plain(number, -self.camera.forward().as_vec3());
+        facet.object = number;
         if needs.normal || needs.edges {
-            let corners = self
-                .accel
-                .corners(slot)
-                .map(|corner| corner.as_dvec3() - self.eye);
+            let corners = self.corners(slot);
             if needs.normal {
-                (facet.normal, facet.to_eye) = self.place(corners);
+                facet.normal = self.normal(corners);
             }
-            facet.edges = needs.edges.then(|| Edges::new(&self.camera, corners));
+            if needs.middle {
+                facet.to_eye = self.from_middle(corners);
+            }
+            if needs.edges {
+                facet.edges = Some(Edges::new(&self.camera, corners));
+            }
         }
         if needs.smooth {
             facet.normals = self.smooth_normals(number, object, triangle);
@@ -293,13 +303,22 @@ impl<'a> Shader<'a> {
         if needs.color {
             facet.color = srgb::linear(self.triangle_color(object, triangle));
         }
-        if needs.texture && object.texture.is_some() {
-            facet.texture = self.mapping(number, object, triangle);
+        if needs.texture {
+            facet.texture = object
+                .texture
+                .as_ref()
+                .and_then(|_| self.mapping(number, object, triangle));
         }
         if needs.uvs {
             facet.uvs = object.mesh.corner_uvs(triangle);
         }
-        facet
+    }
+
+    /// A triangle's corners, relative to the eye.
+    fn corners(&self, slot: u32) -> [DVec3; 3] {
+        let [a, b, c] = self.accel.corners(slot);
+        let from_eye = |corner: Vec3| corner.as_dvec3() - self.eye;
+        [from_eye(a), from_eye(b), from_eye(c)]
     }
 
     /// A triangle's own colour. Unlit, a file without materials would be one flat patch: there
@@ -315,23 +334,26 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// The unit normal of a triangle with these corners, relative to the eye, and the unit vector from
-    /// its middle to the eye.
+    /// The unit normal of a triangle with these corners, relative to the eye; of one without area, the
+    /// way back to the eye.
     #[inline(always)]
-    fn place(&self, corners: [DVec3; 3]) -> (Vec3, Vec3) {
-        let away = -self.camera.forward().as_vec3();
-        let (forward, to_eye) = match self.camera.projection() {
-            Projection::Orthographic => (Some(self.camera.forward()), away),
-            Projection::Perspective => {
-                let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-                (None, -unit(middle).as_vec3())
-            }
-        };
-        let normal = facing_normal(corners, forward);
+    fn normal(&self, corners: [DVec3; 3]) -> Vec3 {
+        let forward = self.camera.forward();
+        let orthographic = self.camera.projection() == Projection::Orthographic;
+        let normal = facing_normal(corners, orthographic.then_some(forward));
         if normal == Vec3::ZERO {
-            (away, to_eye)
+            -forward.as_vec3()
         } else {
-            (normal, to_eye)
+            normal
+        }
+    }
+
+    /// The unit vector to the eye from the middle of a triangle with these corners, relative to the eye.
+    #[inline(always)]
+    fn from_middle(&self, [a, b, c]: [DVec3; 3]) -> Vec3 {
+        match self.camera.projection() {
+            Projection::Orthographic => -self.camera.forward().as_vec3(),
+            Projection::Perspective => -unit((a + b + c) / 3.0).as_vec3(),
         }
     }
 
@@ -344,9 +366,11 @@ impl<'a> Shader<'a> {
         if self.shading.mode == Mode::Color {
             return opaque(color);
         }
-        let corners = self.accel.corners(slot);
-        let (normal, to_eye) = self.place(corners.map(|corner| corner.as_dvec3() - self.eye));
-        opaque(color * self.lights.on(normal, to_eye))
+        let corners = self.corners(slot);
+        let light = self
+            .lights
+            .on(self.normal(corners), self.from_middle(corners));
+        opaque(color * light)
     }
 
     /// The mesh's own normals at a triangle's corners, in world space.
@@ -475,6 +499,7 @@ fn needs(scene: &Scene, shading: &Shading) -> Needs {
     let has_texture = || scene.objects.iter().any(|object| object.texture.is_some());
     Needs {
         normal: matches!(shading.mode, Mode::Flat | Mode::Smooth | Mode::Normals),
+        middle: shading.mode == Mode::Flat,
         smooth: matches!(shading.mode, Mode::Smooth | Mode::Normals) && has_normals(),
         color: colored,
         texture: colored && shading.mode != Mode::Color && shading.blend > 0.0 && has_texture(),

@@ -78,6 +78,12 @@ impl<L: Lanes> Vectors<L> {
         Self { lanes, xyz }
     }
 
+    /// These, and others where the mask says so.
+    #[inline(always)]
+    pub(super) fn or(self, mask: L::Mask, others: Self) -> Self {
+        self.with(others, |lanes, mine, theirs| lanes.pick(mask, theirs, mine))
+    }
+
     #[inline(always)]
     fn plus(self, other: Self) -> Self {
         self.with(other, L::add)
@@ -119,6 +125,7 @@ impl<L: Lanes> Vectors<L> {
 }
 
 /// The normals of the triangles that eight pixels show.
+#[derive(Clone, Copy)]
 pub(super) struct Facets<L: Lanes> {
     /// The triangles' own, towards the eye.
     flat: Vectors<L>,
@@ -128,36 +135,18 @@ pub(super) struct Facets<L: Lanes> {
     smooth: L::Singles,
 }
 
-/// [`Facets`] in memory, to be filled lane by lane. In this order, so that all of it is aligned.
-#[repr(C)]
-pub(super) struct FacetRows {
-    flat: Rows,
-    corners: [Rows; 3],
-    smooth: Row,
-}
-
-impl FacetRows {
-    /// Of no triangles yet.
-    pub(super) const NONE: Self = Self {
-        flat: Rows::ZERO,
-        corners: [Rows::ZERO; 3],
-        smooth: [0.0; LANES],
-    };
-
-    /// Gives a lane its triangle.
+impl<L: Lanes> Facets<L> {
+    /// Of no triangles.
     #[inline(always)]
-    pub(super) fn set(&mut self, lane: usize, facet: &Facet) {
-        self.flat.set(lane, facet.normal);
-        if let Some(normals) = facet.normals {
-            self.smooth[lane] = 1.0;
-            for (corners, normal) in self.corners.iter_mut().zip(normals) {
-                corners.set(lane, normal);
-            }
+    pub(super) fn none(lanes: L) -> Self {
+        let zero = Vectors::splat(lanes, Vec3::ZERO);
+        Self {
+            flat: zero,
+            corners: [zero; 3],
+            smooth: lanes.splat(0.0),
         }
     }
-}
 
-impl<L: Lanes> Facets<L> {
     /// Of one triangle that all pixels show.
     #[inline(always)]
     pub(super) fn one(lanes: L, facet: &Facet) -> Self {
@@ -170,15 +159,15 @@ impl<L: Lanes> Facets<L> {
         }
     }
 
-    /// Of a triangle for each lane.
+    /// These, and others where the mask says so.
     #[inline(always)]
-    pub(super) fn load(lanes: L, rows: &FacetRows) -> Self {
-        let [a, b, c] = &rows.corners;
-        let load = |rows| Vectors::load(lanes, rows);
+    pub(super) fn or(self, mask: L::Mask, others: Self) -> Self {
+        let ([a, b, c], [d, e, f]) = (self.corners, others.corners);
+        let lanes = self.flat.lanes;
         Self {
-            flat: load(&rows.flat),
-            corners: [load(a), load(b), load(c)],
-            smooth: lanes.load(&rows.smooth),
+            flat: self.flat.or(mask, others.flat),
+            corners: [a.or(mask, d), b.or(mask, e), c.or(mask, f)],
+            smooth: lanes.pick(mask, others.smooth, self.smooth),
         }
     }
 
@@ -222,10 +211,10 @@ pub(super) fn light<L: Lanes>(
         Some((u, v)) => facets.normal_at(lanes, lanes.load(u), lanes.load(v)),
         None => facets.flat,
     };
-    let [corner, right, down] = to_eye.map(splat);
-    let to_eye = corner
-        .plus(right.scaled(lanes.load(x)))
-        .plus(down.scaled(lanes.splat(y)));
+    let [corner, right, down] = to_eye;
+    let to_eye = splat(*corner)
+        .plus(splat(*right).scaled(lanes.load(x)))
+        .plus(splat(*down).scaled(lanes.splat(y)));
     let to_eye = to_eye.scaled(lanes.div(lanes.splat(1.0), to_eye.length()));
     on(lanes, lights, normal, to_eye)
 }

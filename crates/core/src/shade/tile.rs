@@ -1,9 +1,10 @@
 use super::facet::Facet;
-use super::smooth::{FacetRows, Facets, Row, Rows, Vectors};
+use super::smooth::{Facets, Row, Rows, Vectors};
 use super::{Shader, srgb};
 use crate::accel::simd::{LANES, Lanes, Work, dispatch};
 use crate::accel::{MISS, SlotHit};
 use crate::camera::Rect;
+use glam::Vec3;
 
 /// How many triangles' colours are remembered: most of what 64 × 64 pixels show of triangles a few
 /// pixels wide, in two kilobytes.
@@ -12,6 +13,9 @@ const COLORS: usize = 256;
 /// How many triangles are remembered: as many, though one takes some 300 bytes. They are worth it: a
 /// small triangle comes back in the next row.
 const FACETS: usize = 256;
+
+/// The number of each lane.
+const LANE: Row = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// Pixels that are looked at together: most show one triangle, or none.
 const RUN: usize = 16;
@@ -124,38 +128,36 @@ impl<'s> TileShader<'s> {
             v: weights.map_or(0.0, |(_, v)| v[lane]),
             ..SlotHit::NONE
         };
-        let mut colors = Rows::ZERO;
-        let (facets, colors) = if one {
-            let facet = self.facet(slots[0]);
-            let facets = Facets::one(lanes, facet);
-            if facet.texture.is_none() {
-                (facets, Vectors::splat(lanes, facet.color))
+        // Triangles from left to right, each over all lanes from its first on: registers alone, where
+        // lanes stored one by one would have to reach memory before eight could be loaded as one.
+        let mut facets = Facets::none(lanes);
+        let mut colors = Vectors::splat(lanes, Vec3::ZERO);
+        let mut textured = Rows::ZERO;
+        let textures = shader.needs().texture;
+        let mut lane = 0;
+        while lane < LANES {
+            let slot = slots[lane];
+            let first = lane;
+            while lane < LANES && slots[lane] == slot {
+                lane += 1;
+            }
+            if slot == MISS {
+                continue;
+            }
+            let facet = self.facet(slot);
+            let from = lanes.less(lanes.splat(first as f32 - 0.5), lanes.load(&LANE));
+            if textures {
+                for lane in first..lane {
+                    textured.set(lane, shader.surface_color(facet, &hit(lane)));
+                }
             } else {
-                for lane in 0..LANES {
-                    colors.set(lane, shader.surface_color(facet, &hit(lane)));
-                }
-                (facets, Vectors::load(lanes, &colors))
+                colors = colors.or(from, Vectors::splat(lanes, facet.color));
             }
-        } else {
-            let mut facets = FacetRows::NONE;
-            let mut lane = 0;
-            while lane < LANES {
-                let slot = slots[lane];
-                let next = (lane + 1..LANES).find(|&next| slots[next] != slot);
-                let run = lane..next.unwrap_or(LANES);
-                lane = run.end;
-                if slot == MISS {
-                    continue;
-                }
-                let facet = self.facet(slot);
-                for lane in run {
-                    colors.set(lane, shader.surface_color(facet, &hit(lane)));
-                    facets.set(lane, facet);
-                }
-            }
-            let facets = Facets::load(lanes, &facets);
-            (facets, Vectors::load(lanes, &colors))
-        };
+            facets = facets.or(from, Facets::one(lanes, facet));
+        }
+        if textures {
+            colors = Vectors::load(lanes, &textured);
+        }
         let x = std::array::from_fn(|lane| left as f32 + lane as f32 + 0.5);
         let light = shader.light(lanes, &facets, weights, (&x, y as f32 + 0.5));
         shader.tables.encode_row(lanes, colors.times(light), pixels);
@@ -282,20 +284,18 @@ impl<'s> TileShader<'s> {
         color
     }
 
-    /// A triangle, remembered or made.
+    /// A triangle, remembered or made ready.
     #[inline]
     fn facet(&mut self, slot: u32) -> &Facet {
-        let shader = self.shader;
-        let needs = shader.needs();
         if self.facets.is_empty() {
-            let first = shader.facet(slot, needs);
-            self.facets = vec![(slot, first); FACETS];
+            self.facets = vec![(MISS, Facet::NONE); FACETS];
         }
-        let place = slot as usize % FACETS;
-        if self.facets[place].0 != slot {
-            self.facets[place] = (slot, shader.facet(slot, needs));
+        let (known, facet) = &mut self.facets[slot as usize % FACETS];
+        if *known != slot {
+            *known = slot;
+            self.shader.make_ready(facet, slot, self.shader.needs());
         }
-        &self.facets[place].1
+        facet
     }
 }
 
