@@ -291,7 +291,7 @@ impl<'a> Shader<'a> {
                 facet.normal = self.normal(corners);
             }
             if needs.middle {
-                facet.to_eye = self.from_middle(corners);
+                facet.to_eye = self.middle_to_eye(corners);
             }
             if needs.edges {
                 facet.edges = Some(Edges::new(&self.camera, corners));
@@ -350,7 +350,7 @@ impl<'a> Shader<'a> {
 
     /// The unit vector to the eye from the middle of a triangle with these corners, relative to the eye.
     #[inline(always)]
-    fn from_middle(&self, [a, b, c]: [DVec3; 3]) -> Vec3 {
+    fn middle_to_eye(&self, [a, b, c]: [DVec3; 3]) -> Vec3 {
         match self.camera.projection() {
             Projection::Orthographic => -self.camera.forward().as_vec3(),
             Projection::Perspective => -unit((a + b + c) / 3.0).as_vec3(),
@@ -369,7 +369,7 @@ impl<'a> Shader<'a> {
         let corners = self.corners(slot);
         let light = self
             .lights
-            .on(self.normal(corners), self.from_middle(corners));
+            .on(self.normal(corners), self.middle_to_eye(corners));
         opaque(color * light)
     }
 

@@ -15,9 +15,9 @@ use winit::event::{DeviceEvent, DeviceId, StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::window::WindowId;
 
-/// From the beginning of a frame to that of the next while a picture is awaited: time for one that
-/// just misses a display's frame of a 60th of a second, and still 40 frames where pictures take longer.
-const LONGEST: Duration = Duration::from_millis(25);
+/// From the beginning of a frame to that of the next while a picture is awaited: what the
+/// [first pass](crate::worker::pace) of one may take. A frame in between would make it later.
+const LONGEST: Duration = Duration::from_millis(40);
 
 /// eframe's window, whose frames wait for pictures.
 pub struct Frames<'a> {

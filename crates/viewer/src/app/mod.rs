@@ -118,9 +118,7 @@ impl App {
             let effect = update::receive(&mut self.state, news, now);
             self.carry_out(effect);
         }
-        for batch in self.renderer.outbox().fetch(now, |_| true) {
-            self.canvas.take_in(batch);
-        }
+        self.take_in_tiles(|size, shown| size != shown);
         if let Some(next) = update::expire_toasts(&mut self.state, now) {
             context.request_repaint_after(next);
         }
@@ -133,13 +131,24 @@ impl App {
         self.drop_in(paths);
     }
 
-    /// Takes in tiles that have come since the frame began: a picture that was asked for in the last one
-    /// is then mostly there. One of another size must wait, since this one's place is laid out.
-    /// What the panels say of it follows in the next frame, which the worker has asked for.
-    fn take_in_late(&mut self) {
-        let (now, size) = ((self.clock)(), self.canvas.size());
-        for batch in self.renderer.outbox().fetch(now, |other| other == size) {
+    /// Takes in tiles of pictures of a size that fits what is shown; whether there were any.
+    fn take_in_tiles(&mut self, fits: impl Fn((u32, u32), (u32, u32)) -> bool) -> bool {
+        let (now, shown) = ((self.clock)(), self.canvas.size());
+        let batches = self.renderer.outbox().fetch(now, |size| fits(size, shown));
+        let any = !batches.is_empty();
+        for batch in batches {
             self.canvas.take_in(batch);
+        }
+        any
+    }
+
+    /// Takes in tiles at the end of the frame, when the next picture is already under way: cores that
+    /// cast rays do not wait for pixels to be copied. A picture of another size has been taken in at the
+    /// beginning, before its place was laid out.
+    fn take_in_late(&mut self, context: &egui::Context) {
+        if self.take_in_tiles(|size, shown| size == shown) {
+            // What the panels say of it.
+            context.request_repaint();
         }
         self.canvas.hand_over();
     }
@@ -225,7 +234,9 @@ impl App {
             grid: self.state.grid,
             threads: self.state.threads,
         };
-        if self.wanted == Some(wanted) {
+        // While nothing of the last picture can be seen, the next one waits for a frame that knows where
+        // the camera has got to by then. That frame comes with the last picture.
+        if self.wanted == Some(wanted) || self.renderer.outbox().is_busy() {
             return;
         }
         self.wanted = Some(wanted);
@@ -265,7 +276,7 @@ impl eframe::App for App {
         self.show(ui);
         self.request();
         self.set_title(ui.ctx());
-        self.take_in_late();
+        self.take_in_late(ui.ctx());
         let now = (self.clock)();
         let line = FrameLine {
             now,

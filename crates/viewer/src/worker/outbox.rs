@@ -103,8 +103,9 @@ pub struct Outbox {
 
 #[derive(Debug, Default)]
 struct Inner {
-    /// The newest picture that was asked for.
+    /// The newest picture that was asked for, and the newest of which nothing more is awaited.
     expected: u64,
+    settled: u64,
     ready: Option<Current>,
     current: Option<Current>,
 }
@@ -142,16 +143,21 @@ impl Outbox {
         self.lock().expected = generation;
     }
 
-    /// Whether something is under way, and no tiles of it are there to be shown.
+    /// Notes that a picture has all that it needs to be shown, or never will.
+    pub fn settle(&self, generation: u64) {
+        self.lock().settle(generation);
+    }
+
+    /// Whether the picture that was asked for last is still to be seen whole for the first time.
+    pub fn is_busy(&self) -> bool {
+        self.lock().is_busy()
+    }
+
+    /// Whether it is, and no tiles are there that may be shown before.
     pub fn is_awaited(&self, now: Duration) -> bool {
         let inner = self.lock();
-        let under_way = match &inner.current {
-            Some(current) => !current.complete || current.generation < inner.expected,
-            None => inner.expected > 0,
-        };
-        let seen = |of: &Option<Current>| of.as_ref().is_some_and(|of| of.has_tiles(now));
-        let ready = seen(&inner.ready) || seen(&inner.current);
-        under_way && !ready
+        let ready = |of: &Option<Current>| of.as_ref().is_some_and(|of| of.has_tiles(now));
+        inner.is_busy() && !ready(&inner.ready) && !ready(&inner.current)
     }
 
     /// Starts a picture. What waits of the last one stays only if its first pass is whole.
@@ -227,6 +233,10 @@ impl Outbox {
         if due {
             current.woken = now;
         }
+        if pass_done {
+            let generation = current.generation;
+            inner.settle(generation);
+        }
         Posted {
             pass_done,
             wake: due,
@@ -274,6 +284,16 @@ impl Outbox {
 
     fn lock(&self) -> MutexGuard<'_, Inner> {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Inner {
+    fn is_busy(&self) -> bool {
+        self.expected > self.settled
+    }
+
+    fn settle(&mut self, generation: u64) {
+        self.settled = self.settled.max(generation);
     }
 }
 
@@ -362,31 +382,23 @@ mod tests {
     fn a_picture_is_awaited_from_its_request_until_tiles_are_there() {
         let (outbox, layout) = (Outbox::default(), layout());
         let now = Duration::from_millis(1);
-        let ask = |generation| {
+        let state = |now| (outbox.is_busy(), outbox.is_awaited(now));
+        assert_eq!(state(now), (false, false), "nothing was asked for");
+        for generation in 1..3 {
             outbox.expect(generation);
-            assert!(outbox.is_awaited(now), "asked for");
+            assert_eq!(state(now), (true, true), "asked for");
             begin(&outbox, generation, Arc::clone(&layout), Duration::ZERO);
-            assert!(outbox.is_awaited(now), "begun");
-            outbox.put(FINE, tile(&layout, 0, 1), now);
-            assert!(outbox.is_awaited(now), "held back");
-            outbox.put(FINE, tile(&layout, 1, 1), now);
-            assert!(!outbox.is_awaited(now), "there to be shown");
-        };
-        assert!(!outbox.is_awaited(now), "nothing was asked for");
-        ask(1);
-        outbox.fetch(now, |_| true);
-        assert!(outbox.is_awaited(now), "finer tiles may come");
-        outbox.finish(now);
-        assert!(!outbox.is_awaited(now), "done");
-        ask(2);
-        outbox.finish(now);
+            outbox.put(COARSE, tile(&layout, 0, 1), now);
+            assert_eq!(state(now), (true, true), "held back");
+            assert_eq!(state(HOLD), (true, false), "slow, and seen to fill in");
+            outbox.put(COARSE, tile(&layout, 1, 1), now);
+            assert_eq!(state(now), (false, false), "there");
+            outbox.fetch(now, |_| true);
+            assert_eq!(state(now), (false, false), "it may get finer");
+        }
         outbox.expect(3);
-        assert!(!outbox.is_awaited(now), "the last one is still to be shown");
-        outbox.fetch(now, |_| true);
-        assert!(outbox.is_awaited(now));
-        begin(&outbox, 3, Arc::clone(&layout), Duration::ZERO);
-        outbox.put(COARSE, tile(&layout, 0, 1), now);
-        assert!(!outbox.is_awaited(HOLD), "a slow one is seen to fill in");
+        outbox.settle(3);
+        assert_eq!(state(now), (false, false), "it will never be there");
     }
 
     #[test]

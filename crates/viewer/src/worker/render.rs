@@ -114,6 +114,7 @@ impl Worker {
         while let Some((request, cancel)) = self.mailbox.take() {
             let size = self.prepare(&request);
             if let Err(message) = self.ensure_pool(request.threads) {
+                self.outbox.settle(request.generation);
                 (self.failed)(message);
                 continue;
             }
@@ -151,6 +152,7 @@ impl Worker {
                     super::panic_text(&*panic)
                 )),
             }
+            self.outbox.settle(request.generation);
             (self.wake)();
             self.mailbox.ripen();
             let sum = sum.into_inner().unwrap_or_else(PoisonError::into_inner);
