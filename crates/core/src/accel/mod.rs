@@ -2,6 +2,7 @@
 
 mod build;
 mod frustum;
+mod hits;
 mod layout;
 mod levels;
 pub(crate) mod simd;
@@ -19,6 +20,7 @@ use crate::camera::Ray;
 use crate::intersect::{Cull, Hit, Nearest, Precision, PreparedRay};
 use crate::scene::{Scene, SceneError};
 use glam::{DVec3, Vec3};
+pub use hits::Hits;
 pub use levels::{BlockLevel, Levels, Listed};
 pub use simd::Simd;
 pub use tile::CastCounts;

@@ -104,6 +104,13 @@ pub(crate) trait Lanes: Copy {
     fn put(self, mask: Self::Mask, number: u32, to: &mut [u32; LANES]);
     /// The mask as bits, the first lane lowest.
     fn bits(self, mask: Self::Mask) -> u32;
+    /// A lane and those after it.
+    #[inline(always)]
+    fn from(self, lane: usize) -> Self::Mask {
+        const LANE: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+        self.less(self.splat(lane as f32 - 0.5), self.load(&LANE))
+    }
+
     /// Asks for an item of a slice to be brought near, if there is such an item.
     fn prefetch<T>(self, from: &[T], index: usize);
 

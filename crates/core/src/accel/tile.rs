@@ -3,7 +3,7 @@
 
 use super::simd::{Lanes, Work, dispatch};
 use super::walk::{Part, Walk};
-use super::{Accel, MISS, SlotHit, traverse};
+use super::{Accel, Hits, MISS, SlotHit, traverse};
 use crate::camera::Lattice;
 use crate::intersect::block::Block;
 use crate::intersect::row::{self, Corners, RowHits, meet_row};
@@ -52,18 +52,13 @@ impl Accel {
         detail: Detail,
         hits: &mut Vec<SlotHit>,
     ) {
-        let mut slots = Vec::new();
-        self.find(lattice, cull, precision, &mut slots);
-        match detail {
-            Detail::Full => self.evaluate(lattice, cull, precision, &slots, hits),
-            Detail::Triangle => {
-                hits.clear();
-                hits.extend(slots.iter().map(|&slot| SlotHit {
-                    slot,
-                    ..SlotHit::NONE
-                }));
-            }
+        let mut found = Hits::default();
+        self.find(lattice, cull, precision, &mut found.slots);
+        if detail == Detail::Full {
+            self.evaluate(lattice, cull, precision, &mut found);
         }
+        hits.clear();
+        hits.extend(found.iter());
     }
 
     /// Finds the triangle that each ray of a lattice meets first: its slot or [`MISS`], row by row,
@@ -94,18 +89,11 @@ impl Accel {
         counts
     }
 
-    /// Where the rays of a lattice meet the triangles that [`Accel::find`] found for them, in place
-    /// of what `hits` held: what [`Accel::cast_slot`] answers, bit for bit.
-    pub fn evaluate(
-        &self,
-        lattice: &Lattice,
-        cull: Cull,
-        precision: Precision,
-        slots: &[u32],
-        hits: &mut Vec<SlotHit>,
-    ) {
-        hits.clear();
-        hits.resize(slots.len(), SlotHit::NONE);
+    /// Where the rays of a lattice meet the triangles that [`Accel::find`] found for them, the slots of
+    /// `hits`: what [`Accel::cast_slot`] answers, bit for bit.
+    pub fn evaluate(&self, lattice: &Lattice, cull: Cull, precision: Precision, hits: &mut Hits) {
+        hits.slots.resize(lattice.len(), MISS);
+        hits.make_places();
         dispatch(
             self.simd,
             Evaluate {
@@ -113,7 +101,6 @@ impl Accel {
                 lattice,
                 cull,
                 precision,
-                slots,
                 hits,
             },
         );
@@ -211,16 +198,15 @@ struct Evaluate<'a> {
     lattice: &'a Lattice,
     cull: Cull,
     precision: Precision,
-    slots: &'a [u32],
-    hits: &'a mut [SlotHit],
+    hits: &'a mut Hits,
 }
 
 impl Work for Evaluate<'_> {
     #[inline(always)]
-    fn run(mut self, _: impl Lanes) {
+    fn run(mut self, lanes: impl Lanes) {
         for row in 0..self.lattice.rows {
             for column in (0..self.lattice.columns).step_by(row::LANES) {
-                self.evaluate_row(column, row);
+                self.evaluate_row(lanes, column, row);
             }
         }
     }
@@ -229,52 +215,75 @@ impl Work for Evaluate<'_> {
 impl Evaluate<'_> {
     /// At most eight rays of a row.
     #[inline(always)]
-    fn evaluate_row(&mut self, column: u32, row: u32) {
+    fn evaluate_row(&mut self, lanes: impl Lanes, column: u32, row: u32) {
         let first = (row * self.lattice.columns + column) as usize;
         let count = row::LANES.min((self.lattice.columns - column) as usize);
-        let slots = &self.slots[first..first + count];
-        let one = slots.iter().all(|&slot| slot == slots[0]);
-        if one && slots[0] == MISS {
+        let mut slots = [MISS; row::LANES];
+        slots[..count].copy_from_slice(&self.hits.slots[first..first + count]);
+        if slots == [MISS; row::LANES] {
             return;
         }
-        let mut corners: Corners = [[0.0; row::LANES]; 9];
-        if one {
-            let [a, b, c] = self.accel.corners(slots[0]).map(|corner| corner.to_array());
-            for (all, one) in corners.iter_mut().zip([a, b, c].into_iter().flatten()) {
-                *all = [one; row::LANES];
+        let corners = self.corners(lanes, &slots);
+        let place = self.lattice.place(column, row);
+        let stride = f64::from(self.lattice.stride);
+        let camera = &self.lattice.camera;
+        let found = meet_row(camera, self.accel.origin, place, stride, &corners);
+        let mut open = false;
+        let RowHits {
+            mut t,
+            mut u,
+            mut v,
+            sure,
+        } = found;
+        for lane in 0..row::LANES {
+            let met = slots[lane] != MISS;
+            open |= met & !sure[lane];
+            t[lane] = if met { t[lane] } else { SlotHit::NONE.t };
+            u[lane] = if met { u[lane] } else { SlotHit::NONE.u };
+            v[lane] = if met { v[lane] } else { SlotHit::NONE.v };
+        }
+        let Hits {
+            t: all_t,
+            u: all_u,
+            v: all_v,
+            ..
+        } = &mut *self.hits;
+        for (all, row) in [(all_t, t), (all_u, u), (all_v, v)] {
+            all[first..first + count].copy_from_slice(&row[..count]);
+        }
+        if open {
+            for lane in (0..count).filter(|&lane| slots[lane] != MISS && !sure[lane]) {
+                let hit = self.evaluate_one(slots[lane], column + lane as u32, row);
+                self.hits.set(first + lane, hit);
             }
-        } else {
-            for (lane, &slot) in slots.iter().enumerate().filter(|(_, slot)| **slot != MISS) {
-                for (corner, at) in self.accel.corners(slot).iter().zip([0, 3, 6]) {
-                    corners[at][lane] = corner.x;
-                    corners[at + 1][lane] = corner.y;
-                    corners[at + 2][lane] = corner.z;
+        }
+    }
+
+    /// The corners of eight rays' triangles. Each triangle takes all lanes from its first one on, until
+    /// the next one's.
+    #[inline(always)]
+    fn corners<L: Lanes>(&self, lanes: L, slots: &[u32; row::LANES]) -> Corners {
+        let mut all = [lanes.splat(0.0); 9];
+        let mut lane = 0;
+        while lane < row::LANES {
+            let slot = slots[lane];
+            let from = lanes.from(lane);
+            while lane < row::LANES && slots[lane] == slot {
+                lane += 1;
+            }
+            if slot != MISS {
+                let [a, b, c] = self.accel.corners(slot);
+                let one = [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z];
+                for (all, one) in all.iter_mut().zip(one) {
+                    *all = lanes.pick(from, lanes.splat(one), *all);
                 }
             }
         }
-        let place = self.lattice.place(column, row);
-        let stride = f64::from(self.lattice.stride);
-        let row_hits = meet_row(
-            &self.lattice.camera,
-            self.accel.origin,
-            place,
-            stride,
-            &corners,
-        );
-        let RowHits { t, u, v, sure } = &row_hits;
-        for (lane, &slot) in slots.iter().enumerate().filter(|(_, slot)| **slot != MISS) {
-            if sure[lane] {
-                // Number by number: a hit put together elsewhere first would be read before it is
-                // all written.
-                let hit = &mut self.hits[first + lane];
-                hit.slot = slot;
-                hit.t = t[lane];
-                hit.u = u[lane];
-                hit.v = v[lane];
-            } else {
-                self.hits[first + lane] = self.evaluate_one(slot, column + lane as u32, row);
-            }
+        let mut corners = [[0.0; row::LANES]; 9];
+        for (corner, all) in corners.iter_mut().zip(all) {
+            lanes.store(all, corner);
         }
+        corners
     }
 
     #[inline(never)]

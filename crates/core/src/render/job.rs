@@ -2,7 +2,7 @@
 
 use super::sample::sample_offset;
 use super::{Pass, Settings, Tile, TileStats, View};
-use crate::accel::SlotHit;
+use crate::accel::Hits;
 use crate::camera::{Lattice, Rect};
 use crate::image::{Layers, Strip};
 use crate::intersect::Detail;
@@ -132,12 +132,12 @@ impl Job {
         work.evaluate(lattice);
         let rect = self.rect;
         let pixels = &mut self.pixels;
-        work.shade(|Buffers { shader, hits, .. }| {
+        work.shade(|Buffers { shader, hits }| {
             for row in 0..lattice.rows {
                 for column in 0..lattice.columns {
                     let (x, y) = lattice.place(column, row);
-                    let hit = &hits[(row * lattice.columns + column) as usize];
-                    let color = shader.pixel8(x, y, hit);
+                    let hit = hits.get((row * lattice.columns + column) as usize);
+                    let color = shader.pixel8(x, y, &hit);
                     let (left, top) = (
                         lattice.x - rect.x + column * lattice.stride,
                         lattice.y - rect.y + row * lattice.stride,
@@ -166,11 +166,11 @@ impl Job {
             work.find(&lattice);
             work.evaluate(&lattice);
             let sums = &mut self.sums;
-            work.shade(|Buffers { shader, hits, .. }| {
-                for (at, (sum, hit)) in sums.iter_mut().zip(&*hits).enumerate() {
+            work.shade(|Buffers { shader, hits }| {
+                for (at, (sum, hit)) in sums.iter_mut().zip(hits.iter()).enumerate() {
                     let (x, y) =
                         lattice.place(at as u32 % lattice.columns, at as u32 / lattice.columns);
-                    let [r, g, b, a] = shader.color(x, y, hit);
+                    let [r, g, b, a] = shader.color(x, y, &hit);
                     *sum = [sum[0] + r * a, sum[1] + g * a, sum[2] + b * a, sum[3] + a];
                 }
             });
@@ -221,18 +221,14 @@ impl Job {
 /// What a worker keeps from tile to tile.
 #[derive(Debug)]
 pub(super) struct Buffers<'s> {
-    /// Triangles met.
-    slots: Vec<u32>,
-    /// Where.
-    hits: Vec<SlotHit>,
+    hits: Hits,
     shader: TileShader<'s>,
 }
 
 impl<'s> Buffers<'s> {
     pub(super) fn new(shader: &'s Shader<'s>) -> Self {
         Self {
-            slots: Vec::new(),
-            hits: Vec::new(),
+            hits: Hits::default(),
             shader: shader.tile(),
         }
     }
@@ -279,10 +275,10 @@ impl<'a, 's> Work<'a, 's> {
         rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
     ) {
         if self.shader().detail() == Detail::Triangle {
-            self.shade(|Buffers { shader, slots, .. }| shader.shade_slots(rect, slots, rows));
+            self.shade(|Buffers { shader, hits }| shader.shade_slots(rect, &hits.slots, rows));
         } else {
             self.evaluate(lattice);
-            self.shade(|Buffers { shader, hits, .. }| shader.shade(rect, hits, rows));
+            self.shade(|Buffers { shader, hits }| shader.shade(rect, hits, rows));
         }
     }
 
@@ -292,11 +288,11 @@ impl<'a, 's> Work<'a, 's> {
             cull, precision, ..
         } = self.view.settings;
         let begin = (self.clock)();
-        let slots = &mut self.buffers.slots;
+        let slots = &mut self.buffers.hits.slots;
         let counts = self.view.accel.find(lattice, cull, precision, slots);
         self.stats.cast += self.since(begin);
         self.stats.counts += counts;
-        self.stats.rays += self.buffers.slots.len() as u64;
+        self.stats.rays += self.buffers.hits.len() as u64;
     }
 
     /// Where the triangles found are met, as far as the picture asks for it.
@@ -309,17 +305,11 @@ impl<'a, 's> Work<'a, 's> {
             ..
         } = self.view.settings;
         let full = layers || self.shader().detail() == Detail::Full;
-        let Buffers { slots, hits, .. } = &mut *self.buffers;
+        let hits = &mut self.buffers.hits;
         if full {
-            self.view
-                .accel
-                .evaluate(lattice, cull, precision, slots, hits);
+            self.view.accel.evaluate(lattice, cull, precision, hits);
         } else {
-            hits.clear();
-            hits.extend(slots.iter().map(|&slot| SlotHit {
-                slot,
-                ..SlotHit::NONE
-            }));
+            hits.forget_places();
         }
         self.stats.shade += self.since(begin);
     }
@@ -346,7 +336,7 @@ impl<'a, 's> Work<'a, 's> {
         for (at, hit) in hits.iter().enumerate().filter(|(_, hit)| !hit.is_miss()) {
             let (x, y) = lattice.place(at as u32 % lattice.columns, at as u32 / lattice.columns);
             (layers.object[at], layers.triangle[at]) = self.view.accel.identify(hit.slot);
-            (layers.normal[at], layers.uv[at]) = self.shader().surface(x, y, hit);
+            (layers.normal[at], layers.uv[at]) = self.shader().surface(x, y, &hit);
             layers.depth[at] = hit.t;
         }
         self.stats.shade += self.since(begin);

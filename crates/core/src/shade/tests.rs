@@ -1,7 +1,7 @@
 //! Whole shaders over small scenes.
 
 use super::*;
-use crate::accel::{Accel, SlotHit};
+use crate::accel::{Accel, Hits, SlotHit};
 use crate::camera::{Camera, ImagePlane, Placement, Projection, Rect};
 use crate::intersect::Detail;
 use crate::intersect::{Cull, Precision};
@@ -340,7 +340,7 @@ fn tiles_remember_without_a_trace() {
     let places: Vec<(f64, f64)> = (rect.y..rect.bottom())
         .flat_map(|y| (rect.x..rect.right()).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)))
         .collect();
-    let hits: Vec<SlotHit> = places.iter().map(|&(x, y)| bench.hit(x, y)).collect();
+    let hits: Hits = places.iter().map(|&(x, y)| bench.hit(x, y)).collect();
     for shown in ALL_MODES {
         for wireframe in [None, Some(Wireframe::default())] {
             for blend in [0.0, 0.7] {
@@ -354,19 +354,18 @@ fn tiles_remember_without_a_trace() {
                 let columns = rect.width as usize;
                 shader.tile().shade(rect, &hits, pixels.chunks_mut(columns));
                 if shader.detail() == Detail::Triangle {
-                    let slots: Vec<u32> = hits.iter().map(|hit| hit.slot).collect();
                     let mut from_slots = vec![[0; 4]; rect.area()];
                     shader
                         .tile()
-                        .shade_slots(rect, &slots, from_slots.chunks_mut(columns));
+                        .shade_slots(rect, &hits.slots, from_slots.chunks_mut(columns));
                     assert_eq!(pixels, from_slots, "{shading:?}");
                 }
                 let mut tile = shader.tile();
-                for ((&(x, y), hit), pixel) in places.iter().zip(&hits).zip(&pixels) {
-                    assert_eq!(*pixel, shader.shade_pixel8(x, y, hit), "{shading:?}");
-                    assert_eq!(*pixel, tile.pixel8(x, y, hit), "{shading:?}");
-                    let color = shader.color(x, y, hit);
-                    assert_eq!(color, tile.color(x, y, hit), "{shading:?}");
+                for ((&(x, y), hit), pixel) in places.iter().zip(hits.iter()).zip(&pixels) {
+                    assert_eq!(*pixel, shader.shade_pixel8(x, y, &hit), "{shading:?}");
+                    assert_eq!(*pixel, tile.pixel8(x, y, &hit), "{shading:?}");
+                    let color = shader.color(x, y, &hit);
+                    assert_eq!(color, tile.color(x, y, &hit), "{shading:?}");
                     assert!(color.iter().all(|channel| (0.0..=1.0).contains(channel)));
                 }
             }

@@ -2,7 +2,7 @@ use super::facet::Facet;
 use super::smooth::{Facets, Row, Rows, Vectors};
 use super::{Shader, srgb};
 use crate::accel::simd::{LANES, Lanes, Work, dispatch};
-use crate::accel::{MISS, SlotHit};
+use crate::accel::{Hits, MISS, SlotHit};
 use crate::camera::Rect;
 use glam::Vec3;
 
@@ -13,9 +13,6 @@ const COLORS: usize = 256;
 /// How many triangles are remembered: as many, though one takes some 300 bytes. They are worth it: a
 /// small triangle comes back in the next row.
 const FACETS: usize = 256;
-
-/// The number of each lane.
-const LANE: Row = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// Pixels that are looked at together: most show one triangle, or none.
 const RUN: usize = 16;
@@ -70,7 +67,7 @@ impl<'s> TileShader<'s> {
     pub fn shade<'p>(
         &mut self,
         rect: Rect,
-        hits: &[SlotHit],
+        hits: &Hits,
         rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
     ) {
         if self.shader.is_smooth() {
@@ -85,22 +82,23 @@ impl<'s> TileShader<'s> {
             );
             return;
         }
-        let columns = rect.width.max(1) as usize;
-        for ((y, hits), pixels) in (rect.y..).zip(hits.chunks(columns)).zip(rows) {
-            self.shade_hits(rect.x, y, hits, pixels);
+        let columns = rect.width as usize;
+        for (y, pixels) in rows.enumerate().take(rect.height as usize) {
+            self.shade_hits(rect.x, rect.y + y as u32, hits, y * columns, pixels);
         }
     }
 
-    /// Some pixels of a row, one by one.
-    fn shade_hits(&mut self, left: u32, y: u32, hits: &[SlotHit], pixels: &mut [[u8; 4]]) {
+    /// Some pixels of a row, one by one: the hits from `first` on.
+    fn shade_hits(&mut self, left: u32, y: u32, hits: &Hits, first: usize, pixels: &mut [[u8; 4]]) {
         let backdrop = self.shader.backdrop8(y);
         let y = f64::from(y) + 0.5;
-        for (column, (hit, pixel)) in hits.iter().zip(pixels).enumerate() {
+        for (column, pixel) in pixels.iter_mut().enumerate() {
+            let hit = hits.get(first + column);
             let x = f64::from(left) + column as f64 + 0.5;
             *pixel = if hit.slot == MISS {
                 backdrop
             } else {
-                srgb::encode(self.color(x, y, hit))
+                srgb::encode(self.color(x, y, &hit))
             };
         }
     }
@@ -145,7 +143,7 @@ impl<'s> TileShader<'s> {
                 continue;
             }
             let facet = self.facet(slot);
-            let from = lanes.less(lanes.splat(first as f32 - 0.5), lanes.load(&LANE));
+            let from = lanes.from(first);
             if textures {
                 for lane in first..lane {
                     textured.set(lane, shader.surface_color(facet, &hit(lane)));
@@ -285,17 +283,27 @@ impl<'s> TileShader<'s> {
     }
 
     /// A triangle, remembered or made ready.
-    #[inline]
+    #[inline(always)]
     fn facet(&mut self, slot: u32) -> &Facet {
+        let place = slot as usize % FACETS;
+        if self
+            .facets
+            .get(place)
+            .is_none_or(|(known, _)| *known != slot)
+        {
+            self.remember(slot);
+        }
+        &self.facets[place].1
+    }
+
+    #[inline(never)]
+    fn remember(&mut self, slot: u32) {
         if self.facets.is_empty() {
             self.facets = vec![(MISS, Facet::NONE); FACETS];
         }
         let (known, facet) = &mut self.facets[slot as usize % FACETS];
-        if *known != slot {
-            *known = slot;
-            self.shader.make_ready(facet, slot, self.shader.needs());
-        }
-        facet
+        *known = slot;
+        self.shader.make_ready(facet, slot, self.shader.needs());
     }
 }
 
@@ -303,29 +311,41 @@ impl<'s> TileShader<'s> {
 struct ShadeSmooth<'t, 's, 'h, R> {
     shader: &'t mut TileShader<'s>,
     rect: Rect,
-    hits: &'h [SlotHit],
+    hits: &'h Hits,
     rows: R,
 }
 
 impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadeSmooth<'_, '_, '_, R> {
     #[inline(always)]
     fn run(self, lanes: impl Lanes) {
-        let columns = self.rect.width.max(1) as usize;
-        let hits = self.hits.chunks(columns);
-        for ((y, hits), pixels) in (self.rect.y..).zip(hits).zip(self.rows) {
-            let (rows, rest) = hits.as_chunks();
-            let (pixel_rows, pixels) = pixels.as_chunks_mut();
-            let mut left = self.rect.x;
-            for (hits, pixels) in rows.iter().zip(pixel_rows) {
-                let slots = hits.map(|hit| hit.slot);
-                let (u, v) = (hits.map(|hit| hit.u), hits.map(|hit| hit.v));
-                self.shader
-                    .shade_smooth(lanes, (left, y), &slots, Some((&u, &v)), pixels);
+        let Self {
+            shader,
+            rect,
+            hits,
+            rows,
+        } = self;
+        let columns = rect.width as usize;
+        for (y, pixels) in rows.enumerate().take(rect.height as usize) {
+            let mut first = y * columns;
+            let (mut left, y) = (rect.x, rect.y + y as u32);
+            let (pixel_rows, rest) = pixels.as_chunks_mut();
+            for pixels in pixel_rows {
+                let all = (eight(&hits.slots, first), eight(&hits.u, first));
+                if let ((Some(slots), Some(u)), Some(v)) = (all, eight(&hits.v, first)) {
+                    shader.shade_smooth(lanes, (left, y), slots, Some((u, v)), pixels);
+                }
+                first += LANES;
                 left += LANES as u32;
             }
-            self.shader.shade_hits(left, y, rest, pixels);
+            shader.shade_hits(left, y, hits, first, rest);
         }
     }
+}
+
+/// Eight of a kind.
+#[inline(always)]
+fn eight<T>(all: &[T], first: usize) -> Option<&[T; LANES]> {
+    all.get(first..)?.first_chunk()
 }
 
 /// What [`TileShader::shade_slots`] is asked.
