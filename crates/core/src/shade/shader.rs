@@ -285,7 +285,7 @@ impl<'a> Shader<'a> {
         let (number, triangle) = self.accel.identify(slot);
         let object = &self.scene.objects[number as usize];
         facet.object = number;
-        if needs.normal || needs.edges {
+        if needs.normal || needs.middle || needs.edges {
             let corners = self.corners(slot);
             if needs.normal {
                 facet.normal = self.normal(corners);

@@ -80,7 +80,7 @@ impl<L: Lanes> Vectors<L> {
 
     /// These, and others where the mask says so.
     #[inline(always)]
-    pub(super) fn or(self, mask: L::Mask, others: Self) -> Self {
+    pub(super) fn replaced(self, mask: L::Mask, others: Self) -> Self {
         self.with(others, |lanes, mine, theirs| lanes.pick(mask, theirs, mine))
     }
 
@@ -161,12 +161,16 @@ impl<L: Lanes> Facets<L> {
 
     /// These, and others where the mask says so.
     #[inline(always)]
-    pub(super) fn or(self, mask: L::Mask, others: Self) -> Self {
+    pub(super) fn replaced(self, mask: L::Mask, others: Self) -> Self {
         let ([a, b, c], [d, e, f]) = (self.corners, others.corners);
         let lanes = self.flat.lanes;
         Self {
-            flat: self.flat.or(mask, others.flat),
-            corners: [a.or(mask, d), b.or(mask, e), c.or(mask, f)],
+            flat: self.flat.replaced(mask, others.flat),
+            corners: [
+                a.replaced(mask, d),
+                b.replaced(mask, e),
+                c.replaced(mask, f),
+            ],
             smooth: lanes.pick(mask, others.smooth, self.smooth),
         }
     }

@@ -306,6 +306,16 @@ fn lines_lie_on_edges_alone() {
 
 #[test]
 fn tiles_remember_without_a_trace() {
+    check_tiles(false);
+}
+
+/// One object has normals and a texture, the one beside it has neither.
+#[test]
+fn tiles_remember_what_each_object_has() {
+    check_tiles(true);
+}
+
+fn check_tiles(with_normals: bool) {
     // More triangles than a tile remembers, so that places are taken again.
     let size = 20;
     let mut data = MeshData::default();
@@ -322,6 +332,13 @@ fn tiles_remember_without_a_trace() {
             data.triangles
                 .extend([[at, at + 1, above], [at + 1, above + 1, above]]);
         }
+    }
+    if with_normals {
+        let normal = |p: &DVec3| DVec3::new(-p.y, -p.x, 2.0).normalize().as_vec3();
+        data.normals = Some(Attribute {
+            values: data.positions.iter().map(normal).collect(),
+            indices: None,
+        });
     }
     let mut colorful = object(data);
     colorful.color = ColorRule::PerTriangle { seed: 3 };

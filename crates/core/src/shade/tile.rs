@@ -149,9 +149,9 @@ impl<'s> TileShader<'s> {
                     textured.set(lane, shader.surface_color(facet, &hit(lane)));
                 }
             } else {
-                colors = colors.or(from, Vectors::splat(lanes, facet.color));
+                colors = colors.replaced(from, Vectors::splat(lanes, facet.color));
             }
-            facets = facets.or(from, Facets::one(lanes, facet));
+            facets = facets.replaced(from, Facets::one(lanes, facet));
         }
         if textures {
             colors = Vectors::load(lanes, &textured);

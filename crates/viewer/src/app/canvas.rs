@@ -132,10 +132,10 @@ impl Canvas {
             self.generation = batch.generation;
             self.progress = Progress::default();
             self.resize(batch.layout.size);
-            if !Arc::ptr_eq(&self.layout, &batch.layout) {
-                self.notes = vec![None; batch.layout.tiles.len()];
-                self.layout = Arc::clone(&batch.layout);
-            }
+        }
+        if !Arc::ptr_eq(&self.layout, &batch.layout) {
+            self.notes = vec![None; batch.layout.tiles.len()];
+            self.layout = Arc::clone(&batch.layout);
         }
         for arrival in batch.tiles {
             let Some(note) = self.notes.get_mut(arrival.place) else {
@@ -476,6 +476,30 @@ mod tests {
             8,
             "after another scene"
         );
+    }
+
+    #[test]
+    fn another_layout_after_another_scene_is_shown_whole() {
+        let mut canvas = Canvas::default();
+        canvas.take_in(batch(1, (8, 4), &[0, 1], 10));
+        canvas.clear(2);
+        let layout = Arc::new(Layout::new((8, 4), Grid::Size(2).tiles(8, 4)));
+        let mut finer = batch(2, (8, 4), &[], 20);
+        finer.tiles = layout
+            .tiles
+            .iter()
+            .zip(0..)
+            .map(|(&rect, place)| {
+                let mut arrival = batch(2, (8, 4), &[0], 20).tiles.remove(0);
+                arrival.place = place;
+                arrival.tile.rect = rect;
+                arrival.tile.pixels.truncate(rect.area());
+                arrival
+            })
+            .collect();
+        finer.layout = layout;
+        canvas.take_in(finer);
+        assert!(values(&canvas).iter().all(|&value| value == 20));
     }
 
     #[test]

@@ -5,26 +5,47 @@
 //! the cores from it. So a frame begins when there is something to show, or when the last one is
 //! [`LONGEST`] past. In between the window sleeps, and takes in events as ever.
 
-use crate::worker::Clock;
 use crate::worker::outbox::Outbox;
+use crate::worker::{Clock, Wake, pace};
 use eframe::{EframeWinitApplication, UserEvent};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
 use winit::event::{DeviceEvent, DeviceId, StartCause, WindowEvent};
-use winit::event_loop::{ActiveEventLoop, ControlFlow};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::WindowId;
 
-/// From the beginning of a frame to that of the next while a picture is awaited: what the
-/// [first pass](crate::worker::pace) of one may take. A frame in between would make it later.
-const LONGEST: Duration = Duration::from_millis(40);
+/// From the beginning of a frame to that of the next while a picture is awaited: what the first pass
+/// of one may take. A frame in between would make it later.
+const LONGEST: Duration = pace::BUDGET;
+
+/// What ends the pause of a frame that is held, from any thread. A request to repaint does not: the
+/// frame has been asked for, and egui asks once.
+pub fn nudge(event_loop: &EventLoop<UserEvent>) -> Wake {
+    let proxy = event_loop.create_proxy();
+    Arc::new(move || {
+        // A request of a time long past asks for nothing, but it is an event. Once the window is closed
+        // there is no one to tell.
+        let _ = proxy.send_event(UserEvent::RequestRepaint {
+            viewport_id: egui::ViewportId::ROOT,
+            when: Instant::now(),
+            cumulative_pass_nr: 0,
+        });
+    })
+}
+
+/// How long the next frame waits, the last one having begun at `begun`; `None` if there is no reason to.
+fn pause(begun: Option<Duration>, now: Duration, is_awaited: bool) -> Option<Duration> {
+    let pause = (begun? + LONGEST).checked_sub(now)?;
+    (is_awaited && !pause.is_zero()).then_some(pause)
+}
 
 /// eframe's window, whose frames wait for pictures.
 pub struct Frames<'a> {
     window: EframeWinitApplication<'a>,
     outbox: Arc<Outbox>,
     clock: Clock,
-    /// A frame that has been asked for.
+    /// A frame that has been asked for. There is one window.
     held: Option<WindowId>,
     /// When the last one began.
     begun: Option<Duration>,
@@ -42,11 +63,9 @@ impl<'a> Frames<'a> {
         }
     }
 
-    /// How long the next frame waits; `None` if there is no reason to.
     fn pause(&self) -> Option<Duration> {
         let now = (self.clock)();
-        let pause = (self.begun? + LONGEST).checked_sub(now)?;
-        self.outbox.is_awaited(now).then_some(pause)
+        pause(self.begun, now, self.outbox.is_awaited(now))
     }
 
     fn begin(&mut self, event_loop: &ActiveEventLoop, window: WindowId) {
@@ -115,5 +134,21 @@ impl ApplicationHandler<UserEvent> for Frames<'_> {
 
     fn memory_warning(&mut self, event_loop: &ActiveEventLoop) {
         self.window.memory_warning(event_loop);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_waits_for_a_picture_but_not_for_long() {
+        let ms = Duration::from_millis;
+        assert_eq!(pause(None, ms(5), true), None, "the first");
+        assert_eq!(pause(Some(ms(5)), ms(5), false), None, "nothing is awaited");
+        assert_eq!(pause(Some(ms(5)), ms(5), true), Some(LONGEST));
+        assert_eq!(pause(Some(ms(5)), ms(15), true), Some(LONGEST - ms(10)));
+        assert_eq!(pause(Some(ms(5)), ms(5) + LONGEST, true), None);
+        assert_eq!(pause(Some(ms(5)), ms(500), true), None);
     }
 }

@@ -2,8 +2,9 @@
 //!
 //! [`state`] is plain values; panels and [`input`] make [`command::Command`]s; [`update`] carries
 //! them out and is the only one that changes the state. Here is what ties that to eframe: once a
-//! frame it takes in what workers sent, shows the panels, carries out what was asked, and asks for
-//! a new picture if anything that decides it has changed. Nothing here waits.
+//! frame it takes in scenes and messages, shows the panels, carries out what was asked, asks for a new
+//! picture if anything that decides it has changed, and takes in the tiles of the last one. Nothing
+//! here waits.
 
 pub mod canvas;
 pub mod command;
@@ -44,6 +45,16 @@ struct Wanted {
     threads: usize,
 }
 
+/// What the window shares with the loop that decides [when it is painted](frames).
+pub struct Link {
+    /// Where its pictures come through.
+    pub outbox: Arc<Outbox>,
+    /// Its clock.
+    pub clock: Clock,
+    /// What makes the loop look.
+    pub nudge: Wake,
+}
+
 /// The window.
 pub struct App {
     state: State,
@@ -62,7 +73,7 @@ pub struct App {
 }
 
 impl App {
-    /// A window on `files`, whose pictures come through `outbox`.
+    /// A window on `files`.
     ///
     /// # Errors
     /// The system's refusal to start a thread.
@@ -70,13 +81,21 @@ impl App {
         creation: &eframe::CreationContext<'_>,
         files: Vec<PathBuf>,
         log: Option<FrameLog>,
-        (outbox, clock): (Arc<Outbox>, Clock),
+        link: Link,
     ) -> std::io::Result<Self> {
+        let Link {
+            outbox,
+            clock,
+            nudge,
+        } = link;
         let context = &creation.egui_ctx;
         theme::apply(context);
         let wake: Wake = {
             let context = context.clone();
-            Arc::new(move || context.request_repaint())
+            Arc::new(move || {
+                context.request_repaint();
+                nudge();
+            })
         };
         let mut state = State::default();
         let remembers = log.is_none();
@@ -108,7 +127,7 @@ impl App {
         })
     }
 
-    /// Takes in what workers sent since the last frame.
+    /// Takes in what workers sent since the last frame, but for [tiles of this size](Self::take_in_late).
     fn take_in(&mut self, context: &egui::Context) {
         let now = (self.clock)();
         for news in self.files.fetch() {
@@ -131,15 +150,15 @@ impl App {
         self.drop_in(paths);
     }
 
-    /// Takes in tiles of pictures of a size that fits what is shown; whether there were any.
+    /// Takes in tiles of pictures of a size that fits what is shown. Returns whether they begin or end one.
     fn take_in_tiles(&mut self, fits: impl Fn((u32, u32), (u32, u32)) -> bool) -> bool {
         let (now, shown) = ((self.clock)(), self.canvas.size());
-        let batches = self.renderer.outbox().fetch(now, |size| fits(size, shown));
-        let any = !batches.is_empty();
-        for batch in batches {
+        let mut turns = false;
+        for batch in self.renderer.outbox().fetch(now, |size| fits(size, shown)) {
+            turns |= batch.complete || batch.generation > self.canvas.generation();
             self.canvas.take_in(batch);
         }
-        any
+        turns
     }
 
     /// Takes in tiles at the end of the frame, when the next picture is already under way: cores that
@@ -147,7 +166,7 @@ impl App {
     /// beginning, before its place was laid out.
     fn take_in_late(&mut self, context: &egui::Context) {
         if self.take_in_tiles(|size, shown| size == shown) {
-            // What the panels say of it.
+            // What the panels say of it. While a picture gets finer the worker says when to look.
             context.request_repaint();
         }
         self.canvas.hand_over();

@@ -1,8 +1,8 @@
 //! Opens the window, or says in one line why there is none.
 
-use super::App;
-use super::frames::Frames;
+use super::frames::{self, Frames};
 use super::log::FrameLog;
+use super::{App, Link};
 use crate::worker::Clock;
 use crate::worker::outbox::Outbox;
 use std::path::PathBuf;
@@ -42,18 +42,22 @@ pub fn run(options: Options) -> ExitCode {
     std::panic::set_hook(Box::new(|_| {}));
     let opened = AtomicBool::new(false);
     let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+        LAST_ERROR.listen();
+        let event_loop = EventLoop::with_user_event().build()?;
         let outbox = Arc::new(Outbox::default());
         let opening = Instant::now();
         let clock: Clock = Arc::new(move || opening.elapsed());
-        let channel = (Arc::clone(&outbox), Arc::clone(&clock));
+        let link = Link {
+            outbox: Arc::clone(&outbox),
+            clock: Arc::clone(&clock),
+            nudge: frames::nudge(&event_loop),
+        };
         let create: eframe::AppCreator<'_> = Box::new(|context| {
             std::panic::set_hook(hook);
-            let app = App::new(context, options.files, log, channel)?;
+            let app = App::new(context, options.files, log, link)?;
             opened.store(true, Ordering::Relaxed);
             Ok(Box::new(app))
         });
-        LAST_ERROR.listen();
-        let event_loop = EventLoop::with_user_event().build()?;
         let window = eframe::create_native("raycast", native, create, &event_loop);
         event_loop.run_app(&mut Frames::new(window, outbox, clock))
     }));
@@ -61,13 +65,16 @@ pub fn run(options: Options) -> ExitCode {
         Ok(Err(error)) => Some(error.to_string()),
         _ => LAST_ERROR.take(),
     };
-    match (failure, outcome) {
-        (Some(error), _) => refuse(&format!("{NO_WINDOW} ({})", last_words(&error))),
-        (None, Ok(_)) => ExitCode::SUCCESS,
-        (None, Err(_)) if opened.into_inner() => {
-            refuse("the window was closed by a fault of its own")
-        }
-        (None, Err(_)) => refuse(NO_WINDOW),
+    let reason = match failure {
+        Some(error) => format!(" ({})", last_words(&error)),
+        None => String::new(),
+    };
+    match (opened.into_inner(), outcome) {
+        (true, Ok(Ok(()))) if reason.is_empty() => ExitCode::SUCCESS,
+        (true, _) => refuse(&format!(
+            "the window was closed by a fault of its own{reason}"
+        )),
+        (false, _) => refuse(&format!("{NO_WINDOW}{reason}")),
     }
 }
 

@@ -36,17 +36,18 @@ pub fn show(
     );
     let painter = ui.painter_at(room);
     let rect = picture_rect(room, state, points);
-    if rect != room {
+    // A pixel of the picture for each of the window's, and none that can be seen through.
+    let as_it_is = rect == room
+        && canvas.size() == pixels
+        && state.settings.shading.background != Background::Transparent;
+    let copy = as_it_is.then(|| canvas.copy_to(rect)).flatten();
+    if copy.is_none() {
         painter.rect_filled(room, 0.0, theme::BACKDROP);
     }
     if state.settings.shading.background == Background::Transparent {
         checkers(&painter, rect);
     }
-    // A pixel of the picture for each of the window's, and none that can be seen through.
-    let as_it_is = rect == room
-        && canvas.size() == pixels
-        && state.settings.shading.background != Background::Transparent;
-    if let Some(copy) = as_it_is.then(|| canvas.copy_to(rect)).flatten() {
+    if let Some(copy) = copy {
         painter.add(copy);
         overlay.show(&painter, canvas, rect, state.overlay);
     } else if let Some(texture) = canvas.texture(ui.ctx()) {

@@ -1,5 +1,6 @@
 //! A place for the newest request: a new one replaces the one that waits, and ends the one that
-//! runs, but not before that has something to show.
+//! runs, but not before that has something to show. (The window asks no sooner; the last tile may be seen
+//! before it is counted here.)
 
 use raycast_core::render::Cancel;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};

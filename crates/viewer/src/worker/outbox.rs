@@ -13,7 +13,7 @@ use std::time::Duration;
 
 /// How long tiles of a first pass are held back for it to be complete, so that a moving camera
 /// shows whole pictures; slower pictures are seen to fill in.
-pub const HOLD: Duration = Duration::from_millis(40);
+pub const HOLD: Duration = super::pace::BUDGET;
 
 /// How often the window looks while a slow first pass fills in.
 const FILLING: Duration = Duration::from_millis(50);
@@ -125,6 +125,8 @@ struct Current {
     first_pass_done: bool,
     complete: bool,
     news: bool,
+    /// Whether any of it has been fetched.
+    seen: bool,
     woken: Duration,
 }
 
@@ -148,16 +150,22 @@ impl Outbox {
         self.lock().settle(generation);
     }
 
-    /// Whether the picture that was asked for last is still to be seen whole for the first time.
+    /// Whether the picture that was asked for last is neither whole, for the first time, nor given up.
     pub fn is_busy(&self) -> bool {
         self.lock().is_busy()
     }
 
-    /// Whether it is, and no tiles are there that may be shown before.
+    /// Whether the window would see nothing new now, but soon: the outbox is [busy](Self::is_busy), and
+    /// there are no tiles to be shown, unless they are leftovers of a picture that has been shown.
     pub fn is_awaited(&self, now: Duration) -> bool {
         let inner = self.lock();
-        let ready = |of: &Option<Current>| of.as_ref().is_some_and(|of| of.has_tiles(now));
-        inner.is_busy() && !ready(&inner.ready) && !ready(&inner.current)
+        let is_new =
+            |of: &Current| of.has_tiles(now) && !(of.seen && of.generation < inner.expected);
+        inner.is_busy()
+            && ![&inner.ready, &inner.current]
+                .into_iter()
+                .flatten()
+                .any(is_new)
     }
 
     /// Starts a picture. What waits of the last one stays only if its first pass is whole.
@@ -189,6 +197,7 @@ impl Outbox {
             first_pass_done: false,
             complete: false,
             news: false,
+            seen: false,
             woken: now,
         });
     }
@@ -308,6 +317,7 @@ impl Current {
 
     fn drain(&mut self) -> Batch {
         self.news = false;
+        self.seen = true;
         let tiles = std::mem::take(&mut self.waiting)
             .into_iter()
             .filter_map(|place| self.slots[place].take())
@@ -396,7 +406,11 @@ mod tests {
             outbox.fetch(now, |_| true);
             assert_eq!(state(now), (false, false), "it may get finer");
         }
+        outbox.put(FINE, tile(&layout, 0, 2), now);
         outbox.expect(3);
+        assert_eq!(state(now), (true, true), "leftovers are nothing new");
+        outbox.settle(2);
+        assert_eq!(state(now), (true, true), "another one");
         outbox.settle(3);
         assert_eq!(state(now), (false, false), "it will never be there");
     }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 /// What the first pass may take: a picture that follows the hand at 25 a second beats a coarse one
 /// that is soon replaced, and both together cost more than the full one.
-const BUDGET: Duration = Duration::from_millis(40);
+pub const BUDGET: Duration = Duration::from_millis(40);
 /// A full picture that takes no longer follows the first pass at once: nobody would see what lies
 /// between, and few rays at a time cost more each.
 const AT_ONCE: Duration = Duration::from_millis(150);

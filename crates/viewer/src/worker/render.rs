@@ -6,7 +6,7 @@ use super::pace::Pace;
 use super::priority;
 use super::{Clock, Wake};
 use raycast_core::camera::Grid;
-use raycast_core::render::{Pass, Tile, TileStats, View};
+use raycast_core::render::{Cancel, Pass, Tile, TileStats, View};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -112,53 +112,56 @@ struct Sum {
 impl Worker {
     fn run(mut self) {
         while let Some((request, cancel)) = self.mailbox.take() {
-            let size = self.prepare(&request);
-            if let Err(message) = self.ensure_pool(request.threads) {
-                self.outbox.settle(request.generation);
-                (self.failed)(message);
-                continue;
-            }
-            let pixels = u64::from(size.0) * u64::from(size.1);
-            let passes = self.pace.plan(pixels, request.view.settings.samples);
-            let sum = Mutex::new(Sum {
-                pass_started: (self.clock)(),
-                ..Sum::default()
-            });
-            let layout = Arc::clone(&self.layout.1);
-            let background = request.view.settings.shading.background;
-            self.outbox.begin(
-                request.generation,
-                Arc::clone(&layout),
-                background,
-                (self.clock)(),
-            );
-            let sink = |pass, tile| self.take_in(&sum, pass, tile);
-            let clock = Arc::clone(&self.clock);
-            let render = || {
-                let view = &request.view;
-                view.render_progressively(&layout.tiles, &passes, &*clock, &cancel, &sink)
-            };
-            let Some((_, pool)) = &self.pool else {
-                continue;
-            };
-            // A fault in the core must not end the session: it is told, and the window goes on.
-            let outcome =
-                std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| pool.install(render)));
-            match outcome {
-                Ok(true) => self.outbox.finish((self.clock)()),
-                Ok(false) => {}
-                Err(panic) => (self.failed)(format!(
-                    "The picture could not be made: {}",
-                    super::panic_text(&*panic)
-                )),
-            }
+            let outcome = self.make(&request, &cancel);
+            // Whatever came of it, the window may ask for the next one.
             self.outbox.settle(request.generation);
-            (self.wake)();
             self.mailbox.ripen();
-            let sum = sum.into_inner().unwrap_or_else(PoisonError::into_inner);
-            for report in sum.reports {
-                self.pace.learn(report.pass, report.stats.rays, report.time);
+            if let Err(message) = outcome {
+                (self.failed)(message);
             }
+            (self.wake)();
+        }
+    }
+
+    /// Makes a picture, as far as it is not cancelled.
+    fn make(&mut self, request: &Request, cancel: &Cancel) -> Result<(), String> {
+        let size = self.prepare(request);
+        self.ensure_pool(request.threads)?;
+        let pixels = u64::from(size.0) * u64::from(size.1);
+        let passes = self.pace.plan(pixels, request.view.settings.samples);
+        let sum = Mutex::new(Sum {
+            pass_started: (self.clock)(),
+            ..Sum::default()
+        });
+        let layout = Arc::clone(&self.layout.1);
+        let background = request.view.settings.shading.background;
+        let (generation, now) = (request.generation, (self.clock)());
+        self.outbox
+            .begin(generation, Arc::clone(&layout), background, now);
+        let sink = |pass, tile| self.take_in(&sum, pass, tile);
+        let view = &request.view;
+        let render =
+            || view.render_progressively(&layout.tiles, &passes, &*self.clock, cancel, &sink);
+        // A fault in the core must not end the session: it is told, and the window goes on.
+        let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| match &self.pool {
+            Some((_, pool)) => pool.install(render),
+            None => render(),
+        }));
+        let sum = sum.into_inner().unwrap_or_else(PoisonError::into_inner);
+        for report in sum.reports {
+            self.pace.learn(report.pass, report.stats.rays, report.time);
+        }
+        match outcome {
+            Ok(is_complete) => {
+                if is_complete {
+                    self.outbox.finish((self.clock)());
+                }
+                Ok(())
+            }
+            Err(panic) => Err(format!(
+                "The picture could not be made: {}",
+                super::panic_text(&*panic)
+            )),
         }
     }
 
