@@ -2,8 +2,8 @@
 //!
 //! The display may set the pace, or nothing may: painted by the CPU, a window is ready for its next
 //! frame at once. A frame that begins when a picture is nearly there shows nothing new, and takes
-//! the cores from it. So a frame begins when there is something to show, or when the last one is
-//! [`LONGEST`] past. In between the window sleeps, and takes in events as ever.
+//! the cores from it. So a frame begins when there is something to show, or 40 ms after the last one
+//! began. In between the window sleeps, and takes in events as ever.
 
 use crate::worker::outbox::Outbox;
 use crate::worker::{Clock, Wake, pace};

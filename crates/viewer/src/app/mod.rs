@@ -127,7 +127,7 @@ impl App {
         })
     }
 
-    /// Takes in what workers sent since the last frame, but for [tiles of this size](Self::take_in_late).
+    /// Takes in what workers sent since the last frame, but for tiles of this size.
     fn take_in(&mut self, context: &egui::Context) {
         let now = (self.clock)();
         for news in self.files.fetch() {
