@@ -43,8 +43,8 @@ impl Job {
 
     /// One sample a pixel of neighbouring tiles, into their picture; `sink` gets each tile's statistics.
     ///
-    /// Tiles side by side where nothing is met are filled as one, on the account of the last of them: a picture lies in memory far from the
-    /// cores, and long rows get there twice as fast as short ones.
+    /// Tiles side by side where nothing is met are filled as one, on the account of the last of them: a
+    /// picture lies in memory far from the cores, and long rows get there twice as fast as short ones.
     pub(super) fn paint(
         view: &View,
         strip: &mut Strip<'_>,

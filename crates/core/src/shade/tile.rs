@@ -84,6 +84,7 @@ impl<'s> TileShader<'s> {
         }
         let columns = rect.width as usize;
         for (y, pixels) in rows.enumerate().take(rect.height as usize) {
+            let pixels = within(pixels, columns);
             self.shade_hits(rect.x, rect.y + y as u32, hits, y * columns, pixels);
         }
     }
@@ -328,11 +329,11 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadeSmooth<'_, '_, '_,
         for (y, pixels) in rows.enumerate().take(rect.height as usize) {
             let mut first = y * columns;
             let (mut left, y) = (rect.x, rect.y + y as u32);
-            let (pixel_rows, rest) = pixels.as_chunks_mut();
+            let (pixel_rows, rest) = within(pixels, columns).as_chunks_mut();
             for pixels in pixel_rows {
-                let all = (eight(&hits.slots, first), eight(&hits.u, first));
-                if let ((Some(slots), Some(u)), Some(v)) = (all, eight(&hits.v, first)) {
-                    shader.shade_smooth(lanes, (left, y), slots, Some((u, v)), pixels);
+                let weights = eight(&hits.u, first).zip(eight(&hits.v, first));
+                if let (Some(slots), Some(weights)) = (eight(&hits.slots, first), weights) {
+                    shader.shade_smooth(lanes, (left, y), slots, Some(weights), pixels);
                 }
                 first += LANES;
                 left += LANES as u32;
@@ -340,6 +341,13 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadeSmooth<'_, '_, '_,
             shader.shade_hits(left, y, hits, first, rest);
         }
     }
+}
+
+/// The pixels of a row that are within a rectangle of so many columns.
+#[inline(always)]
+fn within(pixels: &mut [[u8; 4]], columns: usize) -> &mut [[u8; 4]] {
+    let count = pixels.len().min(columns);
+    &mut pixels[..count]
 }
 
 /// Eight of a kind.
