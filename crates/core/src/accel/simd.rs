@@ -111,6 +111,9 @@ pub(crate) trait Lanes: Copy {
         self.less(self.splat(lane as f32 - 0.5), self.load(&LANE))
     }
 
+    /// Eight rows as eight columns.
+    fn transpose(self, rows: [Self::Singles; LANES]) -> [Self::Singles; LANES];
+
     /// Asks for an item of a slice to be brought near, if there is such an item.
     fn prefetch<T>(self, from: &[T], index: usize);
 
@@ -217,6 +220,10 @@ impl Lanes for Plain {
         bits
     }
     #[inline(always)]
+    fn transpose(self, rows: [Self::Singles; LANES]) -> [Self::Singles; LANES] {
+        each!(column => each!(row => rows[row][column]))
+    }
+    #[inline(always)]
     fn prefetch<T>(self, _: &[T], _: usize) {}
 }
 
@@ -227,8 +234,9 @@ mod avx2 {
         __m256, _CMP_LT_OQ, _MM_HINT_T0, _mm_prefetch, _mm256_add_ps, _mm256_and_ps,
         _mm256_blendv_epi8, _mm256_blendv_ps, _mm256_castps_si256, _mm256_cmp_ps, _mm256_div_ps,
         _mm256_loadu_ps, _mm256_loadu_si256, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps,
-        _mm256_mul_ps, _mm256_or_ps, _mm256_set1_epi32, _mm256_set1_ps, _mm256_sqrt_ps,
-        _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps,
+        _mm256_mul_ps, _mm256_or_ps, _mm256_permute2f128_ps, _mm256_set1_epi32, _mm256_set1_ps,
+        _mm256_shuffle_ps, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps,
+        _mm256_unpackhi_ps, _mm256_unpacklo_ps,
     };
 
     /// The machine has AVX2: made nowhere but in [`Avx2::new`].
@@ -336,6 +344,39 @@ mod avx2 {
         fn bits(self, mask: __m256) -> u32 {
             // SAFETY: see above.
             unsafe { _mm256_movemask_ps(mask) }.cast_unsigned()
+        }
+        #[inline(always)]
+        fn transpose(self, [a, b, c, d, e, f, g, h]: [__m256; LANES]) -> [__m256; LANES] {
+            // Pairs of singles, then of pairs, then of halves.
+            // SAFETY: see above.
+            unsafe {
+                let (ab, ab_high) = (_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
+                let (cd, cd_high) = (_mm256_unpacklo_ps(c, d), _mm256_unpackhi_ps(c, d));
+                let (ef, ef_high) = (_mm256_unpacklo_ps(e, f), _mm256_unpackhi_ps(e, f));
+                let (gh, gh_high) = (_mm256_unpacklo_ps(g, h), _mm256_unpackhi_ps(g, h));
+                let upper = [
+                    _mm256_shuffle_ps::<0x44>(ab, cd),
+                    _mm256_shuffle_ps::<0xee>(ab, cd),
+                    _mm256_shuffle_ps::<0x44>(ab_high, cd_high),
+                    _mm256_shuffle_ps::<0xee>(ab_high, cd_high),
+                ];
+                let lower = [
+                    _mm256_shuffle_ps::<0x44>(ef, gh),
+                    _mm256_shuffle_ps::<0xee>(ef, gh),
+                    _mm256_shuffle_ps::<0x44>(ef_high, gh_high),
+                    _mm256_shuffle_ps::<0xee>(ef_high, gh_high),
+                ];
+                [
+                    _mm256_permute2f128_ps::<0x20>(upper[0], lower[0]),
+                    _mm256_permute2f128_ps::<0x20>(upper[1], lower[1]),
+                    _mm256_permute2f128_ps::<0x20>(upper[2], lower[2]),
+                    _mm256_permute2f128_ps::<0x20>(upper[3], lower[3]),
+                    _mm256_permute2f128_ps::<0x31>(upper[0], lower[0]),
+                    _mm256_permute2f128_ps::<0x31>(upper[1], lower[1]),
+                    _mm256_permute2f128_ps::<0x31>(upper[2], lower[2]),
+                    _mm256_permute2f128_ps::<0x31>(upper[3], lower[3]),
+                ]
+            }
         }
         #[inline(always)]
         fn prefetch<T>(self, from: &[T], index: usize) {

@@ -12,8 +12,8 @@ use super::tile::CastCounts;
 use super::tree::{Box32, BoxPair, DEPTH_LIMIT, Subtree};
 use crate::camera::{Lattice, Projection};
 use crate::intersect::Cull;
-use crate::intersect::block::Block;
-use crate::intersect::footprint::{FEW, Footprints, Placer, RayBox};
+use crate::intersect::block::{Block, Few, MetFew};
+use crate::intersect::footprint::{Footprints, Placer, RayBox};
 use crate::intersect::setup::{self, BlockSpace, CornerLanes};
 use glam::{DVec3, Vec3};
 use std::ops::Range;
@@ -39,9 +39,6 @@ const STACK: usize = DEPTH_LIMIT + 3;
 /// Rays of boxes at which triangles are set up, though there be fewer than are set up at once: they may
 /// hide what else is on the way.
 const MANY_RAYS: i32 = 32;
-
-/// Triangles of few rays that are met before it is looked at what they hide.
-const MANY_FEW: u32 = 64;
 
 /// Nodes and lines of triangles that are asked for when a sub-tree is come to: what is below a node
 /// follows it, and waiting for memory took half of a walk through 4 million triangles.
@@ -114,12 +111,12 @@ impl Batch {
 
 /// What became of a triangle that was placed among a block's rays.
 enum Fate {
-    /// What its rays have met is nearer.
+    /// No ray meets it, or what they have met is nearer.
     Hidden,
-    /// Its few rays have met it.
+    /// Some of its few rays have met it.
     Met,
-    /// It is to be set up.
-    Wanted,
+    /// It is to be set up for so many rays.
+    Wanted(i32),
     /// It is to be set up, with others that were met, and there is no room for so many.
     NoRoom,
 }
@@ -265,24 +262,24 @@ impl<'a> Walk<'a> {
     ) -> bool {
         let frustum = self.frustum(part);
         let space = self.space(part, cull);
-        let placer = Placer::new(&space);
+        let nearest = self.pairs.first().map_or(0.0, |pair| pair.near);
+        let placer = Placer::new(&space, nearest);
         let small = self.small();
         let mut limit = f32::INFINITY;
         let mut stack = [(Subtree::default(), 0.0f32); STACK];
         let (mut pair, mut depth) = (0, 0);
         let mut leaf = 0..0;
         let mut placed = Footprints::NONE;
-        let mut begun = false;
+        let (mut begun, mut met_few) = (false, false);
         loop {
-            let (mut covered, mut few) = (0, 0);
+            let mut covered = 0;
             while self.wanted.len < setup::LANES {
                 if placed.seen != 0 {
                     let lane = placed.seen.trailing_zeros() as usize & (setup::LANES - 1);
-                    let rays = placed.rays(lane);
-                    match self.sort_out(&placed, lane, &rays, block, notice) {
+                    match self.sort_out(lanes, cull, &placed, lane, block, notice) {
                         Fate::Hidden => {}
-                        Fate::Met => few += 1,
-                        Fate::Wanted => covered += rays.count(),
+                        Fate::Met => met_few = true,
+                        Fate::Wanted(rays) => covered += rays,
                         Fate::NoRoom => break,
                     }
                     placed.seen &= placed.seen - 1;
@@ -290,11 +287,6 @@ impl<'a> Walk<'a> {
                 }
                 if covered >= MANY_RAYS {
                     break;
-                }
-                if few >= MANY_FEW {
-                    few = 0;
-                    block.look_around(lanes);
-                    limit = self.limit(block.horizon());
                 }
                 self.batch.len = 0;
                 while self.batch.len < setup::LANES {
@@ -316,6 +308,15 @@ impl<'a> Walk<'a> {
                         let node = &self.accel.tree.nodes[index as usize];
                         (&node.boxes, node.children(index))
                     } else if pair < self.pairs.len() && self.pairs[pair].near <= limit {
+                        // What the last pair holds is met first: it may hide the next one.
+                        if self.batch.len > 0 || self.wanted.len > 0 {
+                            break;
+                        }
+                        if std::mem::take(&mut met_few) {
+                            block.look_around(lanes);
+                            limit = self.limit(block.horizon());
+                            continue;
+                        }
                         pair += 1;
                         let Pair {
                             boxes, subtrees, ..
@@ -348,18 +349,19 @@ impl<'a> Walk<'a> {
                     let perspective = self.lattice.camera.projection() == Projection::Perspective;
                     block.clear(lanes, part.columns, part.rows, perspective);
                 }
-                let corners = self.corners(self.batch.slots());
+                let corners = self.corners(lanes, self.batch.slots());
                 placed = placer.place(lanes, &corners, self.batch.len);
             }
             if self.wanted.len == 0 {
                 return begun;
             }
-            let corners = self.corners(self.wanted.slots());
+            let corners = self.corners(lanes, self.wanted.slots());
             let slots = &self.wanted.slots[..self.wanted.len];
             block.meet(lanes, &space, &corners, &self.boxes, slots);
             self.counts.triangles += slots.len() as u64;
             notice.set_up(slots);
             self.wanted.len = 0;
+            met_few = false;
             limit = self.limit(block.horizon());
         }
     }
@@ -368,39 +370,45 @@ impl<'a> Walk<'a> {
     #[inline(always)]
     fn sort_out(
         &mut self,
+        lanes: impl Lanes,
+        cull: Cull,
         placed: &Footprints,
         lane: usize,
-        rays: &RayBox,
         block: &mut Block,
         notice: &mut impl Notice,
     ) -> Fate {
         let slot = self.batch.slots[lane];
-        if block.hides(rays, placed.nearest[lane]) {
+        let rays = placed.rays(lane);
+        if block.hides(&rays, placed.nearest[lane]) {
             return Fate::Hidden;
         }
         if placed.few >> lane & 1 == 0 {
-            self.want(slot, *rays);
-            return Fate::Wanted;
+            self.want(slot, rays);
+            return Fate::Wanted(rays.count());
         }
-        let near = [placed.furthest[lane], placed.nearest[lane]];
-        let undecided = block.meet_few(rays, placed.inside(lane), near, slot);
-        if undecided == 0 {
-            self.counts.triangles += 1;
-            notice.set_up(&[slot]);
-            return Fate::Met;
-        }
-        if self.wanted.len + FEW + 1 > setup::LANES {
-            return Fate::NoRoom;
-        }
-        for which in (0..FEW as u32).filter(|which| undecided >> which & 1 != 0) {
-            if let Some((slot, rays)) = block.forget(rays, which) {
-                // It is counted again once it is set up.
-                self.counts.triangles -= 1;
-                self.want(slot, rays);
+        let few = Few {
+            edges: &placed.edges,
+            lane,
+        };
+        match block.meet_few(lanes, &few, cull, &rays, slot) {
+            MetFew::Met => {
+                self.counts.triangles += 1;
+                notice.set_up(&[slot]);
+                return Fate::Met;
             }
+            MetFew::Nobody => return Fate::Hidden,
+            MetFew::Undecided => {}
         }
-        self.want(slot, *rays);
-        Fate::Wanted
+        while self.wanted.len + 1 < setup::LANES {
+            let Some((slot, rays)) = block.forget_rival(&few, &rays) else {
+                self.want(slot, rays);
+                return Fate::Wanted(rays.count());
+            };
+            // It is counted again once it is set up.
+            self.counts.triangles -= 1;
+            self.want(slot, rays);
+        }
+        Fate::NoRoom
     }
 
     #[inline(always)]
@@ -411,17 +419,47 @@ impl<'a> Walk<'a> {
 
     /// The corners of eight triangles.
     #[inline(always)]
-    fn corners(&self, slots: &[u32; setup::LANES]) -> CornerLanes {
+    fn corners(&self, lanes: impl Lanes, slots: &[u32; setup::LANES]) -> CornerLanes {
+        let [a, b, c, d, e, f, g, h] = *slots;
+        let rows = [
+            self.row(lanes, a),
+            self.row(lanes, b),
+            self.row(lanes, c),
+            self.row(lanes, d),
+            self.row(lanes, e),
+            self.row(lanes, f),
+            self.row(lanes, g),
+            self.row(lanes, h),
+        ];
+        let [ax, ay, az, bx, by, bz, cx, cy] = lanes.transpose(rows);
+        let cz = lanes.load(&[
+            self.last(a),
+            self.last(b),
+            self.last(c),
+            self.last(d),
+            self.last(e),
+            self.last(f),
+            self.last(g),
+            self.last(h),
+        ]);
         let mut out: CornerLanes = [[0.0; setup::LANES]; 9];
-        for (lane, &slot) in slots.iter().enumerate() {
-            let corners = &self.accel.triangles[slot as usize].corners;
-            for (corner, at) in corners.iter().zip([0, 3, 6]) {
-                out[at][lane] = corner.x;
-                out[at + 1][lane] = corner.y;
-                out[at + 2][lane] = corner.z;
-            }
+        for (out, corners) in out.iter_mut().zip([ax, ay, az, bx, by, bz, cx, cy, cz]) {
+            lanes.store(corners, out);
         }
         out
+    }
+
+    /// A triangle's first eight coordinates.
+    #[inline(always)]
+    fn row<L: Lanes>(&self, lanes: L, slot: u32) -> L::Singles {
+        let [a, b, c] = self.accel.triangles[slot as usize].corners;
+        lanes.load(&[a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y])
+    }
+
+    /// Its ninth.
+    #[inline(always)]
+    fn last(&self, slot: u32) -> f32 {
+        self.accel.triangles[slot as usize].corners[2].z
     }
 
     /// Asks for what a sub-tree on the stack will be read from: its triangles, or nodes that stand

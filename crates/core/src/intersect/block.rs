@@ -6,19 +6,21 @@
 //! its functions' greatest and least values there (Abrash, "Rasterization on Larrabee", 2009; Greene,
 //! Kass, Miller, "Hierarchical Z-Buffer Visibility", 1993).
 
-use super::footprint::{FEW, RayBox};
+use super::Cull;
+use super::footprint::RayBox;
 use super::setup::{BlockSpace, CornerLanes, LANES, ROW, SIDE, SetUp};
+use super::sides::{COLUMNS, Edges};
 use crate::accel::MISS;
 use crate::accel::simd::Lanes;
 use crate::accel::tree::TRIANGLE_LIMIT;
 
 /// Rays in a block.
 const RAYS: usize = SIDE * SIDE;
+/// As many, and what the last row sticks out.
+const PADDED: usize = RAYS + ROW;
 /// Sub-blocks along a side.
 const SUBS: usize = SIDE / ROW;
 
-/// A row's columns.
-const COLUMNS: [f32; ROW] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 /// From a sub-block's first ray to its middle.
 const HALF: f32 = (ROW as f32 - 1.0) * 0.5;
 /// The middles of two rows of sub-blocks.
@@ -30,9 +32,6 @@ const SUB_FIRST_ROW: u32 = 0x0f;
 
 /// The lanes of a row, as bits.
 const ALL: u32 = (1 << ROW) - 1;
-
-/// From the first of a box's few rays to each.
-const FEW_PLACES: [usize; FEW] = [0, 1, SIDE, SIDE + 1];
 
 /// What marks the slot of a triangle that was met as one of few rays, and not set up. No slot has it.
 const COARSE: u32 = !TRIANGLE_LIMIT;
@@ -46,16 +45,32 @@ const OPEN: u32 = MISS - 1;
 pub(crate) struct Block {
     /// How near the hit is at least: inverse depth, or for orthographic blocks depth negated, so
     /// that it grows towards the eye. −∞ where nothing is surely met yet.
-    low: [f32; RAYS],
+    low: [f32; PADDED],
     /// How near it is at most.
-    high: [f32; RAYS],
-    slots: [u32; RAYS],
+    high: [f32; PADDED],
+    slots: [u32; PADDED],
     /// What every ray of a sub-block is at least as near as.
     horizons: [f32; SUBS * SUBS],
     /// Sub-blocks whose horizon may have moved, as bits.
     touched: u32,
     /// Where orthographic rays begin: nothing is nearer. Infinite for perspective.
     begin: f32,
+}
+
+/// A triangle of few rays: its edges.
+pub(crate) struct Few<'a> {
+    pub(crate) edges: &'a Edges,
+    pub(crate) lane: usize,
+}
+
+/// What became of a triangle of few rays.
+pub(crate) enum MetFew {
+    /// Some rays meet it first, so far.
+    Met,
+    /// No ray does.
+    Nobody,
+    /// It was not met: it cannot be told without setting it up.
+    Undecided,
 }
 
 /// A triangle's functions for some rays: values at the first, and steps.
@@ -71,9 +86,9 @@ struct Functions {
 impl Block {
     pub(crate) fn new() -> Self {
         Self {
-            low: [0.0; RAYS],
-            high: [0.0; RAYS],
-            slots: [MISS; RAYS],
+            low: [0.0; PADDED],
+            high: [0.0; PADDED],
+            slots: [MISS; PADDED],
             horizons: [f32::NEG_INFINITY; SUBS * SUBS],
             touched: 0,
             begin: f32::INFINITY,
@@ -83,9 +98,9 @@ impl Block {
     /// Forgets everything; from now on it has `columns × rows` rays, at most [`SIDE`] each.
     #[inline(always)]
     pub(crate) fn clear(&mut self, lanes: impl Lanes, columns: u32, rows: u32, perspective: bool) {
-        self.low = [f32::NEG_INFINITY; RAYS];
-        self.high = [f32::NEG_INFINITY; RAYS];
-        self.slots = [MISS; RAYS];
+        self.low = [f32::NEG_INFINITY; PADDED];
+        self.high = [f32::NEG_INFINITY; PADDED];
+        self.slots = [MISS; PADDED];
         self.horizons = [f32::NEG_INFINITY; SUBS * SUBS];
         self.touched = 0;
         // Orthographic rays begin at the image plane, where the negated depth is zero.
@@ -148,63 +163,131 @@ impl Block {
             && (top..=bottom).all(|row| (left..=right).all(|column| nearest < horizon(row, column)))
     }
 
-    /// Meets a triangle that meets those of a box's few rays that `inside` says, there as near as
-    /// `low` at least and `high` at most. Where that does not tell whether it is nearer than what they have
-    /// met, it is not met, and the rays for which it does not are returned.
+    /// Meets a triangle with the few rays of its box, by its edges, as near as `low` at least and `high`
+    /// at most. Where that does not tell of each ray whether the triangle is what it meets first so far,
+    /// the triangle is not met.
     #[inline(always)]
-    pub(crate) fn meet_few(
+    pub(crate) fn meet_few<L: Lanes>(
         &mut self,
+        lanes: L,
+        few: &Few<'_>,
+        cull: Cull,
         rays: &RayBox,
-        inside: u32,
-        [low, high]: [f32; 2],
         slot: u32,
-    ) -> u32 {
-        let first = rays.top as usize * SIDE + rays.left as usize;
-        let (mut nearer, mut undecided) = (0, 0);
-        for_each_bit(inside, |which| {
-            let ray = (first + FEW_PLACES[which % FEW]) % RAYS;
-            let beats = low > self.high[ray];
-            nearer |= u32::from(beats) << which;
-            undecided |= u32::from(!beats & (high >= self.low[ray])) << which;
-        });
-        if undecided == 0 {
-            for_each_bit(nearer, |which| {
-                let ray = (first + FEW_PLACES[which % FEW]) % RAYS;
-                (self.low[ray], self.high[ray]) = (low, high);
-                self.slots[ray] = slot | COARSE;
-                self.touched |= 1 << (ray / SIDE / ROW * SUBS + ray % SIDE / ROW);
-            });
+    ) -> MetFew {
+        let columns = (2 << (rays.right - rays.left)) - 1;
+        let mut row = few.edges.first_row(lanes, few.lane);
+        let (mut inside, mut unsure) = (0, 0);
+        let mut nearness = [[0.0; ROW]; ROW];
+        for (down, nearness) in nearness.iter_mut().enumerate() {
+            if down > (rays.bottom - rays.top) as usize {
+                break;
+            }
+            let sides = row.sides(lanes, cull);
+            lanes.store(row.nearness(lanes), nearness);
+            inside |= u64::from(lanes.bits(sides.inside) & columns) << (down * ROW);
+            unsure |= columns & !lanes.bits(lanes.or(sides.inside, sides.outside));
+            row = row.next(lanes);
         }
-        undecided
+        if unsure != 0 {
+            return MetFew::Undecided;
+        }
+        let error = few.edges.nearness_error[few.lane];
+        let first = rays.top as usize * SIDE + rays.left as usize;
+        let (mut any, mut rivals) = (false, false);
+        while inside != 0 {
+            let which = inside.trailing_zeros() as usize;
+            inside &= inside - 1;
+            let ray = (first + which / ROW * SIDE + which % ROW) % RAYS;
+            let near = nearness[which / ROW % ROW][which % ROW];
+            let (near_low, near_high) = (near - error, near + error);
+            let (low, high, held) = (
+                &mut self.low[ray],
+                &mut self.high[ray],
+                &mut self.slots[ray],
+            );
+            let wins = near_low > *high;
+            any |= wins;
+            rivals |= !wins & (near_high >= *low);
+            if wins {
+                (*low, *high, *held) = (near_low, near_high, slot | COARSE);
+            }
+        }
+        if rivals {
+            self.forget(rays, slot);
+            return MetFew::Undecided;
+        }
+        if !any {
+            return MetFew::Nobody;
+        }
+        self.touch(rays);
+        MetFew::Met
     }
 
-    /// Forgets a triangle that one of a box's few rays has met as one of few rays itself. Returns its slot
-    /// and a box around its rays, for it to be set up and met again; `None` if it has been set up.
+    /// Of triangles that were met as ones of few rays themselves, forgets one that leaves it open which
+    /// is nearer, it or a triangle of these few rays. Returns its slot and a box around its rays, for it
+    /// to be set up and met again.
     #[inline(never)]
-    pub(crate) fn forget(&mut self, rays: &RayBox, which: u32) -> Option<(u32, RayBox)> {
-        let (x, y) = (rays.left + which as i32 % 2, rays.top + which as i32 / 2);
-        let ray = |x: i32, y: i32| (y as usize * SIDE + x as usize) % RAYS;
-        let slot = self.slots[ray(x, y)];
-        if slot == MISS || slot == OPEN || slot & COARSE == 0 {
-            return None;
-        }
+    pub(crate) fn forget_rival(&mut self, few: &Few<'_>, rays: &RayBox) -> Option<(u32, RayBox)> {
         let last = SIDE as i32 - 1;
-        let around = RayBox {
-            left: (x - 1).max(0),
-            right: (x + 1).min(last),
-            top: (y - 1).max(0),
-            bottom: (y + 1).min(last),
-        };
-        for y in around.top..=around.bottom {
-            for x in around.left..=around.right {
-                let ray = ray(x, y);
-                if self.slots[ray] == slot {
-                    (self.low[ray], self.high[ray]) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
-                    self.slots[ray] = MISS;
+        for y in rays.top..=rays.bottom {
+            for x in rays.left..=rays.right {
+                let ray = (y as usize * SIDE + x as usize) % RAYS;
+                let held = self.slots[ray];
+                let coarse = held != MISS && held != OPEN && held & COARSE != 0;
+                let at = [(x - rays.left) as f32, (y - rays.top) as f32];
+                let rival = few
+                    .edges
+                    .is_rival(few.lane, at, [self.low[ray], self.high[ray]]);
+                if coarse && rival {
+                    let reach = ROW as i32 - 1;
+                    let around = RayBox {
+                        left: (x - reach).max(0),
+                        right: (x + reach).min(last),
+                        top: (y - reach).max(0),
+                        bottom: (y + reach).min(last),
+                    };
+                    let slot = held & !COARSE;
+                    return self.forget(&around, slot).map(|rays| (slot, rays));
                 }
             }
         }
-        Some((slot & !COARSE, around))
+        None
+    }
+
+    /// Forgets a triangle that some rays of a box have met as ones of few rays: the box around those.
+    ///
+    /// The horizons stay: the triangle will be met again, and was surely as near as they say.
+    #[inline(never)]
+    fn forget(&mut self, rays: &RayBox, slot: u32) -> Option<RayBox> {
+        let mut around: Option<RayBox> = None;
+        for y in rays.top..=rays.bottom {
+            for x in rays.left..=rays.right {
+                let ray = (y as usize * SIDE + x as usize) % RAYS;
+                if self.slots[ray] == slot | COARSE {
+                    (self.low[ray], self.high[ray]) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
+                    self.slots[ray] = MISS;
+                    let all = around.get_or_insert(RayBox {
+                        left: x,
+                        right: x,
+                        top: y,
+                        bottom: y,
+                    });
+                    all.left = all.left.min(x);
+                    all.right = all.right.max(x);
+                    all.bottom = y;
+                }
+            }
+        }
+        around
+    }
+
+    /// Marks the sub-blocks of a box, at most two each way.
+    #[inline(always)]
+    fn touch(&mut self, rays: &RayBox) {
+        let columns = 1u32 << (rays.left as usize / ROW) | 1 << (rays.right as usize / ROW);
+        self.touched |= columns << (SUBS * (rays.top as usize / ROW));
+        self.touched |= columns << (SUBS * (rays.bottom as usize / ROW));
     }
 
     /// Meets the first of eight triangles, those with slots, each with the rays of its box.
@@ -508,13 +591,13 @@ impl<L: Lanes> Merge<L> {
         // Rays of which neither is sure are open, as long as nothing nearer wins them.
         let open = !lanes.bits(lanes.or(wins, loses)) & ALL;
         if open != 0 {
-            for_each_bit(open, |lane| slots[lane % ROW] = OPEN);
+            for_each_bit(u64::from(open), |lane| slots[lane % ROW] = OPEN);
         }
     }
 }
 
 #[inline(always)]
-fn for_each_bit(mut bits: u32, mut of: impl FnMut(usize)) {
+fn for_each_bit(mut bits: u64, mut of: impl FnMut(usize)) {
     while bits != 0 {
         of(bits.trailing_zeros() as usize);
         bits &= bits - 1;

@@ -5,36 +5,48 @@
 //! or X itself for orthographic blocks; a triangle's box is that of its corners' places.
 //!
 //! # Error bounds
-//! u = 2⁻²⁴. T's rows are S_x, S_y, S_z long as sums of magnitudes, S the greatest of the first two; r is
-//! the greatest magnitude of a triangle's corners relative to the eye.
+//! u = 2⁻²⁴. T's rows are S_x, S_y, S_z long as sums of magnitudes, S the greatest of the first two. Corners
+//! are taken relative to a point q on the block's first ray, about as deep as what is looked at; r is the
+//! greatest magnitude of a triangle's corners there, and t = T(q − o), o the eye or the ray's beginning,
+//! is (0, 0, depth of q) but for rounding.
 //!
-//! * **Corners.** The eye o is kept as two singles, which leaves u²|o| of it, beside its own error η. The
-//!   difference from the first is exact where the second counts (Sterbenz), else rounded by less than 2u of
-//!   the result; that from the second is rounded by u. r is taken to be no less than (η + u²|o|)/u, so that
-//!   corners are off by 4ur.
+//! * **Corners.** q is the sum of two singles, and exact: what it is off the ray by, t tells. The difference
+//!   from the first is exact where the second counts (Sterbenz), else rounded by less than 2u of the result;
+//!   that from the second is rounded by u. The eye's own error is η; T, rounded in doubles, moves t by less
+//!   than 128ε|q − o|·B/D (see [`setup`](super::setup)) of S. r is taken to be no less than the sum of
+//!   both over u, so that corners are off by 4ur.
 //! * **X, Y, Z.** T's rows are rounded by u of themselves (their own errors in doubles are less as long
-//!   as B/D < 10⁶), products by u, two sums by u each: with the corners' errors X is off by 8ur·S and the
-//!   second order. We take e_x = 9ur·S and e_z = 9ur·S_z.
+//!   as B/D < 10⁶), products by u, three sums by u each: with the corners' errors X is off by 9ur·S and the
+//!   second order, and t's rounding, which is second order too. We take e_x = 10ur·S. Z's sums and t
+//!   add 4u|t_z|: e_z = 10ur·S_z + 5u|t_z|.
 //! * **Boxes.** Where Z ≥ 2048·e_z, a place p with |p| ≤ 2·[`SIDE`] is off by
 //!   (e_x + |p|e_z)/Z · 2048/2047 and 3u|p| for the quotient; rays are off by ρ of a column, which
-//!   [`BlockSpace`] gives. Boxes are made larger by 2⁻⁹ + 2ρ + 1.25(e_x + 64e_z)/Z, of which 3u|p| and the
-//!   rounding of the sums need 2⁻¹⁵. Of places further out it is enough that they stay outside: off by
-//!   less than a 2000th and the same e_x/Z, they do. Z is the least of the three corners'.
-//! * **Few rays.** Where a box is less than 7/4 wide and high, and made larger by m < 1/8, it holds 2 × 2
-//!   rays at most, and corners are within 7/4 + m of each a coordinate. A place is off by no more than m,
-//!   cross products of two by 2(7/2·m + 3m²) and some 40u of rounding: below 8m. Where a ray's three surely
-//!   have one sign it is inside, where two surely differ it is outside, and else the triangle is set up.
+//!   [`BlockSpace`] gives. Boxes are made larger by 2⁻⁹ + m with m = 2ρ + 1.25(e_x + 64e_z)/Z; 3u|p| and the
+//!   rounding of the sums need 2⁻¹⁵ of the 2⁻⁹. Of places further out it is enough that they stay outside:
+//!   off by less than a 2000th and the same e_x/Z, they do. Z is the least of the three corners'.
+//! * **Few rays.** Where a box is less than w = [`FEW_SIDE`] wide and high, and made larger by less than
+//!   1/8, it holds no more than 5 rays each way. Places are off by m' = m + 2⁻¹⁵, and no coordinate of a
+//!   corner relative to a ray of the box is more than its size s + 1/8. Edges are linear in the ray's place:
+//!   what is evaluated is, but for rounding, the cross product of two moved corners relative to the ray,
+//!   off by 4(s + 1/8)m' + 2m'² ≤ (4s + 1)m'. Rounded are the corners relative to the first ray, two products
+//!   and a difference, and for each row and column a product and a sum: of values below
+//!   2(w + 1)² + 2·2w·(w + 1) < 130, ten times at most, each by u: less than 2⁻¹³. Where a ray's three
+//!   surely have one sign it is inside, where two surely differ it is outside.
 //! * **How near.** A depth is off by e_z, its inverse by e_z/Z · 2048/2047 of itself and 2u. Where a triangle
-//!   is met it is no nearer than its nearest corner, and no further than its furthest.
+//!   is met it is no nearer than its nearest corner. Its nearness along a ray is that of its corners by their
+//!   weights, edges' values over their sum, the doubled area. With E what an edge may be off by, the sum is off by
+//!   3E, and a weight of at most 1 by 4E over the sum as evaluated: by as much of how much nearer the
+//!   second corner and the third are than the first; we take 6E. Rounding takes less than 26u of the nearest corner (orthographic: of the
+//!   greatest depth), which the slack of 2⁻¹⁹ covers beside the corners' own.
 //!
 //! Where Z is less than that, or a number leaves the range, every ray of the block may meet the
 //! triangle. Range: S and r·S < 10³⁰ and Z ≥ 10⁻³⁰ keep products and inverses finite; r is taken to be
 //! 10⁻³⁰ at least as well, which keeps what underflow leaves out, 10⁻⁴⁴, far below the bounds.
 
-use super::Cull;
 use super::setup::{BlockSpace, CornerLanes, LANES, SIDE};
-use super::sides::Sides;
+use super::sides::Edges;
 use crate::accel::simd::Lanes;
+use glam::DVec3;
 
 /// u.
 const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
@@ -45,19 +57,19 @@ const MARGIN: f64 = 1.0 / 512.0;
 /// How much greater than its error a corner's depth has to be.
 const CLEAR: f32 = 2048.0;
 
-/// Rays of the largest boxes of which it is told ray by ray who meets the triangle.
-pub(crate) const FEW: usize = 4;
-
-/// How large a box of few rays is at most, and by how much at most it is made larger.
-const FEW_SIDE: f32 = 1.75;
+/// How large a box of few rays is at most, and by how much at most it is made larger: it holds no more
+/// than 5 rays each way.
+const FEW_SIDE: f32 = 4.75;
 const FEW_MARGIN: f32 = 0.125;
 
-/// What cross products are off by, as a share of what the box is made larger by.
-const CROSS_ERROR: f32 = 8.0;
+/// What places are off by though nothing else were.
+const PLACE_ERROR: f64 = 1.0 / 32768.0;
 
-/// What how near a corner is may be off by as a share of itself, but for the corner's error: a division,
-/// a product and a sum.
-const NEARNESS_SLACK: f32 = 1.0 / (1 << 20) as f32;
+/// What cross products are off by though places were exact.
+const CROSS_ROUNDING: f32 = 1.0 / 8192.0;
+
+/// What a nearness may be off by as a share of the greatest, but for the errors of corners and edges.
+const NEARNESS_SLACK: f32 = 1.0 / (1 << 19) as f32;
 
 /// The greatest that places and depths may be, and the inverse of the least.
 const RANGE: f64 = 1e30;
@@ -70,7 +82,6 @@ const ROUNDER: f32 = 12_582_912.0;
 #[derive(Clone, Debug)]
 pub(crate) struct Placer {
     perspective: bool,
-    cull: Cull,
     /// What corners are taken relative to, in two parts.
     origin: [[f32; 2]; 3],
     /// T's rows.
@@ -79,11 +90,13 @@ pub(crate) struct Placer {
     least_reach: f32,
     /// The greatest r.
     most_reach: f32,
-    /// e_z as a share of r.
-    depth_error: f32,
-    /// By how much boxes are made larger: always, and as a share of r/Z, or of r for orthographic
-    /// blocks.
-    margin: [f32; 2],
+    /// T of that.
+    shift: [f32; 3],
+    /// e_z: always, and as a share of r.
+    depth_error: [f32; 2],
+    /// By how much boxes are made larger: always, and as shares of 1/Z and of r/Z; for orthographic blocks
+    /// of 1 and r.
+    margin: [f32; 3],
     /// The last column and row.
     last: [f32; 2],
 }
@@ -98,15 +111,12 @@ pub(crate) struct Footprints {
     /// At least how near the nearest corner is, as [`SetUp::nearness`](super::setup::SetUp) counts;
     /// infinite where it cannot be told.
     pub(crate) nearest: [f32; LANES],
-    /// At most how near the furthest corner is; of no meaning where the nearest is infinite.
-    pub(crate) furthest: [f32; LANES],
     /// Those that a ray may meet, as bits.
     pub(crate) seen: u32,
-    /// Those of them with [`FEW`] rays at most, of which it is known which they meet, as bits.
+    /// Those of them with few rays, whose edges tell which they meet, as bits.
     pub(crate) few: u32,
-    /// Which of those the first ray of the box meets, the one beside it, the one below, and the one
-    /// below that beside it, as bits.
-    inside: [u32; FEW],
+    /// Their edges.
+    pub(crate) edges: Edges,
 }
 
 /// A box of rays, both ends included.
@@ -127,34 +137,55 @@ impl RayBox {
 }
 
 impl Placer {
-    pub(crate) fn new(space: &BlockSpace) -> Self {
-        let length = |row: glam::DVec3| row.abs().element_sum();
+    /// Places well what is about as deep as `depth`, and everything else soundly.
+    pub(crate) fn new(space: &BlockSpace, depth: f32) -> Self {
+        let length = |row: DVec3| row.abs().element_sum();
         let [x, y, z] = space.map.map(length);
         let wide = if x > y { x } else { y };
-        let from_origin = space.origin.abs().max_element();
-        // Written so that what is not a number is not sound.
-        let sound = (from_origin < RANGE) & (x + y + z < RANGE) & (space.obliqueness < 1e6);
-        let most_reach = if sound { RANGE / (wide + z) } else { 0.0 };
-        let per_reach = 9.0 * UNIT * 1.25;
-        let depth_share = if space.perspective {
-            2.0 * SIDE as f64 * z
+        let depth = if (0.0..f32::MAX).contains(&depth) {
+            depth
         } else {
             0.0
         };
+        let origin = (space.origin + space.way * f64::from(depth)).to_array();
+        let origin = origin.map(|o| {
+            let high = o as f32;
+            [high, (o - f64::from(high)) as f32]
+        });
+        let [ox, oy, oz] = origin.map(|[high, low]| f64::from(high) + f64::from(low));
+        let from_origin = DVec3::new(ox, oy, oz) - space.origin;
+        let shift = space.map.map(|row| row.dot(from_origin));
+        let (moved, far) = (
+            from_origin.abs().max_element(),
+            space.origin.abs().max_element() + from_origin.abs().max_element(),
+        );
+        // Written so that what is not a number is not sound.
+        let sound = (far < RANGE)
+            & (x + y + z < RANGE)
+            & ((x + y + z) * moved < RANGE)
+            & (space.obliqueness < 1e6);
+        let most_reach = if sound { RANGE / (wide + z) } else { 0.0 };
+        let place_share = if space.perspective {
+            2.0 * SIDE as f64
+        } else {
+            0.0
+        };
+        let depth_error = 5.0 * UNIT * shift[2].abs();
         Self {
             perspective: space.perspective,
-            cull: space.cull,
-            origin: space.origin.to_array().map(|o| {
-                let high = o as f32;
-                [high, (o - f64::from(high)) as f32]
-            }),
+            origin,
             map: space.map.map(|row| row.as_vec3().to_array()),
-            least_reach: (space.origin_error / UNIT + UNIT * from_origin + 1.0 / RANGE) as f32,
+            shift: shift.map(|s| s as f32),
+            least_reach: (space.origin_error / UNIT
+                + 128.0 * f64::EPSILON * space.obliqueness / UNIT * moved
+                + UNIT * far
+                + 1.0 / RANGE) as f32,
             most_reach: most_reach as f32,
-            depth_error: (9.0 * UNIT * z) as f32,
+            depth_error: [depth_error as f32, (10.0 * UNIT * z) as f32],
             margin: [
                 (MARGIN + 2.0 * space.ray_error) as f32,
-                (per_reach * (wide + depth_share)) as f32,
+                (1.25 * place_share * depth_error) as f32,
+                (1.25 * 10.0 * UNIT * (wide + place_share * z)) as f32,
             ],
             last: space.last.into(),
         }
@@ -171,8 +202,10 @@ impl Placer {
         let zero = lanes.splat(0.0);
         let mut reach = lanes.splat(self.least_reach);
         let mut places = [[zero; 3]; 3];
+        let [x, y, z] = self.shift;
+        let shift = [lanes.splat(x), lanes.splat(y), lanes.splat(z)];
         for (corner, place) in places.iter_mut().enumerate() {
-            let mut sums = [zero; 3];
+            let mut sums = shift;
             for axis in 0..3 {
                 let [high, low] = self.origin[axis];
                 let from_high =
@@ -188,12 +221,18 @@ impl Placer {
         }
         let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = places;
         let in_range = lanes.less(reach, lanes.splat(self.most_reach));
-        let depth_error = lanes.mul(reach, lanes.splat(self.depth_error));
+        let [always, by_reach] = self.depth_error;
+        let depth_error = lanes.add(lanes.splat(always), lanes.mul(reach, lanes.splat(by_reach)));
         let front = least(lanes, az, bz, cz);
         let back = most(lanes, az, bz, cz);
         let behind = lanes.less(back, lanes.sub(zero, depth_error));
 
-        let (safe, nearest, furthest, spread, [xs, ys]) = if self.perspective {
+        let [always, by_depth, by_reach] = self.margin;
+        let error = lanes.add(
+            lanes.splat(by_depth),
+            lanes.mul(reach, lanes.splat(by_reach)),
+        );
+        let (safe, nearest, margin, [xs, ys, nears]) = if self.perspective {
             let one = lanes.splat(1.0);
             let (ia, ib, ic) = (lanes.div(one, az), lanes.div(one, bz), lanes.div(one, cz));
             let clear = lanes.max(
@@ -204,21 +243,29 @@ impl Placer {
             (
                 lanes.and(in_range, lanes.less(clear, front)),
                 nearest,
-                least(lanes, ia, ib, ic),
-                lanes.mul(reach, nearest),
+                lanes.mul(error, nearest),
                 [
                     (lanes.mul(ax, ia), lanes.mul(bx, ib), lanes.mul(cx, ic)),
                     (lanes.mul(ay, ia), lanes.mul(by, ib), lanes.mul(cy, ic)),
+                    (ia, ib, ic),
                 ],
             )
         } else {
-            (in_range, zero, zero, reach, [(ax, bx, cx), (ay, by, cy)])
+            {
+                let (a, b, c) = (
+                    lanes.sub(zero, az),
+                    lanes.sub(zero, bz),
+                    lanes.sub(zero, cz),
+                );
+                (
+                    in_range,
+                    zero,
+                    error,
+                    [(ax, bx, cx), (ay, by, cy), (a, b, c)],
+                )
+            }
         };
-        let [always, by_spread] = self.margin;
-        let margin = lanes.add(
-            lanes.splat(always),
-            lanes.mul(spread, lanes.splat(by_spread)),
-        );
+        let margin = lanes.add(lanes.splat(always), margin);
         let rounder = lanes.splat(ROUNDER);
         let nobody = lanes.and(in_range, behind);
         let ends = Ends {
@@ -230,30 +277,22 @@ impl Placer {
         let (top, bottom, along) = ends.whole(lanes, ys, self.last[1]);
         let empty = lanes.or(lanes.less(right, left), lanes.less(bottom, top));
 
-        let (nearest, furthest, in_front) = if self.perspective {
+        let (nearest, near_error, in_front) = if self.perspective {
             let slack = lanes.add(
                 lanes.mul(lanes.mul(depth_error, nearest), lanes.splat(1.25)),
                 lanes.splat(NEARNESS_SLACK),
             );
-            (
-                lanes.add(nearest, lanes.mul(nearest, slack)),
-                lanes.sub(furthest, lanes.mul(furthest, slack)),
-                safe,
-            )
+            let error = lanes.mul(nearest, slack);
+            (lanes.add(nearest, error), error, safe)
         } else {
             let magnitude = lanes.max(
                 lanes.max(front, lanes.sub(zero, front)),
                 lanes.max(back, lanes.sub(zero, back)),
             );
             let rounding = lanes.mul(magnitude, lanes.splat(NEARNESS_SLACK));
-            let slack = lanes.add(depth_error, rounding);
-            let nearest = lanes.sub(slack, front);
-            let furthest = lanes.sub(zero, lanes.add(back, slack));
-            (
-                nearest,
-                furthest,
-                lanes.and(safe, lanes.less(nearest, zero)),
-            )
+            let error = lanes.add(depth_error, rounding);
+            let nearest = lanes.sub(error, front);
+            (nearest, error, lanes.and(safe, lanes.less(nearest, zero)))
         };
 
         let size = lanes.max(
@@ -265,30 +304,17 @@ impl Placer {
             seen: !lanes.bits(empty) & ((1 << count) - 1),
             ..Footprints::NONE
         };
-        let small = lanes.bits(small) & out.seen;
-        if small != 0 {
-            let one = lanes.splat(1.0);
-            let no_right = lanes.bits(lanes.less(right, lanes.add(left, one)));
-            let no_below = lanes.bits(lanes.less(bottom, lanes.add(top, one)));
-            let absent = [0, no_right, no_below, no_right | no_below];
+        out.few = lanes.bits(small) & out.seen;
+        if out.few != 0 {
             let first = (lanes.sub(left, rounder), lanes.sub(top, rounder));
-            let error = lanes.mul(margin, lanes.splat(CROSS_ERROR));
-            let sides = Sides::of_few(lanes, xs, ys, first, error);
-            let (mut unsure, mut any) = (0, 0);
-            for (which, side) in sides.into_iter().enumerate() {
-                let kept = match self.cull {
-                    Cull::None => side.front | side.back,
-                    Cull::Back => side.front,
-                };
-                unsure |= !(side.front | side.back | side.outside | absent[which]);
-                out.inside[which] = kept & !absent[which];
-                any |= out.inside[which];
-            }
-            out.few = small & !unsure;
-            out.seen &= !out.few | any;
+            let off = lanes.sub(margin, lanes.splat((MARGIN - PLACE_ERROR) as f32));
+            let side = lanes.add(lanes.mul(size, lanes.splat(4.0)), lanes.splat(1.0));
+            let error = lanes.add(lanes.mul(off, side), lanes.splat(CROSS_ROUNDING));
+            let (edges, told) = Edges::new(lanes, [xs, ys, nears], first, error, near_error);
+            out.edges = edges;
+            out.few &= lanes.bits(told);
         }
         let nearest = lanes.pick(safe, nearest, lanes.splat(f32::INFINITY));
-        lanes.store(furthest, &mut out.furthest);
         lanes.store(left, &mut out.left);
         lanes.store(right, &mut out.right);
         lanes.store(top, &mut out.top);
@@ -353,18 +379,10 @@ impl Footprints {
         top: [0.0; LANES],
         bottom: [0.0; LANES],
         nearest: [0.0; LANES],
-        furthest: [0.0; LANES],
         seen: 0,
         few: 0,
-        inside: [0; FEW],
+        edges: Edges::NONE,
     };
-
-    /// Which of a triangle's few rays meet it, as bits.
-    #[inline(always)]
-    pub(crate) fn inside(&self, lane: usize) -> u32 {
-        let [a, b, c, d] = self.inside.map(|bits| bits >> lane & 1);
-        a | b << 1 | c << 2 | d << 3
-    }
 
     /// The box of one that is seen.
     #[inline(always)]

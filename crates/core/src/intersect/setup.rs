@@ -73,6 +73,8 @@ pub(crate) struct BlockSpace {
     pub(super) perspective: bool,
     /// What corners are taken relative to.
     pub(super) origin: DVec3,
+    /// From there to where the first ray is one deep.
+    pub(super) way: DVec3,
     /// T's rows.
     pub(super) map: [DVec3; 3],
     pub(super) cull: Cull,
@@ -170,6 +172,11 @@ impl BlockSpace {
         Self {
             perspective,
             origin,
+            way: if perspective {
+                d / camera.distance()
+            } else {
+                d
+            },
             map,
             cull,
             last: (columns as f32 - 1.0, rows as f32 - 1.0),
