@@ -40,10 +40,9 @@ const STACK: usize = DEPTH_LIMIT + 3;
 /// hide what else is on the way.
 const MANY_RAYS: i32 = 32;
 
-/// Nodes and lines of triangles that are asked for when a sub-tree is come to: what is below a node
-/// follows it, and waiting for memory took half of a walk through 4 million triangles.
+/// Nodes that are asked for when a sub-tree is come to: what is below a node follows it, and waiting for
+/// memory took half of a walk through 4 million triangles.
 const NODES_AHEAD: usize = 4;
-const TRIANGLE_LINES_AHEAD: usize = 16;
 
 /// A rectangle of a lattice's rays.
 #[derive(Clone, Copy)]
@@ -466,14 +465,21 @@ impl<'a> Walk<'a> {
     /// together with its own.
     #[inline(always)]
     fn prefetch(&self, lanes: impl Lanes, subtree: Subtree, meets: bool) {
-        let node = subtree.node().unwrap_or(0);
-        let (node, slot) = if meets { (node, subtree.first) } else { (0, 0) };
-        for next in 0..NODES_AHEAD {
-            lanes.prefetch(&self.accel.tree.nodes, node as usize + next);
+        if !meets {
+            return;
         }
-        // Eight triangles are five lines.
-        for line in 0..TRIANGLE_LINES_AHEAD {
-            lanes.prefetch(&self.accel.triangles, slot as usize + line * 8 / 5);
+        match subtree.node() {
+            Some(node) => {
+                for next in 0..NODES_AHEAD {
+                    lanes.prefetch(&self.accel.tree.nodes, node as usize + next);
+                }
+            }
+            // Eight triangles are five lines.
+            None => {
+                for line in 0..=subtree.count as usize * 5 / 8 {
+                    lanes.prefetch(&self.accel.triangles, subtree.first as usize + line * 8 / 5);
+                }
+            }
         }
     }
 

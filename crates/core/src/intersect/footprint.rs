@@ -310,9 +310,18 @@ impl Placer {
             let off = lanes.sub(margin, lanes.splat((MARGIN - PLACE_ERROR) as f32));
             let side = lanes.add(lanes.mul(size, lanes.splat(4.0)), lanes.splat(1.0));
             let error = lanes.add(lanes.mul(off, side), lanes.splat(CROSS_ROUNDING));
-            let (edges, told) = Edges::new(lanes, [xs, ys, nears], first, error, near_error);
+            let (edges, known) = Edges::new(lanes, [xs, ys, nears], first, error, near_error);
             out.edges = edges;
-            out.few &= lanes.bits(told);
+            out.few &= known.told;
+            // Most boxes of triangles smaller than the rays' spacing hold no more than two rays each way.
+            let one = lanes.splat(1.0);
+            let (beside, below) = (lanes.add(left, one), lanes.add(top, one));
+            let larger = lanes.or(lanes.less(beside, right), lanes.less(below, bottom));
+            let no_right = lanes.bits(lanes.less(right, beside));
+            let no_below = lanes.bits(lanes.less(bottom, below));
+            let [a, b, c, d] = known.outside;
+            let missed = a & (b | no_right) & (c | no_below) & (d | no_right | no_below);
+            out.seen &= !(out.few & missed & !lanes.bits(larger));
         }
         let nearest = lanes.pick(safe, nearest, lanes.splat(f32::INFINITY));
         lanes.store(left, &mut out.left);

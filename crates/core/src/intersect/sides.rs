@@ -39,6 +39,15 @@ pub(crate) struct Edges {
     pub(super) nearness_error: [f32; LANES],
 }
 
+/// What is known of eight triangles together, as bits.
+pub(super) struct Known {
+    /// Those that are no slivers, which are not told.
+    pub(super) told: u32,
+    /// Those that the first ray of their box is surely outside of, the one beside it, the one below, and
+    /// the one below that beside it.
+    pub(super) outside: [u32; 4],
+}
+
 /// A triangle's edges along a row of its few rays.
 #[derive(Clone, Copy)]
 pub(super) struct EdgeRow<L: Lanes> {
@@ -69,8 +78,7 @@ impl Edges {
     };
 
     /// Corners are at `xs` and `ys` and as near as `nears`, the boxes' first rays at `(x, y)`; values in
-    /// the boxes are off by less than `error`, corners by less than `corner_error`. Of slivers, which are
-    /// not told, the mask says no.
+    /// the boxes are off by less than `error`, corners by less than `corner_error`.
     #[inline(always)]
     pub(super) fn new<L: Lanes>(
         lanes: L,
@@ -78,7 +86,7 @@ impl Edges {
         (x, y): (L::Singles, L::Singles),
         error: L::Singles,
         corner_error: L::Singles,
-    ) -> (Self, L::Mask) {
+    ) -> (Self, Known) {
         let (ax, bx, cx) = relative_to(lanes, xs, x);
         let (ay, by, cy) = relative_to(lanes, ys, y);
         let mut out = Self::NONE;
@@ -91,14 +99,16 @@ impl Edges {
         lanes.store(ab, first);
         lanes.store(bc, second);
         lanes.store(ca, third);
+        let to_right = (lanes.sub(ay, by), lanes.sub(by, cy), lanes.sub(cy, ay));
         let [first, second, third] = &mut out.to_right;
-        lanes.store(lanes.sub(ay, by), first);
-        lanes.store(lanes.sub(by, cy), second);
-        lanes.store(lanes.sub(cy, ay), third);
+        lanes.store(to_right.0, first);
+        lanes.store(to_right.1, second);
+        lanes.store(to_right.2, third);
+        let down = (lanes.sub(bx, ax), lanes.sub(cx, bx), lanes.sub(ax, cx));
         let [first, second, third] = &mut out.down;
-        lanes.store(lanes.sub(bx, ax), first);
-        lanes.store(lanes.sub(cx, bx), second);
-        lanes.store(lanes.sub(ax, cx), third);
+        lanes.store(down.0, first);
+        lanes.store(down.1, second);
+        lanes.store(down.2, third);
         lanes.store(error, &mut out.error);
 
         let (a_near, b_near, c_near) = nears;
@@ -112,7 +122,21 @@ impl Edges {
         let slope = lanes.add(magnitude(lanes, to_b), magnitude(lanes, to_c));
         let by_slope = lanes.mul(lanes.mul(share, slope), lanes.splat(SHARES));
         lanes.store(lanes.add(corner_error, by_slope), &mut out.nearness_error);
-        (out, lanes.less(share, lanes.splat(LEAST_SHARE)))
+
+        let first = (ab, bc, ca);
+        let beside = sum(lanes, first, to_right);
+        let below = sum(lanes, first, down);
+        let diagonal = sum(lanes, beside, down);
+        let known = Known {
+            told: lanes.bits(lanes.less(share, lanes.splat(LEAST_SHARE))),
+            outside: [
+                lanes.bits(outside(lanes, first, error)),
+                lanes.bits(outside(lanes, beside, error)),
+                lanes.bits(outside(lanes, below, error)),
+                lanes.bits(outside(lanes, diagonal, error)),
+            ],
+        };
+        (out, known)
     }
 
     /// A triangle's edges along the first row of its box.
@@ -174,10 +198,7 @@ impl<L: Lanes> EdgeRow<L> {
         let (low, high) = (least(lanes, a, b, c), most(lanes, a, b, c));
         let front = lanes.less(high, self.minus_error);
         let back = lanes.less(self.error, low);
-        let outside = lanes.and(
-            lanes.less(self.error, high),
-            lanes.less(low, self.minus_error),
-        );
+        let outside = outside(lanes, self.values, self.error);
         match cull {
             Cull::None => Sides {
                 inside: lanes.or(front, back),
@@ -210,6 +231,19 @@ impl<L: Lanes> EdgeRow<L> {
         );
         Self { values, ..self }
     }
+}
+
+/// Whether two of three edges' values surely differ in sign.
+#[inline(always)]
+fn outside<L: Lanes>(lanes: L, (a, b, c): Three<L>, error: L::Singles) -> L::Mask {
+    let (low, high) = (least(lanes, a, b, c), most(lanes, a, b, c));
+    let minus_error = lanes.sub(lanes.splat(0.0), error);
+    lanes.and(lanes.less(error, high), lanes.less(low, minus_error))
+}
+
+#[inline(always)]
+fn sum<L: Lanes>(lanes: L, (a, b, c): Three<L>, (d, e, f): Three<L>) -> Three<L> {
+    (lanes.add(a, d), lanes.add(b, e), lanes.add(c, f))
 }
 
 #[inline(always)]
