@@ -147,18 +147,22 @@ fn tiles_answer_as_single_rays_do() {
 
 #[test]
 fn triangles_of_few_rays_are_met_as_single_rays_do() {
-    // From many rays a triangle to many triangles a ray; one layer, and layers so close that what
-    // is told from a triangle's nearest and furthest corner alone does not order them.
+    // From many rays a triangle to many triangles a ray; one layer, layers so close that what is told
+    // from a triangle's nearest and furthest corner alone does not order them, or nothing in singles,
+    // and such as go through each other.
     let apart = |gap: f64| DVec3::new(0.0, gap, 0.0);
     for layers in [
-        vec![0.0],
-        vec![0.0, 1e-3, 2e-3],
-        vec![0.0, 1e-6],
-        vec![0.0, 0.0],
+        vec![(0.0, 0)],
+        vec![(0.0, 0), (1e-3, 0), (2e-3, 0)],
+        vec![(0.0, 0), (1e-6, 0)],
+        vec![(0.0, 0), (1e-7, 0)],
+        vec![(0.0, 0), (2e-8, 0)],
+        vec![(0.0, 0), (0.0, 0)],
+        vec![(0.0, 0), (0.0, 1)],
     ] {
         for side in [60, 120, 200] {
-            let meshes = layers.iter().map(|&gap| waves_mesh(side, 1.0, apart(gap)));
-            let accel = build(meshes);
+            let mesh = |&(gap, more): &(f64, u32)| waves_mesh(side + more, 1.0, apart(gap));
+            let accel = build(layers.iter().map(mesh));
             assert_views_equal_rays(&accel, 1.0, DVec3::ZERO);
         }
     }
