@@ -1,8 +1,9 @@
 //! The way of a block of rays down the tree, to the triangles that they may meet.
 //!
 //! A large block walks first, until it has a short list of sub-trees that its frustum touches; the blocks
-//! in it start from that list, from near to far. Triangles that they come to are placed among their rays eight at a time
-//! (`footprint`), and what that leaves is set up eight at a time as well.
+//! in it start from that list, from near to far. Triangles that they come to are placed among their rays
+//! eight at a time (`footprint`); those of few rays are met there and then, and what that leaves is set up
+//! eight at a time as well.
 
 use super::Accel;
 use super::frustum::{Frustum, Window};

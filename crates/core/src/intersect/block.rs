@@ -16,8 +16,6 @@ use crate::accel::tree::TRIANGLE_LIMIT;
 
 /// Rays in a block.
 const RAYS: usize = SIDE * SIDE;
-/// As many, and what the last row sticks out.
-const PADDED: usize = RAYS + ROW;
 /// Sub-blocks along a side.
 const SUBS: usize = SIDE / ROW;
 
@@ -45,10 +43,10 @@ const OPEN: u32 = MISS - 1;
 pub(crate) struct Block {
     /// How near the hit is at least: inverse depth, or for orthographic blocks depth negated, so
     /// that it grows towards the eye. −∞ where nothing is surely met yet.
-    low: [f32; PADDED],
+    low: [f32; RAYS],
     /// How near it is at most.
-    high: [f32; PADDED],
-    slots: [u32; PADDED],
+    high: [f32; RAYS],
+    slots: [u32; RAYS],
     /// What every ray of a sub-block is at least as near as.
     horizons: [f32; SUBS * SUBS],
     /// Sub-blocks whose horizon may have moved, as bits.
@@ -86,9 +84,9 @@ struct Functions {
 impl Block {
     pub(crate) fn new() -> Self {
         Self {
-            low: [0.0; PADDED],
-            high: [0.0; PADDED],
-            slots: [MISS; PADDED],
+            low: [0.0; RAYS],
+            high: [0.0; RAYS],
+            slots: [MISS; RAYS],
             horizons: [f32::NEG_INFINITY; SUBS * SUBS],
             touched: 0,
             begin: f32::INFINITY,
@@ -98,9 +96,9 @@ impl Block {
     /// Forgets everything; from now on it has `columns × rows` rays, at most [`SIDE`] each.
     #[inline(always)]
     pub(crate) fn clear(&mut self, lanes: impl Lanes, columns: u32, rows: u32, perspective: bool) {
-        self.low = [f32::NEG_INFINITY; PADDED];
-        self.high = [f32::NEG_INFINITY; PADDED];
-        self.slots = [MISS; PADDED];
+        self.low = [f32::NEG_INFINITY; RAYS];
+        self.high = [f32::NEG_INFINITY; RAYS];
+        self.slots = [MISS; RAYS];
         self.horizons = [f32::NEG_INFINITY; SUBS * SUBS];
         self.touched = 0;
         // Orthographic rays begin at the image plane, where the negated depth is zero.
@@ -163,9 +161,11 @@ impl Block {
             && (top..=bottom).all(|row| (left..=right).all(|column| nearest < horizon(row, column)))
     }
 
-    /// Meets a triangle with the few rays of its box, by its edges, as near as `low` at least and `high`
-    /// at most. Where that does not tell of each ray whether the triangle is what it meets first so far,
-    /// the triangle is not met.
+    /// Meets a triangle with the few rays of its box, by its edges. Where they do not tell of each ray
+    /// whether the triangle is what it meets first so far, the triangle is not met.
+    ///
+    /// Ray by ray: rows of rays written side by side would wait for what the last triangle's, beginning
+    /// at another column, have just written.
     #[inline(always)]
     pub(crate) fn meet_few<L: Lanes>(
         &mut self,
@@ -214,6 +214,7 @@ impl Block {
             }
         }
         if rivals {
+            // What was further is lost where this triangle won: it will win again.
             self.forget(rays, slot);
             return MetFew::Undecided;
         }

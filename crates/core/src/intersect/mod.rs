@@ -7,7 +7,7 @@ mod hit;
 mod nearest;
 pub(crate) mod row;
 pub(crate) mod setup;
-pub(crate) mod sides;
+mod sides;
 mod triangle;
 
 pub use hit::{Cull, Detail, Hit, Precision};

@@ -1,4 +1,5 @@
-//! On which side of eight triangles' edges a few rays are, by their places.
+//! On which side of eight triangles' edges a few rays are, by their places, and how near the triangles are
+//! along them. The bounds are derived in [`footprint`](super::footprint).
 
 use super::Cull;
 use super::footprint::{least, most};
@@ -11,8 +12,7 @@ pub(super) const COLUMNS: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0
 /// The greatest share of a triangle's area, doubled, that its edges' values may be off by.
 const LEAST_SHARE: f32 = 1.0 / 16.0;
 
-/// By how many such shares of how much nearer one corner is than another a nearness may be off: see
-/// [`footprint`](super::footprint).
+/// By how many such shares of how much nearer one corner is than another a nearness may be off.
 const SHARES: f32 = 6.0;
 
 /// A number for each of three corners, or edges.
@@ -78,7 +78,7 @@ impl Edges {
     };
 
     /// Corners are at `xs` and `ys` and as near as `nears`, the boxes' first rays at `(x, y)`; values in
-    /// the boxes are off by less than `error`, corners by less than `corner_error`.
+    /// the boxes are off by less than `error`, `nears` by less than `corner_error`.
     #[inline(always)]
     pub(super) fn new<L: Lanes>(
         lanes: L,
