@@ -21,7 +21,7 @@ pub struct CastCounts {
     /// Nodes of the tree whose children's boxes were tested.
     pub nodes: u64,
     /// Triangles that a block's rays were held against, counted for each block: those set up, and those
-    /// of few rays that needed no set-up.
+    /// of few rays that needed no set-up and that some ray met first, of what it had met by then.
     pub triangles: u64,
     /// Rays that single precision with its bounds left open, and doubles decided.
     pub double_rays: u64,
