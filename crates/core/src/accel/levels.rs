@@ -45,7 +45,8 @@ pub struct BlockLevel {
     pub nodes: u64,
     /// Triangles of the leaves that its walk came to.
     pub reached: Vec<u32>,
-    /// Those of them that were set up: not outside of all rays, not surely behind what was met.
+    /// Those of them that were set up, or met as ones of few rays: not outside of all rays, not surely
+    /// behind what was met.
     pub set_up: Vec<u32>,
     /// Those that a ray meets first.
     pub seen: Vec<u32>,
