@@ -3,6 +3,7 @@
 use super::simd::{LANES, Lanes};
 use super::tree::{Box32, BoxPair};
 use crate::camera::{Camera, Projection};
+use crate::intersect::block::SUBS;
 use glam::DVec3;
 
 /// Which plane's value is the distance of a box's nearest point along the view axis, negated.
@@ -20,12 +21,12 @@ pub(crate) struct Window {
     pub(crate) along: (f64, f64),
 }
 
-/// All points in front of the camera whose rays go through a window.
+/// Eight planes, whose normals point inwards.
 ///
 /// The value of a plane at a box is the greatest over its corners of N·p + c, rounded; c holds enough
 /// slack that it is never below the true one.
 #[derive(Clone, Debug)]
-pub(crate) struct Frustum {
+struct Planes {
     /// The positive parts of the normals, by axis: they meet a box's highest corner.
     positive: [[f32; LANES]; 3],
     /// The negative parts: they meet its lowest.
@@ -33,82 +34,108 @@ pub(crate) struct Frustum {
     offset: [f32; LANES],
 }
 
-impl Frustum {
-    /// `eye` is the camera's relative to what boxes are relative to, off by at most `eye_error` a
-    /// coordinate; `bounds` holds all boxes.
-    pub(crate) fn new(
-        camera: &Camera,
-        eye: DVec3,
-        eye_error: f64,
-        window: &Window,
-        bounds: &Box32,
-    ) -> Self {
-        let (right, up, forward) = (camera.right(), camera.up(), camera.forward());
-        let distance = camera.distance();
-        // Normals point inwards; each plane holds the point `eye + shift`.
-        let planes: [(DVec3, DVec3); LANES] = {
-            let none = (DVec3::ZERO, DVec3::ZERO);
-            let (left, right_end) = window.across;
-            let (bottom, top) = window.along;
-            let sides = match camera.projection() {
-                Projection::Perspective => [
-                    (right * distance - forward * left, DVec3::ZERO),
-                    (forward * right_end - right * distance, DVec3::ZERO),
-                    (up * distance - forward * bottom, DVec3::ZERO),
-                    (forward * top - up * distance, DVec3::ZERO),
-                ],
-                Projection::Orthographic => [
-                    (right, right * left),
-                    (-right, right * right_end),
-                    (up, up * bottom),
-                    (-up, up * top),
-                ],
-            };
-            let [a, b, c, d] = sides;
-            [
-                a,
-                b,
-                c,
-                d,
-                (forward, DVec3::ZERO),
-                (-forward, DVec3::ZERO),
-                none,
-                none,
-            ]
-        };
-        let reach = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
-        let mut frustum = Self {
+/// Where planes are seen from.
+#[derive(Clone, Copy)]
+pub(super) struct Viewpoint<'a> {
+    pub(super) camera: &'a Camera,
+    /// The camera's eye relative to what boxes are relative to.
+    pub(super) eye: DVec3,
+    /// By how much a coordinate of the eye is off at most.
+    pub(super) eye_error: f64,
+    /// A box around all boxes.
+    pub(super) bounds: &'a Box32,
+}
+
+/// A normal, and a point of the plane relative to the eye.
+type Plane = (DVec3, DVec3);
+
+impl Planes {
+    fn new(from: Viewpoint<'_>, planes: [Plane; LANES]) -> Self {
+        let reach = from.bounds.min.abs().max(from.bounds.max.abs()).as_dvec3();
+        let mut all = Self {
             positive: [[0.0; LANES]; 3],
             negative: [[0.0; LANES]; 3],
             offset: [0.0; LANES],
         };
         for (lane, (normal, shift)) in planes.into_iter().enumerate() {
-            let length = normal.length();
-            let normal = if length > 0.0 {
-                normal / length
-            } else {
-                normal
-            };
-            let at = eye + shift;
+            let at = from.eye + shift;
             let offset = -normal.dot(at);
             // Six products, six sums and the rounding of normal and offset, each by at most 2^-24 of
             // the sum of magnitudes; doubled. The eye's own error, and double rounding, on top.
             let magnitude = normal.abs().dot(reach) + normal.abs().dot(at.abs());
-            let slack = magnitude * (32.0 / (1 << 24) as f64) + 3.0 * eye_error;
-            frustum.offset[lane] = (offset + slack) as f32;
+            let slack = magnitude * (32.0 / (1 << 24) as f64)
+                + normal.abs().element_sum() * 2.0 * from.eye_error;
+            all.offset[lane] = (offset + slack) as f32;
             for axis in 0..3 {
                 let component = normal[axis] as f32;
-                frustum.positive[axis][lane] = component.max(0.0);
-                frustum.negative[axis][lane] = component.min(0.0);
+                all.positive[axis][lane] = component.max(0.0);
+                all.negative[axis][lane] = component.min(0.0);
             }
         }
-        frustum
+        all
+    }
+
+    /// The planes' values at one of two boxes.
+    #[inline(always)]
+    fn values<L: Lanes>(&self, lanes: L, boxes: &BoxPair, which: usize) -> L::Singles {
+        let mut values = lanes.load(&self.offset);
+        for axis in 0..3 {
+            let low = lanes.splat(boxes.min[axis][which]);
+            let high = lanes.splat(boxes.max[axis][which]);
+            let part = lanes.add(
+                lanes.mul(lanes.load(&self.positive[axis]), high),
+                lanes.mul(lanes.load(&self.negative[axis]), low),
+            );
+            values = lanes.add(values, part);
+        }
+        values
+    }
+}
+
+impl Viewpoint<'_> {
+    /// Planes through rays that go through a place to the right, with what is right of it and left of it.
+    fn beside(&self, across: f64) -> [Plane; 2] {
+        self.through(self.camera.right(), across)
+    }
+
+    /// Planes through rays that go through a place up, with what is above it and below it.
+    fn above(&self, along: f64) -> [Plane; 2] {
+        self.through(self.camera.up(), along)
+    }
+
+    fn through(&self, way: DVec3, place: f64) -> [Plane; 2] {
+        let (normal, shift) = match self.camera.projection() {
+            Projection::Perspective => {
+                let normal = way * self.camera.distance() - self.camera.forward() * place;
+                (normal.normalize_or_zero(), DVec3::ZERO)
+            }
+            Projection::Orthographic => (way, way * place),
+        };
+        [(normal, shift), (-normal, shift)]
+    }
+}
+
+/// All points in front of the camera whose rays go through a window.
+#[derive(Clone, Debug)]
+pub(super) struct Frustum(Planes);
+
+impl Frustum {
+    pub(super) fn new(from: Viewpoint<'_>, window: &Window) -> Self {
+        let ([left, _], [_, right]) = (from.beside(window.across.0), from.beside(window.across.1));
+        let ([bottom, _], [_, top]) = (from.above(window.along.0), from.above(window.along.1));
+        let forward = from.camera.forward();
+        let (front, nearest) = ((forward, DVec3::ZERO), (-forward, DVec3::ZERO));
+        let none = (DVec3::ZERO, DVec3::ZERO);
+        Self(Planes::new(
+            from,
+            [left, right, bottom, top, front, nearest, none, none],
+        ))
     }
 
     /// For each of two boxes: how near it begins along the view axis, and whether any of it may
     /// be inside the frustum.
     #[inline(always)]
-    pub(crate) fn enter(&self, lanes: impl Lanes, boxes: &BoxPair) -> [(f32, bool); 2] {
+    pub(super) fn enter(&self, lanes: impl Lanes, boxes: &BoxPair) -> [(f32, bool); 2] {
         [
             self.enter_one(lanes, boxes, 0),
             self.enter_one(lanes, boxes, 1),
@@ -117,19 +144,114 @@ impl Frustum {
 
     #[inline(always)]
     fn enter_one(&self, lanes: impl Lanes, boxes: &BoxPair, which: usize) -> (f32, bool) {
-        let mut value = lanes.load(&self.offset);
-        for axis in 0..3 {
-            let low = lanes.splat(boxes.min[axis][which]);
-            let high = lanes.splat(boxes.max[axis][which]);
-            let part = lanes.add(
-                lanes.mul(lanes.load(&self.positive[axis]), high),
-                lanes.mul(lanes.load(&self.negative[axis]), low),
-            );
-            value = lanes.add(value, part);
-        }
+        let value = self.0.values(lanes, boxes, which);
         let outside = lanes.bits(lanes.less(value, lanes.splat(0.0))) & SIDES;
         let mut values = [0.0; LANES];
         lanes.store(value, &mut values);
         (-values[NEAREST], outside == 0)
+    }
+}
+
+/// The frusta of a block's four columns of sub-blocks, and of its four rows.
+#[derive(Clone, Debug)]
+pub(super) struct SubFrusta {
+    columns: Planes,
+    rows: Planes,
+}
+
+impl SubFrusta {
+    /// Windows of sub-blocks on the diagonal.
+    pub(super) fn new(from: Viewpoint<'_>, diagonal: &[Window; SUBS]) -> Self {
+        let mut columns = [(DVec3::ZERO, DVec3::ZERO); LANES];
+        let mut rows = columns;
+        for (sub, window) in diagonal.iter().enumerate() {
+            columns[sub] = from.beside(window.across.0)[0];
+            columns[sub + SUBS] = from.beside(window.across.1)[1];
+            rows[sub] = from.above(window.along.0)[0];
+            rows[sub + SUBS] = from.above(window.along.1)[1];
+        }
+        Self {
+            columns: Planes::new(from, columns),
+            rows: Planes::new(from, rows),
+        }
+    }
+
+    /// The sub-blocks whose frusta one of two boxes may touch, as bits, row by row.
+    #[inline(always)]
+    pub(super) fn touched(&self, lanes: impl Lanes, boxes: &BoxPair, which: usize) -> u32 {
+        let zero = lanes.splat(0.0);
+        let columns = lanes.less(self.columns.values(lanes, boxes, which), zero);
+        let rows = lanes.less(self.rows.values(lanes, boxes, which), zero);
+        let (columns, rows) = (lanes.bits(columns), lanes.bits(rows));
+        let columns = !(columns | columns >> SUBS) & 0xf;
+        let rows = !(rows | rows >> SUBS) & 0xf;
+        // A row's bit, at the lowest of each four, times all four.
+        let spread = (rows & 1) | (rows & 2) << 3 | (rows & 4) << 6 | (rows & 8) << 9;
+        columns * spread
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::simd::Plain;
+    use crate::camera::{ImagePlane, Orbit};
+    use crate::intersect::setup::{ROW, SIDE};
+    use glam::Vec3;
+
+    #[test]
+    fn boxes_touch_the_sub_blocks_whose_rays_go_through_them() {
+        let orbit = Orbit {
+            pivot: DVec3::new(3.0, -2.0, 5.0),
+            yaw: 40.0,
+            pitch: -25.0,
+            distance: 4.0,
+        };
+        let plane = ImagePlane::new(SIDE as u32, SIDE as u32, 0.05).expect("a good plane");
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let camera = Camera::new(orbit.placement(), projection, plane);
+            let reach = Box32 {
+                min: Vec3::splat(-20.0),
+                max: Vec3::splat(20.0),
+            };
+            let from = Viewpoint {
+                camera: &camera,
+                eye: orbit.placement().eye,
+                eye_error: 0.0,
+                bounds: &reach,
+            };
+            let window = |sub: usize| {
+                let (first, last) = ((sub * ROW) as f64, (sub * ROW + ROW - 1) as f64);
+                let (left, top) = camera.across_and_along(first, first);
+                let (right, bottom) = camera.across_and_along(last, last);
+                Window {
+                    across: (left, right),
+                    along: (bottom, top),
+                }
+            };
+            let subs = SubFrusta::new(from, &std::array::from_fn(window));
+            let at = |x: f64, y: f64| {
+                let ray = camera.ray(x, y);
+                let depth = ray.direction.dot(camera.forward());
+                (ray.origin + ray.direction * (6.0 / depth)).as_vec3()
+            };
+            let touched = |min: Vec3, max: Vec3| {
+                let one = Box32 { min, max };
+                subs.touched(Plain, &BoxPair::of([one, one]), 1)
+            };
+            for y in 0..SIDE {
+                for x in 0..SIDE {
+                    let point = at(x as f64, y as f64);
+                    let own = 1 << (y / ROW * SUBS + x / ROW);
+                    assert_eq!(touched(point, point), own, "{x} {y} {projection:?}");
+                }
+            }
+            let between = at(7.5, 3.0);
+            assert_eq!(touched(between, between), 0, "no ray's");
+            let (a, b) = (at(10.0, 12.0), at(21.0, 20.0));
+            let around = touched(a.min(b), a.max(b));
+            assert_eq!(around & 0x0660, 0x0660, "all between its corners");
+            assert_eq!(touched(reach.min, reach.max), 0xffff);
+        }
     }
 }

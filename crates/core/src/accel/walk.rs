@@ -6,7 +6,7 @@
 //! eight at a time as well.
 
 use super::Accel;
-use super::frustum::{Frustum, Window};
+use super::frustum::{Frustum, SubFrusta, Viewpoint, Window};
 use super::levels::Notice;
 use super::simd::Lanes;
 use super::tile::CastCounts;
@@ -15,7 +15,7 @@ use crate::camera::{Lattice, Projection};
 use crate::intersect::Cull;
 use crate::intersect::block::{Block, Few, MetFew};
 use crate::intersect::footprint::{Footprints, Placer, RayBox};
-use crate::intersect::setup::{self, BlockSpace, CornerLanes};
+use crate::intersect::setup::{self, BlockSpace, CornerLanes, ROW};
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
@@ -40,6 +40,10 @@ const STACK: usize = DEPTH_LIMIT + 3;
 /// Rays of boxes at which triangles are set up, though there be fewer than are set up at once: they may
 /// hide what else is on the way.
 const MANY_RAYS: i32 = 32;
+
+/// Nodes with a child that might be hidden from the sub-blocks that it touches, before it is told of any
+/// which it touches: to make the sub-blocks' frusta takes as long as for so many to tell.
+const DOUBTFUL: usize = 8;
 
 /// Nodes that are asked for when a sub-tree is come to: what is below a node follows it, and waiting for
 /// memory took half of a walk through 4 million triangles.
@@ -187,14 +191,32 @@ impl<'a> Walk<'a> {
         }
     }
 
+    fn viewpoint(&self) -> Viewpoint<'a> {
+        Viewpoint {
+            camera: &self.lattice.camera,
+            eye: self.eye,
+            eye_error: self.eye_error,
+            bounds: &self.accel.tree.bounds,
+        }
+    }
+
     fn frustum(&self, part: &Part) -> Frustum {
-        Frustum::new(
-            &self.lattice.camera,
-            self.eye,
-            self.eye_error,
-            &self.window(part),
-            &self.accel.tree.bounds,
-        )
+        Frustum::new(self.viewpoint(), &self.window(part))
+    }
+
+    /// The frusta of a block's sub-blocks, each as if the block had all its rays.
+    #[inline(never)]
+    fn sub_frusta(&self, part: &Part) -> SubFrusta {
+        let diagonal = std::array::from_fn(|sub| {
+            let from = (sub * ROW) as u32;
+            self.window(&Part {
+                column: part.column + from,
+                row: part.row + from,
+                columns: ROW as u32,
+                rows: ROW as u32,
+            })
+        });
+        SubFrusta::new(self.viewpoint(), &diagonal)
     }
 
     /// Makes the list of sub-trees that a large block's frustum touches.
@@ -265,7 +287,8 @@ impl<'a> Walk<'a> {
         let nearest = self.pairs.first().map_or(0.0, |pair| pair.near);
         let placer = Placer::new(&space, nearest);
         let small = self.small();
-        let mut limit = f32::INFINITY;
+        let (mut limit, mut least_limit) = (f32::INFINITY, f32::INFINITY);
+        let (mut doubtful, mut sub_frusta) = (0, None);
         let mut stack = [(Subtree::default(), 0.0f32); STACK];
         let (mut pair, mut depth) = (0, 0);
         let mut leaf = 0..0;
@@ -314,7 +337,7 @@ impl<'a> Walk<'a> {
                         }
                         if std::mem::take(&mut met_few) {
                             block.look_around(lanes);
-                            limit = self.limit(block.horizon());
+                            (limit, least_limit) = self.limits(lanes, block);
                             continue;
                         }
                         pair += 1;
@@ -327,8 +350,22 @@ impl<'a> Walk<'a> {
                     };
                     self.counts.nodes += 1;
                     let [(near_a, inside_a), (near_b, inside_b)] = frustum.enter(lanes, boxes);
-                    let (a_meets, b_meets) =
+                    let (mut a_meets, mut b_meets) =
                         (inside_a & (near_a <= limit), inside_b & (near_b <= limit));
+                    // What begins behind all that some sub-blocks have met may touch no others.
+                    if a_meets & (near_a > least_limit) | b_meets & (near_b > least_limit) {
+                        doubtful += 1;
+                        if doubtful > DOUBTFUL {
+                            let subs = match &sub_frusta {
+                                Some(subs) => subs,
+                                None => sub_frusta.insert(self.sub_frusta(part)),
+                            };
+                            let (in_a, in_b) =
+                                (subs.touched(lanes, boxes, 0), subs.touched(lanes, boxes, 1));
+                            a_meets &= !block.hides_in(lanes, in_a, self.nearness(near_a));
+                            b_meets &= !block.hides_in(lanes, in_b, self.nearness(near_b));
+                        }
+                    }
                     // The nearer one on top, without a branch: what does not meet is written above.
                     let b_nearer = near_b < near_a;
                     let a_above = if b_nearer { !a_meets } else { b_meets };
@@ -362,7 +399,7 @@ impl<'a> Walk<'a> {
             notice.set_up(slots);
             self.wanted.len = 0;
             met_few = false;
-            limit = self.limit(block.horizon());
+            (limit, least_limit) = self.limits(lanes, block);
         }
     }
 
@@ -383,6 +420,9 @@ impl<'a> Walk<'a> {
             return Fate::Hidden;
         }
         if placed.few >> lane & 1 == 0 {
+            if rays.is_narrow() && block.hides_each(lanes, &rays, placed.nearest[lane]) {
+                return Fate::Hidden;
+            }
             self.want(slot, rays);
             return Fate::Wanted(rays.count());
         }
@@ -509,6 +549,24 @@ impl<'a> Walk<'a> {
             (part.columns, part.rows),
             cull,
         )
+    }
+
+    /// How far along the view axis a box may begin and still hold something that a ray of the block meets
+    /// first, and something that one of some sub-block does.
+    #[inline(always)]
+    fn limits(&self, lanes: impl Lanes, block: &Block) -> (f32, f32) {
+        let (least, most) = block.horizons(lanes);
+        (self.limit(least), self.limit(most))
+    }
+
+    /// How near a box at most is that begins here along the view axis.
+    #[inline(always)]
+    fn nearness(&self, near: f32) -> f32 {
+        match self.lattice.camera.projection() {
+            Projection::Perspective if near > 0.0 => BEYOND / near,
+            Projection::Perspective => f32::INFINITY,
+            Projection::Orthographic => near.abs() * (BEYOND - 1.0) - near,
+        }
     }
 
     /// How far along the view axis a box may begin and still hold something nearer than `horizon`.

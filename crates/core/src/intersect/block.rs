@@ -17,7 +17,7 @@ use crate::accel::tree::TRIANGLE_LIMIT;
 /// Rays in a block.
 const RAYS: usize = SIDE * SIDE;
 /// Sub-blocks along a side.
-const SUBS: usize = SIDE / ROW;
+pub(crate) const SUBS: usize = SIDE / ROW;
 
 /// From a sub-block's first ray to its middle.
 const HALF: f32 = (ROW as f32 - 1.0) * 0.5;
@@ -135,14 +135,32 @@ impl Block {
         held == OPEN
     }
 
-    /// What every ray's hit is at least as near as: anything surely further is of no use.
+    /// What every ray's hit is at least as near as, and the greatest of what sub-blocks' are: anything
+    /// surely further is of no use to them.
     #[inline(always)]
-    pub(crate) fn horizon(&self) -> f32 {
-        let mut least = f32::INFINITY;
-        for sub in 0..SUBS * SUBS {
-            least = lesser(self.horizons[sub], least);
+    pub(crate) fn horizons(&self, lanes: impl Lanes) -> (f32, f32) {
+        let (infinity, zero) = (lanes.splat(f32::INFINITY), lanes.splat(0.0));
+        let (mut least, mut most_negated) = (infinity, infinity);
+        for horizons in self.horizons.as_chunks().0 {
+            let horizons = lanes.load(horizons);
+            least = lanes.min(horizons, least);
+            // Sub-blocks without rays have an infinite one.
+            let negated = lanes.sub(zero, horizons);
+            let negated = lanes.pick(lanes.less(horizons, infinity), negated, infinity);
+            most_negated = lanes.min(negated, most_negated);
         }
-        least
+        (lanes.least(least), -lanes.least(most_negated))
+    }
+
+    /// Whether all rays of some sub-blocks, as bits, have met something surely nearer than `nearest`.
+    #[inline(always)]
+    pub(crate) fn hides_in(&self, lanes: impl Lanes, subs: u32, nearest: f32) -> bool {
+        let nearest = lanes.splat(nearest);
+        let mut hidden = 0;
+        for (rows, horizons) in self.horizons.as_chunks().0.iter().enumerate() {
+            hidden |= lanes.bits(lanes.less(nearest, lanes.load(horizons))) << (rows * LANES);
+        }
+        subs & !hidden == 0
     }
 
     /// Whether all rays of a box have met something surely nearer than `nearest`, as far as that is
@@ -159,6 +177,18 @@ impl Block {
         );
         nearest < at_corners
             && (top..=bottom).all(|row| (left..=right).all(|column| nearest < horizon(row, column)))
+    }
+
+    /// Whether each ray of a box of at most eight columns has met something surely nearer than `nearest`.
+    #[inline(always)]
+    pub(crate) fn hides_each(&self, lanes: impl Lanes, rays: &RayBox, nearest: f32) -> bool {
+        let columns = (2u32 << (rays.right - rays.left)) - 1;
+        let nearest = lanes.splat(nearest);
+        (rays.top..=rays.bottom).all(|y| {
+            let first = y as usize * SIDE + rays.left as usize;
+            let low = self.low.get(first..).and_then(|low| low.first_chunk());
+            low.is_some_and(|low| columns & !lanes.bits(lanes.less(nearest, lanes.load(low))) == 0)
+        })
     }
 
     /// Meets a triangle with the few rays of its box, by its edges. Where they do not tell of each ray

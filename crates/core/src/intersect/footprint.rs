@@ -43,7 +43,7 @@
 //! triangle. Range: S and r·S < 10³⁰ and Z ≥ 10⁻³⁰ keep products and inverses finite; r is taken to be
 //! 10⁻³⁰ at least as well, which keeps what underflow leaves out, 10⁻⁴⁴, far below the bounds.
 
-use super::setup::{BlockSpace, CornerLanes, LANES, SIDE};
+use super::setup::{BlockSpace, CornerLanes, LANES, ROW, SIDE};
 use super::sides::Edges;
 use crate::accel::simd::Lanes;
 use glam::DVec3;
@@ -133,6 +133,12 @@ impl RayBox {
     #[inline(always)]
     pub(crate) fn count(self) -> i32 {
         (self.right - self.left + 1) * (self.bottom - self.top + 1)
+    }
+
+    /// Whether it has no more columns than a row of rays that are looked at together.
+    #[inline(always)]
+    pub(crate) fn is_narrow(self) -> bool {
+        self.right - self.left < ROW as i32
     }
 }
 
