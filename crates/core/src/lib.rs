@@ -13,6 +13,8 @@ pub mod camera;
 pub mod formats;
 pub mod image;
 pub mod intersect;
+#[cfg(test)]
+mod random;
 pub mod render;
 pub mod scene;
 pub mod shade;

@@ -111,8 +111,8 @@ fn has_many_equals(boxes: &[Box32]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::tests::Random;
     use crate::accel::tree::{DEPTH_LIMIT, Subtree};
+    use crate::random::Random;
 
     fn cube(middle: Vec3, size: f32) -> Box32 {
         Box32 {

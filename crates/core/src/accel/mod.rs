@@ -204,29 +204,9 @@ impl Accel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
     use crate::scene::{Mesh, MeshData, Object};
     use std::sync::Arc;
-
-    /// A small generator with a fixed seed: splitmix64 (Steele, Lea, Flood, 2014).
-    pub(super) struct Random(pub(super) u64);
-
-    impl Random {
-        fn bits(&mut self) -> u64 {
-            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let x = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            x ^ (x >> 31)
-        }
-
-        /// Uniform in −1..1.
-        fn signed(&mut self) -> f64 {
-            (self.bits() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        }
-
-        pub(super) fn point(&mut self) -> DVec3 {
-            DVec3::new(self.signed(), self.signed(), self.signed())
-        }
-    }
 
     fn accel(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Accel {
         let mesh = Mesh::new(MeshData {

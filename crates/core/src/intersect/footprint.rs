@@ -45,6 +45,7 @@
 
 use super::setup::{BlockSpace, CornerLanes, LANES, ROW, SIDE};
 use super::sides::Edges;
+use super::spans::{Boxes, Placed};
 use crate::accel::simd::Lanes;
 use glam::DVec3;
 
@@ -59,7 +60,7 @@ const CLEAR: f32 = 2048.0;
 
 /// How large a box of few rays is at most, and by how much at most it is made larger: it holds no more
 /// than 5 rays each way.
-const FEW_SIDE: f32 = 4.75;
+pub(super) const FEW_SIDE: f32 = 4.75;
 const FEW_MARGIN: f32 = 0.125;
 
 /// What places are off by though nothing else were.
@@ -272,7 +273,6 @@ impl Placer {
             }
         };
         let margin = lanes.add(lanes.splat(always), margin);
-        let rounder = lanes.splat(ROUNDER);
         let nobody = lanes.and(in_range, behind);
         let ends = Ends {
             margin,
@@ -311,14 +311,14 @@ impl Placer {
             ..Footprints::NONE
         };
         out.few = lanes.bits(small) & out.seen;
+        let off = lanes.sub(margin, lanes.splat((MARGIN - PLACE_ERROR) as f32));
         if out.few != 0 {
-            let first = (lanes.sub(left, rounder), lanes.sub(top, rounder));
-            let off = lanes.sub(margin, lanes.splat((MARGIN - PLACE_ERROR) as f32));
+            let first = (left, top);
             let side = lanes.add(lanes.mul(size, lanes.splat(4.0)), lanes.splat(1.0));
             let error = lanes.add(lanes.mul(off, side), lanes.splat(CROSS_ROUNDING));
             let (edges, known) = Edges::new(lanes, [xs, ys, nears], first, error, near_error);
             out.edges = edges;
-            out.few &= known.told;
+            out.few &= lanes.bits(known.told);
             // Most boxes of triangles smaller than the rays' spacing hold no more than two rays each way.
             let one = lanes.splat(1.0);
             let (beside, below) = (lanes.add(left, one), lanes.add(top, one));
@@ -329,11 +329,27 @@ impl Placer {
             let missed = a & (b | no_right) & (c | no_below) & (d | no_right | no_below);
             out.seen &= !(out.few & missed & !lanes.bits(larger));
         }
+        let boxes = Boxes {
+            left,
+            right,
+            top,
+            bottom,
+        };
+        let placed = Placed {
+            xs,
+            ys,
+            length: lanes.max(across, along),
+            off,
+            safe,
+        };
+        let (boxes, seen) = boxes.around_thin(lanes, &placed, out.seen);
+        out.seen = seen;
         let nearest = lanes.pick(safe, nearest, lanes.splat(f32::INFINITY));
-        lanes.store(left, &mut out.left);
-        lanes.store(right, &mut out.right);
-        lanes.store(top, &mut out.top);
-        lanes.store(bottom, &mut out.bottom);
+        let rounder = lanes.splat(ROUNDER);
+        lanes.store(lanes.add(boxes.left, rounder), &mut out.left);
+        lanes.store(lanes.add(boxes.right, rounder), &mut out.right);
+        lanes.store(lanes.add(boxes.top, rounder), &mut out.top);
+        lanes.store(lanes.add(boxes.bottom, rounder), &mut out.bottom);
         lanes.store(nearest, &mut out.nearest);
         out
     }
@@ -347,8 +363,8 @@ struct Ends<L: Lanes> {
 }
 
 impl<L: Lanes> Ends<L> {
-    /// The first whole number not before a triangle's box, and the last not after it, with
-    /// [`ROUNDER`] added; and how far it reaches.
+    /// The first whole number not before a triangle's box, and the last not after it; and how far it
+    /// reaches.
     #[inline(always)]
     fn whole(
         &self,
@@ -357,7 +373,7 @@ impl<L: Lanes> Ends<L> {
         last: f32,
     ) -> (L::Singles, L::Singles, L::Singles) {
         let (zero, none, last) = (lanes.splat(0.0), lanes.splat(-1.0), lanes.splat(last));
-        let (half, rounder) = (lanes.splat(0.5), lanes.splat(ROUNDER));
+        let half = lanes.splat(0.5);
         let (begin, end) = (least(lanes, a, b, c), most(lanes, a, b, c));
         let first = lanes.add(lanes.sub(begin, self.margin), half);
         let first = lanes.min(lanes.max(first, zero), lanes.splat(2.0 * SIDE as f32));
@@ -367,8 +383,8 @@ impl<L: Lanes> Ends<L> {
         let final_ = lanes.pick(self.safe, final_, last);
         let final_ = lanes.pick(self.nobody, none, final_);
         (
-            lanes.add(first, rounder),
-            lanes.add(final_, rounder),
+            round(lanes, first),
+            round(lanes, final_),
             lanes.sub(end, begin),
         )
     }
@@ -384,6 +400,13 @@ pub(super) fn least<L: Lanes>(lanes: L, a: L::Singles, b: L::Singles, c: L::Sing
 #[inline(always)]
 pub(super) fn most<L: Lanes>(lanes: L, a: L::Singles, b: L::Singles, c: L::Singles) -> L::Singles {
     lanes.max(lanes.max(a, b), c)
+}
+
+/// The nearest whole numbers, of numbers of at most 2²².
+#[inline(always)]
+pub(super) fn round<L: Lanes>(lanes: L, x: L::Singles) -> L::Singles {
+    let rounder = lanes.splat(ROUNDER);
+    lanes.sub(lanes.add(x, rounder), rounder)
 }
 
 impl Footprints {

@@ -8,6 +8,7 @@ mod nearest;
 pub(crate) mod row;
 pub(crate) mod setup;
 mod sides;
+mod spans;
 mod triangle;
 
 pub use hit::{Cull, Detail, Hit, Precision};

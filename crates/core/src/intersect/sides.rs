@@ -16,7 +16,7 @@ const LEAST_SHARE: f32 = 1.0 / 16.0;
 const SHARES: f32 = 6.0;
 
 /// A number for each of three corners, or edges.
-type Three<L> = (
+pub(super) type Three<L> = (
     <L as Lanes>::Singles,
     <L as Lanes>::Singles,
     <L as Lanes>::Singles,
@@ -40,9 +40,9 @@ pub(crate) struct Edges {
 }
 
 /// What is known of eight triangles together, as bits.
-pub(super) struct Known {
+pub(super) struct Known<L: Lanes> {
     /// Those that are no slivers, which are not told.
-    pub(super) told: u32,
+    pub(super) told: L::Mask,
     /// Those that the first ray of their box is surely outside of, the one beside it, the one below, and
     /// the one below that beside it.
     pub(super) outside: [u32; 4],
@@ -86,7 +86,7 @@ impl Edges {
         (x, y): (L::Singles, L::Singles),
         error: L::Singles,
         corner_error: L::Singles,
-    ) -> (Self, Known) {
+    ) -> (Self, Known<L>) {
         let (ax, bx, cx) = relative_to(lanes, xs, x);
         let (ay, by, cy) = relative_to(lanes, ys, y);
         let mut out = Self::NONE;
@@ -128,7 +128,7 @@ impl Edges {
         let below = sum(lanes, first, down);
         let diagonal = sum(lanes, beside, down);
         let known = Known {
-            told: lanes.bits(lanes.less(share, lanes.splat(LEAST_SHARE))),
+            told: lanes.less(share, lanes.splat(LEAST_SHARE)),
             outside: [
                 lanes.bits(outside(lanes, first, error)),
                 lanes.bits(outside(lanes, beside, error)),
@@ -247,12 +247,12 @@ fn sum<L: Lanes>(lanes: L, (a, b, c): Three<L>, (d, e, f): Three<L>) -> Three<L>
 }
 
 #[inline(always)]
-fn magnitude<L: Lanes>(lanes: L, x: L::Singles) -> L::Singles {
+pub(super) fn magnitude<L: Lanes>(lanes: L, x: L::Singles) -> L::Singles {
     lanes.max(x, lanes.sub(lanes.splat(0.0), x))
 }
 
 #[inline(always)]
-fn relative_to<L: Lanes>(lanes: L, (a, b, c): Three<L>, origin: L::Singles) -> Three<L> {
+pub(super) fn relative_to<L: Lanes>(lanes: L, (a, b, c): Three<L>, origin: L::Singles) -> Three<L> {
     (
         lanes.sub(a, origin),
         lanes.sub(b, origin),
@@ -261,7 +261,7 @@ fn relative_to<L: Lanes>(lanes: L, (a, b, c): Three<L>, origin: L::Singles) -> T
 }
 
 #[inline(always)]
-fn cross<L: Lanes>(
+pub(super) fn cross<L: Lanes>(
     lanes: L,
     (px, py): (L::Singles, L::Singles),
     (qx, qy): (L::Singles, L::Singles),

@@ -189,6 +189,7 @@ pub(crate) fn over_black([r, g, b, a]: [u8; 4]) -> [u8; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
 
     /// The byte by the standard's own formula in double precision, before rounding.
     fn formula(linear: f64) -> f64 {
@@ -213,15 +214,9 @@ mod tests {
     fn rounds_as_the_formula_does() {
         // Values over five decades and up to one, from a fixed generator; the truth is the
         // standard's formula in double precision, whose error is far below the 1e-6 allowed.
-        let mut state = 1u64;
-        let mut next = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (state >> 40) as f32 / (1u64 << 24) as f32
-        };
+        let mut random = Random(1);
         for _ in 0..100_000 {
-            let even = next();
+            let even = random.unit() as f32;
             for value in [even, even * even * even, even * 1e-3] {
                 let error = f64::from(TABLES.encode(value)) - formula(f64::from(value));
                 assert!(error.abs() <= 0.5 + 1e-6, "{value} is off by {error}");
