@@ -13,7 +13,7 @@ use super::tile::CastCounts;
 use super::tree::{Box32, BoxPair, DEPTH_LIMIT, Subtree};
 use crate::camera::{Lattice, Projection};
 use crate::intersect::Cull;
-use crate::intersect::block::{Block, Few, MetFew};
+use crate::intersect::block::{Block, MetFew};
 use crate::intersect::footprint::{Footprints, Placer, RayBox};
 use crate::intersect::setup::{self, BlockSpace, CornerLanes, ROW};
 use glam::{DVec3, Vec3};
@@ -299,7 +299,7 @@ impl<'a> Walk<'a> {
             while self.wanted.len < setup::LANES {
                 if placed.seen != 0 {
                     let lane = placed.seen.trailing_zeros() as usize & (setup::LANES - 1);
-                    match self.sort_out(lanes, cull, &placed, lane, block, notice) {
+                    match self.sort_out(lanes, &placed, lane, block, notice) {
                         Fate::Hidden => {}
                         Fate::Met => met_few = true,
                         Fate::Wanted(rays) => covered += rays,
@@ -387,7 +387,7 @@ impl<'a> Walk<'a> {
                     block.clear(lanes, part.columns, part.rows, perspective);
                 }
                 let corners = self.corners(lanes, self.batch.slots());
-                placed = placer.place(lanes, &corners, self.batch.len);
+                placer.place(lanes, &corners, self.batch.len, &mut placed);
             }
             if self.wanted.len == 0 {
                 return begun;
@@ -408,7 +408,6 @@ impl<'a> Walk<'a> {
     fn sort_out(
         &mut self,
         lanes: impl Lanes,
-        cull: Cull,
         placed: &Footprints,
         lane: usize,
         block: &mut Block,
@@ -426,11 +425,8 @@ impl<'a> Walk<'a> {
             self.want(slot, rays);
             return Fate::Wanted(rays.count());
         }
-        let few = Few {
-            edges: &placed.edges,
-            lane,
-        };
-        match block.meet_few(lanes, &few, cull, &rays, slot) {
+        let few = &placed.few_rays;
+        match block.meet_few(few, lane, &rays, slot) {
             MetFew::Met => {
                 self.counts.triangles += 1;
                 notice.set_up(&[slot]);
@@ -440,7 +436,7 @@ impl<'a> Walk<'a> {
             MetFew::Undecided => {}
         }
         while self.wanted.len + 1 < setup::LANES {
-            let Some((slot, rays)) = block.forget_rival(&few, &rays) else {
+            let Some((slot, rays)) = block.forget_rival(few, lane, &rays) else {
                 self.want(slot, rays);
                 return Fate::Wanted(rays.count());
             };

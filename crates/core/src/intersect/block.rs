@@ -6,10 +6,9 @@
 //! its functions' greatest and least values there (Abrash, "Rasterization on Larrabee", 2009; Greene,
 //! Kass, Miller, "Hierarchical Z-Buffer Visibility", 1993).
 
-use super::Cull;
 use super::footprint::RayBox;
 use super::setup::{BlockSpace, CornerLanes, LANES, ROW, SIDE, SetUp};
-use super::sides::{COLUMNS, Edges};
+use super::sides::FewRays;
 use crate::accel::MISS;
 use crate::accel::simd::Lanes;
 use crate::accel::tree::TRIANGLE_LIMIT;
@@ -27,6 +26,9 @@ const SUB_Y: [f32; ROW] = [3.5, 3.5, 3.5, 3.5, 11.5, 11.5, 11.5, 11.5];
 /// Of two rows of sub-blocks the first one to four columns, as bits; and the first row.
 const SUB_COLUMNS: [u32; SUBS] = [0x11, 0x33, 0x77, 0xff];
 const SUB_FIRST_ROW: u32 = 0x0f;
+
+/// A row's columns.
+const COLUMNS: [f32; ROW] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// The lanes of a row, as bits.
 const ALL: u32 = (1 << ROW) - 1;
@@ -53,12 +55,6 @@ pub(crate) struct Block {
     touched: u32,
     /// Where orthographic rays begin: nothing is nearer. Infinite for perspective.
     begin: f32,
-}
-
-/// A triangle of few rays: its edges.
-pub(crate) struct Few<'a> {
-    pub(crate) edges: &'a Edges,
-    pub(crate) lane: usize,
 }
 
 /// What became of a triangle of few rays.
@@ -191,46 +187,28 @@ impl Block {
         })
     }
 
-    /// Meets a triangle with the few rays of its box, by its edges. Where they do not tell of each ray
-    /// whether the triangle is what it meets first so far, the triangle is not met.
+    /// Meets a triangle with the few rays of its box. Where it cannot be told of each ray whether the
+    /// triangle is what it meets first so far, the triangle is not met.
     ///
     /// Ray by ray: rows of rays written side by side would wait for what the last triangle's, beginning
     /// at another column, have just written.
     #[inline(always)]
-    pub(crate) fn meet_few<L: Lanes>(
+    pub(crate) fn meet_few(
         &mut self,
-        lanes: L,
-        few: &Few<'_>,
-        cull: Cull,
+        few: &FewRays,
+        lane: usize,
         rays: &RayBox,
         slot: u32,
     ) -> MetFew {
-        let columns = (2 << (rays.right - rays.left)) - 1;
-        let mut row = few.edges.first_row(lanes, few.lane);
-        let (mut inside, mut unsure) = (0, 0);
-        let mut nearness = [[0.0; ROW]; ROW];
-        for (down, nearness) in nearness.iter_mut().enumerate() {
-            if down > (rays.bottom - rays.top) as usize {
-                break;
-            }
-            let sides = row.sides(lanes, cull);
-            lanes.store(row.nearness(lanes), nearness);
-            inside |= u64::from(lanes.bits(sides.inside) & columns) << (down * ROW);
-            unsure |= columns & !lanes.bits(lanes.or(sides.inside, sides.outside));
-            row = row.next(lanes);
-        }
-        if unsure != 0 {
+        let mut inside = few.inside(lane);
+        if inside != few.perhaps(lane) {
             return MetFew::Undecided;
         }
-        let error = few.edges.nearness_error[few.lane];
-        let first = rays.top as usize * SIDE + rays.left as usize;
         let (mut any, mut rivals) = (false, false);
         while inside != 0 {
-            let which = inside.trailing_zeros() as usize;
+            let ([x, y], [near_low, near_high]) = few.ray(lane, inside.trailing_zeros());
             inside &= inside - 1;
-            let ray = (first + which / ROW * SIDE + which % ROW) % RAYS;
-            let near = nearness[which / ROW % ROW][which % ROW];
-            let (near_low, near_high) = (near - error, near + error);
+            let ray = (first_ray(rays) + y * SIDE + x) % RAYS;
             let (low, high, held) = (
                 &mut self.low[ray],
                 &mut self.high[ray],
@@ -259,28 +237,31 @@ impl Block {
     /// is nearer, it or a triangle of these few rays. Returns its slot and a box around its rays, for it
     /// to be set up and met again.
     #[inline(never)]
-    pub(crate) fn forget_rival(&mut self, few: &Few<'_>, rays: &RayBox) -> Option<(u32, RayBox)> {
+    pub(crate) fn forget_rival(
+        &mut self,
+        few: &FewRays,
+        lane: usize,
+        rays: &RayBox,
+    ) -> Option<(u32, RayBox)> {
         let last = SIDE as i32 - 1;
-        for y in rays.top..=rays.bottom {
-            for x in rays.left..=rays.right {
-                let ray = (y as usize * SIDE + x as usize) % RAYS;
-                let held = self.slots[ray];
-                let coarse = held != MISS && held != OPEN && held & COARSE != 0;
-                let at = [(x - rays.left) as f32, (y - rays.top) as f32];
-                let rival = few
-                    .edges
-                    .is_rival(few.lane, at, [self.low[ray], self.high[ray]]);
-                if coarse && rival {
-                    let reach = ROW as i32 - 1;
-                    let around = RayBox {
-                        left: (x - reach).max(0),
-                        right: (x + reach).min(last),
-                        top: (y - reach).max(0),
-                        bottom: (y + reach).min(last),
-                    };
-                    let slot = held & !COARSE;
-                    return self.forget(&around, slot).map(|rays| (slot, rays));
-                }
+        let mut perhaps = few.perhaps(lane);
+        while perhaps != 0 {
+            let ([x, y], [near_low, near_high]) = few.ray(lane, perhaps.trailing_zeros());
+            perhaps &= perhaps - 1;
+            let ray = (first_ray(rays) + y * SIDE + x) % RAYS;
+            let held = self.slots[ray];
+            let coarse = held != MISS && held != OPEN && held & COARSE != 0;
+            if coarse && near_low <= self.high[ray] && near_high >= self.low[ray] {
+                let reach = ROW as i32 - 1;
+                let (x, y) = ((ray % SIDE) as i32, (ray / SIDE) as i32);
+                let around = RayBox {
+                    left: (x - reach).max(0),
+                    right: (x + reach).min(last),
+                    top: (y - reach).max(0),
+                    bottom: (y + reach).min(last),
+                };
+                let slot = held & !COARSE;
+                return self.forget(&around, slot).map(|rays| (slot, rays));
             }
         }
         None
@@ -625,6 +606,12 @@ impl<L: Lanes> Merge<L> {
             for_each_bit(u64::from(open), |lane| slots[lane % ROW] = OPEN);
         }
     }
+}
+
+/// Where a box's first ray stands among the block's.
+#[inline(always)]
+fn first_ray(rays: &RayBox) -> usize {
+    rays.top as usize * SIDE + rays.left as usize
 }
 
 #[inline(always)]

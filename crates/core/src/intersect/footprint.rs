@@ -29,9 +29,11 @@
 //!   corner relative to a ray of the box is more than its size s + 1/8. Edges are linear in the ray's place:
 //!   what is evaluated is, but for rounding, the cross product of two moved corners relative to the ray,
 //!   off by 4(s + 1/8)m' + 2m'² ≤ (4s + 1)m'. Rounded are the corners relative to the first ray, two products
-//!   and a difference, and for each row and column a product and a sum: of values below
-//!   2(w + 1)² + 2·2w·(w + 1) < 130, ten times at most, each by u: less than 2⁻¹³. Where a ray's three
-//!   surely have one sign it is inside, where two surely differ it is outside.
+//!   and a difference, the steps, and a sum for each column and row: of values below
+//!   2(w + 1)² + 2·2w·(w + 1) < 130, twelve times at most, each by u: less than 2⁻¹³. The sum of a ray's
+//!   three, the doubled area, is more than three times as great as what it is off by, so that its sign is
+//!   sure: edges are turned to be above zero inside. Where a ray's three are surely above zero it is inside,
+//!   where one is surely below it is outside.
 //! * **How near.** A depth is off by e_z, its inverse by e_z/Z · 2048/2047 of itself and 2u. Where a triangle
 //!   is met it is no nearer than its nearest corner. Its nearness along a ray is that of its corners by their
 //!   weights, edges' values over their sum, the doubled area. With E what an edge may be off by, the sum is off by
@@ -43,8 +45,9 @@
 //! triangle. Range: S and r·S < 10³⁰ and Z ≥ 10⁻³⁰ keep products and inverses finite; r is taken to be
 //! 10⁻³⁰ at least as well, which keeps what underflow leaves out, 10⁻⁴⁴, far below the bounds.
 
+use super::Cull;
 use super::setup::{BlockSpace, CornerLanes, LANES, ROW, SIDE};
-use super::sides::Edges;
+use super::sides::{Edges, FewRays};
 use super::spans::{Boxes, Placed};
 use crate::accel::simd::Lanes;
 use glam::DVec3;
@@ -83,6 +86,7 @@ const ROUNDER: f32 = 12_582_912.0;
 #[derive(Clone, Debug)]
 pub(crate) struct Placer {
     perspective: bool,
+    cull: Cull,
     /// What corners are taken relative to, in two parts.
     origin: [[f32; 2]; 3],
     /// T's rows.
@@ -114,10 +118,10 @@ pub(crate) struct Footprints {
     pub(crate) nearest: [f32; LANES],
     /// Those that a ray may meet, as bits.
     pub(crate) seen: u32,
-    /// Those of them with few rays, whose edges tell which they meet, as bits.
+    /// Those of them with few rays, whose edges tell which meet them, as bits.
     pub(crate) few: u32,
-    /// Their edges.
-    pub(crate) edges: Edges,
+    /// Which of those meet them.
+    pub(crate) few_rays: FewRays,
 }
 
 /// A box of rays, both ends included.
@@ -180,6 +184,7 @@ impl Placer {
         let depth_error = 5.0 * UNIT * shift[2].abs();
         Self {
             perspective: space.perspective,
+            cull: space.cull,
             origin,
             map: space.map.map(|row| row.as_vec3().to_array()),
             shift: shift.map(|s| s as f32),
@@ -205,7 +210,8 @@ impl Placer {
         lanes: L,
         corners: &CornerLanes,
         count: usize,
-    ) -> Footprints {
+        out: &mut Footprints,
+    ) {
         let zero = lanes.splat(0.0);
         let mut reach = lanes.splat(self.least_reach);
         let mut places = [[zero; 3]; 3];
@@ -306,28 +312,22 @@ impl Placer {
             lanes.mul(margin, lanes.splat(FEW_SIDE / FEW_MARGIN)),
         );
         let small = lanes.and(in_front, lanes.less(size, lanes.splat(FEW_SIDE)));
-        let mut out = Footprints {
-            seen: !lanes.bits(empty) & ((1 << count) - 1),
-            ..Footprints::NONE
-        };
+        out.seen = !lanes.bits(empty) & ((1 << count) - 1);
         out.few = lanes.bits(small) & out.seen;
         let off = lanes.sub(margin, lanes.splat((MARGIN - PLACE_ERROR) as f32));
         if out.few != 0 {
             let first = (left, top);
             let side = lanes.add(lanes.mul(size, lanes.splat(4.0)), lanes.splat(1.0));
             let error = lanes.add(lanes.mul(off, side), lanes.splat(CROSS_ROUNDING));
-            let (edges, known) = Edges::new(lanes, [xs, ys, nears], first, error, near_error);
-            out.edges = edges;
-            out.few &= lanes.bits(known.told);
-            // Most boxes of triangles smaller than the rays' spacing hold no more than two rays each way.
-            let one = lanes.splat(1.0);
-            let (beside, below) = (lanes.add(left, one), lanes.add(top, one));
-            let larger = lanes.or(lanes.less(beside, right), lanes.less(below, bottom));
-            let no_right = lanes.bits(lanes.less(right, beside));
-            let no_below = lanes.bits(lanes.less(bottom, below));
-            let [a, b, c, d] = known.outside;
-            let missed = a & (b | no_right) & (c | no_below) & (d | no_right | no_below);
-            out.seen &= !(out.few & missed & !lanes.bits(larger));
+            let edges = Edges::new(lanes, [xs, ys, nears], first, error, near_error);
+            out.few &= lanes.bits(edges.told);
+            if self.cull == Cull::Back {
+                let culled = out.few & !lanes.bits(edges.front);
+                out.few &= !culled;
+                out.seen &= !culled;
+            }
+            let size = (lanes.sub(right, left), lanes.sub(bottom, top));
+            out.seen &= !edges.meet(lanes, size, out.few, &mut out.few_rays);
         }
         let boxes = Boxes {
             left,
@@ -351,7 +351,6 @@ impl Placer {
         lanes.store(lanes.add(boxes.top, rounder), &mut out.top);
         lanes.store(lanes.add(boxes.bottom, rounder), &mut out.bottom);
         lanes.store(nearest, &mut out.nearest);
-        out
     }
 }
 
@@ -419,7 +418,7 @@ impl Footprints {
         nearest: [0.0; LANES],
         seen: 0,
         few: 0,
-        edges: Edges::NONE,
+        few_rays: FewRays::NONE,
     };
 
     /// The box of one that is seen.
