@@ -350,7 +350,7 @@ impl Block {
                 (left as usize, right as usize),
                 (top as usize, bottom as usize),
             );
-        } else if right - left < ROW as i32 {
+        } else if set_up.boxes[l].is_narrow() {
             let rows = (bottom - top + 1) as usize;
             self.meet_rows(lanes, &functions, row * SIDE + column, rows);
             let (first, last) = (column / ROW, column.div_ceil(ROW));

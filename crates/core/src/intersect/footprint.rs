@@ -316,10 +316,9 @@ impl Placer {
         out.few = lanes.bits(small) & out.seen;
         let off = lanes.sub(margin, lanes.splat((MARGIN - PLACE_ERROR) as f32));
         if out.few != 0 {
-            let first = (left, top);
             let side = lanes.add(lanes.mul(size, lanes.splat(4.0)), lanes.splat(1.0));
             let error = lanes.add(lanes.mul(off, side), lanes.splat(CROSS_ROUNDING));
-            let edges = Edges::new(lanes, [xs, ys, nears], first, error, near_error);
+            let edges = Edges::new(lanes, [xs, ys, nears], (left, top), error, near_error);
             out.few &= lanes.bits(edges.told);
             if self.cull == Cull::Back {
                 let culled = out.few & !lanes.bits(edges.front);

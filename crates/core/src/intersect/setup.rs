@@ -282,7 +282,7 @@ impl BlockSpace {
                 top,
                 bottom,
             } = boxes[l];
-            let narrow = right - left < ROW as i32;
+            let narrow = boxes[l].is_narrow();
             let most = (SIDE - ROW) as i32;
             let column = if narrow {
                 if left < most { left } else { most }
