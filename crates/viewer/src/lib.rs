@@ -10,10 +10,13 @@
 pub mod app;
 pub mod cli;
 pub mod commands;
+pub mod failure;
 pub mod identity;
 pub mod output;
 pub mod panels;
 pub mod progress;
 pub mod setup;
+pub mod state;
 pub mod stats;
+pub mod ui;
 pub mod worker;

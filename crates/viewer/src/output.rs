@@ -1,6 +1,6 @@
 //! Files that are written whole or not at all, and standard output.
 
-use crate::commands::Failure;
+use crate::failure::Failure;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! From files and options to what a command works on: scene, camera, shading.
 
 use crate::cli::{CameraArgs, ShadingArgs};
-use crate::commands::Failure;
+use crate::failure::Failure;
 use raycast_core::accel::{Accel, Simd};
 use raycast_core::camera::{
     Camera, Orbit, Placement, PlaneError, PlaneRequest, Projection, fit_distance, fov_to_frame,

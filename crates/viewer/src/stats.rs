@@ -1,6 +1,6 @@
 //! What a command took, as `--stats` writes it.
 
-use crate::commands::Failure;
+use crate::failure::Failure;
 use crate::output::{Output, print};
 use raycast_core::render::TileStats;
 use serde::Serialize;

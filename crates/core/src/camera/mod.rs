@@ -4,14 +4,13 @@ mod lattice;
 mod orbit;
 mod plane;
 mod projection;
-mod ray;
 mod sub_camera;
 mod view;
 
+pub use crate::ray::Ray;
 pub use lattice::Lattice;
 pub use orbit::Orbit;
 pub use plane::{FrameLock, ImagePlane, PIXEL_LIMIT, PlaneError, PlaneRequest, SIDE_LIMIT};
 pub use projection::{Camera, Placement, Projection, fov_to_frame, frame_to_fov};
-pub use ray::Ray;
 pub use sub_camera::{Grid, Rect, SubCamera};
 pub use view::fit_distance;

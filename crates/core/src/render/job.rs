@@ -2,10 +2,10 @@
 
 use super::sample::sample_offset;
 use super::{Pass, Settings, Tile, TileStats, View};
-use crate::accel::Hits;
 use crate::camera::{Lattice, Rect};
-use crate::image::{Layers, Strip};
-use crate::intersect::Detail;
+use crate::hit::Detail;
+use crate::hits::Hits;
+use crate::picture::{Layers, Strip};
 use crate::render::Clock;
 use crate::shade::{self, Shader, TileShader};
 use std::time::Duration;

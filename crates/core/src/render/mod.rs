@@ -6,7 +6,7 @@ mod sample;
 mod tile;
 mod view;
 
-pub use crate::intersect::Precision;
+pub use crate::hit::Precision;
 pub use pass::{Pass, Passes};
 pub use tile::{Tile, TileStats};
 pub use view::{Cancel, Clock, Settings, View, from_the_middle};

@@ -1,6 +1,6 @@
-use crate::accel::CastCounts;
 use crate::camera::Rect;
-use crate::image::Layers;
+use crate::packet::CastCounts;
+use crate::picture::Layers;
 use std::time::Duration;
 
 /// What it took to render a tile.

@@ -1,9 +1,9 @@
 use super::job::{Buffers, Job};
 use super::{Pass, Precision, Tile, TileStats};
-use crate::accel::Accel;
+use crate::bvh::Accel;
 use crate::camera::{Camera, Grid, ImagePlane, Rect};
-use crate::image::Picture;
-use crate::intersect::Cull;
+use crate::hit::Cull;
+use crate::picture::Picture;
 use crate::scene::Scene;
 use crate::shade::{Shader, Shading};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

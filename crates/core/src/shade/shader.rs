@@ -6,10 +6,11 @@ use super::smooth::{self, Facets, Row, Vectors};
 use super::srgb::{self, Tables};
 use super::triplanar::Triplanar;
 use super::{Background, Mode, Shading, TextureProjection, TileShader, Wireframe};
-use crate::accel::simd::Lanes;
-use crate::accel::{Accel, MISS, Simd, SlotHit};
+use crate::bvh::Accel;
 use crate::camera::{Camera, Projection, Rect};
-use crate::intersect::Detail;
+use crate::hit::{Detail, MISS, SlotHit};
+use crate::num::simd::Lanes;
+use crate::num::simd::Simd;
 use crate::scene::{Color, ColorRule, Object, Scene, Texture};
 use glam::{DAffine3, DMat3, DVec3, Mat3, Vec2, Vec3};
 

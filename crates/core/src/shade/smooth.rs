@@ -5,7 +5,7 @@
 
 use super::facet::Facet;
 use super::light::{GROUND, KEY, Lights, RIM, SKY, WRAP};
-use crate::accel::simd::{LANES, Lanes};
+use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use glam::Vec3;
 
 /// Eight numbers in memory.
@@ -34,7 +34,7 @@ impl Rows {
 #[derive(Clone, Copy)]
 pub(super) struct Vectors<L: Lanes> {
     lanes: L,
-    xyz: [L::Singles; 3],
+    xyz: [L::F32; 3],
 }
 
 impl<L: Lanes> Vectors<L> {
@@ -59,21 +59,21 @@ impl<L: Lanes> Vectors<L> {
     pub(super) fn store(self) -> Rows {
         let mut rows = Rows::ZERO;
         for (row, coordinates) in rows.0.iter_mut().zip(self.xyz) {
-            self.lanes.store(coordinates, row);
+            coordinates.store(row);
         }
         rows
     }
 
     #[inline(always)]
-    fn with(self, other: Self, each: impl Fn(L, L::Singles, L::Singles) -> L::Singles) -> Self {
+    fn with(self, other: Self, each: impl Fn(L::F32, L::F32) -> L::F32) -> Self {
         let ([a, b, c], [x, y, z]) = (self.xyz, other.xyz);
         let lanes = self.lanes;
-        let xyz = [each(lanes, a, x), each(lanes, b, y), each(lanes, c, z)];
+        let xyz = [each(a, x), each(b, y), each(c, z)];
         Self { lanes, xyz }
     }
 
     #[inline(always)]
-    fn all(lanes: L, number: L::Singles) -> Self {
+    fn all(lanes: L, number: L::F32) -> Self {
         let xyz = [number; 3];
         Self { lanes, xyz }
     }
@@ -81,46 +81,46 @@ impl<L: Lanes> Vectors<L> {
     /// These, and others where the mask says so.
     #[inline(always)]
     pub(super) fn replaced(self, mask: L::Mask, others: Self) -> Self {
-        self.with(others, |lanes, mine, theirs| lanes.pick(mask, theirs, mine))
+        self.with(others, |mine, theirs| mask.select(theirs, mine))
     }
 
     #[inline(always)]
     fn plus(self, other: Self) -> Self {
-        self.with(other, L::add)
+        self.with(other, |a, b| a + b)
     }
 
     /// The lesser coordinates; where either is not a number, those of `other`.
     #[inline(always)]
     pub(super) fn min(self, other: Self) -> Self {
-        self.with(other, L::min)
+        self.with(other, F32x8::min)
     }
 
     /// The greater coordinates; where either is not a number, those of `other`.
     #[inline(always)]
     pub(super) fn max(self, other: Self) -> Self {
-        self.with(other, L::max)
+        self.with(other, F32x8::max)
     }
 
     /// Products, coordinate by coordinate.
     #[inline(always)]
     pub(super) fn times(self, other: Self) -> Self {
-        self.with(other, L::mul)
+        self.with(other, |a, b| a * b)
     }
 
     #[inline(always)]
-    fn scaled(self, factor: L::Singles) -> Self {
+    fn scaled(self, factor: L::F32) -> Self {
         self.times(Self::all(self.lanes, factor))
     }
 
     #[inline(always)]
-    fn dot(self, other: Self) -> L::Singles {
+    fn dot(self, other: Self) -> L::F32 {
         let [x, y, z] = self.times(other).xyz;
-        self.lanes.add(self.lanes.add(x, y), z)
+        x + y + z
     }
 
     #[inline(always)]
-    fn length(self) -> L::Singles {
-        self.lanes.sqrt(self.dot(self))
+    fn length(self) -> L::F32 {
+        self.dot(self).sqrt()
     }
 }
 
@@ -132,7 +132,7 @@ pub(super) struct Facets<L: Lanes> {
     /// The mesh's at the corners.
     corners: [Vectors<L>; 3],
     /// Above zero where the mesh has them.
-    smooth: L::Singles,
+    smooth: L::F32,
 }
 
 impl<L: Lanes> Facets<L> {
@@ -163,7 +163,6 @@ impl<L: Lanes> Facets<L> {
     #[inline(always)]
     pub(super) fn replaced(self, mask: L::Mask, others: Self) -> Self {
         let ([a, b, c], [d, e, f]) = (self.corners, others.corners);
-        let lanes = self.flat.lanes;
         Self {
             flat: self.flat.replaced(mask, others.flat),
             corners: [
@@ -171,29 +170,24 @@ impl<L: Lanes> Facets<L> {
                 b.replaced(mask, e),
                 c.replaced(mask, f),
             ],
-            smooth: lanes.pick(mask, others.smooth, self.smooth),
+            smooth: mask.select(others.smooth, self.smooth),
         }
     }
 
     /// [`Facet::normal_at`].
     #[inline(always)]
-    fn normal_at(&self, lanes: L, u: L::Singles, v: L::Singles) -> Vectors<L> {
+    fn normal_at(&self, lanes: L, u: L::F32, v: L::F32) -> Vectors<L> {
         let [a, b, c] = self.corners;
         let (zero, one) = (lanes.splat(0.0), lanes.splat(1.0));
-        let w = lanes.sub(lanes.sub(one, u), v);
+        let w = one - u - v;
         let blended = a.scaled(w).plus(b.scaled(u)).plus(c.scaled(v));
         let length = blended.length();
-        let turned = lanes.less(blended.dot(self.flat), zero);
-        let side = lanes.pick(turned, lanes.sub(zero, length), length);
-        let unit = blended.with(Vectors::all(lanes, side), L::div);
-        let good = lanes.and(
-            lanes.less(zero, self.smooth),
-            lanes.and(
-                lanes.less(lanes.splat(1e-6), length),
-                lanes.less(length, lanes.splat(f32::INFINITY)),
-            ),
-        );
-        unit.with(self.flat, |lanes, unit, flat| lanes.pick(good, unit, flat))
+        let turned = blended.dot(self.flat).lt(zero);
+        let side = turned.select(zero - length, length);
+        let unit = blended.with(Vectors::all(lanes, side), |a, b| a / b);
+        let good = zero.lt(self.smooth)
+            & (lanes.splat(1e-6).lt(length) & length.lt(lanes.splat(f32::INFINITY)));
+        unit.with(self.flat, |unit, flat| good.select(unit, flat))
     }
 }
 
@@ -219,7 +213,7 @@ pub(super) fn light<L: Lanes>(
     let to_eye = splat(*corner)
         .plus(splat(*right).scaled(lanes.load(x)))
         .plus(splat(*down).scaled(lanes.splat(y)));
-    let to_eye = to_eye.scaled(lanes.div(lanes.splat(1.0), to_eye.length()));
+    let to_eye = to_eye.scaled(lanes.splat(1.0) / to_eye.length());
     on(lanes, lights, normal, to_eye)
 }
 
@@ -228,17 +222,14 @@ pub(super) fn light<L: Lanes>(
 fn on<L: Lanes>(lanes: L, lights: &Lights, normal: Vectors<L>, to_eye: Vectors<L>) -> Vectors<L> {
     let splat = |vector| Vectors::splat(lanes, vector);
     let (zero, one, half) = (lanes.splat(0.0), lanes.splat(1.0), lanes.splat(0.5));
-    let key = lanes.add(normal.dot(splat(lights.to_key)), lanes.splat(WRAP));
-    let key = lanes.max(lanes.div(key, lanes.splat(1.0 + WRAP)), zero);
-    let above = lanes.add(half, lanes.mul(half, normal.dot(splat(lights.up))));
+    let key = normal.dot(splat(lights.to_key)) + WRAP;
+    let key = (key / (1.0 + WRAP)).max(zero);
+    let above = half + half * normal.dot(splat(lights.up));
     let facing = normal.dot(to_eye);
-    let facing = lanes.max(facing, lanes.sub(zero, facing));
-    let away = lanes.sub(one, lanes.min(facing, one));
-    let rim = lanes.mul(lanes.mul(lanes.mul(away, away), away), above);
-    let white = lanes.add(
-        lanes.mul(lanes.splat(KEY), key),
-        lanes.mul(lanes.splat(RIM), rim),
-    );
+    let facing = facing.max(zero - facing);
+    let away = one - facing.min(one);
+    let rim = away * away * away * above;
+    let white = lanes.splat(KEY) * key + lanes.splat(RIM) * rim;
     splat(GROUND)
         .plus(splat(SKY - GROUND).scaled(above))
         .plus(Vectors::all(lanes, white))

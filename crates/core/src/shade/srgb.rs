@@ -2,7 +2,7 @@
 //! power in any pixel's loop.
 
 use super::smooth::Vectors;
-use crate::accel::simd::{LANES, Lanes};
+use crate::num::simd::{LANES, Lanes};
 use crate::scene::Color;
 use glam::Vec3;
 use std::sync::LazyLock;

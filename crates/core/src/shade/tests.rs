@@ -1,10 +1,10 @@
 //! Whole shaders over small scenes.
 
 use super::*;
-use crate::accel::{Accel, Hits, SlotHit};
+use crate::bvh::Accel;
 use crate::camera::{Camera, ImagePlane, Placement, Projection, Rect};
-use crate::intersect::Detail;
-use crate::intersect::{Cull, Precision};
+use crate::hit::{Cull, Detail, Precision, SlotHit};
+use crate::hits::Hits;
 use crate::scene::{
     Attribute, Color, ColorRule, Mesh, MeshData, Object, Scene, Texture, Transform,
 };

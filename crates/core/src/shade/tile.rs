@@ -1,9 +1,9 @@
 use super::facet::Facet;
 use super::smooth::{Facets, Row, Rows, Vectors};
 use super::{Shader, srgb};
-use crate::accel::simd::{LANES, Lanes, Work, dispatch};
-use crate::accel::{Hits, MISS, SlotHit};
 use crate::camera::Rect;
+use crate::num::simd::{LANES, Lanes, Work, dispatch};
+use crate::{Hits, MISS, SlotHit};
 use glam::Vec3;
 
 /// How many triangles' colours are remembered: most of what 64 × 64 pixels show of triangles a few
@@ -144,7 +144,7 @@ impl<'s> TileShader<'s> {
                 continue;
             }
             let facet = self.facet(slot);
-            let from = lanes.from(first);
+            let from = lanes.mask_from(first);
             if textures {
                 for lane in first..lane {
                     textured.set(lane, shader.surface_color(facet, &hit(lane)));

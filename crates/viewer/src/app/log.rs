@@ -7,7 +7,7 @@
 //! and whether the picture on screen is the newest and full. A picture asked for gives
 //! `{"ms", "request", "size", "threads"}`.
 
-use super::canvas::Progress;
+use crate::ui::canvas::Progress;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;

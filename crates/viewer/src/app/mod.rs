@@ -1,38 +1,32 @@
 //! The window's state and what its commands do to it.
 //!
-//! [`state`] is plain values; panels and [`input`] make [`command::Command`]s; [`update`] carries
-//! them out and is the only one that changes the state. Here is what ties that to eframe: once a
+//! [`State`] is plain values; panels make [commands](crate::state::command::Command); [`update`]
+//! carries them out and is the only one that changes the state. Here is what ties that to eframe: once a
 //! frame it takes in scenes and messages, shows the panels, carries out what was asked, asks for a new
 //! picture if anything that decides it has changed, and takes in the tiles of the last one. Nothing
 //! here waits.
 
-pub mod canvas;
-pub mod command;
 pub mod frames;
-pub mod input;
 pub mod log;
 pub mod open;
-pub mod present;
 pub mod settings;
-pub mod state;
-pub mod theme;
-pub mod update;
 
 use crate::panels::{self, Commands, Status, overlay::TileOverlay};
+use crate::state::State;
+use crate::state::update::{self, Effect, News};
+use crate::ui::canvas::{self, Canvas};
+use crate::ui::{present, theme};
 use crate::worker::files::Files;
 use crate::worker::outbox::Outbox;
 use crate::worker::render::{Renderer, Request};
 use crate::worker::{Clock, Wake};
-use canvas::Canvas;
 use log::{FrameLine, FrameLog};
 use raycast_core::camera::{Camera, Grid};
 use raycast_core::render::Settings;
 use settings::Remembered;
-use state::State;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
-use update::{Effect, News};
 
 /// Everything that decides the picture.
 #[derive(Clone, Copy, PartialEq)]

@@ -1,6 +1,6 @@
 //! What is remembered from one session to the next: how a person likes to work, not what was open.
 
-use super::state::{Overlay, State, Tint, default_threads};
+use crate::state::{Overlay, State, Tint, default_threads};
 use raycast_core::camera::{FrameLock, Grid};
 use serde::{Deserialize, Serialize};
 

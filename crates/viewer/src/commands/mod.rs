@@ -2,14 +2,13 @@
 
 mod bench;
 mod cast;
-mod failure;
 mod info;
 mod render;
 mod report;
 mod stitch;
 mod verify;
 
-pub use failure::Failure;
+use crate::failure::Failure;
 
 use crate::cli::{Cli, Command};
 use crate::{app::open, output, setup};

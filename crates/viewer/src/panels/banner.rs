@@ -2,9 +2,10 @@
 //! there is none.
 
 use super::{Commands, Status};
-use crate::app::command::{Command, PromptKind};
-use crate::app::state::{Prompt, State};
-use crate::app::theme;
+use crate::state::PromptKind;
+use crate::state::command::Command;
+use crate::state::{Prompt, State};
+use crate::ui::theme;
 use egui::{Align2, Area, Context, Frame, Id, Margin, Order, RichText, Stroke, Ui, vec2};
 
 /// What an empty window says.

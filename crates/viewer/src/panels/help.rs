@@ -1,9 +1,9 @@
 //! All keys and gestures.
 
 use super::Commands;
-use crate::app::command::Command;
-use crate::app::input::{GESTURES, KEYS, KeyHelp};
-use crate::app::theme;
+use crate::state::command::Command;
+use crate::ui::input::{GESTURES, KEYS, KeyHelp};
+use crate::ui::theme;
 use egui::{Grid, Id, Modal, RichText, Ui};
 
 /// Shows them over the window; a click beside them, Esc or F1 closes them.

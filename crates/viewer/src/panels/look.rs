@@ -2,9 +2,10 @@
 
 use super::Commands;
 use super::widgets::{Number, choice, color, row, section, tick};
-use crate::app::command::{Command, PromptKind};
-use crate::app::input::MODES;
-use crate::app::state::State;
+use crate::state::PromptKind;
+use crate::state::State;
+use crate::state::command::Command;
+use crate::ui::input::MODES;
 use egui::{Button, Ui, vec2};
 use raycast_core::intersect::Cull;
 use raycast_core::scene::{Color, ColorRule};

@@ -1,7 +1,6 @@
 //! Parts of the window, one a file: each shows state and emits commands.
 
 mod banner;
-pub mod format;
 mod help;
 mod look;
 mod objects;
@@ -15,8 +14,8 @@ pub mod viewport;
 mod widgets;
 pub mod window;
 
-use crate::app::canvas::Progress;
-use crate::app::command::Command;
+use crate::state::command::Command;
+use crate::ui::canvas::Progress;
 use crate::worker::files::Activity;
 use std::time::Duration;
 

@@ -1,10 +1,11 @@
 //! What is in the scene, and what may be put there to see where ray casters go wrong.
 
+use super::Commands;
 use super::widgets::section;
-use super::{Commands, format};
-use crate::app::command::Command;
-use crate::app::state::State;
-use crate::app::theme;
+use crate::state::State;
+use crate::state::command::Command;
+use crate::ui::format;
+use crate::ui::theme;
 use egui::{Align, Layout, RichText, ScrollArea, Ui};
 use raycast_report::cases::{self, Theme};
 

@@ -1,7 +1,7 @@
 //! What is drawn over the tiles: borders, order, and statistics as colours.
 
-use crate::app::canvas::{Canvas, TileNote};
-use crate::app::state::{Overlay, Tint};
+use crate::state::{Overlay, Tint};
+use crate::ui::canvas::{Canvas, TileNote};
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, pos2};
 use std::sync::Arc;
 use std::time::Duration;

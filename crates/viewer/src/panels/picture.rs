@@ -1,9 +1,10 @@
 //! Size, step and field of view, and what of these follows.
 
+use super::Commands;
 use super::widgets::{Number, choice, row, section};
-use super::{Commands, format};
-use crate::app::command::Command;
-use crate::app::state::{FOV_RANGE, Resolution, SAMPLES_LIMIT, State};
+use crate::state::command::Command;
+use crate::state::{FOV_RANGE, Resolution, SAMPLES_LIMIT, State};
+use crate::ui::format;
 use egui::Ui;
 use raycast_core::camera::{FrameLock, Projection};
 

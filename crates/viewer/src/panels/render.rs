@@ -1,9 +1,10 @@
 //! Threads, and what the picture took.
 
 use super::widgets::{Number, fact, row, section};
-use super::{Commands, Status, format};
-use crate::app::command::Command;
-use crate::app::state::{State, default_threads};
+use super::{Commands, Status};
+use crate::state::command::Command;
+use crate::state::{State, default_threads};
+use crate::ui::format;
 use egui::Ui;
 use raycast_core::accel::CastCounts;
 use raycast_core::render::Pass;

@@ -1,8 +1,9 @@
 //! The side panel: what can be done on top, then everything that can be set.
 
 use super::{Commands, Status, look, objects, picture, render, tiles};
-use crate::app::command::{Command, PromptKind};
-use crate::app::state::State;
+use crate::state::PromptKind;
+use crate::state::State;
+use crate::state::command::Command;
 use egui::{Button, ScrollArea, Ui, vec2};
 
 /// How wide the panel is, in points.

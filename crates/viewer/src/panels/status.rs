@@ -1,9 +1,10 @@
 //! The line below the picture: what is under the cursor, and how far the picture is.
 
+use super::Status;
 use super::render::pass_name;
-use super::{Status, format};
-use crate::app::state::State;
-use crate::app::theme;
+use crate::state::State;
+use crate::ui::format;
+use crate::ui::theme;
 use egui::{Align, Label, Layout, RichText, Ui};
 
 /// Shows it.

@@ -2,9 +2,10 @@
 
 use super::overlay::ramp;
 use super::widgets::{Number, choice, row, section, tick};
-use super::{Commands, Status, format};
-use crate::app::command::Command;
-use crate::app::state::{State, Tint};
+use super::{Commands, Status};
+use crate::state::command::Command;
+use crate::state::{State, Tint};
+use crate::ui::format;
 use egui::{Ui, vec2};
 use raycast_core::camera::Grid;
 

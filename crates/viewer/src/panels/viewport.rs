@@ -2,10 +2,10 @@
 
 use super::Commands;
 use super::overlay::TileOverlay;
-use crate::app::canvas::Canvas;
-use crate::app::input;
-use crate::app::state::{Resolution, State};
-use crate::app::theme;
+use crate::state::{Resolution, State};
+use crate::ui::canvas::Canvas;
+use crate::ui::input;
+use crate::ui::theme;
 use egui::{Color32, Pos2, Rect, Sense, Ui, pos2, vec2};
 use raycast_core::shade::Background;
 

@@ -1,7 +1,7 @@
 //! Small parts that the panels share.
 
-use super::format;
-use crate::app::theme;
+use crate::ui::format;
+use crate::ui::theme;
 use egui::{Button, CollapsingHeader, DragValue, Id, Response, RichText, Ui, vec2};
 use raycast_core::scene::Color;
 use std::ops::RangeInclusive;

@@ -3,9 +3,9 @@
 use super::overlay::TileOverlay;
 use super::viewport::{self, Place};
 use super::{Commands, Status, banner, help, side, status};
-use crate::app::canvas::Canvas;
-use crate::app::input;
-use crate::app::state::State;
+use crate::state::State;
+use crate::ui::canvas::Canvas;
+use crate::ui::input;
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 
 /// Shows everything, and puts what a person asked for, by mouse, keys or controls, into `out`.

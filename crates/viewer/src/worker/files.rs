@@ -1,10 +1,10 @@
 //! Reading scenes and textures, writing pictures, asking for paths: a named thread for each task.
 
 use super::{Wake, case, demo, panic_text};
-use crate::app::command::PromptKind;
-use crate::app::state::Document;
-use crate::app::update::{DialogAnswer, Loaded, News};
 use crate::setup;
+use crate::state::Document;
+use crate::state::PromptKind;
+use crate::state::update::{DialogAnswer, Loaded, News};
 use raycast_core::camera::Grid;
 use raycast_core::formats::{self, SceneFile};
 use raycast_core::image::{Format, Picture};

@@ -1,7 +1,7 @@
 //! Loading, building and rendering, away from the window's thread.
 //!
 //! Each worker is a named thread. What it makes it sends as owned values: tiles through
-//! [`outbox::Outbox`], scenes, textures and messages as [`News`](crate::app::update::News).
+//! [`outbox::Outbox`], scenes, textures and messages as [`News`](crate::state::update::News).
 
 pub mod case;
 pub mod demo;

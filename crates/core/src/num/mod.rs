@@ -1,0 +1,3 @@
+//! Numeric basics that anybody may use.
+
+pub(crate) mod simd;

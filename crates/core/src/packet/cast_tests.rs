@@ -1,0 +1,312 @@
+//! Tiles against single rays, brute force and each other.
+
+use crate::bvh::Accel;
+use crate::camera::{Camera, ImagePlane, Lattice, Orbit, Projection, Rect};
+use crate::hit::{Cull, Detail, Precision};
+use crate::num::simd::Simd;
+use crate::random::Random;
+use crate::scene::{Mesh, MeshData, Object, Scene};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Waves of triangles over a square, `side²` quads of them.
+pub(super) fn waves(side: u32, size: f64, offset: DVec3) -> Accel {
+    build([waves_mesh(side, size, offset)])
+}
+
+fn build(meshes: impl IntoIterator<Item = Mesh>) -> Accel {
+    let objects = meshes
+        .into_iter()
+        .map(|mesh| Object::new("mesh", Arc::new(mesh)));
+    let scene = Scene {
+        objects: objects.collect(),
+    };
+    Accel::build(&scene).expect("a valid scene")
+}
+
+fn waves_mesh(side: u32, size: f64, offset: DVec3) -> Mesh {
+    grid(side, |x, y| {
+        let (x, y) = (x / f64::from(side) - 0.5, y / f64::from(side) - 0.5);
+        DVec3::new(x, 0.1 * (x * 20.0).sin() * (y * 17.0).cos(), y) * size + offset
+    })
+}
+
+/// `side²` quads of two triangles each, their corners at whole places.
+fn grid(side: u32, place: impl Fn(f64, f64) -> DVec3) -> Mesh {
+    let corners = (0..=side).flat_map(|y| (0..=side).map(move |x| (f64::from(x), f64::from(y))));
+    let row = side + 1;
+    let quads = (0..side * side).map(|cell| cell / side * row + cell % side);
+    mesh(
+        corners.map(|(x, y)| place(x, y)).collect(),
+        quads
+            .flat_map(|a| [[a, a + row, a + row + 1], [a, a + row + 1, a + 1]])
+            .collect(),
+    )
+}
+
+fn mesh(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Mesh {
+    Mesh::new(MeshData {
+        positions,
+        triangles,
+        ..MeshData::default()
+    })
+}
+
+/// Every ray of a camera.
+fn whole(camera: Camera) -> Lattice {
+    let plane = camera.plane();
+    let rect = Rect {
+        x: 0,
+        y: 0,
+        width: plane.columns,
+        height: plane.rows,
+    };
+    Lattice::new(camera, rect, 1, (0, 0))
+}
+
+/// A camera that looks at `pivot` from the front, with 64 × 64 rays.
+fn front(pivot: DVec3, distance: f64, step: f64, projection: Projection) -> Camera {
+    let orbit = Orbit {
+        pivot,
+        yaw: 0.0,
+        pitch: 0.0,
+        distance,
+    };
+    let plane = ImagePlane::new(64, 64, step).expect("a good plane");
+    Camera::new(orbit.placement(), projection, plane)
+}
+
+fn assert_tiles_equal_rays(accel: &Accel, camera: Camera) -> usize {
+    let Lattice { columns, rows, .. } = whole(camera);
+    let rect = Rect {
+        x: 0,
+        y: 0,
+        width: columns,
+        height: rows,
+    };
+    let mut hits = Vec::new();
+    let mut met = 0;
+    for (stride, phase) in [(1, (0, 0)), (4, (2, 0))] {
+        for cull in [Cull::None, Cull::Back] {
+            let lattice = Lattice::new(camera, rect, stride, phase);
+            accel.cast_lattice(&lattice, cull, Precision::Exact, Detail::Full, &mut hits);
+            assert_eq!(hits.len(), lattice.len());
+            for (at, hit) in hits.iter().enumerate() {
+                let (column, row) = (at as u32 % lattice.columns, at as u32 / lattice.columns);
+                let expected = accel.cast_slot(&lattice.ray(column, row), cull, Precision::Exact);
+                assert_eq!(*hit, expected, "{column} {row} {camera:?}");
+                met += usize::from(!hit.is_miss());
+            }
+        }
+    }
+    met
+}
+
+pub(super) fn cameras(size: f64, offset: DVec3) -> Vec<Camera> {
+    let mut cameras = Vec::new();
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        for (yaw, pitch, distance) in [
+            (22.0, 16.0, 1.5),
+            (0.0, 90.0, 1.0),
+            (0.0, 0.0, 1.0),
+            (130.0, -20.0, 0.6),
+            (77.0, 3.0, 0.05),
+        ] {
+            let orbit = Orbit {
+                pivot: offset,
+                yaw,
+                pitch,
+                distance: distance * size,
+            };
+            let plane = ImagePlane::new(101, 75, 0.012 * size * distance).expect("a good plane");
+            cameras.push(Camera::new(orbit.placement(), projection, plane));
+        }
+    }
+    cameras
+}
+
+/// Every view of what lies about `offset`.
+fn assert_views_equal_rays(accel: &Accel, size: f64, offset: DVec3) {
+    let met: usize = cameras(size, offset)
+        .into_iter()
+        .map(|camera| assert_tiles_equal_rays(accel, camera))
+        .sum();
+    assert!(met > 50_000, "{met}");
+}
+
+#[test]
+fn tiles_answer_as_single_rays_do() {
+    for (size, offset) in [
+        (1.0, DVec3::ZERO),
+        (1e-12, DVec3::ZERO),
+        (1e9, DVec3::ZERO),
+        (30.0, DVec3::new(148376.0, 1234.0, -223423.0)),
+    ] {
+        let accel = waves(40, size, offset);
+        assert_views_equal_rays(&accel, size, offset);
+    }
+}
+
+#[test]
+fn triangles_of_few_rays_are_met_as_single_rays_do() {
+    // From many rays a triangle to many triangles a ray; one layer, layers so close that what is told
+    // from a triangle's nearest and furthest corner alone does not order them, or nothing in singles,
+    // and such as go through each other.
+    let apart = |gap: f64| DVec3::new(0.0, gap, 0.0);
+    for layers in [
+        vec![(0.0, 0)],
+        vec![(0.0, 0), (1e-3, 0), (2e-3, 0)],
+        vec![(0.0, 0), (1e-6, 0)],
+        vec![(0.0, 0), (1e-7, 0)],
+        vec![(0.0, 0), (2e-8, 0)],
+        vec![(0.0, 0), (0.0, 0)],
+        vec![(0.0, 0), (0.0, 1)],
+    ] {
+        for side in [60, 120, 200] {
+            let mesh = |&(gap, more): &(f64, u32)| waves_mesh(side + more, 1.0, apart(gap));
+            let accel = build(layers.iter().map(mesh));
+            assert_views_equal_rays(&accel, 1.0, DVec3::ZERO);
+        }
+    }
+}
+
+#[test]
+fn triangles_of_few_rays_with_corners_on_rays_are_met_as_single_rays_do() {
+    // Corners as near to rays as singles are, or so much further; three of a row make slivers. Every
+    // second triangle lies in the last one's plane but for rounding.
+    let mut random = Random(3);
+    for aside in [0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2] {
+        for camera in cameras(1.0, DVec3::ZERO) {
+            let mut positions = Vec::new();
+            for _ in 0..400 {
+                let (x, y) = (100.0 * random.unit(), 74.0 * random.unit());
+                let [a, b, c] = [(); 3].map(|()| {
+                    let near = |at: f64, unit: f64| (at + 3.0 * unit).floor();
+                    let (x, y) = (near(x, random.unit()), near(y, random.unit()));
+                    let ray = camera.ray(x + aside * random.signed(), y + aside * random.signed());
+                    ray.at(camera.distance() * (1.0 + 0.5 * random.signed()))
+                });
+                positions.extend([a, b, c]);
+                positions.extend([(); 3].map(|()| {
+                    let (u, v) = (random.signed(), random.signed());
+                    a + (b - a) * (0.5 + u) + (c - a) * (0.5 + v)
+                }));
+            }
+            let triangles = (0..800).map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect();
+            let met = assert_tiles_equal_rays(&build([mesh(positions, triangles)]), camera);
+            assert!(met > 200, "{met} {camera:?}");
+        }
+    }
+}
+
+#[test]
+fn fast_pictures_are_the_exact_ones_but_for_a_millionth() {
+    let accel = waves(40, 1.0, DVec3::ZERO);
+    let (mut rays, mut wrong) = (0, 0);
+    let slanted = |camera: &Camera| camera.forward().abs().min_element() > 0.01;
+    for camera in cameras(1.0, DVec3::ZERO).into_iter().filter(slanted) {
+        let mut lattice = whole(camera);
+        // The middle ray would go through a vertex, which is not what pictures are like.
+        lattice.offset = (0.3, 0.6);
+        let cast = |precision| {
+            let mut hits = Vec::new();
+            accel.cast_lattice(&lattice, Cull::None, precision, Detail::Triangle, &mut hits);
+            hits
+        };
+        let pairs = cast(Precision::Fast)
+            .into_iter()
+            .zip(cast(Precision::Exact));
+        wrong += pairs
+            .filter(|(fast, exact)| fast.slot != exact.slot)
+            .count();
+        rays += lattice.len();
+    }
+    assert!(rays > 40_000 && wrong == 0, "{wrong} of {rays}");
+}
+
+#[test]
+fn lattices_aimed_at_vertices_are_decided_exactly() {
+    // A flat grid of unit cells, and rays exactly through its vertices, edges and middles.
+    let accel = build([grid(32, |x, y| DVec3::new(x, y, 0.0))]);
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        let middle = DVec3::new(16.0, 16.0, 0.0);
+        let mut lattice = whole(front(middle, 8.0, 0.5, projection));
+        lattice.offset = (0.0, 0.0);
+        let mut hits = Vec::new();
+        accel.cast_lattice(
+            &lattice,
+            Cull::None,
+            Precision::Exact,
+            Detail::Full,
+            &mut hits,
+        );
+        for (at, hit) in hits.iter().enumerate() {
+            let ray = lattice.ray(at as u32 % 64, at as u32 / 64);
+            assert_eq!(*hit, accel.cast_slot(&ray, Cull::None, Precision::Exact));
+            assert_eq!(
+                accel.cast(&ray, Cull::None),
+                accel.cast_brute_force(&ray, Cull::None)
+            );
+            assert!(!hit.is_miss(), "a hole at ray {at}");
+        }
+    }
+}
+
+#[test]
+fn what_is_hidden_need_not_be_told_apart() {
+    // Two triangles in one place, and a third in front of both, in every order. The two lean
+    // towards the eye, so that they come first.
+    let far = [
+        DVec3::new(-4.0, -4.0, -2.0),
+        DVec3::new(4.0, -4.0, -2.5),
+        DVec3::new(0.25, 30.0, 14.0),
+    ];
+    // The same plane from another corner, so that rounding tells nothing.
+    let other = [far[0] + (far[0] - far[1]), far[1], far[2]];
+    let near = [
+        DVec3::new(-9.0, -9.0, 3.0),
+        DVec3::new(9.0, -9.0, 3.0),
+        DVec3::new(0.0, 9.0, 3.0),
+    ];
+    let triangles = [far, other, near];
+    let open = |shown: &[usize]| {
+        let positions = shown.iter().flat_map(|&at| triangles[at]).collect();
+        let numbers = (0..shown.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
+        let accel = build([mesh(positions, numbers.collect())]);
+        let lattice = whole(front(DVec3::ZERO, 20.0, 0.03, Projection::Perspective));
+        let counts = accel.find(&lattice, Cull::None, Precision::Exact, &mut Vec::new());
+        counts.double_rays + counts.exact_rays
+    };
+    for order in [
+        [0, 1, 2],
+        [0, 2, 1],
+        [1, 0, 2],
+        [1, 2, 0],
+        [2, 0, 1],
+        [2, 1, 0],
+    ] {
+        let without: Vec<_> = order.into_iter().filter(|&at| at != 2).collect();
+        assert!(open(&without) > 500, "{order:?}");
+        assert!(open(&order) < 10, "{order:?}");
+    }
+}
+
+#[test]
+fn every_instruction_set_gives_the_same_bits() {
+    let lattice = whole(cameras(1.0, DVec3::ZERO)[0]);
+    let cast = |simd| {
+        let mut hits = Vec::new();
+        let accel = waves(40, 1.0, DVec3::ZERO).with_simd(simd);
+        accel.cast_lattice(
+            &lattice,
+            Cull::None,
+            Precision::Exact,
+            Detail::Full,
+            &mut hits,
+        );
+        hits
+    };
+    let plain = cast(Simd::Plain);
+    assert_eq!(plain, cast(Simd::Avx2));
+    assert_eq!(plain, cast(Simd::Avx512));
+}

@@ -1,0 +1,255 @@
+//! A frustum against boxes: four sides, what lies behind the eye, and how near a box begins.
+
+use super::params::SUBS;
+use crate::bvh::tree::{Box32, BoxPair};
+use crate::camera::{Camera, Projection};
+use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
+use glam::DVec3;
+
+/// Which plane's value is the distance of a box's nearest point along the view axis, negated.
+const NEAREST: usize = 5;
+/// Planes that cut boxes off, as bits.
+const SIDES: u32 = 0b1_1111;
+
+/// A rectangle of the image plane, in scene units from the view axis at the target: what
+/// [`Camera::direction`] is linear in.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Window {
+    /// Least and greatest place to the right.
+    pub(crate) across: (f64, f64),
+    /// Least and greatest place up.
+    pub(crate) along: (f64, f64),
+}
+
+/// Eight planes, whose normals point inwards.
+///
+/// The value of a plane at a box is the greatest over its corners of N·p + c, rounded; c holds enough
+/// slack that it is never below the true one.
+#[derive(Clone, Debug)]
+struct Planes {
+    /// The positive parts of the normals, by axis: they meet a box's highest corner.
+    positive: [[f32; LANES]; 3],
+    /// The negative parts: they meet its lowest.
+    negative: [[f32; LANES]; 3],
+    offset: [f32; LANES],
+}
+
+/// Where planes are seen from.
+#[derive(Clone, Copy)]
+pub(super) struct Viewpoint<'a> {
+    pub(super) camera: &'a Camera,
+    /// The camera's eye relative to what boxes are relative to.
+    pub(super) eye: DVec3,
+    /// By how much a coordinate of the eye is off at most.
+    pub(super) eye_error: f64,
+    /// A box around all boxes.
+    pub(super) bounds: &'a Box32,
+}
+
+/// A normal, and a point of the plane relative to the eye.
+type Plane = (DVec3, DVec3);
+
+impl Planes {
+    fn new(from: Viewpoint<'_>, planes: [Plane; LANES]) -> Self {
+        let reach = from.bounds.min.abs().max(from.bounds.max.abs()).as_dvec3();
+        let mut all = Self {
+            positive: [[0.0; LANES]; 3],
+            negative: [[0.0; LANES]; 3],
+            offset: [0.0; LANES],
+        };
+        for (lane, (normal, shift)) in planes.into_iter().enumerate() {
+            let at = from.eye + shift;
+            let offset = -normal.dot(at);
+            // Six products, six sums and the rounding of normal and offset, each by at most 2^-24 of
+            // the sum of magnitudes; doubled. The eye's own error, and double rounding, on top.
+            let magnitude = normal.abs().dot(reach) + normal.abs().dot(at.abs());
+            let slack = magnitude * (32.0 / (1 << 24) as f64)
+                + normal.abs().element_sum() * 2.0 * from.eye_error;
+            all.offset[lane] = (offset + slack) as f32;
+            for axis in 0..3 {
+                let component = normal[axis] as f32;
+                all.positive[axis][lane] = component.max(0.0);
+                all.negative[axis][lane] = component.min(0.0);
+            }
+        }
+        all
+    }
+
+    /// The planes' values at one of two boxes.
+    #[inline(always)]
+    fn values<L: Lanes>(&self, lanes: L, boxes: &BoxPair, which: usize) -> L::F32 {
+        let mut values = lanes.load(&self.offset);
+        for axis in 0..3 {
+            let low = lanes.splat(boxes.min[axis][which]);
+            let high = lanes.splat(boxes.max[axis][which]);
+            let part =
+                lanes.load(&self.positive[axis]) * high + lanes.load(&self.negative[axis]) * low;
+            values = values + part;
+        }
+        values
+    }
+}
+
+impl Viewpoint<'_> {
+    /// Planes through rays that go through a place to the right, with what is right of it and left of it.
+    fn beside(&self, across: f64) -> [Plane; 2] {
+        self.through(self.camera.right(), across)
+    }
+
+    /// Planes through rays that go through a place up, with what is above it and below it.
+    fn above(&self, along: f64) -> [Plane; 2] {
+        self.through(self.camera.up(), along)
+    }
+
+    fn through(&self, way: DVec3, place: f64) -> [Plane; 2] {
+        let (normal, shift) = match self.camera.projection() {
+            Projection::Perspective => {
+                let normal = way * self.camera.distance() - self.camera.forward() * place;
+                (normal.normalize_or_zero(), DVec3::ZERO)
+            }
+            Projection::Orthographic => (way, way * place),
+        };
+        [(normal, shift), (-normal, shift)]
+    }
+}
+
+/// All points in front of the camera whose rays go through a window.
+#[derive(Clone, Debug)]
+pub(super) struct Frustum(Planes);
+
+impl Frustum {
+    pub(super) fn new(from: Viewpoint<'_>, window: &Window) -> Self {
+        let ([left, _], [_, right]) = (from.beside(window.across.0), from.beside(window.across.1));
+        let ([bottom, _], [_, top]) = (from.above(window.along.0), from.above(window.along.1));
+        let forward = from.camera.forward();
+        let (front, nearest) = ((forward, DVec3::ZERO), (-forward, DVec3::ZERO));
+        let none = (DVec3::ZERO, DVec3::ZERO);
+        Self(Planes::new(
+            from,
+            [left, right, bottom, top, front, nearest, none, none],
+        ))
+    }
+
+    /// For each of two boxes: how near it begins along the view axis, and whether any of it may
+    /// be inside the frustum.
+    #[inline(always)]
+    pub(super) fn enter(&self, lanes: impl Lanes, boxes: &BoxPair) -> [(f32, bool); 2] {
+        [
+            self.enter_one(lanes, boxes, 0),
+            self.enter_one(lanes, boxes, 1),
+        ]
+    }
+
+    #[inline(always)]
+    fn enter_one(&self, lanes: impl Lanes, boxes: &BoxPair, which: usize) -> (f32, bool) {
+        let value = self.0.values(lanes, boxes, which);
+        let outside = value.lt(lanes.splat(0.0)).bits() & SIDES;
+        let mut values = [0.0; LANES];
+        value.store(&mut values);
+        (-values[NEAREST], outside == 0)
+    }
+}
+
+/// The frusta of a block's four columns of sub-blocks, and of its four rows.
+#[derive(Clone, Debug)]
+pub(super) struct SubFrusta {
+    columns: Planes,
+    rows: Planes,
+}
+
+impl SubFrusta {
+    /// Windows of sub-blocks on the diagonal.
+    pub(super) fn new(from: Viewpoint<'_>, diagonal: &[Window; SUBS]) -> Self {
+        let mut columns = [(DVec3::ZERO, DVec3::ZERO); LANES];
+        let mut rows = columns;
+        for (sub, window) in diagonal.iter().enumerate() {
+            columns[sub] = from.beside(window.across.0)[0];
+            columns[sub + SUBS] = from.beside(window.across.1)[1];
+            rows[sub] = from.above(window.along.0)[0];
+            rows[sub + SUBS] = from.above(window.along.1)[1];
+        }
+        Self {
+            columns: Planes::new(from, columns),
+            rows: Planes::new(from, rows),
+        }
+    }
+
+    /// The sub-blocks whose frusta one of two boxes may touch, as bits, row by row.
+    #[inline(always)]
+    pub(super) fn touched(&self, lanes: impl Lanes, boxes: &BoxPair, which: usize) -> u32 {
+        let zero = lanes.splat(0.0);
+        let columns = self.columns.values(lanes, boxes, which).lt(zero);
+        let rows = self.rows.values(lanes, boxes, which).lt(zero);
+        let (columns, rows) = (columns.bits(), rows.bits());
+        let columns = !(columns | columns >> SUBS) & 0xf;
+        let rows = !(rows | rows >> SUBS) & 0xf;
+        // A row's bit, at the lowest of each four, times all four.
+        let spread = (rows & 1) | (rows & 2) << 3 | (rows & 4) << 6 | (rows & 8) << 9;
+        columns * spread
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{ImagePlane, Orbit};
+    use crate::num::simd::Plain;
+    use crate::packet::params::{ROW, SIDE};
+    use glam::Vec3;
+
+    #[test]
+    fn boxes_touch_the_sub_blocks_whose_rays_go_through_them() {
+        let orbit = Orbit {
+            pivot: DVec3::new(3.0, -2.0, 5.0),
+            yaw: 40.0,
+            pitch: -25.0,
+            distance: 4.0,
+        };
+        let plane = ImagePlane::new(SIDE as u32, SIDE as u32, 0.05).expect("a good plane");
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let camera = Camera::new(orbit.placement(), projection, plane);
+            let reach = Box32 {
+                min: Vec3::splat(-20.0),
+                max: Vec3::splat(20.0),
+            };
+            let from = Viewpoint {
+                camera: &camera,
+                eye: orbit.placement().eye,
+                eye_error: 0.0,
+                bounds: &reach,
+            };
+            let window = |sub: usize| {
+                let (first, last) = ((sub * ROW) as f64, (sub * ROW + ROW - 1) as f64);
+                let (left, top) = camera.across_and_along(first, first);
+                let (right, bottom) = camera.across_and_along(last, last);
+                Window {
+                    across: (left, right),
+                    along: (bottom, top),
+                }
+            };
+            let subs = SubFrusta::new(from, &std::array::from_fn(window));
+            let at = |x: f64, y: f64| {
+                let ray = camera.ray(x, y);
+                let depth = ray.direction.dot(camera.forward());
+                (ray.origin + ray.direction * (6.0 / depth)).as_vec3()
+            };
+            let touched = |min: Vec3, max: Vec3| {
+                let one = Box32 { min, max };
+                subs.touched(Plain, &BoxPair::of([one, one]), 1)
+            };
+            for y in 0..SIDE {
+                for x in 0..SIDE {
+                    let point = at(x as f64, y as f64);
+                    let own = 1 << (y / ROW * SUBS + x / ROW);
+                    assert_eq!(touched(point, point), own, "{x} {y} {projection:?}");
+                }
+            }
+            let between = at(7.5, 3.0);
+            assert_eq!(touched(between, between), 0, "no ray's");
+            let (a, b) = (at(10.0, 12.0), at(21.0, 20.0));
+            let around = touched(a.min(b), a.max(b));
+            assert_eq!(around & 0x0660, 0x0660, "all between its corners");
+            assert_eq!(touched(reach.min, reach.max), 0xffff);
+        }
+    }
+}

@@ -1,0 +1,24 @@
+use super::params::ROW;
+
+/// A box of rays, both ends included.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct RayBox {
+    pub(crate) left: i32,
+    pub(crate) right: i32,
+    pub(crate) top: i32,
+    pub(crate) bottom: i32,
+}
+
+impl RayBox {
+    /// How many rays it holds.
+    #[inline(always)]
+    pub(crate) fn count(self) -> i32 {
+        (self.right - self.left + 1) * (self.bottom - self.top + 1)
+    }
+
+    /// Whether it has no more columns than a row of rays that are looked at together.
+    #[inline(always)]
+    pub(crate) fn is_narrow(self) -> bool {
+        self.right - self.left < ROW as i32
+    }
+}

@@ -1,0 +1,367 @@
+//! Eight triangles set up at once for a block of rays: linear functions of a ray's place in it, with
+//! bounds on their errors.
+//!
+//! All rays of a block share an eye, or a direction. A linear map T takes world space, relative to
+//! the eye, to **block space**, in which the ray in column i and row j runs along (i, j, 1); for
+//! orthographic blocks it starts at (i, j, 0) and runs along (0, 0, 1). There, for a triangle with
+//! corners A, B, C, the edge functions (i, j, 1)·(B×C), (i, j, 1)·(C×A) and (i, j, 1)·(A×B) are linear
+//! in i and j, and so is the inverse of the depth, (i, j, 1)·n / A·n with n = (B−A)×(C−A) (Olano and
+//! Greer, "Triangle Scan Conversion Using 2D Homogeneous Coordinates", 1997). Orthographic blocks use
+//! the corners' (X, Y, 1) in the edge functions, and the depth itself is linear.
+//!
+//! # Error bounds
+//! ε = 2⁻⁵³; all bounds to first order in ε, with constants rounded up by more than the rest.
+//!
+//! * **T.** Perspective: a and b the steps from ray to ray along columns and rows, s their length, d the
+//!   direction at (0, 0), D the target's distance, and B = max(|across| + |along| + D) over the block.
+//!   T is D times the inverse of the matrix (a, b, d), its rows D·(b×d), D·(d×a) and D·(a×b) over the
+//!   determinant s²D: the first two at most K = B/s long, the third 1. Nothing is assumed of how
+//!   perpendicular the camera's axes are, but that they are to 10⁻⁶. Each component of d is off by 6εB,
+//!   a cross product's by 6εsB, the quotient by 3ε of itself: rows are off by 20εK a component (the
+//!   third by 20ε). Orthographic: (a, b, forward), K = 1/s, and the same.
+//! * **Corners.** Relative to the origin they are off by εr + η a coordinate, r the largest coordinate
+//!   and η the origin's own error. Mapped: 3·20εKr from T, 6εKr from products and sums, 2K(εr + η) from
+//!   before: below Kδ with δ = 72(εr + η) for X and Y, and below δ for Z.
+//!   Backwards, r ≤ (2A·s + Z·B)/D, with A the largest |X| or |Y| and Z the largest |Z| (orthographic:
+//!   2A·s + Z).
+//! * **Edge functions.** With W the largest third coordinate (Z, or 1 and exact), m = P×Q has components
+//!   off by 2KδW + 2Aδ + 4εAW in the first two and 4KδA + 4εA² in the third. Moving the function's zero
+//!   to a place in the block rounds twice more. At places up to h:
+//!   E = (A + hW)·(4(K + h)δ + 32εA); orthographic: 4K for 4(K + h), since W is exact.
+//! * **Rays.** A ray's direction is rounded on its way to unit length: 8εB a component, which T makes
+//!   14εK·B/D, and its place on the plane rounds by εK: below 32εK·B/D columns or rows, so that
+//!   edge functions and n are off by that times |m₁| + |m₂|, or |n₁| + |n₂|. Orthographic rays' origins
+//!   round instead, which η includes.
+//! * **The plane.** With L and M the largest differences of corners in X or Y, and in Z:
+//!   (i, j, 1)·n is off by N = (L + hM)·(8(K + h)δ + 16εL);
+//!   A·n by F = (A·M + Z·L)·(16(K + h)δ + 24εL) + 12δ·A·L. Orthographic depths are (A·n − n₁i − n₂j)/n₃,
+//!   whose numerator is off by F with A + h for A, and n₃ by 8KδL + 8εL².
+
+use super::params::{ROW, SIDE};
+use super::ray_box::RayBox;
+use crate::camera::{Camera, Projection};
+use crate::hit::Cull;
+use crate::num::simd::LANES;
+use glam::DVec3;
+
+/// The furthest place from a block's first ray at which functions are evaluated: rows of rays may
+/// stick out.
+const REACH: f64 = (SIDE + ROW) as f64;
+
+/// Half a unit in the last place of 1 in double precision.
+const EPSILON: f64 = f64::EPSILON / 2.0;
+
+/// Error bound of a linear function of the place, evaluated in single precision, as a share of the
+/// sum of its terms' greatest magnitudes, M = |f₀| + |f_x|·w + |f_y|·h.
+///
+/// With u = 2⁻²⁴: the three coefficients are rounded, and moving to a sub-block's corner takes two
+/// products and two sums (7u); a place in a row takes a product and a sum (2u), and the rows below
+/// the first add a step each, [`SIDE`] at most, whose sum is rounded each time (32u). Comparing two
+/// such values takes a sum of each with its bound (2u). 48u covers these and the higher orders.
+const LINEAR_ERROR: f64 = 48.0 / (1u64 << 24) as f64;
+
+/// The rays of a block, as far as triangles are concerned.
+#[derive(Clone, Debug)]
+pub(crate) struct BlockSpace {
+    pub(super) perspective: bool,
+    /// What corners are taken relative to.
+    pub(super) origin: DVec3,
+    /// From there to where the first ray is one deep.
+    pub(super) way: DVec3,
+    /// T's rows.
+    pub(super) map: [DVec3; 3],
+    pub(super) cull: Cull,
+    /// Columns and rows of the block, less one.
+    pub(super) last: (f32, f32),
+    /// K + h, or K for orthographic blocks.
+    stretch_and_reach: f64,
+    /// η.
+    pub(super) origin_error: f64,
+    /// What r is of A and of Z.
+    size: (f64, f64),
+    /// 32εK·B/D; zero for orthographic blocks.
+    pub(super) ray_error: f64,
+    /// B/D; one for orthographic blocks.
+    pub(super) obliqueness: f64,
+}
+
+/// Corner coordinates of eight triangles side by side: a corner's three, then the next one's.
+pub(crate) type CornerLanes = [[f32; LANES]; 9];
+
+/// Triangles set up for a block.
+///
+/// Functions are of the place relative to a triangle's own first ray, (`column`, `row`).
+#[derive(Clone, Debug)]
+pub(crate) struct SetUp {
+    /// Edge functions: at the first ray, from column to column, from row to row. All three are
+    /// positive inside.
+    pub(crate) edges: [[[f32; LANES]; 3]; 3],
+    /// What the edge functions may be off by.
+    pub(crate) edge_error: [f32; LANES],
+    /// How near: inverse depth, or for orthographic blocks depth negated, so that it grows towards
+    /// the eye.
+    pub(crate) nearness: [[f32; LANES]; 3],
+    /// What it may be off by.
+    pub(crate) nearness_error: [f32; LANES],
+    /// The first column and row that the functions are relative to.
+    pub(crate) column: [i32; LANES],
+    pub(crate) row: [i32; LANES],
+    /// The box of rays that may meet the triangle; empty if it is culled.
+    pub(crate) boxes: [RayBox; LANES],
+    /// Seen from its edge, or too badly conditioned: it cannot be told from which side.
+    pub(crate) awkward: [bool; LANES],
+}
+
+impl BlockSpace {
+    /// The block whose first ray goes through (x, y) of the picture, its rays `stride` pixels apart.
+    /// `eye` is the camera's relative to what corners are relative to, off by at most `eye_error`.
+    pub(crate) fn new(
+        camera: &Camera,
+        eye: DVec3,
+        eye_error: f64,
+        (x, y): (f64, f64),
+        stride: f64,
+        (columns, rows): (u32, u32),
+        cull: Cull,
+    ) -> Self {
+        let step = camera.plane().step * stride;
+        let (across, along) = camera.across_and_along(x, y);
+        let reach = (across.abs() + REACH * step) + (along.abs() + REACH * step);
+        let (a, b) = (camera.right() * step, camera.up() * -step);
+        let perspective = camera.projection() == Projection::Perspective;
+        let (d, scale, origin, origin_error) = if perspective {
+            let distance = camera.distance();
+            (camera.direction(x, y), distance, eye, eye_error)
+        } else {
+            let origin = eye + camera.on_plane(x, y);
+            // Each ray's own origin is rounded in world space, and its place on the plane before.
+            let world = camera.placement().eye.abs().max_element()
+                + origin.abs().max_element()
+                + 2.0 * reach;
+            (
+                camera.forward(),
+                1.0,
+                origin,
+                eye_error + 16.0 * EPSILON * world,
+            )
+        };
+        let determinant = a.dot(b.cross(d));
+        let scale = scale / determinant;
+        let map = [b.cross(d) * scale, d.cross(a) * scale, a.cross(b) * scale];
+        let (stretch, size, ray_error, obliqueness) = if perspective {
+            let distance = camera.distance();
+            let greatest = reach + distance;
+            let stretch = greatest / step;
+            let wide = greatest / distance;
+            (
+                stretch,
+                (2.1 * step / distance, 1.1 * wide),
+                32.0 * EPSILON * stretch * wide,
+                wide,
+            )
+        } else {
+            (1.0 / step, (2.1 * step, 1.1), 0.0, 1.0)
+        };
+        Self {
+            perspective,
+            origin,
+            way: if perspective {
+                d / camera.distance()
+            } else {
+                d
+            },
+            map,
+            cull,
+            last: (columns as f32 - 1.0, rows as f32 - 1.0),
+            stretch_and_reach: if perspective {
+                stretch + REACH
+            } else {
+                stretch
+            },
+            origin_error,
+            size,
+            ray_error,
+            obliqueness,
+        }
+    }
+
+    /// Corners in block space.
+    #[inline(always)]
+    fn map(&self, corners: &CornerLanes) -> [[f64; LANES]; 9] {
+        let mut out = [[0.0; LANES]; 9];
+        let [tx, ty, tz] = self.map;
+        let o = self.origin;
+        for corner in 0..3 {
+            for l in 0..LANES {
+                let x = f64::from(corners[3 * corner][l]) - o.x;
+                let y = f64::from(corners[3 * corner + 1][l]) - o.y;
+                let z = f64::from(corners[3 * corner + 2][l]) - o.z;
+                out[3 * corner][l] = x * tx.x + y * tx.y + z * tx.z;
+                out[3 * corner + 1][l] = x * ty.x + y * ty.y + z * ty.z;
+                out[3 * corner + 2][l] = x * tz.x + y * tz.y + z * tz.z;
+            }
+        }
+        out
+    }
+
+    /// δ for corners whose X and Y are at most `reach` and Z at most `depth`.
+    #[inline(always)]
+    fn delta(&self, reach: f64, depth: f64) -> f64 {
+        72.0 * (EPSILON * (reach * self.size.0 + depth * self.size.1) + self.origin_error)
+    }
+
+    /// Sets triangles up, each for the rays of its box.
+    #[inline(always)]
+    pub(crate) fn set_up(&self, corners: &CornerLanes, boxes: &[RayBox; LANES]) -> SetUp {
+        let corners = self.map(corners);
+        let mut out = SetUp {
+            edges: [[[0.0; LANES]; 3]; 3],
+            edge_error: [0.0; LANES],
+            nearness: [[0.0; LANES]; 3],
+            nearness_error: [0.0; LANES],
+            column: [0; LANES],
+            row: [0; LANES],
+            boxes: *boxes,
+            awkward: [false; LANES],
+        };
+        let h = REACH;
+        let kh = self.stretch_and_reach;
+        for l in 0..LANES {
+            let c = |k: usize| corners[k][l];
+            let (ax, ay, az) = (c(0), c(1), c(2));
+            let (bx, by, bz) = (c(3), c(4), c(5));
+            let (cx, cy, cz) = (c(6), c(7), c(8));
+            let (ux, uy, uz) = (bx - ax, by - ay, bz - az);
+            let (vx, vy, vz) = (cx - ax, cy - ay, cz - az);
+            let (nx, ny, nz) = (uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx);
+            let a_n = ax * nx + ay * ny + az * nz;
+
+            let reach = max(max3(ax, bx, cx), max3(ay, by, cy));
+            let depth = max3(az, bz, cz);
+            let delta = self.delta(reach, depth);
+            // Differences of b and c are at most the sum of these.
+            let wide = 2.0 * max(max(ux.abs(), uy.abs()), max(vx.abs(), vy.abs()));
+            let deep = 2.0 * max(uz.abs(), vz.abs());
+            let weight = if self.perspective { depth } else { 1.0 };
+
+            let plane_error = |reach: f64| {
+                (reach * deep + depth * wide) * (16.0 * kh * delta + 24.0 * EPSILON * wide)
+                    + 12.0 * delta * reach * wide
+            };
+            let (facing, facing_error, numerator_error) = if self.perspective {
+                (
+                    a_n,
+                    plane_error(reach),
+                    (wide + h * deep) * (8.0 * kh * delta + 16.0 * EPSILON * wide)
+                        + self.ray_error * (nx.abs() + ny.abs()),
+                )
+            } else {
+                (
+                    nz,
+                    8.0 * (kh * delta + EPSILON * wide) * wide,
+                    plane_error(reach + h),
+                )
+            };
+            let sign = if facing < 0.0 { -1.0 } else { 1.0 };
+            // Written so that NaN is awkward.
+            let clear = facing.abs() > 4.0 * facing_error;
+            let culled = (self.cull == Cull::Back) & clear & (facing > 0.0);
+
+            // Where the functions begin: at the box's left, or for wide boxes at a whole multiple
+            // of a row.
+            let RayBox {
+                left,
+                right,
+                top,
+                bottom,
+            } = boxes[l];
+            let narrow = boxes[l].is_narrow();
+            let most = (SIDE - ROW) as i32;
+            let column = if narrow {
+                if left < most { left } else { most }
+            } else {
+                left & !(ROW as i32 - 1)
+            };
+            let row = if narrow { top } else { top & !(ROW as i32 - 1) };
+            let (i, j) = (f64::from(column), f64::from(row));
+            let across = f64::from(right - column + ROW as i32);
+            let along = f64::from(bottom - row + ROW as i32);
+            out.column[l] = column;
+            out.row[l] = row;
+            out.boxes[l].right = if culled { -1 } else { right };
+
+            let (aw, bw, cw) = if self.perspective {
+                (az, bz, cz)
+            } else {
+                (1.0, 1.0, 1.0)
+            };
+            let edge = |px: f64, py: f64, pw: f64, qx: f64, qy: f64, qw: f64| {
+                let x = (py * qw - pw * qy) * sign;
+                let y = (pw * qx - px * qw) * sign;
+                let constant = (px * qy - py * qx) * sign;
+                (constant + x * i + y * j, x, y)
+            };
+            let (e0, e1, e2) = (
+                edge(bx, by, bw, cx, cy, cw),
+                edge(cx, cy, cw, ax, ay, aw),
+                edge(ax, ay, aw, bx, by, bw),
+            );
+            let size = |(c, x, y): (f64, f64, f64)| c.abs() + x.abs() * across + y.abs() * along;
+            let magnitude = max(max(size(e0), size(e1)), size(e2));
+            let slope = |(_, x, y): (f64, f64, f64)| x.abs() + y.abs();
+            let steepest = max(max(slope(e0), slope(e1)), slope(e2));
+            let edge_error = (reach + h * weight) * (4.0 * kh * delta + 32.0 * EPSILON * reach)
+                + self.ray_error * steepest;
+            let unit = 1.0 / magnitude;
+            let edge_error = (edge_error * unit + LINEAR_ERROR) * 1.001;
+            out.edge_error[l] = edge_error as f32;
+            out.edges[0][0][l] = (e0.0 * unit) as f32;
+            out.edges[0][1][l] = (e0.1 * unit) as f32;
+            out.edges[0][2][l] = (e0.2 * unit) as f32;
+            out.edges[1][0][l] = (e1.0 * unit) as f32;
+            out.edges[1][1][l] = (e1.1 * unit) as f32;
+            out.edges[1][2][l] = (e1.2 * unit) as f32;
+            out.edges[2][0][l] = (e2.0 * unit) as f32;
+            out.edges[2][1][l] = (e2.1 * unit) as f32;
+            out.edges[2][2][l] = (e2.2 * unit) as f32;
+
+            let inverse = 1.0 / facing;
+            let (n0, n1, n2) = if self.perspective {
+                ((nz + nx * i + ny * j) * inverse, nx * inverse, ny * inverse)
+            } else {
+                (
+                    (nx * i + ny * j - a_n) * inverse,
+                    nx * inverse,
+                    ny * inverse,
+                )
+            };
+            let spread = n0.abs() + n1.abs() * across + n2.abs() * along;
+            let relative = facing_error * inverse.abs();
+            let nearness_error =
+                spread * (LINEAR_ERROR + 2.0 * relative) + 2.0 * numerator_error * inverse.abs();
+            out.nearness[0][l] = n0 as f32;
+            out.nearness[1][l] = n1 as f32;
+            out.nearness[2][l] = n2 as f32;
+            out.nearness_error[l] = (nearness_error * 1.001) as f32 + f32::MIN_POSITIVE;
+            // What leaves single precision, or was never a number, is awkward too.
+            let sound = (magnitude < f64::INFINITY)
+                & (magnitude > 0.0)
+                & (edge_error < 1.0)
+                & (nearness_error < f64::from(f32::MAX))
+                & (spread < f64::from(f32::MAX));
+            out.awkward[l] = !(clear & sound);
+        }
+        out
+    }
+}
+
+#[inline(always)]
+fn max(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// The greatest magnitude of three.
+#[inline(always)]
+fn max3(a: f64, b: f64, c: f64) -> f64 {
+    max(max(a.abs(), b.abs()), c.abs())
+}

@@ -1,0 +1,537 @@
+use super::{Format, ImageError, Picture, exr, png};
+use crate::camera::{PIXEL_LIMIT, Rect};
+use std::fmt;
+use std::str::FromStr;
+
+/// A tile in a file of its own, with what is needed to stitch it back.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fragment {
+    /// Columns and rows of the full picture.
+    pub full_size: (u32, u32),
+    /// The fragment's place in it.
+    pub rect: Rect,
+    /// Names the view: fragments of different cameras or scenes do not stitch.
+    pub view: u64,
+    /// The rectangle's own pixels, and layers if it has them.
+    pub picture: Picture,
+}
+
+/// Why fragments cannot be read or stitched.
+#[derive(Debug, thiserror::Error)]
+pub enum FragmentError {
+    /// Not a fragment at all, or a damaged one.
+    #[error(
+        "{name}: expected a fragment (a PNG or EXR that `raycast render --sub-camera` wrote): {reason}"
+    )]
+    NotAFragment {
+        /// The file's name.
+        name: String,
+        /// What was found instead.
+        reason: String,
+    },
+    /// Nothing to stitch.
+    #[error("there are no fragments to stitch")]
+    None,
+    /// A fragment of another picture.
+    #[error("{name} does not belong with {first}: {reason}")]
+    Different {
+        /// The file's name.
+        name: String,
+        /// The name of the first file.
+        first: String,
+        /// What differs.
+        reason: String,
+    },
+    /// Two fragments in one place.
+    #[error("{name} and {other} both hold pixel ({x}, {y})")]
+    Overlap {
+        /// The file's name.
+        name: String,
+        /// The name of the file that came before it.
+        other: String,
+        /// The first column that both hold.
+        x: u32,
+        /// The first row that both hold.
+        y: u32,
+    },
+    /// Pixels that no fragment holds.
+    #[error(
+        "{missing} of {width} x {height} pixels are in no fragment, the first of them at ({x}, {y}), up to column {right} of that row: a fragment that starts there is missing"
+    )]
+    Gap {
+        /// How many pixels are missing.
+        missing: u64,
+        /// Columns of the full picture.
+        width: u32,
+        /// Rows of the full picture.
+        height: u32,
+        /// The column of the first missing pixel.
+        x: u32,
+        /// The row of the first missing pixel.
+        y: u32,
+        /// The last column of that row before the next pixel that some fragment holds.
+        right: u32,
+    },
+}
+
+impl Fragment {
+    /// The bytes of a PNG (a text chunk tells its place) or an EXR (its data window does) file.
+    ///
+    /// # Errors
+    /// Other kinds of file, which cannot hold a fragment; a rectangle that leaves the full picture;
+    /// whatever the encoder refuses.
+    pub fn encode(&self, format: Format) -> Result<Vec<u8>, ImageError> {
+        self.picture.check()?;
+        let place = Place {
+            full_size: self.full_size,
+            rect: self.rect,
+            view: self.view,
+        };
+        place.check(&self.picture).map_err(ImageError::Encode)?;
+        match format {
+            Format::Png => png::encode(&self.picture, Some(&place)),
+            Format::Exr => exr::encode(&self.picture, Some(&place)),
+            Format::Ppm | Format::Jpeg => Err(ImageError::NotForFragments),
+        }
+    }
+
+    /// Reads what [`Fragment::encode`] made. `name` is for the error.
+    ///
+    /// # Errors
+    /// Bytes that are no fragment.
+    pub fn decode(name: &str, bytes: &[u8]) -> Result<Self, FragmentError> {
+        let not_a_fragment = |reason: String| FragmentError::NotAFragment {
+            name: name.to_owned(),
+            reason,
+        };
+        let decoded = if bytes.starts_with(b"\x89PNG") {
+            png::decode(bytes)
+        } else if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+            exr::decode(bytes)
+        } else {
+            return Err(not_a_fragment("it is neither PNG nor EXR".to_owned()));
+        };
+        let (picture, place) = decoded.map_err(|error| not_a_fragment(error.to_string()))?;
+        let place = place.ok_or_else(|| {
+            not_a_fragment("it does not tell its place in a larger picture".to_owned())
+        })?;
+        place.check(&picture).map_err(not_a_fragment)?;
+        Ok(Self {
+            full_size: place.full_size,
+            rect: place.rect,
+            view: place.view,
+            picture,
+        })
+    }
+}
+
+/// Puts named fragments together into the picture that the full camera would have made.
+///
+/// # Errors
+/// None at all, views that differ, parts that are missing, or that overlap.
+pub fn stitch(fragments: &[(String, Fragment)]) -> Result<Picture, FragmentError> {
+    let Some((first_name, first)) = fragments.first() else {
+        return Err(FragmentError::None);
+    };
+    for (name, fragment) in fragments {
+        if let Some(reason) = difference(first, fragment) {
+            return Err(FragmentError::Different {
+                name: name.clone(),
+                first: first_name.clone(),
+                reason,
+            });
+        }
+        fits(fragment).map_err(|reason| FragmentError::NotAFragment {
+            name: name.clone(),
+            reason,
+        })?;
+    }
+    for (index, (name, fragment)) in fragments.iter().enumerate() {
+        for (other, before) in &fragments[..index] {
+            if let Some((x, y)) = overlap(fragment.rect, before.rect) {
+                return Err(FragmentError::Overlap {
+                    name: name.clone(),
+                    other: other.clone(),
+                    x,
+                    y,
+                });
+            }
+        }
+    }
+    let (width, height) = first.full_size;
+    let held: u64 = fragments
+        .iter()
+        .map(|(_, fragment)| fragment.rect.area() as u64)
+        .sum();
+    let missing = u64::from(width) * u64::from(height) - held;
+    if missing > 0 {
+        let (x, y, right) = first_gap(first.full_size, fragments);
+        return Err(FragmentError::Gap {
+            missing,
+            width,
+            height,
+            x,
+            y,
+            right,
+        });
+    }
+    let mut picture = Picture::blank(width, height, first.picture.layers.is_some());
+    for (name, fragment) in fragments {
+        let (pixels, layers) = (&fragment.picture.pixels, fragment.picture.layers.as_ref());
+        if !picture.place(fragment.rect, pixels, layers) {
+            return Err(FragmentError::NotAFragment {
+                name: name.clone(),
+                reason: "its pixels do not fill its rectangle".to_owned(),
+            });
+        }
+    }
+    Ok(picture)
+}
+
+/// Why two fragments are not of one picture.
+fn difference(first: &Fragment, fragment: &Fragment) -> Option<String> {
+    let ((width, height), (columns, rows)) = (first.full_size, fragment.full_size);
+    if (width, height) != (columns, rows) {
+        return Some(format!(
+            "it is part of a picture of {columns} x {rows}, not {width} x {height}"
+        ));
+    }
+    if first.view != fragment.view {
+        return Some("it shows another view (camera, scene or settings)".to_owned());
+    }
+    match (&first.picture.layers, &fragment.picture.layers) {
+        (Some(_), None) => Some("it has no layers".to_owned()),
+        (None, Some(_)) => Some("it has layers".to_owned()),
+        _ => None,
+    }
+}
+
+/// Whether a fragment lies in its full picture.
+fn fits(fragment: &Fragment) -> Result<(), String> {
+    Place {
+        full_size: fragment.full_size,
+        rect: fragment.rect,
+        view: fragment.view,
+    }
+    .check(&fragment.picture)
+}
+
+/// The first pixel that two rectangles share.
+fn overlap(a: Rect, b: Rect) -> Option<(u32, u32)> {
+    let (x, y) = (a.x.max(b.x), a.y.max(b.y));
+    let shared = x < a.right().min(b.right()) && y < a.bottom().min(b.bottom());
+    shared.then_some((x, y))
+}
+
+/// The first pixel, row by row, that no fragment holds, and the last column of that gap in its row.
+fn first_gap((width, height): (u32, u32), fragments: &[(String, Fragment)]) -> (u32, u32, u32) {
+    // What a row holds changes only where a rectangle begins or ends.
+    let mut rows: Vec<u32> = fragments
+        .iter()
+        .flat_map(|(_, fragment)| [fragment.rect.y, fragment.rect.bottom()])
+        .chain([0])
+        .filter(|&row| row < height)
+        .collect();
+    rows.sort_unstable();
+    for y in rows {
+        let mut spans: Vec<(u32, u32)> = fragments
+            .iter()
+            .map(|(_, fragment)| fragment.rect)
+            .filter(|rect| rect.y <= y && y < rect.bottom())
+            .map(|rect| (rect.x, rect.right()))
+            .chain([(width, width)])
+            .collect();
+        spans.sort_unstable();
+        let mut x = 0;
+        for (left, right) in spans {
+            if left > x {
+                return (x, y, left - 1);
+            }
+            x = right;
+        }
+    }
+    (0, 0, 0)
+}
+
+/// A fragment's place, as its file tells it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Place {
+    pub(super) full_size: (u32, u32),
+    pub(super) rect: Rect,
+    pub(super) view: u64,
+}
+
+impl Place {
+    /// Whether the place is inside the full picture and has the picture's size.
+    fn check(&self, picture: &Picture) -> Result<(), String> {
+        let (columns, rows) = self.full_size;
+        let Rect {
+            x,
+            y,
+            width,
+            height,
+        } = self.rect;
+        if (width, height) != (picture.width, picture.height) {
+            return Err(format!(
+                "its place is {width} x {height}, but it has {} x {} pixels",
+                picture.width, picture.height
+            ));
+        }
+        let inside = u64::from(x) + u64::from(width) <= u64::from(columns)
+            && u64::from(y) + u64::from(height) <= u64::from(rows);
+        if !inside || u64::from(columns) * u64::from(rows) > PIXEL_LIMIT {
+            return Err(format!(
+                "{width} x {height} pixels at ({x}, {y}) are not in a picture of {columns} x {rows}"
+            ));
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Place {
+    /// `full 1280 720 rect 64 0 64 64 view 0123456789abcdef`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (columns, rows) = self.full_size;
+        let Rect {
+            x,
+            y,
+            width,
+            height,
+        } = self.rect;
+        write!(
+            f,
+            "full {columns} {rows} rect {x} {y} {width} {height} view {:016x}",
+            self.view
+        )
+    }
+}
+
+impl FromStr for Place {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || format!("its place reads {text:?}");
+        let words: Vec<&str> = text.split(' ').collect();
+        let [
+            "full",
+            columns,
+            rows,
+            "rect",
+            x,
+            y,
+            width,
+            height,
+            "view",
+            view,
+        ] = words[..]
+        else {
+            return Err(expected());
+        };
+        let number = |word: &str| word.parse::<u32>().map_err(|_| expected());
+        Ok(Self {
+            full_size: (number(columns)?, number(rows)?),
+            rect: Rect {
+                x: number(x)?,
+                y: number(y)?,
+                width: number(width)?,
+                height: number(height)?,
+            },
+            view: u64::from_str_radix(view, 16).map_err(|_| expected())?,
+        })
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::camera::Grid;
+    use crate::picture::Layers;
+    use crate::shade;
+
+    /// A picture with something of everything: every channel differs from pixel to pixel, some
+    /// pixels are misses, some half transparent.
+    pub(in crate::picture) fn sample_picture(width: u32, height: u32, layers: bool) -> Picture {
+        let mut picture = Picture::blank(width, height, true);
+        if let Some(all) = &mut picture.layers {
+            fill(all);
+            for (pixel, color) in picture.pixels.iter_mut().zip(&all.color) {
+                *pixel = shade::encode_premultiplied(*color);
+            }
+        }
+        if !layers {
+            picture.layers = None;
+        }
+        picture
+    }
+
+    fn fill(layers: &mut Layers) {
+        for i in 0..layers.depth.len() {
+            if i % 5 == 0 {
+                continue;
+            }
+            let value = |salt: u32| {
+                let bits = (i as u32 + salt).wrapping_mul(0x9e37_79b9) >> 8;
+                bits as f32 / (1 << 24) as f32
+            };
+            let alpha = if i % 3 == 0 { value(1) } else { 1.0 };
+            layers.color[i] = [value(2) * alpha, value(3) * alpha, value(4) * alpha, alpha];
+            layers.depth[i] = value(5) * 1e3;
+            layers.object[i] = i as u32;
+            layers.triangle[i] = u32::MAX - i as u32;
+            layers.normal[i] = [value(6) - 0.5, value(7) - 0.5, value(8) - 0.5];
+            layers.uv[i] = [value(9) * 10.0, -value(10)];
+        }
+    }
+
+    fn cut<T: Copy>(values: &[T], width: u32, rect: Rect) -> Vec<T> {
+        (rect.y..rect.bottom())
+            .flat_map(|y| (rect.x..rect.right()).map(move |x| values[(y * width + x) as usize]))
+            .collect()
+    }
+
+    /// The fragments of a picture, encoded and decoded again.
+    fn fragments(picture: &Picture, grid: Grid, format: Format) -> Vec<(String, Fragment)> {
+        let width = picture.width;
+        grid.tiles(width, picture.height)
+            .into_iter()
+            .enumerate()
+            .map(|(index, rect)| {
+                let fragment = Fragment {
+                    full_size: (width, picture.height),
+                    rect,
+                    view: 0xfedc_ba98_7654_3210,
+                    picture: Picture {
+                        width: rect.width,
+                        height: rect.height,
+                        pixels: cut(&picture.pixels, width, rect),
+                        layers: picture.layers.as_ref().map(|layers| Layers {
+                            color: cut(&layers.color, width, rect),
+                            depth: cut(&layers.depth, width, rect),
+                            object: cut(&layers.object, width, rect),
+                            triangle: cut(&layers.triangle, width, rect),
+                            normal: cut(&layers.normal, width, rect),
+                            uv: cut(&layers.uv, width, rect),
+                        }),
+                    },
+                };
+                let name = format!("part-{index}");
+                let bytes = fragment.encode(format).expect("encodes");
+                let back = Fragment::decode(&name, &bytes).expect("decodes");
+                assert_eq!(back, fragment);
+                (name, back)
+            })
+            .collect()
+    }
+
+    fn three_by_two() -> Grid {
+        Grid::Count {
+            columns: 3,
+            rows: 2,
+        }
+    }
+
+    #[test]
+    fn stitched_equals_whole() {
+        for (format, layers) in [(Format::Png, false), (Format::Exr, true)] {
+            let whole = sample_picture(37, 29, layers);
+            for grid in [Grid::Size(8), Grid::Size(100), three_by_two()] {
+                let mut parts = fragments(&whole, grid, format);
+                parts.reverse();
+                let stitched = stitch(&parts).expect("stitches");
+                assert_eq!(stitched, whole);
+                assert_eq!(
+                    stitched.encode(format).expect("encodes"),
+                    whole.encode(format).expect("encodes")
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_named() {
+        let whole = sample_picture(12, 10, false);
+        let parts = fragments(&whole, three_by_two(), Format::Png);
+        let told = |parts: &[(String, Fragment)]| {
+            stitch(parts).expect_err("cannot be stitched").to_string()
+        };
+        assert_eq!(told(&[]), "there are no fragments to stitch");
+
+        let mut gap = parts.clone();
+        gap.remove(4);
+        let message = told(&gap);
+        assert!(
+            message.contains("20 of 12 x 10") && message.contains("(4, 5), up to column 7"),
+            "{message}"
+        );
+
+        let mut twice = parts.clone();
+        twice.push(("again".to_owned(), parts[5].1.clone()));
+        assert_eq!(told(&twice), "again and part-5 both hold pixel (8, 5)");
+
+        let mut other_view = parts.clone();
+        other_view[2].1.view = 1;
+        assert!(
+            told(&other_view)
+                .starts_with("part-2 does not belong with part-0: it shows another view")
+        );
+
+        let mut other_size = parts.clone();
+        other_size[1].1.full_size = (13, 10);
+        assert!(told(&other_size).contains("part of a picture of 13 x 10, not 12 x 10"));
+
+        let mut with_layers = parts.clone();
+        with_layers[3].1.picture.layers = Some(Layers::blank(20));
+        assert!(told(&with_layers).contains("part-3 does not belong with part-0: it has layers"));
+
+        let mut outside = parts;
+        outside[5].1.rect.x = 11;
+        assert!(told(&outside).starts_with("part-5: expected a fragment"));
+    }
+
+    #[test]
+    fn only_fragments_are_read() {
+        let told = |bytes: &[u8]| {
+            Fragment::decode("file", bytes)
+                .expect_err("not a fragment")
+                .to_string()
+        };
+        assert!(told(b"").contains("neither PNG nor EXR"));
+        let picture = sample_picture(4, 4, true);
+        for format in [Format::Png, Format::Exr] {
+            let bytes = picture.encode(format).expect("encodes");
+            assert!(
+                told(&bytes).contains("does not tell its place"),
+                "{format:?}"
+            );
+            assert!(told(&bytes[..bytes.len() / 2]).starts_with("file: expected a fragment"));
+        }
+        let (_, fragment) = fragments(&picture, Grid::Size(2), Format::Exr).remove(3);
+        for format in [Format::Ppm, Format::Jpeg] {
+            let error = fragment.encode(format).expect_err("no place for a place");
+            assert!(error.to_string().starts_with("fragments are PNG or EXR"));
+        }
+    }
+
+    #[test]
+    fn places_come_back() {
+        let place = Place {
+            full_size: (65_536, 1),
+            rect: Rect {
+                x: 1,
+                y: 0,
+                width: 7,
+                height: 1,
+            },
+            view: u64::MAX,
+        };
+        assert_eq!(place.to_string().parse(), Ok(place));
+        for bad in [
+            "",
+            "full 1 2",
+            "full 1 2 rect 0 0 1 1 view ",
+            "full -1 2 rect 0 0 1 1 view 0",
+        ] {
+            assert!(bad.parse::<Place>().is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! One ray through the tree.
+
+use super::slab::SlabRay;
+use crate::bvh::Accel;
+use crate::bvh::tree::{DEPTH_LIMIT, Subtree};
+use crate::triangle::{Nearest, PreparedRay};
+
+/// The nearest hit: children from near to far, those beyond the nearest hit so far left out.
+pub(crate) fn nearest(accel: &Accel, ray: &PreparedRay) -> Nearest {
+    let mut nearest = Nearest::NONE;
+    let tree = &accel.tree;
+    let Some(mut subtree) = tree.root else {
+        return nearest;
+    };
+    let slab = SlabRay::new(ray, &tree.bounds);
+    let mut limit = SlabRay::limit(ray, ray.ray.t_max, 0.0);
+    let mut stack = [(Subtree::default(), 0.0f32); DEPTH_LIMIT];
+    let mut depth = 0;
+    loop {
+        if let Some(index) = subtree.node() {
+            let node = &tree.nodes[index as usize];
+            let [(near_a, meets_a), (near_b, meets_b)] = slab.enter(&node.boxes, limit);
+            let [a, b] = node.children(index);
+            match (meets_a, meets_b) {
+                (true, true) => {
+                    let (first, second) = if near_b < near_a {
+                        ((b, near_b), (a, near_a))
+                    } else {
+                        ((a, near_a), (b, near_b))
+                    };
+                    stack[depth] = second;
+                    depth += 1;
+                    subtree = first.0;
+                    continue;
+                }
+                (true, false) => {
+                    subtree = a;
+                    continue;
+                }
+                (false, true) => {
+                    subtree = b;
+                    continue;
+                }
+                (false, false) => {}
+            }
+        } else {
+            for slot in subtree.slots() {
+                accel.meet(ray, slot, &mut nearest);
+            }
+            if !nearest.is_miss() {
+                limit = SlabRay::limit(ray, nearest.t, nearest.t_error);
+            }
+        }
+        // A box that begins beyond the limit holds nothing nearer; one that begins at it may tie.
+        loop {
+            if depth == 0 {
+                return nearest;
+            }
+            depth -= 1;
+            let (next, near) = stack[depth];
+            if near <= limit {
+                subtree = next;
+                break;
+            }
+        }
+    }
+}

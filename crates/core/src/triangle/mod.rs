@@ -1,0 +1,9 @@
+//! One triangle and rays: which meet it, where, and which of two triangles is nearer, decided exactly.
+
+pub(crate) mod exact;
+pub(crate) mod interpolate;
+mod nearest;
+mod watertight;
+
+pub(crate) use nearest::Nearest;
+pub(crate) use watertight::PreparedRay;

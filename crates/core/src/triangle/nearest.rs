@@ -1,0 +1,50 @@
+use crate::hit::{MISS, SlotHit};
+
+/// The nearest hit so far, with a bound on its parameter's error.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Nearest {
+    /// The triangle's slot, or [`MISS`].
+    pub(crate) slot: u32,
+    /// The ray's parameter; infinity at a miss.
+    pub(crate) t: f64,
+    /// How far it may be off.
+    pub(crate) t_error: f64,
+    /// Weight of the second corner.
+    pub(crate) u: f64,
+    /// Weight of the third corner.
+    pub(crate) v: f64,
+}
+
+impl Nearest {
+    /// Nothing met yet.
+    pub(crate) const NONE: Self = Self {
+        slot: MISS,
+        t: f64::INFINITY,
+        t_error: 0.0,
+        u: 0.0,
+        v: 0.0,
+    };
+
+    pub(crate) fn is_miss(&self) -> bool {
+        self.slot == MISS
+    }
+
+    /// Whether the errors leave no doubt that this hit is the nearer one.
+    pub(crate) fn is_surely_before(&self, other: &Self) -> bool {
+        // The sums round too, by less than either bound's own slack of a few per cent.
+        self.t + self.t_error < other.t - other.t_error
+    }
+
+    /// The hit in single precision.
+    pub(crate) fn to_slot_hit(self) -> SlotHit {
+        if self.is_miss() {
+            return SlotHit::NONE;
+        }
+        SlotHit {
+            slot: self.slot,
+            t: self.t as f32,
+            u: self.u as f32,
+            v: self.v as f32,
+        }
+    }
+}

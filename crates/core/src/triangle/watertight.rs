@@ -1,0 +1,404 @@
+//! One ray against one triangle: rounded arithmetic where it is sure, exact where it is not.
+//!
+//! The ray is sheared so that it becomes the axis along which its direction is longest; inside or
+//! outside is then three signs in two dimensions (Woop, Benthin, Wald, "Watertight Ray/Triangle
+//! Intersection", JCGT 2013). Theirs are exact for the sheared, rounded vertices; these are exact for
+//! the vertices and the ray as given: each sign and each order of depth comes with a bound on its
+//! error, and what the bound leaves open goes to [`ExactHit`] (after Shewchuk, "Adaptive Precision
+//! Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997).
+
+use super::Nearest;
+use super::exact::ExactHit;
+use crate::hit::{Cull, Precision};
+use crate::ray::Ray;
+use glam::{DVec3, Vec3};
+use std::cell::Cell;
+use std::cmp::Ordering;
+
+/// Half a unit in the last place of 1: the relative error of one rounded operation.
+const EPSILON: f64 = f64::EPSILON / 2.0;
+
+/// A ray made ready for many triangles.
+#[derive(Clone, Debug)]
+pub(crate) struct PreparedRay {
+    /// The ray as given, in world space.
+    pub(crate) ray: Ray,
+    /// What corners are relative to, in world space.
+    frame: DVec3,
+    /// The ray's origin relative to that, rounded.
+    pub(crate) origin: DVec3,
+    /// How far each of its coordinates may be off.
+    pub(crate) origin_error: f64,
+    /// The axis along which the direction is longest.
+    pub(crate) major: usize,
+    /// `direction[axis] / direction[major]` of the next axis and the one after; at most 1.
+    shear: [f64; 2],
+    /// The direction along the major axis.
+    pub(crate) advance: f64,
+    /// Whether back faces are left out.
+    cull: Cull,
+    /// Whether what doubles leave open is decided exactly, or by their rounded values.
+    precision: Precision,
+    /// Whether anything so far had to be decided exactly.
+    was_exact: Cell<bool>,
+}
+
+/// What one triangle says to one ray.
+enum Verdict {
+    Miss,
+    Hit(Nearest),
+    /// Too close to call in doubles.
+    Open,
+}
+
+impl PreparedRay {
+    /// Prepares a ray for triangles whose corners are relative to `frame`. `None` if the ray is not
+    /// valid.
+    pub(crate) fn new(ray: &Ray, frame: DVec3, cull: Cull, precision: Precision) -> Option<Self> {
+        if !ray.is_valid() {
+            return None;
+        }
+        let origin = ray.origin - frame;
+        // Nothing is rounded where nothing is subtracted.
+        let off = frame != DVec3::ZERO;
+        let origin_error = if off {
+            origin.abs().max_element() * EPSILON
+        } else {
+            0.0
+        };
+        let DVec3 { x, y, z } = ray.direction;
+        let major = major_axis(x, y, z);
+        let d = ray.direction.to_array();
+        let advance = d[major];
+        let [kx, ky, _] = axes(major);
+        let shear = [d[kx] / advance, d[ky] / advance];
+        Some(Self {
+            ray: *ray,
+            frame,
+            origin,
+            origin_error,
+            major,
+            shear,
+            advance,
+            cull,
+            precision,
+            was_exact: Cell::new(false),
+        })
+    }
+
+    /// Whether doubles were not enough for the triangles met so far.
+    pub(crate) fn was_exact(&self) -> bool {
+        self.was_exact.get()
+    }
+
+    /// Meets the triangle in `slot` if it is nearer than `nearest`, or as near with a lower
+    /// number; `number` tells a slot's.
+    pub(crate) fn meet(
+        &self,
+        slot: u32,
+        corners: impl Fn(u32) -> [Vec3; 3],
+        number: impl Fn(u32) -> u32,
+        nearest: &mut Nearest,
+    ) {
+        let candidate = match self.judge(slot, corners(slot)) {
+            Verdict::Miss => return,
+            Verdict::Hit(hit) => hit,
+            Verdict::Open => match self.settle(slot, corners(slot)) {
+                Some(hit) => hit,
+                None => return,
+            },
+        };
+        if nearest.is_miss() || candidate.is_surely_before(nearest) {
+            *nearest = candidate;
+        } else if !nearest.is_surely_before(&candidate) {
+            let order = self.compare(&candidate, nearest, corners);
+            let wins = order == Ordering::Less
+                || order == Ordering::Equal && number(slot) < number(nearest.slot);
+            if wins {
+                *nearest = candidate;
+            }
+        }
+    }
+
+    /// The hit at a triangle that doubles leave open, if there is one.
+    fn settle(&self, slot: u32, corners: [Vec3; 3]) -> Option<Nearest> {
+        match self.precision {
+            Precision::Exact => {
+                self.was_exact.set(true);
+                ExactHit::new(&self.ray, corners, self.frame, self.cull)
+                    .map(|hit| hit.rounded(slot))
+            }
+            Precision::Fast => self.guess(slot, corners),
+        }
+    }
+
+    /// Which of two hits is nearer, where their errors leave a doubt.
+    fn compare(
+        &self,
+        candidate: &Nearest,
+        nearest: &Nearest,
+        corners: impl Fn(u32) -> [Vec3; 3],
+    ) -> Ordering {
+        if self.precision == Precision::Fast {
+            return candidate.t.total_cmp(&nearest.t);
+        }
+        if same_corners(corners(candidate.slot), corners(nearest.slot)) {
+            return Ordering::Equal;
+        }
+        self.was_exact.set(true);
+        let exact = |slot| ExactHit::new(&self.ray, corners(slot), self.frame, self.cull);
+        match (exact(candidate.slot), exact(nearest.slot)) {
+            (Some(candidate), Some(nearest)) => candidate.compare(&nearest),
+            // Both were decided to be hits, so both are.
+            _ => Ordering::Greater,
+        }
+    }
+
+    /// The hit at a triangle that the ray is known to meet.
+    pub(crate) fn evaluate(&self, slot: u32, corners: [Vec3; 3]) -> Nearest {
+        match self.judge(slot, corners) {
+            Verdict::Hit(hit) => hit,
+            _ => self.settle(slot, corners).unwrap_or(Nearest::NONE),
+        }
+    }
+
+    /// A triangle's edge functions for this ray.
+    fn edges(&self, corners: [Vec3; 3]) -> Edges {
+        let relative = corners.map(|corner| corner.as_dvec3() - self.origin);
+        let [x, y, z] = axes(self.major).map(|axis| relative.map(|corner| corner[axis]));
+        Edges::new(x, y, z, self.shear, self.origin_error)
+    }
+
+    /// Whether a triangle with these edge functions shows its back: it is seen along the major
+    /// axis, so its turning sense is the sign of the determinant, against the way that the ray runs
+    /// along the axis.
+    fn is_culled(&self, edges: &Edges) -> bool {
+        self.cull == Cull::Back && (edges.determinant > 0.0) != (self.advance > 0.0)
+    }
+
+    /// What doubles make of a triangle if their rounding is taken at its word.
+    fn guess(&self, slot: u32, corners: [Vec3; 3]) -> Option<Nearest> {
+        let edges = self.edges(corners);
+        let inside =
+            edges.functions.iter().all(|&f| f >= 0.0) || edges.functions.iter().all(|&f| f <= 0.0);
+        if !inside || edges.determinant == 0.0 || self.is_culled(&edges) {
+            return None;
+        }
+        let Point { t, u, v, .. } = edges.point(self.advance);
+        (self.ray.t_min <= t && t <= self.ray.t_max).then_some(Nearest {
+            slot,
+            t,
+            t_error: 0.0,
+            u,
+            v,
+        })
+    }
+
+    /// Decides in doubles, or leaves open what they cannot.
+    fn judge(&self, slot: u32, corners: [Vec3; 3]) -> Verdict {
+        let edges = self.edges(corners);
+        if edges.surely_outside() {
+            return Verdict::Miss;
+        }
+        if !edges.surely_inside() {
+            return Verdict::Open;
+        }
+        if self.is_culled(&edges) {
+            return Verdict::Miss;
+        }
+        let point = edges.point(self.advance);
+        if !point.is_single() {
+            return Verdict::Open;
+        }
+        let Point { t, t_error, u, v } = point;
+        let Ray { t_min, t_max, .. } = self.ray;
+        if t + t_error < t_min || t - t_error > t_max {
+            return Verdict::Miss;
+        }
+        if t - t_error < t_min || t + t_error > t_max {
+            return Verdict::Open;
+        }
+        Verdict::Hit(Nearest {
+            slot,
+            t,
+            t_error,
+            u,
+            v,
+        })
+    }
+}
+
+/// The axes in turn, the major one last.
+pub(super) const fn axes(major: usize) -> [usize; 3] {
+    [(major + 1) % 3, (major + 2) % 3, major]
+}
+
+/// The axis along which a direction is longest.
+#[inline(always)]
+pub(super) fn major_axis(x: f64, y: f64, z: f64) -> usize {
+    let (x, y, z) = (x.abs(), y.abs(), z.abs());
+    if (z >= x) & (z >= y) {
+        2
+    } else if y >= x {
+        1
+    } else {
+        0
+    }
+}
+
+/// A triangle's edge functions for one ray, in doubles.
+///
+/// Error bounds, with ε = 2⁻⁵³, m the largest coordinate of the corners relative to the ray's
+/// origin, and η the error of that origin:
+///
+/// * A corner relative to the origin has an error of at most εm + η a coordinate, a shear factor
+///   of ε (and is at most 1), so their product 3εm + η, and a sheared coordinate, with one more
+///   subtraction of numbers up to m each, 2·εm + 4·εm + 2η. With higher orders:
+///   δ = 8εm + 3η.
+/// * An edge function `cx·by − cy·bx` of coordinates within δ is off by
+///   δ(|cx| + |by| + |cy| + |bx|) + 2δ², and by 2ε(|cx·by| + |cy·bx|) from its own rounding,
+///   which is below half the first term since |cx| ≤ 2m. Summed over all corners:
+///   E = 2δ(Σ|x| + Σ|y| + δ).
+/// * The depth is the mean of the corners' depths z by the edge functions. Errors of E in the
+///   functions move it by at most 3E·(max z − min z)/|D|, D their sum, since it lies between
+///   them; its own rounding, and that of the depths, is below 10εm + η. With higher orders:
+///   4E·(max z − min z)/|D| + 2δ.
+#[derive(Clone, Copy)]
+pub(super) struct Edges {
+    functions: [f64; 3],
+    error: f64,
+    determinant: f64,
+    depths: [f64; 3],
+    delta: f64,
+}
+
+/// Where a ray meets a triangle, in doubles.
+#[derive(Clone, Copy)]
+pub(super) struct Point {
+    pub(super) t: f64,
+    pub(super) t_error: f64,
+    pub(super) u: f64,
+    pub(super) v: f64,
+}
+
+impl Edges {
+    /// `x`, `y` and `z` are the corners' coordinates relative to the ray's origin, z along its major
+    /// axis.
+    #[inline(always)]
+    pub(super) fn new(
+        x: [f64; 3],
+        y: [f64; 3],
+        z: [f64; 3],
+        shear: [f64; 2],
+        origin_error: f64,
+    ) -> Self {
+        let largest = |[a, b, c]: [f64; 3]| greater(greater(a.abs(), b.abs()), c.abs());
+        let m = greater(greater(largest(x), largest(y)), largest(z));
+        let delta = 8.0 * EPSILON * m + 3.0 * origin_error;
+
+        let x = [
+            x[0] - shear[0] * z[0],
+            x[1] - shear[0] * z[1],
+            x[2] - shear[0] * z[2],
+        ];
+        let y = [
+            y[0] - shear[1] * z[0],
+            y[1] - shear[1] * z[1],
+            y[2] - shear[1] * z[2],
+        ];
+        let u = x[2] * y[1] - y[2] * x[1];
+        let v = x[0] * y[2] - y[0] * x[2];
+        let w = x[1] * y[0] - y[1] * x[0];
+        let sum = (x[0].abs() + x[1].abs() + x[2].abs()) + (y[0].abs() + y[1].abs() + y[2].abs());
+        Self {
+            functions: [u, v, w],
+            error: 2.0 * delta * (sum + delta),
+            determinant: u + v + w,
+            depths: z,
+            delta,
+        }
+    }
+
+    /// Whether two functions have different signs beyond doubt.
+    #[inline(always)]
+    fn surely_outside(&self) -> bool {
+        let [u, v, w] = self.functions;
+        let below = (u < -self.error) | (v < -self.error) | (w < -self.error);
+        let above = (u > self.error) | (v > self.error) | (w > self.error);
+        below & above
+    }
+
+    /// Whether all functions have one sign beyond doubt, and the weights are good to single
+    /// precision.
+    #[inline(always)]
+    pub(super) fn surely_inside(&self) -> bool {
+        let [u, v, w] = self.functions;
+        let above = (u > self.error) & (v > self.error) & (w > self.error);
+        let below = (u < -self.error) & (v < -self.error) & (w < -self.error);
+        let well_conditioned = self.error <= 1.0 / (1u64 << 28) as f64 * self.determinant.abs();
+        (above | below) & well_conditioned
+    }
+
+    /// Where the ray meets the triangle that it is surely inside of.
+    #[inline(always)]
+    pub(super) fn point(&self, advance: f64) -> Point {
+        let [t, u, v] = self.weights(advance);
+        let depth_error =
+            4.0 * self.error * self.span() / self.determinant.abs() + 2.0 * self.delta;
+        Point {
+            t,
+            t_error: depth_error / advance.abs() * (1.0 + 4.0 * EPSILON) + 2.0 * EPSILON * t.abs(),
+            u,
+            v,
+        }
+    }
+
+    /// What [`Edges::point`] gives, without its error.
+    #[inline(always)]
+    pub(super) fn weights(&self, advance: f64) -> [f64; 3] {
+        let [_, v, w] = self.functions;
+        let depth = self.depth_sum() / self.determinant;
+        [depth / advance, v / self.determinant, w / self.determinant]
+    }
+
+    /// Whether the parameter is surely good to single precision: [`Point::is_single`] multiplied by
+    /// the determinant, which spares two divisions, and with a limit half as high, which makes room
+    /// for the few roundings of each side.
+    #[inline(always)]
+    pub(super) fn surely_single(&self) -> bool {
+        let error = 4.0 * self.error * self.span() + 2.0 * self.delta * self.determinant.abs();
+        error <= 1.0 / (1u64 << 28) as f64 * self.depth_sum().abs()
+    }
+
+    /// The depth times the determinant.
+    #[inline(always)]
+    fn depth_sum(&self) -> f64 {
+        let ([u, v, w], z) = (self.functions, self.depths);
+        u * z[0] + v * z[1] + w * z[2]
+    }
+
+    /// From the corner nearest along the major axis to the furthest.
+    #[inline(always)]
+    fn span(&self) -> f64 {
+        let z = self.depths;
+        greater(greater(z[0], z[1]), z[2]) + greater(greater(-z[0], -z[1]), -z[2])
+    }
+}
+
+impl Point {
+    /// Whether the parameter is good to single precision.
+    #[inline(always)]
+    pub(super) fn is_single(&self) -> bool {
+        self.t_error <= 1.0 / (1u64 << 27) as f64 * self.t.abs()
+    }
+}
+
+#[inline(always)]
+pub(super) fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// Whether two triangles have the same corners, in any order.
+fn same_corners(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
+    a.iter().all(|p| b.contains(p)) && b.iter().all(|p| a.contains(p))
+}
