@@ -36,7 +36,7 @@ pub use picture as image;
 #[doc(hidden)]
 pub mod accel {
     pub use crate::bvh::Accel;
-    pub use crate::packet::{BlockLevel, CastCounts, Levels, Listed};
+    pub use crate::packet::{CastCounts, EntryPoint, LargeTrace, PacketTrace};
     pub use crate::{Hits, MISS, Simd, SlotHit};
 }
 

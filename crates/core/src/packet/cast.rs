@@ -1,10 +1,9 @@
-//! A tile of rays against the tree: one walk for many rays (Reshetov, Soupikov, Hurley, "Multi-Level Ray
-//! Tracing Algorithm", 2005). Rays that a block cannot decide go the way of the single ray.
+//! Lattices of rays through the tree. Rays that a packet leaves undecided go to the single ray.
 
 use super::counts::CastCounts;
-use super::interval_zbuffer::Block;
+use super::interval_zbuffer::IntervalZBuffer;
 use super::params::{LARGE_SIDE, SIDE};
-use super::traversal::{Part, Walk};
+use super::traversal::{RayRect, Traversal};
 use crate::bvh::Accel;
 use crate::camera::Lattice;
 use crate::hit::{Cull, Detail, MISS, Precision, SlotHit};
@@ -15,10 +14,10 @@ use crate::triangle::PreparedRay;
 use crate::triangle::interpolate::{self as row, Corners, RowHits, meet_row};
 
 impl Accel {
-    /// Casts every ray of a lattice: its hits row by row, in place of what `hits` held.
+    /// Casts every ray of a lattice into `hits`, row by row.
     ///
-    /// Each is what [`Accel::cast_slot`] answers for that ray, as far as `detail` asks for it. With
-    /// [`Precision::Fast`] a block may be right where a single ray in doubles is not.
+    /// Each hit is what [`Accel::cast_slot`] answers for that ray, as far as `detail` asks for it. With
+    /// [`Precision::Fast`] a packet may be right where a single ray in double precision is not.
     pub fn cast_lattice(
         &self,
         lattice: &Lattice,
@@ -36,8 +35,8 @@ impl Accel {
         hits.extend(found.iter());
     }
 
-    /// Finds the triangle that each ray of a lattice meets first: its slot or [`MISS`], row by row,
-    /// in place of what `slots` held.
+    /// Finds the closest triangle of each ray of a lattice: its primitive index or [`MISS`], row by row into
+    /// `slots`.
     pub fn find(
         &self,
         lattice: &Lattice,
@@ -64,8 +63,8 @@ impl Accel {
         counts
     }
 
-    /// Where the rays of a lattice meet the triangles that [`Accel::find`] found for them, the slots of
-    /// `hits`: what [`Accel::cast_slot`] answers, bit for bit.
+    /// Interpolates t, u and v where the rays of a lattice hit the triangles that [`Accel::find`] found, the
+    /// primitive indices in `hits`: what [`Accel::cast_slot`] answers, bit for bit.
     pub fn evaluate(&self, lattice: &Lattice, cull: Cull, precision: Precision, hits: &mut Hits) {
         hits.slots.resize(lattice.len(), MISS);
         hits.make_places();
@@ -94,58 +93,58 @@ pub(super) struct Find<'a> {
 impl Work for Find<'_> {
     #[inline(always)]
     fn run(mut self, lanes: impl Lanes) {
-        let whole = Part {
+        let whole = RayRect {
             column: 0,
             row: 0,
             columns: self.lattice.columns,
             rows: self.lattice.rows,
         };
-        let mut walk = Walk::new(self.accel, self.lattice);
-        let mut block = Block::new();
+        let mut traversal = Traversal::new(self.accel, self.lattice);
+        let mut zbuffer = IntervalZBuffer::new();
         for large in whole.split(LARGE_SIDE) {
-            walk.list(lanes, &large);
-            if walk.list.is_empty() {
+            traversal.list(lanes, &large);
+            if traversal.list.is_empty() {
                 continue;
             }
             for part in large.split(SIDE as u32) {
-                if walk.cast(lanes, &part, self.cull, &mut block, &mut ()) {
-                    self.keep(&part, &block);
+                if traversal.cast(lanes, &part, self.cull, &mut zbuffer, &mut ()) {
+                    self.keep(&part, &zbuffer);
                 }
             }
         }
         *self.counts = CastCounts {
-            nodes: walk.counts.nodes,
-            triangles: walk.counts.triangles,
+            nodes: traversal.counts.nodes,
+            triangles: traversal.counts.triangles,
             ..*self.counts
         };
     }
 }
 
 impl Find<'_> {
-    /// Keeps what a block found, and casts the rays that it left open.
+    /// Keeps what a packet found, and casts its undecided rays.
     #[inline(always)]
-    pub(super) fn keep(&mut self, part: &Part, block: &Block) {
+    pub(super) fn keep(&mut self, part: &RayRect, zbuffer: &IntervalZBuffer) {
         let columns = part.columns as usize;
         for row in 0..part.rows {
             let first = ((part.row + row) * self.lattice.columns + part.column) as usize;
-            let held = &block.row(row)[..columns];
-            let (mut met, mut any_open) = (0, false);
+            let held = &zbuffer.row(row)[..columns];
+            let (mut met, mut any_undecided) = (0, false);
             let kept = &mut self.slots[first..first + columns];
             for (kept, &held) in kept.iter_mut().zip(held) {
-                *kept = Block::slot(held);
+                *kept = IntervalZBuffer::slot(held);
                 met += u32::from(held != MISS);
-                any_open |= Block::is_open(held);
+                any_undecided |= IntervalZBuffer::is_undecided(held);
             }
             self.counts.hits += u64::from(met);
-            if any_open {
+            if any_undecided {
                 for (column, _) in held
                     .iter()
                     .enumerate()
-                    .filter(|held| Block::is_open(*held.1))
+                    .filter(|held| IntervalZBuffer::is_undecided(*held.1))
                 {
                     let slot = self.cast_one(part.column + column as u32, part.row + row);
                     self.slots[first + column] = slot;
-                    // It was counted as one that met something.
+                    // It was counted as a hit.
                     self.counts.hits -= u64::from(slot == MISS);
                 }
             }
@@ -188,7 +187,7 @@ impl Work for Evaluate<'_> {
 }
 
 impl Evaluate<'_> {
-    /// At most eight rays of a row.
+    /// Interpolates at most eight rays of a row.
     #[inline(always)]
     fn evaluate_row(&mut self, lanes: impl Lanes, column: u32, row: u32) {
         let first = (row * self.lattice.columns + column) as usize;
@@ -234,8 +233,8 @@ impl Evaluate<'_> {
         }
     }
 
-    /// The corners of eight rays' triangles. Each triangle takes all lanes from its first one on, until
-    /// the next one's.
+    /// Corners of the triangles that eight rays hit. Each triangle is written to all lanes from its first on;
+    /// the next one overwrites the rest.
     #[inline(always)]
     fn corners<L: Lanes>(&self, lanes: L, slots: &[u32; row::LANES]) -> Corners {
         let mut all = [lanes.splat(0.0); 9];

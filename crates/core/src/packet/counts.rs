@@ -1,16 +1,16 @@
 /// What casting a lattice took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CastCounts {
-    /// Rays that met something.
+    /// Rays that hit something.
     pub hits: u64,
-    /// Nodes of the tree whose children's boxes were tested.
+    /// Nodes whose children's boxes were tested.
     pub nodes: u64,
-    /// Triangles that a block's rays were held against, counted for each block: those set up, and those
-    /// of few rays that needed no set-up and that some ray met first, of what it had met by then.
+    /// Triangles tested against a packet's rays, counted once a packet: those set up, and small ones merged
+    /// without set-up.
     pub triangles: u64,
-    /// Rays that single precision with its bounds left open, and doubles decided.
+    /// Rays that single precision left undecided and double precision decided.
     pub double_rays: u64,
-    /// Rays that doubles with their bounds left open too, decided by exact arithmetic.
+    /// Rays that double precision left undecided too, decided by exact arithmetic.
     pub exact_rays: u64,
 }
 

@@ -1,18 +1,18 @@
-//! A frustum against boxes: four sides, what lies behind the eye, and how near a box begins.
+//! Frusta against boxes: four sides, the plane of the eye, and how near a box begins.
 
-use super::params::SUBS;
+use super::params::CELLS;
 use crate::bvh::tree::{Box32, BoxPair};
 use crate::camera::{Camera, Projection};
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use glam::DVec3;
 
-/// Which plane's value is the distance of a box's nearest point along the view axis, negated.
+/// Index of the plane whose value is the nearest depth of a box, negated.
 const NEAREST: usize = 5;
-/// Planes that cut boxes off, as bits.
+/// Planes that cull boxes, as bits.
 const SIDES: u32 = 0b1_1111;
 
-/// A rectangle of the image plane, in scene units from the view axis at the target: what
-/// [`Camera::direction`] is linear in.
+/// A rectangle of the image plane, in scene units from the view axis at the target; [`Camera::direction`] is
+/// linear in it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Window {
     /// Least and greatest place to the right.
@@ -21,15 +21,15 @@ pub(crate) struct Window {
     pub(crate) along: (f64, f64),
 }
 
-/// Eight planes, whose normals point inwards.
+/// Eight planes with normals that point inwards.
 ///
-/// The value of a plane at a box is the greatest over its corners of N·p + c, rounded; c holds enough
-/// slack that it is never below the true one.
+/// A plane's value at a box is the maximum over the box of N·p + c, rounded. c includes slack, so that the value
+/// is never below the true maximum: a negative value proves the box outside.
 #[derive(Clone, Debug)]
 struct Planes {
-    /// The positive parts of the normals, by axis: they meet a box's highest corner.
+    /// Positive parts of the normals by axis: they select a box's greatest corner.
     positive: [[f32; LANES]; 3],
-    /// The negative parts: they meet its lowest.
+    /// Negative parts: they select its least corner.
     negative: [[f32; LANES]; 3],
     offset: [f32; LANES],
 }
@@ -40,7 +40,7 @@ pub(super) struct Viewpoint<'a> {
     pub(super) camera: &'a Camera,
     /// The camera's eye relative to what boxes are relative to.
     pub(super) eye: DVec3,
-    /// By how much a coordinate of the eye is off at most.
+    /// Bound on the error of its coordinates.
     pub(super) eye_error: f64,
     /// A box around all boxes.
     pub(super) bounds: &'a Box32,
@@ -60,8 +60,8 @@ impl Planes {
         for (lane, (normal, shift)) in planes.into_iter().enumerate() {
             let at = from.eye + shift;
             let offset = -normal.dot(at);
-            // Six products, six sums and the rounding of normal and offset, each by at most 2^-24 of
-            // the sum of magnitudes; doubled. The eye's own error, and double rounding, on top.
+            // Six products, six sums, and the rounding of normal and offset, each at most 2^-24 of the sum of
+            // magnitudes: below 16 of them, doubled. The eye's own error, doubled for rounding, comes on top.
             let magnitude = normal.abs().dot(reach) + normal.abs().dot(at.abs());
             let slack = magnitude * (32.0 / (1 << 24) as f64)
                 + normal.abs().element_sum() * 2.0 * from.eye_error;
@@ -75,7 +75,7 @@ impl Planes {
         all
     }
 
-    /// The planes' values at one of two boxes.
+    /// Values of the planes at one of two boxes.
     #[inline(always)]
     fn values<L: Lanes>(&self, lanes: L, boxes: &BoxPair, which: usize) -> L::F32 {
         let mut values = lanes.load(&self.offset);
@@ -91,12 +91,12 @@ impl Planes {
 }
 
 impl Viewpoint<'_> {
-    /// Planes through rays that go through a place to the right, with what is right of it and left of it.
+    /// Planes through the rays at a place to the right: of what lies right of it, and left of it.
     fn beside(&self, across: f64) -> [Plane; 2] {
         self.through(self.camera.right(), across)
     }
 
-    /// Planes through rays that go through a place up, with what is above it and below it.
+    /// Planes through the rays at a place up: of what lies above it, and below it.
     fn above(&self, along: f64) -> [Plane; 2] {
         self.through(self.camera.up(), along)
     }
@@ -113,7 +113,7 @@ impl Viewpoint<'_> {
     }
 }
 
-/// All points in front of the camera whose rays go through a window.
+/// All points in front of the camera on rays through a window.
 #[derive(Clone, Debug)]
 pub(super) struct Frustum(Planes);
 
@@ -130,8 +130,7 @@ impl Frustum {
         ))
     }
 
-    /// For each of two boxes: how near it begins along the view axis, and whether any of it may
-    /// be inside the frustum.
+    /// For each of two boxes: where it begins along the view axis, and whether it may touch the frustum.
     #[inline(always)]
     pub(super) fn enter(&self, lanes: impl Lanes, boxes: &BoxPair) -> [(f32, bool); 2] {
         [
@@ -150,23 +149,23 @@ impl Frustum {
     }
 }
 
-/// The frusta of a block's four columns of sub-blocks, and of its four rows.
+/// The frusta of a packet's four columns and four rows of cells.
 #[derive(Clone, Debug)]
-pub(super) struct SubFrusta {
+pub(super) struct CellFrusta {
     columns: Planes,
     rows: Planes,
 }
 
-impl SubFrusta {
-    /// Windows of sub-blocks on the diagonal.
-    pub(super) fn new(from: Viewpoint<'_>, diagonal: &[Window; SUBS]) -> Self {
+impl CellFrusta {
+    /// `diagonal` has the windows of the cells on the packet's diagonal.
+    pub(super) fn new(from: Viewpoint<'_>, diagonal: &[Window; CELLS]) -> Self {
         let mut columns = [(DVec3::ZERO, DVec3::ZERO); LANES];
         let mut rows = columns;
-        for (sub, window) in diagonal.iter().enumerate() {
-            columns[sub] = from.beside(window.across.0)[0];
-            columns[sub + SUBS] = from.beside(window.across.1)[1];
-            rows[sub] = from.above(window.along.0)[0];
-            rows[sub + SUBS] = from.above(window.along.1)[1];
+        for (cell, window) in diagonal.iter().enumerate() {
+            columns[cell] = from.beside(window.across.0)[0];
+            columns[cell + CELLS] = from.beside(window.across.1)[1];
+            rows[cell] = from.above(window.along.0)[0];
+            rows[cell + CELLS] = from.above(window.along.1)[1];
         }
         Self {
             columns: Planes::new(from, columns),
@@ -174,16 +173,16 @@ impl SubFrusta {
         }
     }
 
-    /// The sub-blocks whose frusta one of two boxes may touch, as bits, row by row.
+    /// The cells whose frusta one of two boxes may touch, as bits, row by row.
     #[inline(always)]
-    pub(super) fn touched(&self, lanes: impl Lanes, boxes: &BoxPair, which: usize) -> u32 {
+    pub(super) fn dirty(&self, lanes: impl Lanes, boxes: &BoxPair, which: usize) -> u32 {
         let zero = lanes.splat(0.0);
         let columns = self.columns.values(lanes, boxes, which).lt(zero);
         let rows = self.rows.values(lanes, boxes, which).lt(zero);
         let (columns, rows) = (columns.bits(), rows.bits());
-        let columns = !(columns | columns >> SUBS) & 0xf;
-        let rows = !(rows | rows >> SUBS) & 0xf;
-        // A row's bit, at the lowest of each four, times all four.
+        let columns = !(columns | columns >> CELLS) & 0xf;
+        let rows = !(rows | rows >> CELLS) & 0xf;
+        // One bit at the start of each four cells, times the four columns.
         let spread = (rows & 1) | (rows & 2) << 3 | (rows & 4) << 6 | (rows & 8) << 9;
         columns * spread
     }
@@ -218,8 +217,8 @@ mod tests {
                 eye_error: 0.0,
                 bounds: &reach,
             };
-            let window = |sub: usize| {
-                let (first, last) = ((sub * ROW) as f64, (sub * ROW + ROW - 1) as f64);
+            let window = |cell: usize| {
+                let (first, last) = ((cell * ROW) as f64, (cell * ROW + ROW - 1) as f64);
                 let (left, top) = camera.across_and_along(first, first);
                 let (right, bottom) = camera.across_and_along(last, last);
                 Window {
@@ -227,29 +226,29 @@ mod tests {
                     along: (bottom, top),
                 }
             };
-            let subs = SubFrusta::new(from, &std::array::from_fn(window));
+            let cells = CellFrusta::new(from, &std::array::from_fn(window));
             let at = |x: f64, y: f64| {
                 let ray = camera.ray(x, y);
                 let depth = ray.direction.dot(camera.forward());
                 (ray.origin + ray.direction * (6.0 / depth)).as_vec3()
             };
-            let touched = |min: Vec3, max: Vec3| {
+            let dirty = |min: Vec3, max: Vec3| {
                 let one = Box32 { min, max };
-                subs.touched(Plain, &BoxPair::of([one, one]), 1)
+                cells.dirty(Plain, &BoxPair::of([one, one]), 1)
             };
             for y in 0..SIDE {
                 for x in 0..SIDE {
                     let point = at(x as f64, y as f64);
-                    let own = 1 << (y / ROW * SUBS + x / ROW);
-                    assert_eq!(touched(point, point), own, "{x} {y} {projection:?}");
+                    let own = 1 << (y / ROW * CELLS + x / ROW);
+                    assert_eq!(dirty(point, point), own, "{x} {y} {projection:?}");
                 }
             }
             let between = at(7.5, 3.0);
-            assert_eq!(touched(between, between), 0, "no ray's");
+            assert_eq!(dirty(between, between), 0, "no ray's");
             let (a, b) = (at(10.0, 12.0), at(21.0, 20.0));
-            let around = touched(a.min(b), a.max(b));
+            let around = dirty(a.min(b), a.max(b));
             assert_eq!(around & 0x0660, 0x0660, "all between its corners");
-            assert_eq!(touched(reach.min, reach.max), 0xffff);
+            assert_eq!(dirty(reach.min, reach.max), 0xffff);
         }
     }
 }

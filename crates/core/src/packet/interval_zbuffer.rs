@@ -1,182 +1,185 @@
-//! A block of 32 × 32 rays of one camera: the nearest triangle of each so far, in single precision with
-//! bounds. What the bounds leave open is marked, and left to the single-ray path.
+//! The interval z-buffer of a packet: for each of its 32 × 32 rays the nearest triangle so far, and an
+//! interval that holds its depth, in single precision. A ray whose intervals overlap is marked undecided and
+//! left to the single-ray path.
 //!
-//! A small triangle is met by the rows of rays that its box covers. A large one is held against
-//! sub-blocks of 8 × 8 first: those that it surely misses, covers whole, or lies behind are told from
-//! its functions' greatest and least values there (Abrash, "Rasterization on Larrabee", 2009; Greene,
-//! Kass, Miller, "Hierarchical Z-Buffer Visibility", 1993).
+//! A triangle with narrow bounds is rasterised row by row. A large one is tested against cells of 8 × 8 rays
+//! first: the extremes of its functions over a cell tell whether the cell is missed, covered, or occluded
+//! (Abrash, "Rasterization on Larrabee", 2009; Greene, Kass, Miller, "Hierarchical Z-Buffer Visibility",
+//! 1993).
 
-use super::params::{ROW, SIDE, SUBS};
+use super::params::{CELLS, ROW, SIDE};
 use super::ray_box::RayBox;
-use super::setup::{BlockSpace, CornerLanes, SetUp};
-use super::small_triangles::FewRays;
+use super::setup::{CornerLanes, PacketSpace, TriangleSetup};
+use super::small_triangles::SmallCoverage;
 use crate::bvh::tree::TRIANGLE_LIMIT;
 use crate::hit::MISS;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 
-/// Rays in a block.
+/// Rays in a packet.
 const RAYS: usize = SIDE * SIDE;
 
-/// From a sub-block's first ray to its middle.
+/// From a cell's first ray to its centre.
 const HALF: f32 = (ROW as f32 - 1.0) * 0.5;
-/// The middles of two rows of sub-blocks.
-const SUB_X: [f32; ROW] = [3.5, 11.5, 19.5, 27.5, 3.5, 11.5, 19.5, 27.5];
-const SUB_Y: [f32; ROW] = [3.5, 3.5, 3.5, 3.5, 11.5, 11.5, 11.5, 11.5];
-/// Of two rows of sub-blocks the first one to four columns, as bits; and the first row.
-const SUB_COLUMNS: [u32; SUBS] = [0x11, 0x33, 0x77, 0xff];
-const SUB_FIRST_ROW: u32 = 0x0f;
+/// Centres of two rows of cells.
+const CELL_X: [f32; ROW] = [3.5, 11.5, 19.5, 27.5, 3.5, 11.5, 19.5, 27.5];
+const CELL_Y: [f32; ROW] = [3.5, 3.5, 3.5, 3.5, 11.5, 11.5, 11.5, 11.5];
+/// Bit masks over two rows of cells: the first one to four columns, and the first row.
+const CELL_COLUMNS: [u32; CELLS] = [0x11, 0x33, 0x77, 0xff];
+const CELL_FIRST_ROW: u32 = 0x0f;
 
-/// A row's columns.
+/// Columns of a row of rays.
 const COLUMNS: [f32; ROW] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
-/// The lanes of a row, as bits.
+/// All lanes of a row, as bits.
 const ALL: u32 = (1 << ROW) - 1;
 
-/// What marks the slot of a triangle that was met as one of few rays, and not set up. No slot has it.
-const COARSE: u32 = !TRIANGLE_LIMIT;
+/// Marks the primitive index of a small triangle that was merged without set-up. No index has this bit.
+const PROVISIONAL: u32 = !TRIANGLE_LIMIT;
 
-/// What marks a ray for which it cannot be told which of several triangles is nearest, in place of a
-/// slot: a triangle surely nearer than all of them takes its place.
-const OPEN: u32 = MISS - 1;
+/// Stands for a primitive index where the nearest of several triangles is undecided. A triangle surely
+/// nearer than all of them replaces it.
+const UNDECIDED: u32 = MISS - 1;
 
-/// The nearest triangle of each ray so far, rows of rays one after another.
+/// The nearest triangle of each ray so far; rows of rays one after another.
 #[derive(Clone, Debug)]
-pub(crate) struct Block {
-    /// How near the hit is at least: inverse depth, or for orthographic blocks depth negated, so
-    /// that it grows towards the eye. −∞ where nothing is surely met yet.
+pub(crate) struct IntervalZBuffer {
+    /// Lower bound of the depth key: inverse depth, or negated depth for orthographic packets, so that it
+    /// grows towards the eye. −∞ where nothing is surely hit.
     low: [f32; RAYS],
-    /// How near it is at most.
+    /// Upper bound of the depth key.
     high: [f32; RAYS],
     slots: [u32; RAYS],
-    /// What every ray of a sub-block is at least as near as.
-    horizons: [f32; SUBS * SUBS],
-    /// Sub-blocks whose horizon may have moved, as bits.
-    touched: u32,
+    /// Hi-z: the least `low` of each cell. What is surely further is occluded there.
+    hi_z: [f32; CELLS * CELLS],
+    /// Cells whose hi-z may be out of date, as bits.
+    dirty: u32,
     /// Where orthographic rays begin: nothing is nearer. Infinite for perspective.
     begin: f32,
 }
 
-/// What became of a triangle of few rays.
-pub(crate) enum MetFew {
-    /// Some rays meet it first, so far.
+/// What came of testing a small triangle.
+pub(crate) enum SmallOutcome {
+    /// Some ray hits it first, so far.
     Met,
-    /// No ray does.
+    /// No ray hits the triangle, or all that do have nearer hits.
     Nobody,
-    /// It was not met: it cannot be told without setting it up.
+    /// Not merged: it cannot be decided without set-up.
     Undecided,
 }
 
-/// A triangle's functions for some rays: values at the first, and steps.
+/// Edge functions and depth key of a triangle: value at the first ray, step per column, step per row.
 #[derive(Clone, Copy)]
-struct Functions {
+struct EdgeFunctions {
     slot: u32,
     edges: [[f32; 3]; 3],
     edge_error: f32,
-    nearness: [f32; 3],
-    nearness_error: f32,
+    depth_key: [f32; 3],
+    depth_key_error: f32,
 }
 
-impl Block {
+impl IntervalZBuffer {
     pub(crate) fn new() -> Self {
         Self {
             low: [0.0; RAYS],
             high: [0.0; RAYS],
             slots: [MISS; RAYS],
-            horizons: [f32::NEG_INFINITY; SUBS * SUBS],
-            touched: 0,
+            hi_z: [f32::NEG_INFINITY; CELLS * CELLS],
+            dirty: 0,
             begin: f32::INFINITY,
         }
     }
 
-    /// Forgets everything; from now on it has `columns × rows` rays, at most [`SIDE`] each.
+    /// Clears it for a packet of `columns × rows` rays, at most [`SIDE`] each.
     #[inline(always)]
     pub(crate) fn clear(&mut self, lanes: impl Lanes, columns: u32, rows: u32, perspective: bool) {
         self.low = [f32::NEG_INFINITY; RAYS];
         self.high = [f32::NEG_INFINITY; RAYS];
         self.slots = [MISS; RAYS];
-        self.horizons = [f32::NEG_INFINITY; SUBS * SUBS];
-        self.touched = 0;
+        self.hi_z = [f32::NEG_INFINITY; CELLS * CELLS];
+        self.dirty = 0;
         // Orthographic rays begin at the image plane, where the negated depth is zero.
         self.begin = if perspective { f32::INFINITY } else { 0.0 };
         let (columns, rows) = (columns as usize, rows as usize);
         if columns < SIDE || rows < SIDE {
-            // Rays beyond the block's own take no part.
+            // Rays outside the packet accept nothing: they are infinitely near.
             for ray in (0..RAYS).filter(|ray| ray / SIDE >= rows || ray % SIDE >= columns) {
                 self.low[ray] = f32::INFINITY;
                 self.high[ray] = f32::INFINITY;
             }
-            self.touched = u32::MAX >> (32 - SUBS * SUBS);
-            self.look_around(lanes);
+            self.dirty = u32::MAX >> (32 - CELLS * CELLS);
+            self.update_hi_z(lanes);
         }
     }
 
-    /// What a row of rays has met: [`Block::slot`] makes slots of it, where [`Block::is_open`] does not
-    /// say that it could not be told.
+    /// A row of primitive indices as stored; decode with [`IntervalZBuffer::slot`] unless
+    /// [`IntervalZBuffer::is_undecided`].
     #[inline(always)]
     pub(crate) fn row(&self, row: u32) -> &[u32] {
         let first = row as usize * SIDE;
         &self.slots[first..first + SIDE]
     }
 
-    /// A ray's slot from what a row holds.
+    /// The primitive index of a stored entry, or [`MISS`].
     #[inline(always)]
     pub(crate) fn slot(held: u32) -> u32 {
-        if held == MISS { MISS } else { held & !COARSE }
+        if held == MISS {
+            MISS
+        } else {
+            held & !PROVISIONAL
+        }
     }
 
-    /// Whether a ray could not be decided, from what a row holds.
+    /// Whether a stored entry is undecided.
     #[inline(always)]
-    pub(crate) fn is_open(held: u32) -> bool {
-        held == OPEN
+    pub(crate) fn is_undecided(held: u32) -> bool {
+        held == UNDECIDED
     }
 
-    /// What every ray's hit is at least as near as, and the greatest of what sub-blocks' are: anything
-    /// surely further is of no use to them.
+    /// The least and the greatest hi-z of the cells. What is surely further than the least is occluded for
+    /// every ray; what is surely further than the greatest, for some cell.
     #[inline(always)]
-    pub(crate) fn horizons(&self, lanes: impl Lanes) -> (f32, f32) {
+    pub(crate) fn hi_z(&self, lanes: impl Lanes) -> (f32, f32) {
         let (infinity, zero) = (lanes.splat(f32::INFINITY), lanes.splat(0.0));
         let (mut least, mut most_negated) = (infinity, infinity);
-        for horizons in self.horizons.as_chunks().0 {
-            let horizons = lanes.load(horizons);
-            least = horizons.min(least);
-            // Sub-blocks without rays have an infinite one.
-            let negated = zero - horizons;
-            let negated = horizons.lt(infinity).select(negated, infinity);
+        for hi_z in self.hi_z.as_chunks().0 {
+            let hi_z = lanes.load(hi_z);
+            least = hi_z.min(least);
+            // Cells without rays have an infinite one.
+            let negated = zero - hi_z;
+            let negated = hi_z.lt(infinity).select(negated, infinity);
             most_negated = negated.min(most_negated);
         }
         (least.reduce_min(), -most_negated.reduce_min())
     }
 
-    /// Whether all rays of some sub-blocks, as bits, have met something surely nearer than `nearest`.
+    /// Whether all rays of these cells (as bits) have a hit surely nearer than `nearest`.
     #[inline(always)]
-    pub(crate) fn hides_in(&self, lanes: impl Lanes, subs: u32, nearest: f32) -> bool {
+    pub(crate) fn occludes_cells(&self, lanes: impl Lanes, cells: u32, nearest: f32) -> bool {
         let nearest = lanes.splat(nearest);
         let mut hidden = 0;
-        for (rows, horizons) in self.horizons.as_chunks().0.iter().enumerate() {
-            hidden |= nearest.lt(lanes.load(horizons)).bits() << (rows * LANES);
+        for (rows, hi_z) in self.hi_z.as_chunks().0.iter().enumerate() {
+            hidden |= nearest.lt(lanes.load(hi_z)).bits() << (rows * LANES);
         }
-        subs & !hidden == 0
+        cells & !hidden == 0
     }
 
-    /// Whether all rays of a box have met something surely nearer than `nearest`, as far as that is
-    /// quickly told.
+    /// Whether all rays of a box have a hit surely nearer than `nearest`, as far as hi-z tells.
     #[inline(always)]
-    pub(crate) fn hides(&self, rays: &RayBox, nearest: f32) -> bool {
+    pub(crate) fn occludes(&self, rays: &RayBox, nearest: f32) -> bool {
         let (left, right) = (rays.left as usize / ROW, rays.right as usize / ROW);
         let (top, bottom) = (rays.top as usize / ROW, rays.bottom as usize / ROW);
-        let horizon =
-            |row: usize, column: usize| self.horizons[(row * SUBS + column) % (SUBS * SUBS)];
+        let hi_z = |row: usize, column: usize| self.hi_z[(row * CELLS + column) % (CELLS * CELLS)];
         let at_corners = lesser(
-            lesser(horizon(top, left), horizon(top, right)),
-            lesser(horizon(bottom, left), horizon(bottom, right)),
+            lesser(hi_z(top, left), hi_z(top, right)),
+            lesser(hi_z(bottom, left), hi_z(bottom, right)),
         );
         nearest < at_corners
-            && (top..=bottom).all(|row| (left..=right).all(|column| nearest < horizon(row, column)))
+            && (top..=bottom).all(|row| (left..=right).all(|column| nearest < hi_z(row, column)))
     }
 
-    /// Whether each ray of a box of at most eight columns has met something surely nearer than `nearest`.
+    /// Whether each ray of a box of at most eight columns has a hit surely nearer than `nearest`.
     #[inline(always)]
-    pub(crate) fn hides_each(&self, lanes: impl Lanes, rays: &RayBox, nearest: f32) -> bool {
+    pub(crate) fn occludes_each(&self, lanes: impl Lanes, rays: &RayBox, nearest: f32) -> bool {
         let columns = (2u32 << (rays.right - rays.left)) - 1;
         let nearest = lanes.splat(nearest);
         (rays.top..=rays.bottom).all(|y| {
@@ -186,22 +189,22 @@ impl Block {
         })
     }
 
-    /// Meets a triangle with the few rays of its box. Where it cannot be told of each ray whether the
-    /// triangle is what it meets first so far, the triangle is not met.
+    /// Tests a small triangle against the few rays of its bounds and merges it, unless some ray leaves
+    /// undecided whether it is the nearest.
     ///
-    /// Ray by ray: rows of rays written side by side would wait for what the last triangle's, beginning
-    /// at another column, have just written.
+    /// One ray at a time: vector stores of overlapping rows would stall on store forwarding, since each
+    /// triangle's rows begin at another column.
     #[inline(always)]
-    pub(crate) fn meet_few(
+    pub(crate) fn test_small(
         &mut self,
-        few: &FewRays,
+        few: &SmallCoverage,
         lane: usize,
         rays: &RayBox,
         slot: u32,
-    ) -> MetFew {
+    ) -> SmallOutcome {
         let mut inside = few.inside(lane);
         if inside != few.perhaps(lane) {
-            return MetFew::Undecided;
+            return SmallOutcome::Undecided;
         }
         let (mut any, mut rivals) = (false, false);
         while inside != 0 {
@@ -217,28 +220,27 @@ impl Block {
             any |= wins;
             rivals |= !wins & (near_high >= *low);
             if wins {
-                (*low, *high, *held) = (near_low, near_high, slot | COARSE);
+                (*low, *high, *held) = (near_low, near_high, slot | PROVISIONAL);
             }
         }
         if rivals {
-            // What was further is lost where this triangle won: it will win again.
-            self.forget(rays, slot);
-            return MetFew::Undecided;
+            // The hits that it replaced are lost, but it is tested again and replaces them again.
+            self.evict(rays, slot);
+            return SmallOutcome::Undecided;
         }
         if !any {
-            return MetFew::Nobody;
+            return SmallOutcome::Nobody;
         }
-        self.touch(rays);
-        MetFew::Met
+        self.mark_dirty(rays);
+        SmallOutcome::Met
     }
 
-    /// Of triangles that were met as ones of few rays themselves, forgets one that leaves it open which
-    /// is nearer, it or a triangle of these few rays. Returns its slot and a box around its rays, for it
-    /// to be set up and met again.
+    /// Removes a provisional triangle that leaves the order with a small triangle undecided. Returns its
+    /// primitive index and bounds of its rays, for it to be set up and merged again.
     #[inline(never)]
-    pub(crate) fn forget_rival(
+    pub(crate) fn evict_rival(
         &mut self,
-        few: &FewRays,
+        few: &SmallCoverage,
         lane: usize,
         rays: &RayBox,
     ) -> Option<(u32, RayBox)> {
@@ -249,7 +251,7 @@ impl Block {
             perhaps &= perhaps - 1;
             let ray = (first_ray(rays) + y * SIDE + x) % RAYS;
             let held = self.slots[ray];
-            let coarse = held != MISS && held != OPEN && held & COARSE != 0;
+            let coarse = held != MISS && held != UNDECIDED && held & PROVISIONAL != 0;
             if coarse && near_low <= self.high[ray] && near_high >= self.low[ray] {
                 let reach = ROW as i32 - 1;
                 let (x, y) = ((ray % SIDE) as i32, (ray / SIDE) as i32);
@@ -259,23 +261,23 @@ impl Block {
                     top: (y - reach).max(0),
                     bottom: (y + reach).min(last),
                 };
-                let slot = held & !COARSE;
-                return self.forget(&around, slot).map(|rays| (slot, rays));
+                let slot = held & !PROVISIONAL;
+                return self.evict(&around, slot).map(|rays| (slot, rays));
             }
         }
         None
     }
 
-    /// Forgets a triangle that some rays of a box have met as ones of few rays: the box around those.
+    /// Removes a provisional triangle from the rays of a box; returns the bounds of the rays that it had.
     ///
-    /// The horizons stay: the triangle will be met again, and was surely as near as they say.
+    /// Hi-z stays as it is: the triangle will be merged again, and was surely as near as hi-z says.
     #[inline(never)]
-    fn forget(&mut self, rays: &RayBox, slot: u32) -> Option<RayBox> {
+    fn evict(&mut self, rays: &RayBox, slot: u32) -> Option<RayBox> {
         let mut around: Option<RayBox> = None;
         for y in rays.top..=rays.bottom {
             for x in rays.left..=rays.right {
                 let ray = (y as usize * SIDE + x as usize) % RAYS;
-                if self.slots[ray] == slot | COARSE {
+                if self.slots[ray] == slot | PROVISIONAL {
                     (self.low[ray], self.high[ray]) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
                     self.slots[ray] = MISS;
                     let all = around.get_or_insert(RayBox {
@@ -293,35 +295,35 @@ impl Block {
         around
     }
 
-    /// Marks the sub-blocks of a box, at most two each way.
+    /// Marks the cells of a box dirty, at most two each way.
     #[inline(always)]
-    fn touch(&mut self, rays: &RayBox) {
+    fn mark_dirty(&mut self, rays: &RayBox) {
         let columns = 1u32 << (rays.left as usize / ROW) | 1 << (rays.right as usize / ROW);
-        self.touched |= columns << (SUBS * (rays.top as usize / ROW));
-        self.touched |= columns << (SUBS * (rays.bottom as usize / ROW));
+        self.dirty |= columns << (CELLS * (rays.top as usize / ROW));
+        self.dirty |= columns << (CELLS * (rays.bottom as usize / ROW));
     }
 
-    /// Meets the first of eight triangles, those with slots, each with the rays of its box.
+    /// Sets up eight triangles and rasterises those with a primitive index, each within its bounds.
     #[inline(always)]
     pub(crate) fn meet(
         &mut self,
         lanes: impl Lanes,
-        space: &BlockSpace,
+        space: &PacketSpace,
         corners: &CornerLanes,
         boxes: &[RayBox; LANES],
         slots: &[u32],
     ) {
         let set_up = space.set_up(corners, boxes);
         for (l, &slot) in slots.iter().enumerate().take(LANES) {
-            self.meet_one(lanes, &set_up, l, slot);
+            self.rasterize_one(lanes, &set_up, l, slot);
         }
-        self.look_around(lanes);
+        self.update_hi_z(lanes);
     }
 
     #[inline(always)]
-    fn meet_one(&mut self, lanes: impl Lanes, set_up: &SetUp, l: usize, slot: u32) {
+    fn rasterize_one(&mut self, lanes: impl Lanes, set_up: &TriangleSetup, l: usize, slot: u32) {
         let linear = |f: &[[f32; LANES]; 3]| [f[0][l], f[1][l], f[2][l]];
-        let functions = Functions {
+        let functions = EdgeFunctions {
             slot,
             edges: [
                 linear(&set_up.edges[0]),
@@ -329,8 +331,8 @@ impl Block {
                 linear(&set_up.edges[2]),
             ],
             edge_error: set_up.edge_error[l],
-            nearness: linear(&set_up.nearness),
-            nearness_error: set_up.nearness_error[l],
+            depth_key: linear(&set_up.depth_key),
+            depth_key_error: set_up.depth_key_error[l],
         };
         let RayBox {
             left,
@@ -342,8 +344,8 @@ impl Block {
         if right < left {
             return;
         }
-        if set_up.awkward[l] {
-            self.leave_open(
+        if set_up.ill_conditioned[l] {
+            self.mark_undecided(
                 &functions,
                 (column, row),
                 (left as usize, right as usize),
@@ -351,14 +353,14 @@ impl Block {
             );
         } else if set_up.boxes[l].is_narrow() {
             let rows = (bottom - top + 1) as usize;
-            self.meet_rows(lanes, &functions, row * SIDE + column, rows);
+            self.rasterize_rows(lanes, &functions, row * SIDE + column, rows);
             let (first, last) = (column / ROW, column.div_ceil(ROW));
             let columns = (1u32 << first) | (1 << last);
-            for sub_row in row / ROW..=bottom as usize / ROW {
-                self.touched |= columns << (SUBS * sub_row);
+            for cell_row in row / ROW..=bottom as usize / ROW {
+                self.dirty |= columns << (CELLS * cell_row);
             }
         } else {
-            self.meet_subs(
+            self.rasterize_cells(
                 lanes,
                 &functions,
                 (column, row),
@@ -367,30 +369,30 @@ impl Block {
         }
     }
 
-    /// Meets a large triangle sub-block by sub-block.
+    /// Rasterises a large triangle cell by cell.
     #[inline(always)]
-    fn meet_subs(
+    fn rasterize_cells(
         &mut self,
         lanes: impl Lanes,
-        functions: &Functions,
+        functions: &EdgeFunctions,
         (column, row): (usize, usize),
         (right, bottom): (usize, usize),
     ) {
-        let Functions {
+        let EdgeFunctions {
             edges,
             edge_error,
-            nearness,
-            nearness_error,
+            depth_key,
+            depth_key_error,
             ..
         } = *functions;
         let columns = right / ROW - column / ROW + 1;
         let rows = bottom / ROW - row / ROW + 1;
         let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
-        // All sub-blocks from the first, two rows of them at a time.
-        for sub_row in (0..rows).step_by(ROW / SUBS) {
+        // All cells from the first, two rows of them at a time.
+        for cell_row in (0..rows).step_by(ROW / CELLS) {
             let (x, y) = (
-                lanes.load(&SUB_X),
-                lanes.load(&SUB_Y) + (sub_row * ROW) as f32,
+                lanes.load(&CELL_X),
+                lanes.load(&CELL_Y) + (cell_row * ROW) as f32,
             );
             let value = |f: [f32; 3]| {
                 let below = lanes.splat(f[0]) + lanes.splat(f[2]) * y;
@@ -408,56 +410,62 @@ impl Block {
             let outside = greatest.lt(minus_error).bits();
             let inside = error.lt(least).bits();
             let mut nearest = [0.0; ROW];
-            let near = value(nearness) + swing(nearness);
-            (near + nearness_error).store(&mut nearest);
+            let near = value(depth_key) + swing(depth_key);
+            (near + depth_key_error).store(&mut nearest);
 
-            let mut wanted = !outside & SUB_COLUMNS[columns - 1];
-            if sub_row + 1 == rows {
-                wanted &= SUB_FIRST_ROW;
+            let mut queued = !outside & CELL_COLUMNS[columns - 1];
+            if cell_row + 1 == rows {
+                queued &= CELL_FIRST_ROW;
             }
-            while wanted != 0 {
-                let sub = wanted.trailing_zeros() as usize % ROW;
-                wanted &= wanted - 1;
-                let (sub_column, sub_row) = (sub % SUBS, sub_row + sub / SUBS);
+            while queued != 0 {
+                let cell = queued.trailing_zeros() as usize % ROW;
+                queued &= queued - 1;
+                let (cell_column, cell_row) = (cell % CELLS, cell_row + cell / CELLS);
                 let place =
-                    ((row / ROW + sub_row) * SUBS + column / ROW + sub_column) % (SUBS * SUBS);
-                if nearest[sub] < self.horizons[place] {
+                    ((row / ROW + cell_row) * CELLS + column / ROW + cell_column) % (CELLS * CELLS);
+                if nearest[cell] < self.hi_z[place] {
                     continue;
                 }
-                let (x, y) = ((sub_column * ROW) as f32, (sub_row * ROW) as f32);
+                let (x, y) = ((cell_column * ROW) as f32, (cell_row * ROW) as f32);
                 let moved = |f: [f32; 3]| [(f[0] + f[2] * y) + f[1] * x, f[1], f[2]];
-                let here = Functions {
+                let here = EdgeFunctions {
                     edges: [moved(edges[0]), moved(edges[1]), moved(edges[2])],
-                    nearness: moved(nearness),
+                    depth_key: moved(depth_key),
                     ..*functions
                 };
-                let first = (row + sub_row * ROW) * SIDE + column + sub_column * ROW;
-                if inside & (1 << sub) != 0 {
+                let first = (row + cell_row * ROW) * SIDE + column + cell_column * ROW;
+                if inside & (1 << cell) != 0 {
                     self.cover(lanes, &here, first);
                 } else {
-                    self.meet_rows(lanes, &here, first, ROW);
+                    self.rasterize_rows(lanes, &here, first, ROW);
                 }
-                self.touched |= 1 << place;
+                self.dirty |= 1 << place;
             }
         }
     }
 
-    /// Meets rows of rays with a triangle.
+    /// Rasterises rows of eight rays.
     #[inline(always)]
-    fn meet_rows(&mut self, lanes: impl Lanes, functions: &Functions, first: usize, rows: usize) {
-        let Functions {
+    fn rasterize_rows(
+        &mut self,
+        lanes: impl Lanes,
+        functions: &EdgeFunctions,
+        first: usize,
+        rows: usize,
+    ) {
+        let EdgeFunctions {
             edges: [e, f, g],
             edge_error,
-            nearness,
+            depth_key,
             ..
         } = *functions;
         let x = lanes.load(&COLUMNS);
         let row = |f: [f32; 3]| lanes.splat(f[0]) + lanes.splat(f[1]) * x;
-        let (mut a, mut b, mut c, mut near) = (row(e), row(f), row(g), row(nearness));
+        let (mut a, mut b, mut c, mut near) = (row(e), row(f), row(g), row(depth_key));
         let step = |f: [f32; 3]| lanes.splat(f[2]);
-        let (step_a, step_b, step_c, step_near) = (step(e), step(f), step(g), step(nearness));
+        let (step_a, step_b, step_c, step_near) = (step(e), step(f), step(g), step(depth_key));
         let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
-        let merge = Merge::new(lanes, functions, self.begin);
+        let merge = DepthMerge::new(lanes, functions, self.begin);
         for row in 0..rows {
             let Some((low, high, slots)) = self.rays(first + row * SIDE) else {
                 return;
@@ -473,14 +481,14 @@ impl Block {
         }
     }
 
-    /// Meets a sub-block of rays that are all surely inside of a triangle's edges.
+    /// Merges a triangle into a cell whose rays all lie surely inside its edges.
     #[inline(always)]
-    fn cover(&mut self, lanes: impl Lanes, functions: &Functions, first: usize) {
-        let n = functions.nearness;
+    fn cover(&mut self, lanes: impl Lanes, functions: &EdgeFunctions, first: usize) {
+        let n = functions.depth_key;
         let x = lanes.load(&COLUMNS);
         let mut near = lanes.splat(n[0]) + lanes.splat(n[1]) * x;
         let step = lanes.splat(n[2]);
-        let merge = Merge::new(lanes, functions, self.begin);
+        let merge = DepthMerge::new(lanes, functions, self.begin);
         for row in 0..ROW {
             let Some((low, high, slots)) = self.rays(first + row * SIDE) else {
                 return;
@@ -490,7 +498,7 @@ impl Block {
         }
     }
 
-    /// Eight rays side by side.
+    /// Depth bounds and primitive indices of eight rays.
     #[inline(always)]
     fn rays(
         &mut self,
@@ -503,12 +511,12 @@ impl Block {
         ))
     }
 
-    /// Leaves every ray open that an awkward triangle may touch: those in its box where its edge
-    /// functions do not surely have both signs.
+    /// Marks every ray undecided that an ill-conditioned triangle may hit: those in its bounds where the
+    /// signs of its edge functions do not surely differ.
     #[inline(never)]
-    fn leave_open(
+    fn mark_undecided(
         &mut self,
-        functions: &Functions,
+        functions: &EdgeFunctions,
         (column, row): (usize, usize),
         (left, right): (usize, usize),
         (top, bottom): (usize, usize),
@@ -522,55 +530,55 @@ impl Block {
                 let above = values.iter().any(|&value| value > error);
                 if !(below & above) {
                     self.high[j * SIDE + i] = f32::INFINITY;
-                    self.slots[j * SIDE + i] = OPEN;
+                    self.slots[j * SIDE + i] = UNDECIDED;
                 }
             }
         }
     }
 
-    /// Brings the touched sub-blocks' horizons up to date.
+    /// Brings hi-z of the dirty cells up to date.
     #[inline(always)]
-    pub(crate) fn look_around(&mut self, lanes: impl Lanes) {
-        let mut touched = self.touched & ((1 << (SUBS * SUBS)) - 1);
-        self.touched = 0;
-        while touched != 0 {
-            let sub = touched.trailing_zeros() as usize % (SUBS * SUBS);
-            touched &= touched - 1;
-            let first = sub / SUBS * ROW * SIDE + sub % SUBS * ROW;
+    pub(crate) fn update_hi_z(&mut self, lanes: impl Lanes) {
+        let mut dirty = self.dirty & ((1 << (CELLS * CELLS)) - 1);
+        self.dirty = 0;
+        while dirty != 0 {
+            let cell = dirty.trailing_zeros() as usize % (CELLS * CELLS);
+            dirty &= dirty - 1;
+            let first = cell / CELLS * ROW * SIDE + cell % CELLS * ROW;
             let mut least = lanes.splat(f32::INFINITY);
             for row in 0..ROW {
                 if let Some((low, _, _)) = self.rays(first + row * SIDE) {
                     least = lanes.load(low).min(least);
                 }
             }
-            self.horizons[sub] = least.reduce_min();
+            self.hi_z[cell] = least.reduce_min();
         }
     }
 }
 
-/// What merging a triangle into rows of rays needs, the same for all.
-struct Merge<L: Lanes> {
+/// What merging a triangle into rows needs, the same for every row.
+struct DepthMerge<L: Lanes> {
     slot: u32,
     error: L::F32,
     begin: L::F32,
     never: L::F32,
 }
 
-impl<L: Lanes> Merge<L> {
+impl<L: Lanes> DepthMerge<L> {
     #[inline(always)]
-    fn new(lanes: L, functions: &Functions, begin: f32) -> Self {
+    fn new(lanes: L, functions: &EdgeFunctions, begin: f32) -> Self {
         Self {
             slot: functions.slot,
-            error: lanes.splat(functions.nearness_error),
+            error: lanes.splat(functions.depth_key_error),
             begin: lanes.splat(begin),
             never: lanes.splat(f32::NEG_INFINITY),
         }
     }
 
-    /// Merges a triangle that is as near as `near` into what a row of rays has met so far. `sides`
-    /// says which rays are surely inside of it and which surely outside; without, all are inside.
+    /// Merges a triangle of depth key `near` into a row of rays. `sides` has the rays surely inside and
+    /// surely outside of it; without it, all are inside.
     ///
-    /// No value here is other than a number: triangles whose functions are not are awkward.
+    /// No value here is NaN: a triangle whose functions are not finite is ill-conditioned.
     #[inline(always)]
     fn row(
         &self,
@@ -590,8 +598,8 @@ impl<L: Lanes> Merge<L> {
             Some((inside, outside)) => (inside & began, outside | unbegun),
             None => (began, unbegun),
         };
-        // What is nearest is as near as all that is surely met, and as what may be met at most. A
-        // triangle surely further than that moves neither.
+        // The nearest hit is at least as near as every sure hit, and at most as near as every possible one.
+        // A triangle surely further moves neither bound.
         let if_met = met.select(near_low, self.never);
         let unless_missed = missed.select(self.never, near_high);
         old_low.max(if_met).store(low);
@@ -599,15 +607,15 @@ impl<L: Lanes> Merge<L> {
         let wins = met & old_high.lt(near_low);
         let loses = missed | near_high.lt(old_low);
         wins.store(self.slot, slots);
-        // Rays of which neither is sure are open, as long as nothing nearer wins them.
+        // Rays where neither holds stay undecided until something nearer wins them.
         let open = !(wins | loses).bits() & ALL;
         if open != 0 {
-            for_each_bit(u64::from(open), |lane| slots[lane % ROW] = OPEN);
+            for_each_bit(u64::from(open), |lane| slots[lane % ROW] = UNDECIDED);
         }
     }
 }
 
-/// Where a box's first ray stands among the block's.
+/// Index of a box's first ray in the packet.
 #[inline(always)]
 fn first_ray(rays: &RayBox) -> usize {
     rays.top as usize * SIDE + rays.left as usize

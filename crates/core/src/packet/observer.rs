@@ -1,16 +1,18 @@
+//! What a packet's traversal tells about itself, to be recorded.
+
 use std::ops::Range;
 
-/// What wants to know of a block's walk.
-pub(super) trait Notice {
-    /// It came to a leaf with these slots.
+/// Observes a packet's traversal.
+pub(super) trait Observer {
+    /// It reached a leaf with these primitive indices.
     fn reached(&mut self, slots: Range<u32>);
 
-    /// It set these up.
+    /// It set these triangles up, or merged them as small ones.
     fn set_up(&mut self, slots: &[u32]);
 }
 
-/// Nobody.
-impl Notice for () {
+/// Observes nothing, and costs nothing.
+impl Observer for () {
     #[inline(always)]
     fn reached(&mut self, _: Range<u32>) {}
 

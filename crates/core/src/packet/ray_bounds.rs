@@ -1,91 +1,88 @@
-//! Which of a block's rays may meet a triangle, eight triangles at once, in single precision: most of
-//! those smaller than the rays' spacing pass between them, and need not be set up.
+//! Ray bounds: the rays of a packet that may hit each of eight triangles, in single precision. Most triangles
+//! smaller than the ray spacing pass between rays and are culled here, before set-up.
 //!
-//! A corner's place in the block is X/Z, with X, Y, Z what T (see [`setup`](super::setup)) makes of it,
-//! or X itself for orthographic blocks; a triangle's box is that of its corners' places.
+//! A corner's place in the packet is X/Z, with (X, Y, Z) its image under T (see [`setup`](super::setup)), or X
+//! itself for orthographic packets. A triangle's bounds are those of its corners' places.
 //!
 //! # Error bounds
-//! u = 2⁻²⁴. T's rows are S_x, S_y, S_z long as sums of magnitudes, S the greatest of the first two. Corners
-//! are taken relative to a point q on the block's first ray, about as deep as what is looked at; r is the
-//! greatest magnitude of a triangle's corners there, and t = T(q − o), o the eye or the ray's beginning,
-//! is (0, 0, depth of q) but for rounding.
+//! u = 2⁻²⁴, ε = 2⁻⁵³ (notation: `docs/error-bounds.md`). S_x, S_y, S_z are the lengths of T's rows as sums of
+//! magnitudes, S the greater of the first two. Corners are taken relative to a point q on the packet's first
+//! ray, about as deep as the scene; r is the greatest magnitude of a triangle's corners there. o is the eye, or
+//! the first ray's origin, and t = T(q − o), which is (0, 0, depth of q) but for rounding.
 //!
-//! * **Corners.** q is the sum of two singles, and exact: what it is off the ray by, t tells. The difference
-//!   from the first is exact where the second counts (Sterbenz), else rounded by less than 2u of the result;
-//!   that from the second is rounded by u. The eye's own error is η; T, rounded in doubles, moves t by less
-//!   than 128ε|q − o|·B/D (see [`setup`](super::setup)) of S. r is taken to be no less than the sum of
-//!   both over u, so that corners are off by 4ur.
-//! * **X, Y, Z.** T's rows are rounded by u of themselves (their own errors in doubles are less as long
-//!   as B/D < 10⁶), products by u, three sums by u each: with the corners' errors X is off by 9ur·S and the
-//!   second order, and t's rounding, which is second order too. We take e_x = 10ur·S. Z's sums and t
-//!   add 4u|t_z|: e_z = 10ur·S_z + 5u|t_z|.
-//! * **Boxes.** Where Z ≥ 2048·e_z, a place p with |p| ≤ 2·[`SIDE`] is off by
-//!   (e_x + |p|e_z)/Z · 2048/2047 and 3u|p| for the quotient; rays are off by ρ of a column, which
-//!   [`BlockSpace`] gives. Boxes are made larger by 2⁻⁹ + m with m = 2ρ + 1.25(e_x + 64e_z)/Z; 3u|p| and the
-//!   rounding of the sums need 2⁻¹⁵ of the 2⁻⁹. Of places further out it is enough that they stay outside:
-//!   off by less than a 2000th and the same e_x/Z, they do. Z is the least of the three corners'.
-//! * **Few rays.** Where a box is less than w = [`FEW_SIDE`] wide and high, and made larger by less than
-//!   1/8, it holds no more than 5 rays each way. Places are off by m' = m + 2⁻¹⁵, and no coordinate of a
-//!   corner relative to a ray of the box is more than its size s + 1/8. Edges are linear in the ray's place:
-//!   what is evaluated is, but for rounding, the cross product of two moved corners relative to the ray,
-//!   off by 4(s + 1/8)m' + 2m'² ≤ (4s + 1)m'. Rounded are the corners relative to the first ray, two products
-//!   and a difference, the steps, and a sum for each column and row: of values below
-//!   2(w + 1)² + 2·2w·(w + 1) < 130, twelve times at most, each by u: less than 2⁻¹³. The sum of a ray's
-//!   three, the doubled area, is more than three times as great as what it is off by, so that its sign is
-//!   sure: edges are turned to be above zero inside. Where a ray's three are surely above zero it is inside,
-//!   where one is surely below it is outside.
-//! * **How near.** A depth is off by e_z, its inverse by e_z/Z · 2048/2047 of itself and 2u. Where a triangle
-//!   is met it is no nearer than its nearest corner. Its nearness along a ray is that of its corners by their
-//!   weights, edges' values over their sum, the doubled area. With E what an edge may be off by, the sum is off by
-//!   3E, and a weight of at most 1 by 4E over the sum as evaluated: by as much of how much nearer the
-//!   second corner and the third are than the first; we take 6E. Rounding takes less than 26u of the nearest corner (orthographic: of the
-//!   greatest depth), which the slack of 2⁻¹⁹ covers beside the corners' own.
+//! * **Corners.** q is the exact sum of two single-precision numbers; t accounts for its distance from the ray.
+//!   The difference from the first is exact where the second counts (Sterbenz 1974), else rounded by less than
+//!   2u of the result; that from the second is rounded by u. The eye's own error is η. T, rounded in double
+//!   precision, moves t by less than 128ε|q − o|·B/D of S (B/D: see [`setup`](super::setup)). r is taken to be
+//!   at least the sum of both over u, so corners are off by at most 4ur.
+//! * **X, Y, Z.** T's rows are rounded by u of themselves (their errors in double precision are less as long as
+//!   B/D < 10⁶), products by u, three sums by u each. With the corners' errors X is off by 9ur·S plus second
+//!   order: e_x = 10ur·S. Z's sums and t add 4u|t_z|: e_z = 10ur·S_z + 5u|t_z|.
+//! * **Bounds.** Where Z ≥ 2048·e_z, a place p with |p| ≤ 2·[`SIDE`] is off by (e_x + |p|e_z)/Z · 2048/2047, and
+//!   by 3u|p| for the quotient; rays are off by ρ of a column ([`PacketSpace`]). Bounds grow by 2⁻⁹ + m with
+//!   m = 2ρ + 1.25(e_x + 64e_z)/Z; 3u|p| and the rounding of the sums need 2⁻¹⁵ of the 2⁻⁹. Places further out
+//!   need only stay outside: off by less than 1/2000 and the same e_x/Z, they do. Z is the least of the corners'.
+//! * **Edge functions of small triangles.** Bounds less than w = [`SMALL_SIDE`] wide and high that grow by less
+//!   than 1/8 hold at most 5 rays each way. Places are off by m' = m + 2⁻¹⁵, and no coordinate of a corner
+//!   relative to a ray of the bounds exceeds s + 1/8, s the triangle's size. Edge functions are linear in the
+//!   ray's place: but for rounding, the value is the cross product of two moved corners relative to the ray, off
+//!   by 4(s + 1/8)m' + 2m'² ≤ (4s + 1)m'. Rounding: the corners relative to the first ray, two products and a
+//!   difference, the steps, and one sum a column and row, of values below 2(w + 1)² + 2·2w·(w + 1) < 130, at
+//!   most twelve times by u: below 2⁻¹³. Where the doubled area, the sum of a ray's three values, exceeds three
+//!   times its error, its sign is sure, and edges are turned to be positive inside. A ray whose three values are
+//!   surely positive is inside; one with a surely negative value is outside.
+//! * **Depth key.** A depth is off by e_z, its inverse by e_z/Z · 2048/2047 of itself and 2u. A hit is no nearer
+//!   than the nearest corner. Along a ray the depth key is the corners' by barycentric weights, edge values over
+//!   the doubled area. With E the error of an edge value, the area is off by 3E and a weight of at most 1 by 4E
+//!   over the computed area, times the spread of the second and the third corner from the first; we take 6E.
+//!   Rounding takes less than 26u of the nearest corner (orthographic: of the greatest depth), which the slack
+//!   of 2⁻¹⁹ covers with the corners' own.
 //!
-//! Where Z is less than that, or a number leaves the range, every ray of the block may meet the
-//! triangle. Range: S and r·S < 10³⁰ and Z ≥ 10⁻³⁰ keep products and inverses finite; r is taken to be
-//! 10⁻³⁰ at least as well, which keeps what underflow leaves out, 10⁻⁴⁴, far below the bounds.
+//! Where Z is smaller, or a number leaves the range, every ray of the packet may hit the triangle. Range: S and
+//! r·S < 10³⁰ and Z ≥ 10⁻³⁰ keep products and inverses finite; r is at least 10⁻³⁰, which keeps what underflow
+//! loses, 10⁻⁴⁴, far below the bounds.
 
 use super::lane_math::{ROUNDER, least, most, round};
-use super::params::{FEW_SIDE, SIDE};
+use super::params::{SIDE, SMALL_SIDE};
 use super::ray_box::RayBox;
-use super::setup::{BlockSpace, CornerLanes};
-use super::slivers::{Boxes, Placed};
-use super::small_triangles::{Edges, FewRays};
+use super::setup::{CornerLanes, PacketSpace};
+use super::slivers::{ProjectedCorners, SliverBounds};
+use super::small_triangles::{Edges, SmallCoverage};
 use crate::hit::Cull;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use glam::DVec3;
 
-/// u.
+/// The unit roundoff of single precision.
 const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
 
-/// By how much boxes are larger than the places' errors alone would have it.
+/// By how much bounds grow beyond the errors of places: 2⁻⁹ columns.
 const MARGIN: f64 = 1.0 / 512.0;
 
-/// How much greater than its error a corner's depth has to be.
+/// The least ratio of a corner's depth to its error at which its place is used.
 const CLEAR: f32 = 2048.0;
 
-/// By how much a box of few rays is made larger at most: together with [`FEW_SIDE`] it holds no more
-/// than 5 rays each way.
-const FEW_MARGIN: f32 = 0.125;
+/// The most by which bounds of a small triangle may grow. With [`SMALL_SIDE`] it allows no more than 5 rays
+/// each way.
+const SMALL_MARGIN: f32 = 0.125;
 
-/// What places are off by though nothing else were.
+/// Part of [`MARGIN`] that rounding of places and sums needs.
 const PLACE_ERROR: f64 = 1.0 / 32768.0;
 
-/// What cross products are off by though places were exact.
+/// Bound on the rounding of edge functions of small triangles.
 const CROSS_ROUNDING: f32 = 1.0 / 8192.0;
 
-/// What a nearness may be off by as a share of the greatest, but for the errors of corners and edges.
-const NEARNESS_SLACK: f32 = 1.0 / (1 << 19) as f32;
+/// Bound on the rounding of the depth key, relative to the greatest.
+const DEPTH_KEY_SLACK: f32 = 1.0 / (1 << 19) as f32;
 
-/// The greatest that places and depths may be, and the inverse of the least.
+/// The greatest place or depth, and the inverse of the least.
 const RANGE: f64 = 1e30;
 
-/// Places triangles among a block's rays.
+/// Projects triangles into a packet.
 #[derive(Clone, Debug)]
-pub(crate) struct Placer {
+pub(crate) struct Projector {
     perspective: bool,
     cull: Cull,
-    /// What corners are taken relative to, in two parts.
+    /// What corners are taken relative to, as the sum of two numbers.
     origin: [[f32; 2]; 3],
     /// T's rows.
     map: [[f32; 3]; 3],
@@ -93,38 +90,38 @@ pub(crate) struct Placer {
     least_reach: f32,
     /// The greatest r.
     most_reach: f32,
-    /// T of that.
+    /// t.
     shift: [f32; 3],
-    /// e_z: always, and as a share of r.
+    /// e_z: a constant, and a factor of r.
     depth_error: [f32; 2],
-    /// By how much boxes are made larger: always, and as shares of 1/Z and of r/Z; for orthographic blocks
-    /// of 1 and r.
+    /// By how much bounds grow: a constant, and factors of 1/Z and of r/Z; for orthographic packets of 1 and
+    /// of r.
     margin: [f32; 3],
     /// The last column and row.
     last: [f32; 2],
 }
 
-/// The rays that may meet each of eight triangles: boxes of whole numbers, both ends included, with
-/// [`ROUNDER`] added.
-pub(crate) struct Footprints {
+/// The rays that may hit each of eight triangles: bounds as whole numbers, both ends included, plus
+/// [`ROUNDER`].
+pub(crate) struct ProjectedTriangles {
     left: [f32; LANES],
     right: [f32; LANES],
     top: [f32; LANES],
     bottom: [f32; LANES],
-    /// At least how near the nearest corner is, as [`SetUp::nearness`](super::setup::SetUp) counts;
-    /// infinite where it cannot be told.
+    /// Upper bound of the nearest corner's depth key, as [`TriangleSetup`](super::setup::TriangleSetup)
+    /// counts it; infinite where it is not known.
     pub(crate) nearest: [f32; LANES],
-    /// Those that a ray may meet, as bits.
+    /// Triangles that some ray may hit, as bits.
     pub(crate) seen: u32,
-    /// Those of them with few rays, whose edges tell which meet them, as bits.
+    /// Those of them that are small, as bits.
     pub(crate) few: u32,
-    /// Which of those meet them.
-    pub(crate) few_rays: FewRays,
+    /// Which rays hit the small ones.
+    pub(crate) coverage: SmallCoverage,
 }
 
-impl Placer {
-    /// Places well what is about as deep as `depth`, and everything else soundly.
-    pub(crate) fn new(space: &BlockSpace, depth: f32) -> Self {
+impl Projector {
+    /// Tightest for triangles about as deep as `depth`; correct for all.
+    pub(crate) fn new(space: &PacketSpace, depth: f32) -> Self {
         let length = |row: DVec3| row.abs().element_sum();
         let [x, y, z] = space.map.map(length);
         let wide = if x > y { x } else { y };
@@ -145,7 +142,7 @@ impl Placer {
             from_origin.abs().max_element(),
             space.origin.abs().max_element() + from_origin.abs().max_element(),
         );
-        // Written so that what is not a number is not sound.
+        // NaN fails these comparisons, and is not sound.
         let sound = (far < RANGE)
             & (x + y + z < RANGE)
             & ((x + y + z) * moved < RANGE)
@@ -178,14 +175,14 @@ impl Placer {
         }
     }
 
-    /// Which rays may meet each of the first `count` triangles.
+    /// Bounds the rays that may hit each of the first `count` triangles.
     #[inline(always)]
     pub(crate) fn place<L: Lanes>(
         &self,
         lanes: L,
         corners: &CornerLanes,
         count: usize,
-        out: &mut Footprints,
+        out: &mut ProjectedTriangles,
     ) {
         let zero = lanes.splat(0.0);
         let mut reach = lanes.splat(self.least_reach);
@@ -244,7 +241,7 @@ impl Placer {
         };
         let margin = lanes.splat(always) + margin;
         let nobody = in_range & behind;
-        let ends = Ends {
+        let ends = Extent {
             margin,
             safe,
             nobody,
@@ -254,19 +251,19 @@ impl Placer {
         let empty = right.lt(left) | bottom.lt(top);
 
         let (nearest, near_error, in_front) = if self.perspective {
-            let slack = depth_error * nearest * 1.25 + NEARNESS_SLACK;
+            let slack = depth_error * nearest * 1.25 + DEPTH_KEY_SLACK;
             let error = nearest * slack;
             (nearest + error, error, safe)
         } else {
             let magnitude = front.max(zero - front).max(back.max(zero - back));
-            let rounding = magnitude * NEARNESS_SLACK;
+            let rounding = magnitude * DEPTH_KEY_SLACK;
             let error = depth_error + rounding;
             let nearest = error - front;
             (nearest, error, safe & nearest.lt(zero))
         };
 
-        let size = across.max(along).max(margin * (FEW_SIDE / FEW_MARGIN));
-        let small = in_front & size.lt(lanes.splat(FEW_SIDE));
+        let size = across.max(along).max(margin * (SMALL_SIDE / SMALL_MARGIN));
+        let small = in_front & size.lt(lanes.splat(SMALL_SIDE));
         out.seen = !empty.bits() & ((1 << count) - 1);
         out.few = small.bits() & out.seen;
         let off = margin - (MARGIN - PLACE_ERROR) as f32;
@@ -274,29 +271,29 @@ impl Placer {
             let side = size * 4.0 + 1.0;
             let error = off * side + CROSS_ROUNDING;
             let edges = Edges::new(lanes, [xs, ys, nears], (left, top), error, near_error);
-            out.few &= edges.told.bits();
+            out.few &= edges.decided.bits();
             if self.cull == Cull::Back {
                 let culled = out.few & !edges.front.bits();
                 out.few &= !culled;
                 out.seen &= !culled;
             }
             let size = (right - left, bottom - top);
-            out.seen &= !edges.meet(lanes, size, out.few, &mut out.few_rays);
+            out.seen &= !edges.meet(lanes, size, out.few, &mut out.coverage);
         }
-        let boxes = Boxes {
+        let boxes = SliverBounds {
             left,
             right,
             top,
             bottom,
         };
-        let placed = Placed {
+        let placed = ProjectedCorners {
             xs,
             ys,
             length: across.max(along),
             off,
             safe,
         };
-        let (boxes, seen) = boxes.around_thin(lanes, &placed, out.seen);
+        let (boxes, seen) = boxes.shrunk_to_slivers(lanes, &placed, out.seen);
         out.seen = seen;
         let nearest = safe.select(nearest, lanes.splat(f32::INFINITY));
         let rounder = lanes.splat(ROUNDER);
@@ -308,16 +305,15 @@ impl Placer {
     }
 }
 
-/// How far triangles reach in one direction.
-struct Ends<L: Lanes> {
+/// What turns corners' places into bounds along one axis.
+struct Extent<L: Lanes> {
     margin: L::F32,
     safe: L::Mask,
     nobody: L::Mask,
 }
 
-impl<L: Lanes> Ends<L> {
-    /// The first whole number not before a triangle's box, and the last not after it; and how far it
-    /// reaches.
+impl<L: Lanes> Extent<L> {
+    /// The first ray not before a triangle, the last not after it, and the triangle's extent.
     #[inline(always)]
     fn whole(
         &self,
@@ -339,8 +335,8 @@ impl<L: Lanes> Ends<L> {
     }
 }
 
-impl Footprints {
-    /// None yet.
+impl ProjectedTriangles {
+    /// No triangles.
     pub(crate) const NONE: Self = Self {
         left: [0.0; LANES],
         right: [0.0; LANES],
@@ -349,10 +345,10 @@ impl Footprints {
         nearest: [0.0; LANES],
         seen: 0,
         few: 0,
-        few_rays: FewRays::NONE,
+        coverage: SmallCoverage::NONE,
     };
 
-    /// The box of one that is seen.
+    /// Bounds of a triangle that is seen.
     #[inline(always)]
     pub(crate) fn rays(&self, lane: usize) -> RayBox {
         let whole = |x: f32| x.to_bits() as i32 - ROUNDER.to_bits() as i32;

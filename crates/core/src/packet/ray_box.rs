@@ -1,6 +1,6 @@
 use super::params::ROW;
 
-/// A box of rays, both ends included.
+/// Bounds of rays in a packet: first and last column and row, both included.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct RayBox {
     pub(crate) left: i32,
@@ -16,7 +16,7 @@ impl RayBox {
         (self.right - self.left + 1) * (self.bottom - self.top + 1)
     }
 
-    /// Whether it has no more columns than a row of rays that are looked at together.
+    /// Whether it has no more columns than a row of lanes.
     #[inline(always)]
     pub(crate) fn is_narrow(self) -> bool {
         self.right - self.left < ROW as i32

@@ -1,41 +1,38 @@
-//! Eight triangles set up at once for a block of rays: linear functions of a ray's place in it, with
-//! bounds on their errors.
+//! Triangle set-up: eight triangles at once become linear functions of a ray's place in a packet, with bounds on
+//! their errors.
 //!
-//! All rays of a block share an eye, or a direction. A linear map T takes world space, relative to
-//! the eye, to **block space**, in which the ray in column i and row j runs along (i, j, 1); for
-//! orthographic blocks it starts at (i, j, 0) and runs along (0, 0, 1). There, for a triangle with
-//! corners A, B, C, the edge functions (i, j, 1)·(B×C), (i, j, 1)·(C×A) and (i, j, 1)·(A×B) are linear
-//! in i and j, and so is the inverse of the depth, (i, j, 1)·n / A·n with n = (B−A)×(C−A) (Olano and
-//! Greer, "Triangle Scan Conversion Using 2D Homogeneous Coordinates", 1997). Orthographic blocks use
-//! the corners' (X, Y, 1) in the edge functions, and the depth itself is linear.
+//! All rays of a packet share an eye, or a direction. A linear map T takes world space, relative to the eye, to
+//! **packet space**, in which the ray in column i and row j runs along (i, j, 1); for orthographic packets it
+//! starts at (i, j, 0) and runs along (0, 0, 1). There, for a triangle with corners A, B, C, the edge functions
+//! (i, j, 1)·(B×C), (i, j, 1)·(C×A) and (i, j, 1)·(A×B) are linear in i and j, and so is the inverse depth,
+//! (i, j, 1)·n / A·n with n = (B−A)×(C−A) (Olano and Greer, "Triangle Scan Conversion Using 2D Homogeneous
+//! Coordinates", 1997). Orthographic packets use the corners' (X, Y, 1) in the edge functions, and the depth
+//! itself is linear.
 //!
 //! # Error bounds
-//! ε = 2⁻⁵³; all bounds to first order in ε, with constants rounded up by more than the rest.
+//! ε = 2⁻⁵³ (notation: `docs/error-bounds.md`). All bounds are to first order in ε; each constant is rounded up
+//! by more than the higher orders.
 //!
-//! * **T.** Perspective: a and b the steps from ray to ray along columns and rows, s their length, d the
-//!   direction at (0, 0), D the target's distance, and B = max(|across| + |along| + D) over the block.
-//!   T is D times the inverse of the matrix (a, b, d), its rows D·(b×d), D·(d×a) and D·(a×b) over the
-//!   determinant s²D: the first two at most K = B/s long, the third 1. Nothing is assumed of how
-//!   perpendicular the camera's axes are, but that they are to 10⁻⁶. Each component of d is off by 6εB,
-//!   a cross product's by 6εsB, the quotient by 3ε of itself: rows are off by 20εK a component (the
-//!   third by 20ε). Orthographic: (a, b, forward), K = 1/s, and the same.
-//! * **Corners.** Relative to the origin they are off by εr + η a coordinate, r the largest coordinate
-//!   and η the origin's own error. Mapped: 3·20εKr from T, 6εKr from products and sums, 2K(εr + η) from
-//!   before: below Kδ with δ = 72(εr + η) for X and Y, and below δ for Z.
-//!   Backwards, r ≤ (2A·s + Z·B)/D, with A the largest |X| or |Y| and Z the largest |Z| (orthographic:
-//!   2A·s + Z).
-//! * **Edge functions.** With W the largest third coordinate (Z, or 1 and exact), m = P×Q has components
-//!   off by 2KδW + 2Aδ + 4εAW in the first two and 4KδA + 4εA² in the third. Moving the function's zero
-//!   to a place in the block rounds twice more. At places up to h:
-//!   E = (A + hW)·(4(K + h)δ + 32εA); orthographic: 4K for 4(K + h), since W is exact.
-//! * **Rays.** A ray's direction is rounded on its way to unit length: 8εB a component, which T makes
-//!   14εK·B/D, and its place on the plane rounds by εK: below 32εK·B/D columns or rows, so that
-//!   edge functions and n are off by that times |m₁| + |m₂|, or |n₁| + |n₂|. Orthographic rays' origins
-//!   round instead, which η includes.
-//! * **The plane.** With L and M the largest differences of corners in X or Y, and in Z:
-//!   (i, j, 1)·n is off by N = (L + hM)·(8(K + h)δ + 16εL);
-//!   A·n by F = (A·M + Z·L)·(16(K + h)δ + 24εL) + 12δ·A·L. Orthographic depths are (A·n − n₁i − n₂j)/n₃,
-//!   whose numerator is off by F with A + h for A, and n₃ by 8KδL + 8εL².
+//! * **T.** Perspective: a and b are the steps from ray to ray along columns and rows, s their length, d the
+//!   direction at (0, 0), D the distance to the target, and B = max(|across| + |along| + D) over the packet. T is
+//!   D times the inverse of the matrix (a, b, d). Its rows are D·(b×d), D·(d×a) and D·(a×b) over the determinant
+//!   s²D: the first two at most K = B/s long, the third 1. The camera's axes need be perpendicular only to
+//!   10⁻⁶. A component of d is off by 6εB, of a cross product by 6εsB, the quotient by 3ε of itself: rows are off
+//!   by 20εK a component (the third by 20ε). Orthographic: (a, b, forward), K = 1/s, and the same.
+//! * **Corners.** Relative to the origin they are off by εr + η a coordinate, r the greatest coordinate and η the
+//!   origin's own error. Mapped: 3·20εKr from T, 6εKr from products and sums, 2K(εr + η) from before: below Kδ
+//!   with δ = 72(εr + η) for X and Y, and below δ for Z. In reverse, r ≤ (2A·s + Z·B)/D, with A the greatest |X|
+//!   or |Y| and Z the greatest |Z| (orthographic: 2A·s + Z).
+//! * **Edge functions.** With W the greatest third coordinate (Z, or 1 and exact), m = P×Q is off by
+//!   2KδW + 2Aδ + 4εAW in its first two components and by 4KδA + 4εA² in the third. Moving to a place in the
+//!   packet rounds twice more. At places up to h: E = (A + hW)·(4(K + h)δ + 32εA); orthographic: 4K for
+//!   4(K + h), since W is exact.
+//! * **Rays.** A ray's direction is rounded on its way to unit length by 8εB a component, which T makes
+//!   14εK·B/D, and its place on the plane by εK: below 32εK·B/D columns or rows, so edge functions and n are off
+//!   by that times |m₁| + |m₂|, or |n₁| + |n₂|. Orthographic rays' origins are rounded instead, which η includes.
+//! * **Plane.** With L and M the greatest differences of corners in X or Y, and in Z: (i, j, 1)·n is off by
+//!   N = (L + hM)·(8(K + h)δ + 16εL), and A·n by F = (A·M + Z·L)·(16(K + h)δ + 24εL) + 12δ·A·L. Orthographic
+//!   depths are (A·n − n₁i − n₂j)/n₃, whose numerator is off by F with A + h for A, and n₃ by 8KδL + 8εL².
 
 use super::params::{ROW, SIDE};
 use super::ray_box::RayBox;
@@ -44,77 +41,77 @@ use crate::hit::Cull;
 use crate::num::simd::LANES;
 use glam::DVec3;
 
-/// The furthest place from a block's first ray at which functions are evaluated: rows of rays may
-/// stick out.
+/// The furthest place from a packet's first ray at which functions are evaluated: rows of lanes may reach beyond
+/// the packet.
 const REACH: f64 = (SIDE + ROW) as f64;
 
-/// Half a unit in the last place of 1 in double precision.
+/// The unit roundoff of double precision.
 const EPSILON: f64 = f64::EPSILON / 2.0;
 
-/// Error bound of a linear function of the place, evaluated in single precision, as a share of the
-/// sum of its terms' greatest magnitudes, M = |f₀| + |f_x|·w + |f_y|·h.
+/// Relative error of a linear function of the place evaluated in single precision, in units of the sum of its
+/// terms' greatest magnitudes, M = |f₀| + |f_x|·w + |f_y|·h.
 ///
-/// With u = 2⁻²⁴: the three coefficients are rounded, and moving to a sub-block's corner takes two
-/// products and two sums (7u); a place in a row takes a product and a sum (2u), and the rows below
-/// the first add a step each, [`SIDE`] at most, whose sum is rounded each time (32u). Comparing two
-/// such values takes a sum of each with its bound (2u). 48u covers these and the higher orders.
+/// With u = 2⁻²⁴: the three coefficients are rounded, and moving to a cell's corner takes two products and two
+/// sums (7u); a place in a row takes a product and a sum (2u); the rows below add a step each, at most [`SIDE`],
+/// and round each time (32u). Comparing two such values adds the bound to each (2u). 48u covers these and the
+/// higher orders.
 const LINEAR_ERROR: f64 = 48.0 / (1u64 << 24) as f64;
 
-/// The rays of a block, as far as triangles are concerned.
+/// The rays of a packet: what maps triangles into its space.
 #[derive(Clone, Debug)]
-pub(crate) struct BlockSpace {
+pub(crate) struct PacketSpace {
     pub(super) perspective: bool,
     /// What corners are taken relative to.
     pub(super) origin: DVec3,
-    /// From there to where the first ray is one deep.
+    /// From there to the point of depth one on the first ray.
     pub(super) way: DVec3,
     /// T's rows.
     pub(super) map: [DVec3; 3],
     pub(super) cull: Cull,
-    /// Columns and rows of the block, less one.
+    /// Columns and rows of the packet, less one.
     pub(super) last: (f32, f32),
-    /// K + h, or K for orthographic blocks.
+    /// K + h, or K for orthographic packets.
     stretch_and_reach: f64,
     /// η.
     pub(super) origin_error: f64,
-    /// What r is of A and of Z.
+    /// The factors of A and of Z in the bound on r.
     size: (f64, f64),
-    /// 32εK·B/D; zero for orthographic blocks.
+    /// 32εK·B/D; zero for orthographic packets.
     pub(super) ray_error: f64,
-    /// B/D; one for orthographic blocks.
+    /// B/D; one for orthographic packets.
     pub(super) obliqueness: f64,
 }
 
-/// Corner coordinates of eight triangles side by side: a corner's three, then the next one's.
+/// Corner coordinates of eight triangles in structure-of-arrays order: x, y and z of the first corner, of the
+/// second, of the third.
 pub(crate) type CornerLanes = [[f32; LANES]; 9];
 
-/// Triangles set up for a block.
+/// Eight triangles set up for a packet.
 ///
 /// Functions are of the place relative to a triangle's own first ray, (`column`, `row`).
 #[derive(Clone, Debug)]
-pub(crate) struct SetUp {
-    /// Edge functions: at the first ray, from column to column, from row to row. All three are
-    /// positive inside.
+pub(crate) struct TriangleSetup {
+    /// Edge functions: value at the first ray, step per column, step per row. All three are positive inside.
     pub(crate) edges: [[[f32; LANES]; 3]; 3],
-    /// What the edge functions may be off by.
+    /// Bounds on the error of the edge functions.
     pub(crate) edge_error: [f32; LANES],
-    /// How near: inverse depth, or for orthographic blocks depth negated, so that it grows towards
-    /// the eye.
-    pub(crate) nearness: [[f32; LANES]; 3],
-    /// What it may be off by.
-    pub(crate) nearness_error: [f32; LANES],
-    /// The first column and row that the functions are relative to.
+    /// Depth key: inverse depth, or negated depth for orthographic packets, so that it grows towards the
+    /// eye.
+    pub(crate) depth_key: [[f32; LANES]; 3],
+    /// Bounds on its error.
+    pub(crate) depth_key_error: [f32; LANES],
+    /// Column and row of the first ray.
     pub(crate) column: [i32; LANES],
     pub(crate) row: [i32; LANES],
-    /// The box of rays that may meet the triangle; empty if it is culled.
+    /// Bounds of the rays that may hit the triangle; empty if it is culled.
     pub(crate) boxes: [RayBox; LANES],
-    /// Seen from its edge, or too badly conditioned: it cannot be told from which side.
-    pub(crate) awkward: [bool; LANES],
+    /// Edge-on or ill-conditioned: which side faces the eye is not sure.
+    pub(crate) ill_conditioned: [bool; LANES],
 }
 
-impl BlockSpace {
-    /// The block whose first ray goes through (x, y) of the picture, its rays `stride` pixels apart.
-    /// `eye` is the camera's relative to what corners are relative to, off by at most `eye_error`.
+impl PacketSpace {
+    /// The packet whose first ray goes through (x, y) of the picture, with rays `stride` pixels apart. `eye` is
+    /// the camera's, relative to what corners are relative to, and off by at most `eye_error`.
     pub(crate) fn new(
         camera: &Camera,
         eye: DVec3,
@@ -185,7 +182,7 @@ impl BlockSpace {
         }
     }
 
-    /// Corners in block space.
+    /// Maps corners into packet space.
     #[inline(always)]
     fn map(&self, corners: &CornerLanes) -> [[f64; LANES]; 9] {
         let mut out = [[0.0; LANES]; 9];
@@ -210,19 +207,19 @@ impl BlockSpace {
         72.0 * (EPSILON * (reach * self.size.0 + depth * self.size.1) + self.origin_error)
     }
 
-    /// Sets triangles up, each for the rays of its box.
+    /// Sets up eight triangles, each for the rays of its bounds.
     #[inline(always)]
-    pub(crate) fn set_up(&self, corners: &CornerLanes, boxes: &[RayBox; LANES]) -> SetUp {
+    pub(crate) fn set_up(&self, corners: &CornerLanes, boxes: &[RayBox; LANES]) -> TriangleSetup {
         let corners = self.map(corners);
-        let mut out = SetUp {
+        let mut out = TriangleSetup {
             edges: [[[0.0; LANES]; 3]; 3],
             edge_error: [0.0; LANES],
-            nearness: [[0.0; LANES]; 3],
-            nearness_error: [0.0; LANES],
+            depth_key: [[0.0; LANES]; 3],
+            depth_key_error: [0.0; LANES],
             column: [0; LANES],
             row: [0; LANES],
             boxes: *boxes,
-            awkward: [false; LANES],
+            ill_conditioned: [false; LANES],
         };
         let h = REACH;
         let kh = self.stretch_and_reach;
@@ -263,12 +260,11 @@ impl BlockSpace {
                 )
             };
             let sign = if facing < 0.0 { -1.0 } else { 1.0 };
-            // Written so that NaN is awkward.
+            // NaN fails this comparison, and is ill-conditioned.
             let clear = facing.abs() > 4.0 * facing_error;
             let culled = (self.cull == Cull::Back) & clear & (facing > 0.0);
 
-            // Where the functions begin: at the box's left, or for wide boxes at a whole multiple
-            // of a row.
+            // Functions begin at the left of the bounds; for wide bounds at a multiple of a row.
             let RayBox {
                 left,
                 right,
@@ -337,19 +333,19 @@ impl BlockSpace {
             };
             let spread = n0.abs() + n1.abs() * across + n2.abs() * along;
             let relative = facing_error * inverse.abs();
-            let nearness_error =
+            let depth_key_error =
                 spread * (LINEAR_ERROR + 2.0 * relative) + 2.0 * numerator_error * inverse.abs();
-            out.nearness[0][l] = n0 as f32;
-            out.nearness[1][l] = n1 as f32;
-            out.nearness[2][l] = n2 as f32;
-            out.nearness_error[l] = (nearness_error * 1.001) as f32 + f32::MIN_POSITIVE;
-            // What leaves single precision, or was never a number, is awkward too.
+            out.depth_key[0][l] = n0 as f32;
+            out.depth_key[1][l] = n1 as f32;
+            out.depth_key[2][l] = n2 as f32;
+            out.depth_key_error[l] = (depth_key_error * 1.001) as f32 + f32::MIN_POSITIVE;
+            // What leaves single precision's range, or is NaN, is ill-conditioned too.
             let sound = (magnitude < f64::INFINITY)
                 & (magnitude > 0.0)
                 & (edge_error < 1.0)
-                & (nearness_error < f64::from(f32::MAX))
+                & (depth_key_error < f64::from(f32::MAX))
                 & (spread < f64::from(f32::MAX));
-            out.awkward[l] = !(clear & sound);
+            out.ill_conditioned[l] = !(clear & sound);
         }
         out
     }

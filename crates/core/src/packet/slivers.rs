@@ -1,67 +1,74 @@
-//! Boxes of rays around long thin triangles, eight at once, no larger than the rows' spans make them:
-//! such triangles pass between most of their box's rays, and many meet none.
+//! Sliver bounds: the rays that eight long thin triangles may hit, shrunk from the box of their corners to the
+//! spans of its rows. Slivers pass between most rays of their box, and many hit none.
 //!
 //! # Error bounds
-//! Places in a block are off by at most M in each coordinate. What is inside of the true triangle is then at
-//! most M from T, the triangle of the corners as placed: a point of the one is a mean of its corners, and the
-//! same mean of the other's is no further from it than they are. So where e(x, y) = e₀ + e_x·x + e_y·y is an
-//! edge of T, at least 0 inside, e ≥ −M(|e_x| + |e_y|) for all such points.
+//! With u = 2⁻²⁴ (notation: `docs/error-bounds.md`).
 //!
-//! With u = 2⁻²⁴, and P the greatest coordinate of a corner relative to a box's first ray, or a block's
-//! size: corners relative to that ray are rounded by uP, which is one more M. Rounded are e₀, a difference of
-//! two products of at most P² (4uP²), e_x and e_y (2uP each, times x and y: 4uP²), and e_y·y and two sums
-//! (10uP²); we take 24uP². Where the doubled area is more than four times that, its sign is known, and
-//! with it the side that is inside. Dividing by e_x moves a column by 6u of at most 2·[`SIDE`], less
-//! than [`SLACK`]; what is further out stays there.
+//! **Places.** A corner's place in the packet is off by at most M in each coordinate. A point of the true
+//! triangle is a convex combination of its corners; the same combination of the placed corners is within M of
+//! it. So where e(x, y) = e₀ + e_x·x + e_y·y is an edge function of the placed triangle, non-negative inside,
+//! e ≥ −M(|e_x| + |e_y|) holds throughout the true one.
+//!
+//! **Rounding.** Let P be the greatest coordinate of a corner relative to the box's first ray, or the packet's
+//! size. Corners relative to that ray are rounded by uP: one more M. Rounding moves e₀, a difference of two
+//! products of at most P², by 4uP²; e_x and e_y by 2uP each, times x and y 4uP²; e_y·y and two sums by 10uP².
+//! We take 24uP². Where the doubled area exceeds four times that, its sign is sure, and with it the inner side.
+//! Dividing by e_x moves a column by 6u of at most 2·[`SIDE`], less than [`SLACK`]; what lies further out stays
+//! outside.
 
 use super::lane_math::{Three, cross, most, relative_to, round};
-use super::params::{FEW_SIDE, SIDE};
+use super::params::{SIDE, SMALL_SIDE};
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 
-/// u.
+/// The unit roundoff of single precision.
 const UNIT: f32 = 1.0 / (1 << 24) as f32;
 
-/// How thick a thin triangle is at most, as its doubled area over its length.
-const THIN: f32 = 2.0;
+/// The largest thickness of a sliver, in columns: its doubled area over its length. Thicker triangles hit most
+/// rows of their box, and spans would cull little.
+const SLIVER: f32 = 2.0;
 
-/// How many of eight are thin at least: spans of all eight are found together, and take longer than what
+/// The fewest slivers among eight for which spans are worth their time: those of all eight are found together.
 /// fewer spare.
 const SEVERAL: u32 = 3;
 
-/// By how much spans are longer at both ends, in columns.
+/// Added to both ends of spans, in columns.
 const SLACK: f32 = 1.0 / 1024.0;
 
-/// What e_x is taken to be at least: that moves e by less than 10⁻¹⁸ in a block.
+/// Lower bound put on |e_x|, to divide by it: moves e by less than 10⁻¹⁸ in a packet.
 const STEEPEST: f32 = 1e-20;
 
-/// Boxes of rays, both ends included, of eight triangles.
+/// Bounds of the rays that may hit eight triangles, both ends included.
 #[derive(Clone, Copy)]
-pub(super) struct Boxes<L: Lanes> {
+pub(super) struct SliverBounds<L: Lanes> {
     pub(super) left: L::F32,
     pub(super) right: L::F32,
     pub(super) top: L::F32,
     pub(super) bottom: L::F32,
 }
 
-/// Triangles by the places of their corners.
+/// Eight triangles by the places of their corners.
 #[derive(Clone, Copy)]
-pub(super) struct Placed<L: Lanes> {
+pub(super) struct ProjectedCorners<L: Lanes> {
     pub(super) xs: Three<L::F32>,
     pub(super) ys: Three<L::F32>,
-    /// How wide or high they are, whichever is more.
+    /// The greater of width and height.
     pub(super) length: L::F32,
-    /// What places of up to 2·[`SIDE`] are off by; others by as much more as they are further out.
+    /// Bound on the error of places up to 2·[`SIDE`]; it grows in proportion beyond.
     pub(super) off: L::F32,
-    /// Where all this holds.
+    /// Triangles for which all this holds.
     pub(super) safe: L::Mask,
 }
 
-impl<L: Lanes> Boxes<L> {
-    /// The boxes, smaller where thin triangles leave their sides, and which of `seen`, as bits, still have
-    /// rays.
+impl<L: Lanes> SliverBounds<L> {
+    /// The bounds, shrunk for slivers, and which of `seen` (as bits) still bound any ray.
     #[inline(always)]
-    pub(super) fn around_thin(self, lanes: L, placed: &Placed<L>, seen: u32) -> (Self, u32) {
-        let Placed {
+    pub(super) fn shrunk_to_slivers(
+        self,
+        lanes: L,
+        placed: &ProjectedCorners<L>,
+        seen: u32,
+    ) -> (Self, u32) {
+        let ProjectedCorners {
             xs,
             ys,
             length,
@@ -71,8 +78,8 @@ impl<L: Lanes> Boxes<L> {
         let to_b = (xs.1 - xs.0, ys.1 - ys.0);
         let to_c = (xs.2 - xs.0, ys.2 - ys.0);
         let area = cross(to_b, to_c);
-        let wide = length * THIN;
-        let long = lanes.splat(FEW_SIDE).lt(length);
+        let wide = length * SLIVER;
+        let long = lanes.splat(SMALL_SIDE).lt(length);
         let thin = long & area.abs().lt(wide);
         let thin = thin & safe;
         let which = thin.bits() & seen;
@@ -91,10 +98,15 @@ impl<L: Lanes> Boxes<L> {
         (boxes, seen & !empty)
     }
 
-    /// Boxes around the rows' spans of the triangles in `which`, as bits, and which of those are to be
-    /// trusted.
+    /// Bounds around the row spans of the triangles in `which` (as bits), and where they are sure.
     #[inline(always)]
-    fn spans(self, lanes: L, placed: &Placed<L>, area: L::F32, which: u32) -> (Self, L::Mask) {
+    fn spans(
+        self,
+        lanes: L,
+        placed: &ProjectedCorners<L>,
+        area: L::F32,
+        which: u32,
+    ) -> (Self, L::Mask) {
         let zero = lanes.splat(0.0);
         let side = lanes.splat(SIDE as f32);
         let (ax, bx, cx) = relative_to(placed.xs, self.left);
@@ -102,7 +114,7 @@ impl<L: Lanes> Boxes<L> {
         let across = furthest((ax, bx, cx));
         let along = furthest((ay, by, cy));
         let reach = across.max(along).max(side);
-        // Places are at most `reach` and the box's own place from zero.
+        // Places lie within `reach` and the box's own place of zero.
         let scale = reach * (0.5 / SIDE as f32) + 1.0;
         let off = placed.off * scale;
         let off = off + reach * UNIT;
@@ -144,26 +156,26 @@ impl<L: Lanes> Boxes<L> {
     }
 }
 
-/// What edges need besides corners.
+/// What moves edges outwards.
 #[derive(Clone, Copy)]
 struct Slack<L: Lanes> {
-    /// Where the triangle's area is negative.
+    /// Where the area is negative.
     turned: L::Mask,
     /// M.
     off: L::F32,
-    /// What values are off by besides.
+    /// Bound on the rounding of edge functions.
     rounding: L::F32,
 }
 
-/// An edge, at least 0 inside.
+/// An edge function, non-negative inside.
 #[derive(Clone, Copy)]
 struct Edge<L: Lanes> {
-    /// What it is at the first ray at most, and what a row adds.
+    /// Its upper bound at the first ray, and its step from row to row.
     first: L::F32,
     down: L::F32,
-    /// What a value is times this is how many columns further it would be zero.
+    /// A value times this is the column at which the function is zero, from the first.
     columns: L::F32,
-    /// Where rows' spans begin at it; elsewhere they end.
+    /// Where spans begin at this edge; elsewhere they end at it.
     begins: L::Mask,
 }
 
@@ -198,7 +210,7 @@ impl<L: Lanes> Edge<L> {
         }
     }
 
-    /// What is inside of a row's span.
+    /// Cuts a row's span to the inner side of the edge.
     #[inline(always)]
     fn cut(&self, y: L::F32, (begin, end): (L::F32, L::F32)) -> (L::F32, L::F32) {
         let value = self.first + self.down * y;
@@ -210,7 +222,7 @@ impl<L: Lanes> Edge<L> {
     }
 }
 
-/// The greatest of those of `heights` that are in `which`, as bits; they are whole numbers.
+/// The greatest of the `heights` in `which` (as bits); they are whole numbers.
 #[inline(always)]
 fn highest<F: F32x8>(heights: F, which: u32) -> u32 {
     let mut all = [0.0; LANES];
@@ -246,7 +258,7 @@ mod tests {
         sides.iter().all(|&s| s >= 0.0) || sides.iter().all(|&s| s <= 0.0)
     }
 
-    /// A thin triangle with an edge that passes by a ray, no further than `past`.
+    /// A sliver with an edge no further than `past` from a ray.
     fn thin(random: &mut Random, length: f64, past: f64) -> Corners {
         let ray = [
             (random.unit() * 32.0).floor(),
@@ -267,7 +279,7 @@ mod tests {
         ]
     }
 
-    /// The boxes of triangles: as they come, and as small as their spans, where there still are rays.
+    /// Bounds of triangles as projected, and as shrunk where any ray is left.
     fn boxes(placed: &[Corners; LANES], off: f64) -> [([f32; 4], Option<[f32; 4]>); LANES] {
         let lanes = Plain;
         let each =
@@ -279,13 +291,13 @@ mod tests {
         let last = |axis: usize| each(&move |c| (high(axis)(c) + off).floor().clamp(-1.0, 31.0));
         let length = |axis: usize| each(&move |c| high(axis)(c) - low(axis)(c));
         let (zero, one) = (lanes.splat(0.0), lanes.splat(1.0));
-        let whole = Boxes::<Plain> {
+        let whole = SliverBounds::<Plain> {
             left: first(0),
             right: last(0),
             top: first(1),
             bottom: last(1),
         };
-        let placed = Placed {
+        let placed = ProjectedCorners {
             xs: (corner(0, 0), corner(1, 0), corner(2, 0)),
             ys: (corner(0, 1), corner(1, 1), corner(2, 1)),
             length: length(0).max(length(1)),
@@ -293,8 +305,8 @@ mod tests {
             safe: zero.lt(one),
         };
         let none = whole.right.lt(whole.left) | whole.bottom.lt(whole.top);
-        let (small, seen) = whole.around_thin(lanes, &placed, !none.bits());
-        let sides = |boxes: Boxes<Plain>| {
+        let (small, seen) = whole.shrunk_to_slivers(lanes, &placed, !none.bits());
+        let sides = |boxes: SliverBounds<Plain>| {
             let mut sides = [[0.0; LANES]; 4];
             boxes.left.store(&mut sides[0]);
             boxes.right.store(&mut sides[1]);
@@ -309,7 +321,7 @@ mod tests {
         })
     }
 
-    /// How many of many triangles no ray meets, and how many of those were left out.
+    /// How many of many triangles no ray hits, and how many of those were culled.
     fn try_many(length: f64, off: f64, past: f64) -> [usize; 2] {
         let mut random = Random(7);
         let [mut empty, mut left_out] = [0; 2];
@@ -349,7 +361,7 @@ mod tests {
 
     #[test]
     fn no_ray_of_a_thin_triangle_is_left_out() {
-        // Places off by much, and by nothing but what far corners' rounding makes of it.
+        // With places off by much, and by the rounding of far corners alone.
         for (length, off, past) in [
             (30.0, 0.25, 0.3),
             (30.0, 1e-3, 1e-3),

@@ -1,61 +1,64 @@
-//! Which of a few rays meet eight triangles, by their places, and how near the triangles are along them. The
-//! bounds are derived in [`ray_bounds`](super::ray_bounds).
+//! Coverage of small triangles: eight triangles, each tested against the few rays of its bounds by edge
+//! functions in single precision (Pineda, "A Parallel Algorithm for Polygon Rasterization", 1988). The bounds
+//! on their errors are derived in [`ray_bounds`](super::ray_bounds).
 
 use super::lane_math::{Three, cross, least, relative_to};
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 
-/// The greatest share of a triangle's area, doubled, that its edges' values may be off by.
+/// The largest relative error of a triangle's doubled area. Beyond it the triangle is a sliver whose
+/// orientation is not trusted.
 const LEAST_SHARE: f32 = 1.0 / 16.0;
 
-/// By how many such shares of how much nearer one corner is than another a nearness may be off.
+/// Relative error of the interpolated depth key, in units of (edge error / doubled area) · (spread of the
+/// depth key over the corners): derived in [`ray_bounds`](super::ray_bounds).
 const SHARES: f32 = 6.0;
 
-/// How many columns, and rows, of few rays there are at most.
-const FEW_COLUMNS: usize = 5;
+/// The most columns, and rows, of rays in the bounds of a small triangle.
+const SMALL_COLUMNS: usize = 5;
 
-/// How many rows' rays are told by the bits of one single: its 24 bits are fewer than all.
+/// How many rows of rays one number's 24 bits can hold.
 const ROWS: usize = 3;
 
-/// The sum of this and a smaller whole number has that number in its low bits.
+/// Adding a smaller whole number to this puts it in the low bits.
 const WHOLE: f32 = 8_388_608.0;
 
-/// Edges of eight triangles as cross products of two corners relative to a ray, above zero inside: linear
-/// functions of its place.
+/// Edge functions of eight triangles, positive inside: cross products of two corners relative to a ray, linear
+/// in the ray's place.
 pub(super) struct Edges<L: Lanes> {
-    /// Their values at the first ray of a triangle's box.
+    /// Values at the first ray of each triangle's bounds.
     first: Three<L::F32>,
-    /// What is added from column to column, and from row to row.
+    /// Steps from column to column, and from row to row.
     to_right: Three<L::F32>,
     down: Three<L::F32>,
-    /// What the values are off by at most.
+    /// Bound on the error of the values.
     error: L::F32,
-    /// How near the triangle is along a ray: what it is at the first corner, and what each of the values
-    /// of the third and the first edge adds.
-    nearness: Three<L::F32>,
-    /// What that is off by at most inside.
-    nearness_error: L::F32,
-    /// Those that are no slivers, of which nothing here is to be trusted.
-    pub(super) told: L::Mask,
-    /// Those of them that are seen from the front.
+    /// The depth key along a ray: its value at the first corner, and its slope by the third and the first
+    /// edge function.
+    depth_key: Three<L::F32>,
+    /// Bound on its error inside the triangle.
+    depth_key_error: L::F32,
+    /// Triangles whose orientation is sure. Slivers are not: nothing here holds for them.
+    pub(super) decided: L::Mask,
+    /// Those of them that face the eye.
     pub(super) front: L::Mask,
 }
 
-/// Eight triangles of few rays. Rays are counted from the first of a triangle's box, row by row of
-/// [`FEW_COLUMNS`].
-pub(crate) struct FewRays {
-    /// Rays that surely meet a triangle: the low bits of singles, some rows each.
+/// Which rays hit eight small triangles. Rays are numbered from the first of a triangle's bounds, in rows of
+/// [`SMALL_COLUMNS`].
+pub(crate) struct SmallCoverage {
+    /// Rays surely inside, as low bits of numbers that hold some rows each.
     inside: [[f32; LANES]; 2],
-    /// Rays that perhaps meet it, those included.
+    /// Rays not surely outside, those included.
     perhaps: [[f32; LANES]; 2],
-    /// How near it is, where they do.
-    nearness: [[f32; LANES]; FEW_COLUMNS * FEW_COLUMNS],
-    /// What that is off by at most.
-    nearness_error: [f32; LANES],
+    /// The depth key along each ray.
+    depth_key: [[f32; LANES]; SMALL_COLUMNS * SMALL_COLUMNS],
+    /// Bound on its error.
+    depth_key_error: [f32; LANES],
 }
 
 impl<L: Lanes> Edges<L> {
-    /// Corners are at `xs` and `ys` and as near as `nears`, the boxes' first rays at `(x, y)`; values in
-    /// the boxes are off by less than `error`, `nears` by less than `corner_error`.
+    /// `xs`, `ys` and `nears` are places and depth keys of the corners, `(x, y)` the first ray of each
+    /// triangle's bounds; `error` bounds the error of the edge functions, `corner_error` that of `nears`.
     #[inline(always)]
     pub(super) fn new(
         lanes: L,
@@ -74,7 +77,7 @@ impl<L: Lanes> Edges<L> {
         let to_right = (ay - by, by - cy, cy - ay);
         let down = (bx - ax, cx - bx, ax - cx);
         let area = first.0 + first.1 + first.2;
-        // Columns run right and rows down: what is seen from the front has negative values.
+        // Columns run right and rows down, so a triangle that faces the eye has a negative area.
         let (zero, one) = (lanes.splat(0.0), lanes.splat(1.0));
         let front = area.lt(zero);
         let sign = front.select(lanes.splat(-1.0), one);
@@ -90,23 +93,22 @@ impl<L: Lanes> Edges<L> {
             to_right: times(to_right, sign),
             down: times(down, sign),
             error,
-            nearness: (a_near, to_b * inverse, to_c * inverse),
-            nearness_error: corner_error + by_slope,
-            told: share.lt(lanes.splat(LEAST_SHARE)),
+            depth_key: (a_near, to_b * inverse, to_c * inverse),
+            depth_key_error: corner_error + by_slope,
+            decided: share.lt(lanes.splat(LEAST_SHARE)),
             front,
         }
     }
 
-    /// Meets the triangles in `which`, as bits, with the rays of their boxes, which hold as many more
-    /// columns than one, and as many more rows, four at most. Returns those that all rays are surely
-    /// outside of, as bits.
+    /// Tests the triangles in `which` (as bits) against the rays of their bounds, of `width + 1` columns and
+    /// `height + 1` rows, at most five each. Returns those that no ray hits, as bits.
     #[inline(always)]
     pub(super) fn meet(
         &self,
         lanes: L,
         (width, height): (L::F32, L::F32),
         which: u32,
-        out: &mut FewRays,
+        out: &mut SmallCoverage,
     ) -> u32 {
         let (columns, rows) = (most(lanes, width, which), most(lanes, height, which));
         let minus_error = lanes.splat(0.0) - self.error;
@@ -122,13 +124,13 @@ impl<L: Lanes> Edges<L> {
                 let beyond = below | width.lt(lanes.splat(column as f32));
                 let (a, b, c) = values;
                 let least = beyond.select(never, least((a, b, c)));
-                let bit = lanes.splat((1u32 << (row % ROWS * FEW_COLUMNS + column)) as f32);
+                let bit = lanes.splat((1u32 << (row % ROWS * SMALL_COLUMNS + column)) as f32);
                 let if_inside = self.error.lt(least).select(bit, zero);
                 let unless_outside = least.lt(minus_error).select(zero, bit);
                 inside[half] = inside[half] + if_inside;
                 perhaps[half] = perhaps[half] + unless_outside;
-                let near = nearness(values, self.nearness);
-                near.store(&mut out.nearness[row * FEW_COLUMNS + column]);
+                let near = depth_key(values, self.depth_key);
+                near.store(&mut out.depth_key[row * SMALL_COLUMNS + column]);
                 values = sum(values, self.to_right);
             }
             along_row = sum(along_row, self.down);
@@ -137,59 +139,58 @@ impl<L: Lanes> Edges<L> {
             inside[half].store(&mut out.inside[half]);
             perhaps[half].store(&mut out.perhaps[half]);
         }
-        self.nearness_error.store(&mut out.nearness_error);
+        self.depth_key_error.store(&mut out.depth_key_error);
         which & !none.lt(perhaps[0].max(perhaps[1])).bits()
     }
 }
 
-impl FewRays {
+impl SmallCoverage {
     /// No triangles.
     pub(super) const NONE: Self = Self {
         inside: [[WHOLE; LANES]; 2],
         perhaps: [[WHOLE; LANES]; 2],
-        nearness: [[0.0; LANES]; FEW_COLUMNS * FEW_COLUMNS],
-        nearness_error: [0.0; LANES],
+        depth_key: [[0.0; LANES]; SMALL_COLUMNS * SMALL_COLUMNS],
+        depth_key_error: [0.0; LANES],
     };
 
-    /// The rays that surely meet a triangle, as bits.
+    /// The rays surely inside a triangle, as bits.
     #[inline(always)]
     pub(super) fn inside(&self, lane: usize) -> u32 {
         bits(&self.inside, lane)
     }
 
-    /// The rays that perhaps meet a triangle, as bits.
+    /// The rays not surely outside a triangle, as bits.
     #[inline(always)]
     pub(super) fn perhaps(&self, lane: usize) -> u32 {
         bits(&self.perhaps, lane)
     }
 
-    /// How many columns and rows a ray is from the first one; how near the triangle is at least, and at most,
-    /// where it meets it.
+    /// Column and row of a ray from the first one, and the bounds of the depth key along it.
     #[inline(always)]
     pub(super) fn ray(&self, lane: usize, ray: u32) -> ([usize; 2], [f32; 2]) {
-        let ray = ray as usize % (FEW_COLUMNS * FEW_COLUMNS);
-        let (near, error) = (self.nearness[ray][lane], self.nearness_error[lane]);
+        let ray = ray as usize % (SMALL_COLUMNS * SMALL_COLUMNS);
+        let (near, error) = (self.depth_key[ray][lane], self.depth_key_error[lane]);
         (
-            [ray % FEW_COLUMNS, ray / FEW_COLUMNS],
+            [ray % SMALL_COLUMNS, ray / SMALL_COLUMNS],
             [near - error, near + error],
         )
     }
 }
 
-/// Bits of both halves of the rows.
+/// The bits of both halves of the rows.
 #[inline(always)]
 fn bits(halves: &[[f32; LANES]; 2], lane: usize) -> u32 {
     let [first, second] = [halves[0][lane], halves[1][lane]];
     let of = |half: f32| half.to_bits() - WHOLE.to_bits();
-    of(first) | of(second) << (ROWS * FEW_COLUMNS)
+    of(first) | of(second) << (ROWS * SMALL_COLUMNS)
 }
 
-/// How many columns, or rows, those of eight boxes in `which`, as bits, hold at most, and two at least: most
-/// have as many. They are told by how many more than one they hold.
+/// The most columns, or rows, in the bounds of the triangles in `which` (as bits), at least two: most have
+/// as many. `more` is one less than their number.
 #[inline(always)]
 fn most<L: Lanes>(lanes: L, more: L::F32, which: u32) -> usize {
     let mut most = 2;
-    while most < FEW_COLUMNS {
+    while most < SMALL_COLUMNS {
         let larger = lanes.splat(most as f32 - 1.0).lt(more);
         if larger.bits() & which == 0 {
             break;
@@ -199,10 +200,9 @@ fn most<L: Lanes>(lanes: L, more: L::F32, which: u32) -> usize {
     most
 }
 
-/// How near triangles are by their edges' values: what they are at the first corner, and what each of the
-/// third edge's and the first one's adds.
+/// The depth key interpolated by edge functions: base at the first corner, slopes by the third and the first.
 #[inline(always)]
-fn nearness<F: F32x8>((first, _, third): Three<F>, (base, by_third, by_first): Three<F>) -> F {
+fn depth_key<F: F32x8>((first, _, third): Three<F>, (base, by_third, by_first): Three<F>) -> F {
     base + (third * by_third + first * by_first)
 }
 

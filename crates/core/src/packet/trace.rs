@@ -1,13 +1,13 @@
-//! What casting a lattice goes through on its way down the tree, level by level: to be looked at.
+//! A record of what casting a lattice goes through, level by level, for pictures and tables.
 //!
-//! The walk is the very one of [`Accel::find`], which tells what it does to a [`Notice`].
+//! The traversal is the one of [`Accel::find`], watched by an [`Observer`].
 
 use super::cast::Find;
 use super::counts::CastCounts;
-use super::interval_zbuffer::Block;
-use super::observer::Notice;
+use super::interval_zbuffer::IntervalZBuffer;
+use super::observer::Observer;
 use super::params::{LARGE_SIDE, SIDE};
-use super::traversal::{Part, Walk};
+use super::traversal::{RayRect, Traversal};
 use crate::bvh::Accel;
 use crate::camera::Lattice;
 use crate::hit::{Cull, MISS, Precision};
@@ -15,55 +15,53 @@ use crate::num::simd::{Lanes, Plain, Work};
 use crate::scene::Bounds;
 use std::ops::Range;
 
-/// A large block of a lattice's rays: the list that its frustum leaves, and the blocks that start
-/// from it.
+/// A large packet of a lattice: its entry points, and the packets that start from them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Levels {
-    /// The block's rays: 64 × 64, fewer where the lattice ends.
+pub struct LargeTrace {
+    /// Its rays: 64 × 64, fewer where the lattice ends.
     pub rays: Lattice,
-    /// Nodes of the tree whose children's boxes were tested to make the list.
+    /// Nodes whose children's boxes were tested to find the entry points.
     pub nodes: u64,
-    /// Sub-trees that the block's frustum touches, from near to far.
-    pub list: Vec<Listed>,
-    /// Its blocks, row by row; none where nothing is listed.
-    pub blocks: Vec<BlockLevel>,
+    /// Subtrees that its frustum touches, near to far.
+    pub list: Vec<EntryPoint>,
+    /// Its packets, row by row; none where there is no entry point.
+    pub blocks: Vec<PacketTrace>,
 }
 
-/// A sub-tree on a large block's list.
+/// A subtree that a large packet's packets start from.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Listed {
+pub struct EntryPoint {
     /// Its box, in world space.
     pub bounds: Bounds,
-    /// The slots of its triangles, ascending.
+    /// Primitive indices of its triangles, ascending.
     pub slots: Vec<u32>,
 }
 
-/// A block of rays that start from a large block's list. Slots are ascending, none twice.
+/// A packet. Primitive indices are ascending and distinct.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BlockLevel {
-    /// The block's rays: 32 × 32, fewer where the lattice ends.
+pub struct PacketTrace {
+    /// Its rays: 32 × 32, fewer where the lattice ends.
     pub rays: Lattice,
-    /// Nodes whose children's boxes were tested, the list's sub-trees in pairs among them.
+    /// Nodes whose children's boxes were tested, the entry points in pairs among them.
     pub nodes: u64,
-    /// Triangles of the leaves that its walk came to.
+    /// Triangles of the leaves reached.
     pub reached: Vec<u32>,
-    /// Those of them that were set up, or met as ones of few rays: not outside of all rays, not surely
-    /// behind what was met.
+    /// Those of them that were set up, or merged as small triangles: not outside of all rays, and not surely
+    /// occluded.
     pub set_up: Vec<u32>,
-    /// Those that a ray meets first.
+    /// Those that some ray hits first.
     pub seen: Vec<u32>,
 }
 
 impl Accel {
-    /// What [`Accel::find`] goes through for these rays, large block by large block, row by row. Each
-    /// triangle seen was set up, or a ray that was left open and cast alone met it; each set up was
-    /// reached; each reached was listed; and what was not listed, no ray meets.
+    /// What [`Accel::find`] goes through for these rays, large packet by large packet, row by row. Each triangle
+    /// seen was set up, or hit by an undecided ray that was cast alone; each set up was reached; each reached
+    /// lies below an entry point; and no ray hits a triangle that does not.
     ///
-    /// The same for every instruction set. It takes longer than finding: it is there for pictures and
-    /// tables of the way.
-    pub fn levels(&self, lattice: &Lattice, cull: Cull) -> Vec<Levels> {
+    /// The same for every instruction set. Slower than [`Accel::find`].
+    pub fn levels(&self, lattice: &Lattice, cull: Cull) -> Vec<LargeTrace> {
         let mut levels = Vec::new();
-        Tell {
+        RecordTrace {
             accel: self,
             lattice,
             cull,
@@ -75,12 +73,12 @@ impl Accel {
 }
 
 #[derive(Default)]
-struct Noted {
+struct Recorder {
     reached: Vec<u32>,
     set_up: Vec<u32>,
 }
 
-impl Notice for Noted {
+impl Observer for Recorder {
     fn reached(&mut self, slots: Range<u32>) {
         self.reached.extend(slots);
     }
@@ -90,14 +88,14 @@ impl Notice for Noted {
     }
 }
 
-struct Tell<'a> {
+struct RecordTrace<'a> {
     accel: &'a Accel,
     lattice: &'a Lattice,
     cull: Cull,
-    levels: &'a mut Vec<Levels>,
+    levels: &'a mut Vec<LargeTrace>,
 }
 
-impl Work for Tell<'_> {
+impl Work for RecordTrace<'_> {
     #[inline(always)]
     fn run(self, lanes: impl Lanes) {
         let Self {
@@ -106,7 +104,7 @@ impl Work for Tell<'_> {
             cull,
             levels,
         } = self;
-        let whole = Part {
+        let whole = RayRect {
             column: 0,
             row: 0,
             columns: lattice.columns,
@@ -121,19 +119,19 @@ impl Work for Tell<'_> {
             slots: &mut slots,
             counts: &mut CastCounts::default(),
         };
-        let mut walk = Walk::new(accel, lattice);
-        let mut block = Block::new();
+        let mut traversal = Traversal::new(accel, lattice);
+        let mut zbuffer = IntervalZBuffer::new();
         for large in whole.split(LARGE_SIDE) {
-            let before = walk.counts.nodes;
-            walk.list(lanes, &large);
-            let mut level = Levels {
+            let before = traversal.counts.nodes;
+            traversal.list(lanes, &large);
+            let mut level = LargeTrace {
                 rays: rays(lattice, &large),
-                nodes: walk.counts.nodes - before,
-                list: Vec::with_capacity(walk.list.len()),
+                nodes: traversal.counts.nodes - before,
+                list: Vec::with_capacity(traversal.list.len()),
                 blocks: Vec::new(),
             };
-            for &(subtree, bounds, _) in &walk.list {
-                level.list.push(Listed {
+            for &(subtree, bounds, _) in &traversal.list {
+                level.list.push(EntryPoint {
                     bounds: Bounds {
                         min: accel.origin + bounds.min.as_dvec3(),
                         max: accel.origin + bounds.max.as_dvec3(),
@@ -143,17 +141,17 @@ impl Work for Tell<'_> {
             }
             if !level.list.is_empty() {
                 for part in large.split(SIDE as u32) {
-                    let mut noted = Noted::default();
-                    let before = walk.counts.nodes;
-                    if walk.cast(lanes, &part, cull, &mut block, &mut noted) {
-                        find.keep(&part, &block);
+                    let mut recorder = Recorder::default();
+                    let before = traversal.counts.nodes;
+                    if traversal.cast(lanes, &part, cull, &mut zbuffer, &mut recorder) {
+                        find.keep(&part, &zbuffer);
                     }
                     let seen = places(lattice, &part).map(|at| find.slots[at]);
-                    level.blocks.push(BlockLevel {
+                    level.blocks.push(PacketTrace {
                         rays: rays(lattice, &part),
-                        nodes: walk.counts.nodes - before,
-                        reached: ascending(noted.reached),
-                        set_up: ascending(noted.set_up),
+                        nodes: traversal.counts.nodes - before,
+                        reached: ascending(recorder.reached),
+                        set_up: ascending(recorder.set_up),
                         seen: ascending(seen.filter(|&slot| slot != MISS).collect()),
                     });
                 }
@@ -163,8 +161,8 @@ impl Work for Tell<'_> {
     }
 }
 
-/// A part's rays as a lattice of their own.
-fn rays(lattice: &Lattice, part: &Part) -> Lattice {
+/// A rectangle's rays as a lattice of their own.
+fn rays(lattice: &Lattice, part: &RayRect) -> Lattice {
     Lattice {
         x: lattice.x + part.column * lattice.stride,
         y: lattice.y + part.row * lattice.stride,
@@ -174,8 +172,8 @@ fn rays(lattice: &Lattice, part: &Part) -> Lattice {
     }
 }
 
-/// Where a part's rays are among the lattice's.
-fn places(lattice: &Lattice, part: &Part) -> impl Iterator<Item = usize> {
+/// Indices of a rectangle's rays among the lattice's.
+fn places(lattice: &Lattice, part: &RayRect) -> impl Iterator<Item = usize> {
     let (part, columns) = (*part, lattice.columns);
     (part.row..part.row + part.rows).flat_map(move |row| {
         (part.column..part.column + part.columns)
@@ -228,29 +226,29 @@ mod tests {
                     let levels = accel.levels(&lattice, cull);
                     let blocks = || levels.iter().flat_map(|large| &large.blocks);
                     let nodes = levels.iter().map(|large| large.nodes).sum::<u64>()
-                        + blocks().map(|block| block.nodes).sum::<u64>();
-                    let set_up = blocks().map(|block| block.set_up.len()).sum::<usize>();
+                        + blocks().map(|zbuffer| zbuffer.nodes).sum::<u64>();
+                    let set_up = blocks().map(|zbuffer| zbuffer.set_up.len()).sum::<usize>();
                     assert_eq!(nodes, counts.nodes);
                     assert_eq!(set_up as u64, counts.triangles);
                     for large in &levels {
                         let listed = large.list.iter().flat_map(|listed| listed.slots.clone());
                         let listed = ascending(listed.collect());
                         spared += accel.len() - listed.len();
-                        for block in &large.blocks {
-                            let part = Part {
-                                column: block.rays.x - lattice.x,
-                                row: block.rays.y - lattice.y,
-                                columns: block.rays.columns,
-                                rows: block.rays.rows,
+                        for zbuffer in &large.blocks {
+                            let part = RayRect {
+                                column: zbuffer.rays.x - lattice.x,
+                                row: zbuffer.rays.y - lattice.y,
+                                columns: zbuffer.rays.columns,
+                                rows: zbuffer.rays.rows,
                             };
                             let found = places(&lattice, &part).map(|at| slots[at]);
                             let found = found.filter(|&slot| slot != MISS).collect();
-                            assert_eq!(block.seen, ascending(found));
-                            // Only where all rays of a sub-block are left open may it be otherwise.
-                            assert!(holds(&block.set_up, &block.seen));
-                            assert!(holds(&block.reached, &block.set_up));
-                            assert!(holds(&listed, &block.reached));
-                            seen += block.seen.len();
+                            assert_eq!(zbuffer.seen, ascending(found));
+                            // This would fail only where all rays of a cell are undecided.
+                            assert!(holds(&zbuffer.set_up, &zbuffer.seen));
+                            assert!(holds(&zbuffer.reached, &zbuffer.set_up));
+                            assert!(holds(&listed, &zbuffer.reached));
+                            seen += zbuffer.seen.len();
                         }
                     }
                 }
@@ -297,9 +295,9 @@ mod tests {
                     }
                     let side = SIDE as u32;
                     let at = row / side * columns.div_ceil(side) + column / side;
-                    let block = &large.blocks[at as usize];
-                    assert!(holds(&block.reached, &[nearest.slot]));
-                    assert!(holds(&block.seen, &[nearest.slot]));
+                    let zbuffer = &large.blocks[at as usize];
+                    assert!(holds(&zbuffer.reached, &[nearest.slot]));
+                    assert!(holds(&zbuffer.seen, &[nearest.slot]));
                 }
             }
         }

@@ -1,18 +1,17 @@
-//! The way of a block of rays down the tree, to the triangles that they may meet.
+//! Packet traversal: from the entry points of a large packet down to the triangles that a packet's rays may
+//! hit (Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", 2005).
 //!
-//! A large block walks first, until it has a short list of sub-trees that its frustum touches; the blocks
-//! in it start from that list, from near to far. Triangles that they come to are placed among their rays
-//! eight at a time (`footprint`); those of few rays are met there and then, and what that leaves is set up
-//! eight at a time as well.
+//! Triangles of the leaves reached are projected eight at a time. Small ones are tested and merged at once;
+//! the rest is queued, and set up eight at a time.
 
 use super::counts::CastCounts;
-use super::frustum::{Frustum, SubFrusta, Viewpoint, Window};
-use super::interval_zbuffer::{Block, MetFew};
-use super::observer::Notice;
+use super::frustum::{CellFrusta, Frustum, Viewpoint, Window};
+use super::interval_zbuffer::{IntervalZBuffer, SmallOutcome};
+use super::observer::Observer;
 use super::params::ROW;
-use super::ray_bounds::{Footprints, Placer};
+use super::ray_bounds::{ProjectedTriangles, Projector};
 use super::ray_box::RayBox;
-use super::setup::{BlockSpace, CornerLanes};
+use super::setup::{CornerLanes, PacketSpace};
 use crate::bvh::Accel;
 use crate::bvh::tree::{Box32, BoxPair, DEPTH_LIMIT, Subtree};
 use crate::camera::{Lattice, Projection};
@@ -21,47 +20,48 @@ use crate::num::simd::{F32x8, LANES, Lanes};
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
-/// Sub-trees at which the large block's walk ends: below, each block sorts out its own.
-const LIST_LENGTH: usize = 24;
+/// Entry points at which a large packet's descent ends. Fewer make its packets repeat the upper levels of
+/// the tree; more make each packet test subtrees that it misses.
+const MAX_ENTRY_POINTS: usize = 24;
 
-/// How much further than the horizon a box must begin to be left out: rounding of the horizon's
-/// inverse and of the box's distance are each a few 2⁻²⁴.
+/// How much further than hi-z a box must begin to be skipped, as a factor. The inverse of hi-z and the box's
+/// distance are each rounded a few times by 2⁻²⁴, below 10⁻⁶ together.
 const BEYOND: f32 = 1.0 + 1e-5;
 
-/// The most triangles of a small sub-tree, whose triangles are taken in a row: its nodes would take
-/// longer than what they spare.
+/// The most triangles of a small subtree that is taken as a leaf: visiting its nodes would take longer than
+/// testing the triangles that they cull.
 const RUN: u32 = 32;
 
-/// How large a small sub-tree's box is at most, its three sides together, as a number of columns.
+/// The largest extent of a small subtree's box, its three sides added, in columns.
 const SMALL: f64 = 16.0;
 
-/// Sub-trees that wait at most: a pair of the list, one more for each level below it, and what is written
-/// above the top.
+/// The deepest stack: a pair of entry points, one more subtree a level below, and the slot above the top that
+/// is written without a branch.
 const STACK: usize = DEPTH_LIMIT + 3;
 
-/// Rays of boxes at which triangles are set up, though there be fewer than are set up at once: they may
-/// hide what else is on the way.
+/// Rays in the bounds of the queued triangles at which they are set up, although fewer than eight are queued:
+/// they may occlude what comes next.
 const MANY_RAYS: i32 = 32;
 
-/// Nodes with a child that might be hidden from the sub-blocks that it touches, before it is told of any
-/// which it touches: to make the sub-blocks' frusta takes as long as for so many to tell.
+/// Nodes with a child that may be occluded in all cells it touches, before the cells' frusta are built: that
+/// costs as much as testing about so many nodes.
 const DOUBTFUL: usize = 8;
 
-/// Nodes that are asked for when a sub-tree is come to: what is below a node follows it, and waiting for
-/// memory took half of a walk through 4 million triangles.
+/// Nodes to prefetch with a subtree. Nodes are stored depth first, so a subtree's first nodes follow one
+/// another; waiting for memory took half of a traversal of 4 million triangles.
 const NODES_AHEAD: usize = 4;
 
 /// A rectangle of a lattice's rays.
 #[derive(Clone, Copy)]
-pub(super) struct Part {
+pub(super) struct RayRect {
     pub(super) column: u32,
     pub(super) row: u32,
     pub(super) columns: u32,
     pub(super) rows: u32,
 }
 
-impl Part {
-    /// Its parts of at most `side × side` rays.
+impl RayRect {
+    /// Cuts it into rectangles of at most `side × side` rays.
     #[inline(always)]
     pub(super) fn split(self, side: u32) -> impl Iterator<Item = Self> {
         let (right, bottom) = (self.column + self.columns, self.row + self.rows);
@@ -80,7 +80,7 @@ impl Part {
     }
 }
 
-/// Up to eight slots, and room for what is written beyond them.
+/// Up to eight primitive indices, with room for what is written past them.
 #[derive(Default)]
 struct Batch {
     slots: [u32; 2 * LANES],
@@ -88,14 +88,14 @@ struct Batch {
 }
 
 impl Batch {
-    /// Adds a slot where there is room.
+    /// Adds a primitive index if there is room.
     #[inline(always)]
     fn push(&mut self, slot: u32) {
         self.slots[self.len & (LANES - 1)] = slot;
         self.len += 1;
     }
 
-    /// Takes as many slots of a run as there is room for.
+    /// Takes as many of a run of primitive indices as there is room for.
     #[inline(always)]
     fn take(&mut self, run: &mut Range<u32>) {
         let room = &mut self.slots[self.len & (LANES - 1)..];
@@ -108,53 +108,53 @@ impl Batch {
         run.start += count as u32;
     }
 
-    /// The eight.
+    /// All eight.
     #[inline(always)]
     fn slots(&self) -> &[u32; LANES] {
         self.slots.first_chunk().unwrap_or(&[0; LANES])
     }
 }
 
-/// What became of a triangle that was placed among a block's rays.
-enum Fate {
-    /// No ray meets it, or what they have met is nearer.
+/// What came of testing a projected triangle.
+enum Outcome {
+    /// No ray hits it, or all that do have nearer hits.
     Hidden,
-    /// Some of its few rays have met it.
+    /// It was merged as a small triangle.
     Met,
-    /// It is to be set up for so many rays.
-    Wanted(i32),
-    /// It is to be set up, with others that were met, and there is no room for so many.
+    /// Queued for set-up; its bounds hold so many rays.
+    Queued(i32),
+    /// It and others must be set up, and the queue has no room for all.
     NoRoom,
 }
 
-/// Two sub-trees of a large block's list.
-struct Pair {
+/// Two entry points.
+struct EntryPair {
     boxes: BoxPair,
     subtrees: [Subtree; 2],
     /// Where the nearer one begins along the view axis.
     near: f32,
 }
 
-/// The walk of a lattice's blocks through the tree.
-pub(super) struct Walk<'a> {
+/// The traversal of a lattice's packets.
+pub(super) struct Traversal<'a> {
     accel: &'a Accel,
     lattice: &'a Lattice,
     eye: DVec3,
     eye_error: f64,
-    /// The large block's sub-trees in pairs, from near to far.
-    pairs: Vec<Pair>,
-    /// The same one by one: what each is, its box, and where it begins.
+    /// The large packet's entry points in pairs, near to far.
+    pairs: Vec<EntryPair>,
+    /// The same one by one: subtree, box, and where it begins along the view axis.
     pub(super) list: Vec<(Subtree, Box32, f32)>,
     next: Vec<(Subtree, Box32, f32)>,
-    /// Slots of the leaves that were come to.
+    /// Primitive indices of the leaves reached.
     batch: Batch,
-    /// Those of them whose triangles are to be set up, with their boxes of rays.
-    wanted: Batch,
+    /// Those queued for set-up, with the bounds of their rays.
+    queued: Batch,
     boxes: [RayBox; LANES],
     pub(super) counts: CastCounts,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> Traversal<'a> {
     pub(super) fn new(accel: &'a Accel, lattice: &'a Lattice) -> Self {
         let eye_in_world = lattice.camera.placement().eye;
         let eye = eye_in_world - accel.origin;
@@ -173,14 +173,14 @@ impl<'a> Walk<'a> {
             list: Vec::new(),
             next: Vec::new(),
             batch: Batch::default(),
-            wanted: Batch::default(),
+            queued: Batch::default(),
             boxes: [RayBox::default(); LANES],
             counts: CastCounts::default(),
         }
     }
 
-    /// The window of the image plane that a part's rays go through.
-    fn window(&self, part: &Part) -> Window {
+    /// The window of the image plane that a rectangle's rays go through.
+    fn window(&self, part: &RayRect) -> Window {
         let (x0, y0) = self.lattice.place(part.column, part.row);
         let (x1, y1) = self
             .lattice
@@ -202,28 +202,28 @@ impl<'a> Walk<'a> {
         }
     }
 
-    fn frustum(&self, part: &Part) -> Frustum {
+    fn frustum(&self, part: &RayRect) -> Frustum {
         Frustum::new(self.viewpoint(), &self.window(part))
     }
 
-    /// The frusta of a block's sub-blocks, each as if the block had all its rays.
+    /// The frusta of a packet's cells, each as if the packet had all its rays.
     #[inline(never)]
-    fn sub_frusta(&self, part: &Part) -> SubFrusta {
-        let diagonal = std::array::from_fn(|sub| {
-            let from = (sub * ROW) as u32;
-            self.window(&Part {
+    fn cell_frusta(&self, part: &RayRect) -> CellFrusta {
+        let diagonal = std::array::from_fn(|cell| {
+            let from = (cell * ROW) as u32;
+            self.window(&RayRect {
                 column: part.column + from,
                 row: part.row + from,
                 columns: ROW as u32,
                 rows: ROW as u32,
             })
         });
-        SubFrusta::new(self.viewpoint(), &diagonal)
+        CellFrusta::new(self.viewpoint(), &diagonal)
     }
 
-    /// Makes the list of sub-trees that a large block's frustum touches.
+    /// Finds the entry points of a large packet.
     #[inline(always)]
-    pub(super) fn list(&mut self, lanes: impl Lanes, large: &Part) {
+    pub(super) fn list(&mut self, lanes: impl Lanes, large: &RayRect) {
         let tree = &self.accel.tree;
         self.list.clear();
         self.pairs.clear();
@@ -231,7 +231,7 @@ impl<'a> Walk<'a> {
         let frustum = self.frustum(large);
         self.list.push((root, tree.bounds, f32::NEG_INFINITY));
         let mut deepened = true;
-        while deepened && self.list.len() < LIST_LENGTH {
+        while deepened && self.list.len() < MAX_ENTRY_POINTS {
             deepened = false;
             self.next.clear();
             for &(subtree, bounds, near) in &self.list {
@@ -256,7 +256,7 @@ impl<'a> Walk<'a> {
         self.list.sort_unstable_by(|a, b| a.2.total_cmp(&b.2));
         for pair in self.list.chunks(2) {
             let (first, second) = (&pair[0], pair.get(1));
-            // An empty box is outside every frustum: its lowest corner is above its highest.
+            // An empty box is outside every frustum: its least corner is above its greatest.
             let nothing = (
                 Subtree::default(),
                 Box32 {
@@ -266,7 +266,7 @@ impl<'a> Walk<'a> {
                 f32::INFINITY,
             );
             let second = second.unwrap_or(&nothing);
-            self.pairs.push(Pair {
+            self.pairs.push(EntryPair {
                 boxes: BoxPair::of([first.1, second.1]),
                 subtrees: [first.0, second.0],
                 near: first.2,
@@ -274,38 +274,38 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Casts a block's rays. `false`, and the block as it was, where no triangle is near them.
+    /// Casts a packet's rays. Returns `false`, and leaves `zbuffer` as it is, where no triangle is near them.
     #[inline(always)]
     pub(super) fn cast(
         &mut self,
         lanes: impl Lanes,
-        part: &Part,
+        part: &RayRect,
         cull: Cull,
-        block: &mut Block,
-        notice: &mut impl Notice,
+        zbuffer: &mut IntervalZBuffer,
+        observer: &mut impl Observer,
     ) -> bool {
         let frustum = self.frustum(part);
         let space = self.space(part, cull);
         let nearest = self.pairs.first().map_or(0.0, |pair| pair.near);
-        let placer = Placer::new(&space, nearest);
+        let projector = Projector::new(&space, nearest);
         let small = self.small();
         let (mut limit, mut least_limit) = (f32::INFINITY, f32::INFINITY);
-        let (mut doubtful, mut sub_frusta) = (0, None);
+        let (mut doubtful, mut cell_frusta) = (0, None);
         let mut stack = [(Subtree::default(), 0.0f32); STACK];
         let (mut pair, mut depth) = (0, 0);
         let mut leaf = 0..0;
-        let mut placed = Footprints::NONE;
-        let (mut begun, mut met_few) = (false, false);
+        let mut placed = ProjectedTriangles::NONE;
+        let (mut begun, mut merged_small) = (false, false);
         loop {
             let mut covered = 0;
-            while self.wanted.len < LANES {
+            while self.queued.len < LANES {
                 if placed.seen != 0 {
                     let lane = placed.seen.trailing_zeros() as usize & (LANES - 1);
-                    match self.sort_out(lanes, &placed, lane, block, notice) {
-                        Fate::Hidden => {}
-                        Fate::Met => met_few = true,
-                        Fate::Wanted(rays) => covered += rays,
-                        Fate::NoRoom => break,
+                    match self.test_projected(lanes, &placed, lane, zbuffer, observer) {
+                        Outcome::Hidden => {}
+                        Outcome::Met => merged_small = true,
+                        Outcome::Queued(rays) => covered += rays,
+                        Outcome::NoRoom => break,
                     }
                     placed.seen &= placed.seen - 1;
                     continue;
@@ -327,23 +327,23 @@ impl<'a> Walk<'a> {
                         }
                         let Some(index) = subtree.node() else {
                             leaf = subtree.slots();
-                            notice.reached(leaf.clone());
+                            observer.reached(leaf.clone());
                             continue;
                         };
                         let node = &self.accel.tree.nodes[index as usize];
                         (&node.boxes, node.children(index))
                     } else if pair < self.pairs.len() && self.pairs[pair].near <= limit {
-                        // What the last pair holds is met first: it may hide the next one.
-                        if self.batch.len > 0 || self.wanted.len > 0 {
+                        // What the last pair holds comes first: it may occlude the next one.
+                        if self.batch.len > 0 || self.queued.len > 0 {
                             break;
                         }
-                        if std::mem::take(&mut met_few) {
-                            block.look_around(lanes);
-                            (limit, least_limit) = self.limits(lanes, block);
+                        if std::mem::take(&mut merged_small) {
+                            zbuffer.update_hi_z(lanes);
+                            (limit, least_limit) = self.limits(lanes, zbuffer);
                             continue;
                         }
                         pair += 1;
-                        let Pair {
+                        let EntryPair {
                             boxes, subtrees, ..
                         } = &self.pairs[pair - 1];
                         (boxes, *subtrees)
@@ -354,21 +354,21 @@ impl<'a> Walk<'a> {
                     let [(near_a, inside_a), (near_b, inside_b)] = frustum.enter(lanes, boxes);
                     let (mut a_meets, mut b_meets) =
                         (inside_a & (near_a <= limit), inside_b & (near_b <= limit));
-                    // What begins behind all that some sub-blocks have met may touch no others.
+                    // What begins behind hi-z of some cells may touch no others.
                     if a_meets & (near_a > least_limit) | b_meets & (near_b > least_limit) {
                         doubtful += 1;
                         if doubtful > DOUBTFUL {
-                            let subs = match &sub_frusta {
-                                Some(subs) => subs,
-                                None => sub_frusta.insert(self.sub_frusta(part)),
+                            let cells = match &cell_frusta {
+                                Some(cells) => cells,
+                                None => cell_frusta.insert(self.cell_frusta(part)),
                             };
                             let (in_a, in_b) =
-                                (subs.touched(lanes, boxes, 0), subs.touched(lanes, boxes, 1));
-                            a_meets &= !block.hides_in(lanes, in_a, self.nearness(near_a));
-                            b_meets &= !block.hides_in(lanes, in_b, self.nearness(near_b));
+                                (cells.dirty(lanes, boxes, 0), cells.dirty(lanes, boxes, 1));
+                            a_meets &= !zbuffer.occludes_cells(lanes, in_a, self.depth_key(near_a));
+                            b_meets &= !zbuffer.occludes_cells(lanes, in_b, self.depth_key(near_b));
                         }
                     }
-                    // The nearer one on top, without a branch: what does not meet is written above.
+                    // The nearer child goes on top. Without a branch: a child that is missed is written above the top.
                     let b_nearer = near_b < near_a;
                     let a_above = if b_nearer { !a_meets } else { b_meets };
                     let b_above = if b_nearer { a_meets } else { !b_meets };
@@ -386,76 +386,76 @@ impl<'a> Walk<'a> {
                 if !begun {
                     begun = true;
                     let perspective = self.lattice.camera.projection() == Projection::Perspective;
-                    block.clear(lanes, part.columns, part.rows, perspective);
+                    zbuffer.clear(lanes, part.columns, part.rows, perspective);
                 }
                 let corners = self.corners(lanes, self.batch.slots());
-                placer.place(lanes, &corners, self.batch.len, &mut placed);
+                projector.place(lanes, &corners, self.batch.len, &mut placed);
             }
-            if self.wanted.len == 0 {
+            if self.queued.len == 0 {
                 return begun;
             }
-            let corners = self.corners(lanes, self.wanted.slots());
-            let slots = &self.wanted.slots[..self.wanted.len];
-            block.meet(lanes, &space, &corners, &self.boxes, slots);
+            let corners = self.corners(lanes, self.queued.slots());
+            let slots = &self.queued.slots[..self.queued.len];
+            zbuffer.meet(lanes, &space, &corners, &self.boxes, slots);
             self.counts.triangles += slots.len() as u64;
-            notice.set_up(slots);
-            self.wanted.len = 0;
-            met_few = false;
-            (limit, least_limit) = self.limits(lanes, block);
+            observer.set_up(slots);
+            self.queued.len = 0;
+            merged_small = false;
+            (limit, least_limit) = self.limits(lanes, zbuffer);
         }
     }
 
-    /// Meets a triangle that was placed, as far as that can be done without setting it up.
+    /// Tests a projected triangle against hi-z and, if it is small, against its rays; queues the rest.
     #[inline(always)]
-    fn sort_out(
+    fn test_projected(
         &mut self,
         lanes: impl Lanes,
-        placed: &Footprints,
+        placed: &ProjectedTriangles,
         lane: usize,
-        block: &mut Block,
-        notice: &mut impl Notice,
-    ) -> Fate {
+        zbuffer: &mut IntervalZBuffer,
+        observer: &mut impl Observer,
+    ) -> Outcome {
         let slot = self.batch.slots[lane];
         let rays = placed.rays(lane);
-        if block.hides(&rays, placed.nearest[lane]) {
-            return Fate::Hidden;
+        if zbuffer.occludes(&rays, placed.nearest[lane]) {
+            return Outcome::Hidden;
         }
         if placed.few >> lane & 1 == 0 {
-            if rays.is_narrow() && block.hides_each(lanes, &rays, placed.nearest[lane]) {
-                return Fate::Hidden;
+            if rays.is_narrow() && zbuffer.occludes_each(lanes, &rays, placed.nearest[lane]) {
+                return Outcome::Hidden;
             }
-            self.want(slot, rays);
-            return Fate::Wanted(rays.count());
+            self.queue(slot, rays);
+            return Outcome::Queued(rays.count());
         }
-        let few = &placed.few_rays;
-        match block.meet_few(few, lane, &rays, slot) {
-            MetFew::Met => {
+        let few = &placed.coverage;
+        match zbuffer.test_small(few, lane, &rays, slot) {
+            SmallOutcome::Met => {
                 self.counts.triangles += 1;
-                notice.set_up(&[slot]);
-                return Fate::Met;
+                observer.set_up(&[slot]);
+                return Outcome::Met;
             }
-            MetFew::Nobody => return Fate::Hidden,
-            MetFew::Undecided => {}
+            SmallOutcome::Nobody => return Outcome::Hidden,
+            SmallOutcome::Undecided => {}
         }
-        while self.wanted.len + 1 < LANES {
-            let Some((slot, rays)) = block.forget_rival(few, lane, &rays) else {
-                self.want(slot, rays);
-                return Fate::Wanted(rays.count());
+        while self.queued.len + 1 < LANES {
+            let Some((slot, rays)) = zbuffer.evict_rival(few, lane, &rays) else {
+                self.queue(slot, rays);
+                return Outcome::Queued(rays.count());
             };
-            // It is counted again once it is set up.
+            // It is counted again when it is set up.
             self.counts.triangles -= 1;
-            self.want(slot, rays);
+            self.queue(slot, rays);
         }
-        Fate::NoRoom
+        Outcome::NoRoom
     }
 
     #[inline(always)]
-    fn want(&mut self, slot: u32, rays: RayBox) {
-        self.boxes[self.wanted.len & (LANES - 1)] = rays;
-        self.wanted.push(slot);
+    fn queue(&mut self, slot: u32, rays: RayBox) {
+        self.boxes[self.queued.len & (LANES - 1)] = rays;
+        self.queued.push(slot);
     }
 
-    /// The corners of eight triangles.
+    /// Corners of eight triangles, in structure-of-arrays order.
     #[inline(always)]
     fn corners(&self, lanes: impl Lanes, slots: &[u32; LANES]) -> CornerLanes {
         let [a, b, c, d, e, f, g, h] = *slots;
@@ -494,14 +494,13 @@ impl<'a> Walk<'a> {
         lanes.load(&[a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y])
     }
 
-    /// Its ninth.
+    /// Its ninth coordinate.
     #[inline(always)]
     fn last(&self, slot: u32) -> f32 {
         self.accel.triangles[slot as usize].corners[2].z
     }
 
-    /// Asks for what a sub-tree on the stack will be read from: its triangles, or nodes that stand
-    /// together with its own.
+    /// Prefetches what a subtree on the stack will be read from: its triangles, or its first nodes.
     #[inline(always)]
     fn prefetch(&self, lanes: impl Lanes, subtree: Subtree, meets: bool) {
         if !meets {
@@ -513,7 +512,7 @@ impl<'a> Walk<'a> {
                     lanes.prefetch(&self.accel.tree.nodes, node as usize + next);
                 }
             }
-            // Eight triangles are five lines.
+            // Eight triangles take five cache lines.
             None => {
                 for line in 0..=subtree.count as usize * 5 / 8 {
                     lanes.prefetch(&self.accel.triangles, subtree.first as usize + line * 8 / 5);
@@ -537,8 +536,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    fn space(&self, part: &Part, cull: Cull) -> BlockSpace {
-        BlockSpace::new(
+    fn space(&self, part: &RayRect, cull: Cull) -> PacketSpace {
+        PacketSpace::new(
             &self.lattice.camera,
             self.eye,
             self.eye_error,
@@ -549,17 +548,17 @@ impl<'a> Walk<'a> {
         )
     }
 
-    /// How far along the view axis a box may begin and still hold something that a ray of the block meets
-    /// first, and something that one of some sub-block does.
+    /// How far along the view axis a box may begin and still hold a first hit of some ray, and of some ray of
+    /// the furthest cell.
     #[inline(always)]
-    fn limits(&self, lanes: impl Lanes, block: &Block) -> (f32, f32) {
-        let (least, most) = block.horizons(lanes);
+    fn limits(&self, lanes: impl Lanes, zbuffer: &IntervalZBuffer) -> (f32, f32) {
+        let (least, most) = zbuffer.hi_z(lanes);
         (self.limit(least), self.limit(most))
     }
 
-    /// How near a box at most is that begins here along the view axis.
+    /// Upper bound of the depth key of a box that begins here along the view axis.
     #[inline(always)]
-    fn nearness(&self, near: f32) -> f32 {
+    fn depth_key(&self, near: f32) -> f32 {
         match self.lattice.camera.projection() {
             Projection::Perspective if near > 0.0 => BEYOND / near,
             Projection::Perspective => f32::INFINITY,
@@ -567,19 +566,19 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// How far along the view axis a box may begin and still hold something nearer than `horizon`.
+    /// How far along the view axis a box may begin and still hold something nearer than `hi_z`.
     #[inline(always)]
-    fn limit(&self, horizon: f32) -> f32 {
+    fn limit(&self, hi_z: f32) -> f32 {
         match self.lattice.camera.projection() {
-            // The nearness is the inverse of the depth.
-            Projection::Perspective if horizon > 0.0 => BEYOND / horizon,
+            // The depth key is the inverse depth.
+            Projection::Perspective if hi_z > 0.0 => BEYOND / hi_z,
             Projection::Perspective => f32::INFINITY,
-            Projection::Orthographic => -horizon + horizon.abs() * (BEYOND - 1.0),
+            Projection::Orthographic => -hi_z + hi_z.abs() * (BEYOND - 1.0),
         }
     }
 }
 
-/// Which boxes are small among the rays: those whose sides add up to less than this, by where they begin
+/// The size below which boxes count as small: a bound on the sum of their sides, linear in where they begin
 /// along the view axis.
 struct Small {
     slope: f32,
@@ -587,7 +586,7 @@ struct Small {
 }
 
 impl Small {
-    /// The sub-tree, as a leaf if it is small.
+    /// The subtree, as a leaf if its box is small.
     #[inline(always)]
     fn whole(&self, boxes: &BoxPair, which: usize, near: f32, subtree: Subtree) -> Subtree {
         let extent = |axis: usize| boxes.max[axis][which] - boxes.min[axis][which];

@@ -7,7 +7,7 @@ use crate::subject::Input;
 use crate::table::{Cell, ReportError, Table, grouped};
 use crate::views;
 use image::{RgbImage, imageops};
-use raycast_core::accel::{Accel, BlockLevel, Levels, MISS, Simd};
+use raycast_core::accel::{Accel, LargeTrace, MISS, PacketTrace, Simd};
 use raycast_core::camera::{Camera, ImagePlane, Lattice, Placement, Projection, Rect};
 use raycast_core::glam::DVec3;
 use raycast_core::intersect::{Cull, Precision};
@@ -49,8 +49,8 @@ pub struct Shown {
 
 /// A tile of a picture, a block of it, a sub-block of that.
 struct Chosen {
-    large: Levels,
-    block: BlockLevel,
+    large: LargeTrace,
+    block: PacketTrace,
     sub: Lattice,
     /// Distinct triangles that the tile's rays meet, and the sub-block's.
     seen: usize,
@@ -115,7 +115,7 @@ fn choose(accel: &Accel, camera: &Camera) -> Option<Chosen> {
         .levels(&lattice, Cull::None)
         .into_iter()
         .max_by(|a, b| {
-            let worth = |large: &Levels| worth(&large.rays) * place(&large.rays);
+            let worth = |large: &LargeTrace| worth(&large.rays) * place(&large.rays);
             worth(a).total_cmp(&worth(b))
         })?;
     let block = large.blocks.iter();
