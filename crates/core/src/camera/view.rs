@@ -1,4 +1,4 @@
-use super::{Orbit, Projection};
+use super::{Camera, ImagePlane, Orbit, PlaneError, Projection, fov_to_frame};
 use crate::scene::Bounds;
 
 /// Room left around a scene that fits the picture, as a share of the frame.
@@ -40,10 +40,35 @@ pub fn fit_distance(
     }
 }
 
+impl Camera {
+    /// A perspective camera with a vertical field of view of 45° that has all of `bounds` in view, from
+    /// `yaw` and `pitch` degrees around their centre (see [`Orbit`]), over `columns × rows` pixels.
+    ///
+    /// # Errors
+    /// A size that no picture can have.
+    pub fn fitting(
+        bounds: &Bounds,
+        (yaw, pitch): (f64, f64),
+        (columns, rows): (u32, u32),
+    ) -> Result<Self, PlaneError> {
+        const FOV: f64 = 45.0;
+        let mut orbit = Orbit {
+            pivot: bounds.center(),
+            yaw,
+            pitch,
+            distance: 1.0,
+        };
+        let aspect = f64::from(columns) / f64::from(rows.max(1));
+        orbit.distance = fit_distance(bounds, &orbit, Projection::Perspective, FOV, aspect);
+        let step = fov_to_frame(FOV, orbit.distance) / f64::from(rows.max(1));
+        let plane = ImagePlane::new(columns, rows, step)?;
+        Ok(Self::new(orbit.placement(), Projection::Perspective, plane))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Camera, ImagePlane, fov_to_frame};
     use glam::DVec3;
 
     #[test]

@@ -88,6 +88,15 @@ pub struct Scene {
     pub objects: Vec<Object>,
 }
 
+impl From<Mesh> for Scene {
+    /// One object, at rest in the file's own coordinates and colours.
+    fn from(mesh: Mesh) -> Self {
+        Self {
+            objects: vec![Object::new("mesh", Arc::new(mesh))],
+        }
+    }
+}
+
 impl Scene {
     /// Each object's map from its own space to the world's, parents included.
     ///

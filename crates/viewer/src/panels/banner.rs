@@ -12,7 +12,7 @@ use egui::{Align2, Area, Context, Frame, Id, Margin, Order, RichText, Stroke, Ui
 const HINT: &str = "Open a mesh (Ctrl+O) or drop one here";
 
 /// Shows them over `room`, the picture's place.
-pub fn show(
+pub(super) fn show(
     context: &Context,
     room: egui::Rect,
     state: &State,

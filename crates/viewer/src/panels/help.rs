@@ -7,7 +7,7 @@ use crate::ui::theme;
 use egui::{Grid, Id, Modal, RichText, Ui};
 
 /// Shows them over the window; a click beside them, Esc or F1 closes them.
-pub fn show(context: &egui::Context, out: &mut Commands) {
+pub(super) fn show(context: &egui::Context, out: &mut Commands) {
     let frame = egui::Frame::popup(&context.global_style()).inner_margin(18.0);
     let modal = Modal::new(Id::unique("help")).frame(frame);
     let response = modal.show(context, |ui| {

@@ -7,10 +7,10 @@ use crate::state::command::Command;
 use egui::{Button, ScrollArea, Ui, vec2};
 
 /// How wide the panel is, in points.
-pub const WIDTH: f32 = 288.0;
+pub(super) const WIDTH: f32 = 288.0;
 
 /// Shows it.
-pub fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Commands) {
+pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Commands) {
     actions(ui, state, out);
     ScrollArea::vertical()
         .auto_shrink([false, false])

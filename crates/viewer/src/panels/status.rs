@@ -8,7 +8,7 @@ use crate::ui::theme;
 use egui::{Align, Label, Layout, RichText, Ui};
 
 /// Shows it.
-pub fn show(ui: &mut Ui, state: &State, status: &Status) {
+pub(super) fn show(ui: &mut Ui, state: &State, status: &Status) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         let (text, color, hint) = progress(state, status);
         ui.label(RichText::new(text).color(color)).on_hover_text(hint);
