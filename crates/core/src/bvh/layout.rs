@@ -1,4 +1,4 @@
-//! A tree's layout: its nodes depth first, and the triangles in the order of its leaves.
+//! Lays a tree out: nodes depth first, triangles in the order of the leaves.
 
 use super::tree::{Box32, DEPTH_LIMIT, Node, Subtree, Tree};
 use super::treelet::{Treelets, middle, span};
@@ -8,20 +8,20 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 /// The most triangles in a leaf.
 const LEAF_LIMIT: usize = 4;
 
-/// Triangles that are worth a second thread.
+/// The fewest triangles for which a second thread pays.
 const PARALLEL: usize = 1 << 12;
 
-/// Levels of a tree whose children may be measured on two threads: enough of them for all.
+/// Levels whose children may be measured on two threads each: enough to keep every thread busy.
 const PARALLEL_DEPTH: usize = 8;
 
-/// A tree by halving alone: never deep, whatever the boxes are like.
+/// A tree by halving alone: never deep, whatever the boxes.
 pub(super) fn halved(boxes: &[Box32], mut order: Vec<u32>) -> (Tree, Vec<u32>) {
     let mut nodes = vec![Node::default(); halving_nodes(order.len())];
     let root = halve(boxes, Place::default(), &mut nodes, &mut order);
     (Tree::new(nodes, root), order)
 }
 
-/// How many nodes a sub-tree by halving has.
+/// How many nodes a subtree built by halving has.
 fn halving_nodes(triangles: usize) -> usize {
     if triangles <= LEAF_LIMIT {
         return 0;
@@ -30,7 +30,7 @@ fn halving_nodes(triangles: usize) -> usize {
     1 + halving_nodes(half) + halving_nodes(triangles - half)
 }
 
-/// Where a sub-tree's nodes and slots begin.
+/// Where a subtree's nodes and primitive indices begin.
 #[derive(Clone, Copy, Default)]
 struct Place {
     node: usize,
@@ -38,7 +38,7 @@ struct Place {
 }
 
 impl Place {
-    /// The same after some more nodes and slots.
+    /// The same, further by some nodes and primitive indices.
     fn after(self, nodes: usize, slots: usize) -> Self {
         Self {
             node: self.node + nodes,
@@ -47,7 +47,7 @@ impl Place {
     }
 }
 
-/// A sub-tree by halving boxes along the longest axis of their middles: its nodes, as many as
+/// A subtree built by halving boxes along the longest axis of their centres: its nodes, as many as
 /// [`halving_nodes`] says, and its indices in the order of its leaves.
 fn halve(
     boxes: &[Box32],
@@ -78,7 +78,7 @@ fn halve(
     inner(node, place, count, children)
 }
 
-/// Fills in a node above its children.
+/// Writes a node above its children.
 fn inner(
     node: &mut Node,
     place: Place,
@@ -90,7 +90,7 @@ fn inner(
     (subtree, around_a.union(around_b))
 }
 
-/// Does both, on two threads if `triangles` are worth it.
+/// Runs both, on two threads if `triangles` pays for it.
 fn join<A: Send, B: Send>(
     triangles: usize,
     a: impl FnOnce() -> A + Send,
@@ -103,24 +103,24 @@ fn join<A: Send, B: Send>(
     }
 }
 
-/// What a sub-tree takes.
+/// How many nodes and triangles a subtree has.
 #[derive(Clone, Copy, Default)]
 struct Size {
     nodes: usize,
     slots: usize,
 }
 
-/// obvhs's tree over treelets, about to be laid out.
+/// obvhs's tree over treelets, measured and ready to be laid out.
 pub(super) struct Layout<'a> {
     boxes: &'a [Box32],
     treelets: &'a Treelets,
     clusters: &'a Bvh2,
-    /// What each cluster takes.
+    /// The size of each cluster.
     sizes: Vec<Size>,
 }
 
 impl<'a> Layout<'a> {
-    /// Measures the tree. `None` if it is too deep for the traversals, or does not hold every treelet
+    /// Measures the tree. `None` if it is too deep for the traversals, or does not hold every treelet exactly
     /// once.
     pub(super) fn measure(
         boxes: &'a [Box32],
@@ -134,7 +134,7 @@ impl<'a> Layout<'a> {
             seen: (0..treelets.len()).map(|_| AtomicBool::default()).collect(),
         };
         let (all, levels) = measure.below(0, 1)?;
-        // No treelet is there twice, so that as many as there are boxes are all of them.
+        // No treelet is there twice, so as many as there are boxes are all of them.
         let whole = all.slots == boxes.len() && levels <= DEPTH_LIMIT;
         whole.then(|| Self {
             boxes,
@@ -218,7 +218,7 @@ impl Cell {
     }
 }
 
-/// Measuring a tree.
+/// Measures a tree.
 struct Measure<'a> {
     treelets: &'a Treelets,
     clusters: &'a Bvh2,
@@ -227,10 +227,10 @@ struct Measure<'a> {
 }
 
 impl Measure<'_> {
-    /// Measures a cluster at some depth, the root's being 1: what it takes, and its levels. `None` if it
-    /// is too deep, or has a treelet that was seen before.
+    /// Measures a cluster at a depth, the root's being 1: its size and its levels. `None` if it is too deep, or
+    /// has a treelet that was seen before.
     fn below(&self, index: usize, depth: usize) -> Option<(Size, usize)> {
-        // Clusters that become one leaf are not as deep as they look: by fewer levels than it has room.
+        // Clusters that become one leaf are shallower than they look, by fewer levels than there is room for.
         if depth > DEPTH_LIMIT + LEAF_LIMIT {
             return None;
         }

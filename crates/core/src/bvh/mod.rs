@@ -1,4 +1,4 @@
-//! The scene made ready for casting: world-space triangles in the order of a tree's leaves.
+//! The acceleration structure: a scene's triangles in one space, in the order of the leaves of a tree over them.
 
 mod build;
 mod flatten;
@@ -11,31 +11,30 @@ use crate::scene::{Scene, SceneError};
 use glam::{DVec3, Vec3};
 use tree::Tree;
 
-/// A triangle in the order of the leaves.
+/// A triangle in leaf order.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Triangle {
-    /// Corners relative to the accel's origin.
+    /// Corners relative to [`Accel::origin`].
     pub(crate) corners: [Vec3; 3],
-    /// Its number among all triangles of the scene, objects in order: ties go to the lowest.
+    /// Primitive id: its number among all triangles of the scene, objects in order. Ties go to the lowest.
     pub(crate) number: u32,
 }
 
 /// World-space triangles and the tree over them.
 ///
-/// Corners are stored in single precision relative to [`Accel::origin`]. Where the scene is one
-/// object at rest, or all its meshes share an offset and rest, they are the meshes' own positions,
-/// unchanged; anything else is moved in double precision and rounded once. The corners as stored
-/// here are what "exact" is about.
+/// Corners are stored in single precision relative to [`Accel::origin`]. Where the scene is one object at rest,
+/// or all its meshes share an offset and rest, they are the meshes' own positions, unchanged; anything else is
+/// transformed in double precision and rounded once. "Exact" refers to the corners as stored here.
 #[derive(Clone, Debug)]
 pub struct Accel {
     pub(crate) origin: DVec3,
     pub(crate) triangles: Vec<Triangle>,
     pub(crate) tree: Tree,
-    /// The instruction set for tiles.
+    /// The instruction set for packets.
     pub(crate) simd: Simd,
-    /// The first number of each object, and the number after the last.
+    /// The first primitive id of each object, and the one after the last.
     first_numbers: Vec<u32>,
-    /// Triangles that were finite in their mesh but left single precision's range in the world.
+    /// Triangles finite in their mesh that a transform moved out of single precision's range.
     out_of_range: u32,
 }
 
@@ -43,7 +42,7 @@ impl Accel {
     /// Places every object's kept triangles in the world and builds the tree.
     ///
     /// # Errors
-    /// A scene whose transforms or parents are not valid, or too large to number.
+    /// A scene whose transforms or parents are not valid, or with more triangles than ids.
     pub fn build(scene: &Scene) -> Result<Self, SceneError> {
         build::build(scene)
     }
@@ -53,12 +52,12 @@ impl Accel {
         self.origin
     }
 
-    /// The corners of the triangle in a slot, relative to [`Accel::origin`]. `slot` < [`Accel::len`].
+    /// The corners of a triangle by primitive index, relative to [`Accel::origin`]. `slot` < [`Accel::len`].
     pub fn corners(&self, slot: u32) -> [Vec3; 3] {
         self.triangles[slot as usize].corners
     }
 
-    /// The object and triangle number of a slot. `slot` < [`Accel::len`].
+    /// The object and the triangle number of a primitive index. `slot` < [`Accel::len`].
     pub fn identify(&self, slot: u32) -> (u32, u32) {
         let number = self.triangles[slot as usize].number;
         let object = match &self.first_numbers[..] {
@@ -69,33 +68,33 @@ impl Accel {
         (object as u32, number - self.first_numbers[object])
     }
 
-    /// The instruction set that tiles are cast with; it changes no answer.
+    /// The instruction set that packets are cast with; it changes no answer.
     pub fn simd(&self) -> Simd {
         self.simd
     }
 
-    /// Casts tiles with another instruction set, or with the best this machine has below it.
+    /// Casts packets with another instruction set, or with the best this machine has below it.
     pub fn with_simd(mut self, simd: Simd) -> Self {
         self.simd = simd.min(Simd::best());
         self
     }
 
-    /// How many triangles can be met.
+    /// How many triangles rays can hit.
     pub fn len(&self) -> usize {
         self.triangles.len()
     }
 
-    /// Whether nothing can be met.
+    /// Whether there is nothing to hit.
     pub fn is_empty(&self) -> bool {
         self.triangles.is_empty()
     }
 
-    /// How many triangles a transform has moved out of single precision's range: never met.
+    /// Triangles that a transform moved out of single precision's range: never hit.
     pub fn out_of_range(&self) -> u32 {
         self.out_of_range
     }
 
-    /// Bytes kept: the tree and the triangles.
+    /// Bytes kept by the tree and the triangles.
     pub fn retained_bytes(&self) -> usize {
         self.triangles.capacity() * size_of::<Triangle>()
             + self.tree.retained_bytes()

@@ -3,30 +3,29 @@
 use glam::Vec3;
 use std::ops::Range;
 
-/// The deepest that a tree may be: traversals keep their stacks in arrays of this length. Trees of
-/// millions of triangles that crowd at poles, clustered one by one, were between 64 and 96 deep.
+/// The deepest tree. Traversals keep their stacks in arrays of this length. Trees of millions of triangles that
+/// crowd at poles, clustered one by one, were between 64 and 96 deep; a deeper one is built by halving instead.
 pub(crate) const DEPTH_LIMIT: usize = 96;
 
-/// What stands for a leaf where a node's index would be; also, in [`Node`], the bit of a count that
-/// says that it is a leaf's.
+/// Stands for a leaf where a node's index would be. In [`Node`], the bit of a count that marks a leaf.
 const LEAF: u32 = u32::MAX;
 const LEAF_BIT: u32 = 1 << 31;
 
-/// The most triangles in a tree: their counts leave a bit free.
+/// The most triangles in a tree: counts leave one bit free.
 pub(crate) const TRIANGLE_LIMIT: u32 = LEAF_BIT - 1;
 
-/// A sub-tree: the run of slots that its triangles have, and its node unless it is a leaf.
+/// A subtree: the run of primitive indices of its triangles, and its node unless it is a leaf.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Subtree {
     node: u32,
-    /// Its first slot.
+    /// Its first primitive index.
     pub(crate) first: u32,
     /// How many triangles it has.
     pub(crate) count: u32,
 }
 
 impl Subtree {
-    /// A leaf of these slots.
+    /// A leaf of these primitive indices.
     #[inline(always)]
     pub(crate) fn leaf(first: u32, count: u32) -> Self {
         Self {
@@ -36,7 +35,7 @@ impl Subtree {
         }
     }
 
-    /// The sub-tree below a node, with these slots.
+    /// The subtree below a node, with these primitive indices.
     #[inline(always)]
     pub(crate) fn inner(node: u32, first: u32, count: u32) -> Self {
         Self { node, first, count }
@@ -54,14 +53,14 @@ impl Subtree {
         (self.node != LEAF).then_some(self.node)
     }
 
-    /// The slots of its triangles.
+    /// The primitive indices of its triangles.
     #[inline(always)]
     pub(crate) fn slots(self) -> Range<u32> {
         self.first..self.first + self.count
     }
 }
 
-/// Two boxes side by side.
+/// Two boxes in structure-of-arrays order.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
 pub(crate) struct BoxPair {
@@ -89,22 +88,22 @@ impl BoxPair {
     }
 }
 
-/// An inner node: its two children with their boxes, one cache line.
+/// An inner node: its two children with their boxes, in one cache line.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 pub(crate) struct Node {
     pub(crate) boxes: BoxPair,
-    /// The first slot of the first child; the second child's follow.
+    /// The first primitive index of the first child; those of the second follow.
     first: u32,
     /// How many triangles the children have, with [`LEAF_BIT`] for leaves.
     counts: [u32; 2],
-    /// The second child's node, or [`LEAF`]. The first child's is the one after this.
+    /// The second child's node, or [`LEAF`]. The first child's is the next one.
     second: u32,
 }
 
 impl Node {
-    /// A node of these boxes and children: the first one's slots and node directly before the
-    /// second one's and after this.
+    /// A node of these boxes and children. The first child's node follows this one, and its primitive indices
+    /// end where the second child's begin.
     pub(crate) fn of(boxes: [Box32; 2], [a, b]: [Subtree; 2]) -> Self {
         let count = |child: Subtree| {
             let bit = if child.node == LEAF { LEAF_BIT } else { 0 };
@@ -118,7 +117,7 @@ impl Node {
         }
     }
 
-    /// The children, `index` being this node's own.
+    /// The children; `index` is this node's own.
     #[inline(always)]
     pub(crate) fn children(&self, index: u32) -> [Subtree; 2] {
         let [a, b] = self.counts;
@@ -158,18 +157,18 @@ impl Box32 {
     }
 }
 
-/// The tree: nodes in depth-first order, so that a first child follows its parent.
+/// The tree: nodes in depth-first order, so a first child follows its parent.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
     pub(crate) nodes: Vec<Node>,
-    /// The whole tree; `None` if there is nothing in it.
+    /// The whole tree; `None` if it is empty.
     pub(crate) root: Option<Subtree>,
     /// The box around everything.
     pub(crate) bounds: Box32,
 }
 
 impl Tree {
-    /// A tree of these nodes, below the root and the box around it.
+    /// A tree of these nodes, below this root and box.
     pub(crate) fn new(nodes: Vec<Node>, (root, bounds): (Subtree, Box32)) -> Self {
         Self {
             nodes,

@@ -1,22 +1,22 @@
-//! Boxes cut into treelets: small groups of neighbours along a space-filling curve.
+//! Treelets: boxes in small groups of neighbours along a Morton curve.
 //!
-//! Morton codes and their highest differing bits as in Lauterbach et al., "Fast BVH Construction on
-//! GPUs", 2009; such groups below a tree that is built with more care as in Pantaleoni and Luebke,
-//! "HLBVH: Hierarchical LBVH Construction for Real-Time Ray Tracing of Dynamic Geometry", 2010.
+//! Morton codes, cut at their highest differing bits, as in Lauterbach et al., "Fast BVH Construction on GPUs",
+//! 2009; such groups below a tree built with more care as in Pantaleoni and Luebke, "HLBVH: Hierarchical LBVH
+//! Construction for Real-Time Ray Tracing of Dynamic Geometry", 2010.
 
 use super::tree::Box32;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Boxes that are worth a second thread.
+/// The fewest boxes for which a second thread pays.
 const PARALLEL: usize = 1 << 13;
 
-/// Boxes in an order in which neighbours are close, and where to cut it.
+/// Boxes in an order in which neighbours are close, and where it is cut.
 pub(super) struct Treelets {
     /// Indices of boxes, treelet by treelet.
     order: Vec<u32>,
-    /// Where in the order each treelet ends, and the next one begins.
+    /// Where in the order each treelet ends.
     ends: Vec<u32>,
 }
 
@@ -57,12 +57,12 @@ impl Treelets {
     }
 }
 
-/// The middle of a box. Halved first, so that no sum leaves the range.
+/// The centre of a box. Halved first, so that the sum stays in range.
 pub(super) fn middle(b: &Box32) -> Vec3 {
     b.min * 0.5 + b.max * 0.5
 }
 
-/// The box around the middles of some boxes.
+/// The box around the centres of some boxes.
 pub(super) fn span(boxes: &[Box32], indices: &[u32]) -> Box32 {
     let point = |&index: &u32| {
         let middle = middle(&boxes[index as usize]);
@@ -78,17 +78,17 @@ pub(super) fn span(boxes: &[Box32], indices: &[u32]) -> Box32 {
         .reduce(|| Box32::EMPTY, Box32::union)
 }
 
-/// Brings the boxes of these indices in order, and tells how many each treelet takes.
+/// Sorts the boxes of these indices, and returns how many each treelet takes.
 fn cut(boxes: &[Box32], indices: &mut [u32], limit: usize) -> Vec<u32> {
     let span = span(boxes, indices);
     let size = (span.max.as_dvec3() - span.min.as_dvec3()).max_element();
     if size <= 0.0 {
-        // Nothing to go by: all middles are one, or there are none.
+        // All centres are equal, or there are none.
         let parts = indices.chunks(limit);
         return parts.map(|part| part.len() as u32).collect();
     }
-    // A key is a cell of a cubic grid, then the place in `indices`: all keys differ, and sort to the
-    // same order everywhere.
+    // A key is a cell of a cubic grid, then the place in `indices`: keys are distinct, and sort to the same
+    // order everywhere.
     let place_bits = usize::BITS - indices.len().leading_zeros();
     let axis_bits = (u64::BITS - place_bits) / 3;
     let cells = f64::from(1u32 << axis_bits);
@@ -120,7 +120,7 @@ fn cut(boxes: &[Box32], indices: &mut [u32], limit: usize) -> Vec<u32> {
     .cut(all)
 }
 
-/// Moves bit i to bit 3 i, for the lowest 21 bits.
+/// Moves bit i to bit 3i, for the lowest 21 bits.
 fn spread(bits: u64) -> u64 {
     let bits = (bits | bits << 32) & 0x001f_0000_0000_ffff;
     let bits = (bits | bits << 16) & 0x001f_0000_ff00_00ff;
@@ -135,7 +135,7 @@ struct Part<'p> {
     indices: &'p mut [u32],
 }
 
-/// What cutting takes besides keys.
+/// What cutting needs besides keys.
 #[derive(Clone, Copy)]
 struct Cutter<'b> {
     boxes: &'b [Box32],
@@ -144,8 +144,8 @@ struct Cutter<'b> {
 }
 
 impl Cutter<'_> {
-    /// Cuts where the highest bit changes in which keys differ, until parts are small enough; tells
-    /// how many boxes each has.
+    /// Cuts at the highest bit in which keys differ, until parts are small enough; returns how many boxes
+    /// each has.
     fn cut(self, part: Part<'_>) -> Vec<u32> {
         if part.keys.len() < PARALLEL {
             let mut counts = Vec::new();
@@ -176,8 +176,8 @@ impl Cutter<'_> {
         }
     }
 
-    /// A part's two halves, or itself if all of it is in one cell of the grid: it then takes a grid
-    /// of its own.
+    /// A part's two halves, or itself if all of it lies in one cell of the grid: it then gets a grid of its
+    /// own.
     fn halves<'p>(self, part: Part<'p>) -> Result<[Part<'p>; 2], Part<'p>> {
         let (Some(first), Some(last)) = (part.keys.first(), part.keys.last()) else {
             return Err(part);
