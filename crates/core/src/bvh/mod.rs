@@ -1,6 +1,7 @@
 //! The acceleration structure: a scene's triangles in one space, in the order of the leaves of a tree over them.
 
 mod build;
+mod copies;
 mod flatten;
 mod layout;
 pub(crate) mod tree;
@@ -79,7 +80,8 @@ impl Accel {
         self
     }
 
-    /// How many triangles rays can hit.
+    /// How many triangles rays can hit. Of those that coincide and turn the same way only the one with
+    /// the lowest id counts.
     pub fn len(&self) -> usize {
         self.triangles.len()
     }

@@ -304,6 +304,7 @@ impl IntervalZBuffer {
     }
 
     /// Sets up eight triangles and rasterises those with a primitive index, each within its bounds.
+    /// `is_edge_on` tells whether no ray can hit a triangle: asked of the ill-conditioned ones.
     #[inline(always)]
     pub(crate) fn meet(
         &mut self,
@@ -312,9 +313,13 @@ impl IntervalZBuffer {
         corners: &CornerLanes,
         boxes: &[RayBox; LANES],
         slots: &[u32],
+        mut is_edge_on: impl FnMut(u32) -> bool,
     ) {
         let set_up = space.set_up(corners, boxes);
         for (l, &slot) in slots.iter().enumerate().take(LANES) {
+            if set_up.ill_conditioned[l] && is_edge_on(slot) {
+                continue;
+            }
             self.rasterize_one(lanes, &set_up, l, slot);
         }
         self.update_hi_z(lanes);

@@ -17,6 +17,7 @@ use crate::bvh::tree::{Box32, BoxPair, DEPTH_LIMIT, Subtree};
 use crate::camera::{Lattice, Projection};
 use crate::hit::Cull;
 use crate::num::simd::{F32x8, LANES, Lanes};
+use crate::triangle::edge_on::EdgeOn;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
@@ -151,6 +152,8 @@ pub(super) struct Traversal<'a> {
     /// Those queued for set-up, with the bounds of their rays.
     queued: Batch,
     boxes: [RayBox; LANES],
+    /// Which of the ill-conditioned ones no ray hits.
+    edge_on: EdgeOn,
     pub(super) counts: CastCounts,
 }
 
@@ -175,6 +178,7 @@ impl<'a> Traversal<'a> {
             batch: Batch::default(),
             queued: Batch::default(),
             boxes: [RayBox::default(); LANES],
+            edge_on: EdgeOn::new(&lattice.camera, accel.origin),
             counts: CastCounts::default(),
         }
     }
@@ -396,7 +400,8 @@ impl<'a> Traversal<'a> {
             }
             let corners = self.corners(lanes, self.queued.slots());
             let slots = &self.queued.slots[..self.queued.len];
-            zbuffer.meet(lanes, &space, &corners, &self.boxes, slots);
+            let is_edge_on = |slot| self.edge_on.is(slot, self.accel.corners(slot));
+            zbuffer.meet(lanes, &space, &corners, &self.boxes, slots, is_edge_on);
             self.counts.triangles += slots.len() as u64;
             observer.set_up(slots);
             self.queued.len = 0;

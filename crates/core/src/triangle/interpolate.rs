@@ -109,9 +109,9 @@ fn meet<const MAJOR: usize, const PERSPECTIVE: bool>(
             origin_error,
         );
         let [t, u, v] = edges.weights(advance);
-        // A camera's rays begin at zero and have no end; what is off by far less than itself has
+        // A camera's rays begin behind zero and have no end; what is off by far less than itself has
         // its own sign.
-        hits.sure[lane] = same_major & edges.surely_inside() & edges.surely_single() & (t >= 0.0);
+        hits.sure[lane] = same_major & edges.surely_inside() & edges.surely_single() & (t > 0.0);
         hits.t[lane] = t as f32;
         hits.u[lane] = u as f32;
         hits.v[lane] = v as f32;
