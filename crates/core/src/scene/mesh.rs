@@ -281,7 +281,7 @@ fn has_no_area(a: Vec3, b: Vec3, c: Vec3) -> bool {
     if a == b || b == c || c == a {
         return true;
     }
-    crate::triangle::exact::is_collinear(a, b, c)
+    crate::num::exact::is_collinear(a, b, c)
 }
 
 #[cfg(test)]

@@ -1,108 +1,14 @@
-//! Decisions by exact arithmetic, for the few that rounded arithmetic leaves open.
-//!
-//! Every coordinate is a binary floating point number, hence an integer times a power of two: over
-//! a common power the determinants of a ray and a triangle are integers, and every question about
-//! them is the sign of one. How long they can get is reckoned from the numbers' exponents: nearly all
-//! fit integers of a fixed length, which need no memory of their own.
+//! A ray and a triangle by exact arithmetic, for the few that rounded arithmetic leaves undecided.
 
 use super::Nearest;
-use super::integer::Integer;
-use super::wide::Wide;
 use crate::hit::Cull;
+use crate::num::exact::{
+    Scale, Vector, compare_scaled, cross, decompose, dot, ratio, sized, subtract,
+};
+use crate::num::integer::Integer;
 use crate::ray::Ray;
 use glam::{DVec3, Vec3};
-use num_bigint::BigInt;
 use std::cmp::Ordering;
-
-/// What corners of 24 digits within a factor of a million, and rays of 53 digits, need; and what all
-/// the range of single precision does.
-type Short = Wide<10>;
-type Long = Wide<32>;
-
-/// A number as `mantissa · 2^exponent`, the mantissa odd or zero.
-fn decompose(x: f64) -> (i64, i32) {
-    let bits = x.to_bits();
-    let biased = ((bits >> 52) & 0x7ff) as i32;
-    let fraction = (bits & 0x000f_ffff_ffff_ffff) as i64;
-    let (mantissa, exponent) = if biased == 0 {
-        (fraction, -1074)
-    } else {
-        (fraction | (1 << 52), biased - 1075)
-    };
-    if mantissa == 0 {
-        return (0, 0);
-    }
-    let zeros = mantissa.trailing_zeros();
-    let mantissa = mantissa >> zeros;
-    (
-        if x < 0.0 { -mantissa } else { mantissa },
-        exponent + zeros as i32,
-    )
-}
-
-/// Numbers over a common power of two: all are below 2^(exponent + bits), and integers times
-/// 2^exponent.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Scale {
-    exponent: i32,
-    bits: u32,
-}
-
-impl Scale {
-    fn of(numbers: impl IntoIterator<Item = f64>) -> Self {
-        let (mut lowest, mut highest) = (i32::MAX, i32::MIN);
-        for (mantissa, exponent) in numbers.into_iter().map(decompose) {
-            if mantissa != 0 {
-                let digits = i64::BITS - mantissa.unsigned_abs().leading_zeros();
-                lowest = lowest.min(exponent);
-                highest = highest.max(exponent + digits as i32);
-            }
-        }
-        if lowest > highest {
-            return Self {
-                exponent: 0,
-                bits: 0,
-            };
-        }
-        Self {
-            exponent: lowest,
-            bits: (highest - lowest) as u32,
-        }
-    }
-
-    fn of_vectors<'v>(vectors: impl IntoIterator<Item = &'v DVec3>) -> Self {
-        Self::of(vectors.into_iter().flat_map(|v| v.to_array()))
-    }
-
-    fn vector<I: Integer>(self, v: DVec3) -> Vector<I> {
-        v.to_array().map(|x| {
-            let (mantissa, own) = decompose(x);
-            if mantissa == 0 {
-                I::shifted(0, 0)
-            } else {
-                I::shifted(mantissa, (own - self.exponent) as u32)
-            }
-        })
-    }
-}
-
-type Vector<I> = [I; 3];
-
-fn subtract<I: Integer>(a: &Vector<I>, b: &Vector<I>) -> Vector<I> {
-    std::array::from_fn(|i| a[i].minus(&b[i]))
-}
-
-fn cross<I: Integer>(a: &Vector<I>, b: &Vector<I>) -> Vector<I> {
-    std::array::from_fn(|i| {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        a[j].times(&b[k]).minus(&a[k].times(&b[j]))
-    })
-}
-
-fn dot<I: Integer>(a: &Vector<I>, b: &Vector<I>) -> I {
-    let [x, y, z] = [0, 1, 2].map(|i| a[i].times(&b[i]));
-    x.plus(&y).plus(&z)
-}
 
 /// Three corners in single precision relative to a point.
 #[derive(Clone, Copy, Debug)]
@@ -123,28 +29,6 @@ impl Placed {
         self.corners
             .map(|corner| subtract(&scale.vector(corner.as_dvec3()), &eye))
     }
-}
-
-/// How long integers get: runs a piece of work with a kind that holds them.
-///
-/// With corners and eye below 2^L over their power of two, relative corners are below 2^(L+2), their
-/// cross products below 2^(2L+5), det(A, B, C) below 2^(3L+9), and with directions below 2^D weights
-/// are below 2^(2L+D+7) and their sum 2^(2L+D+9). The longest are products of a numerator and a
-/// denominator, and of a denominator and a mantissa of 53 digits; two limbs more hold each factor's
-/// last one, and what a shift to the same length takes.
-macro_rules! sized {
-    ($lengths:expr, $directions:expr, $work:ident($($argument:expr),*)) => {{
-        let (lengths, directions): (Scale, Scale) = ($lengths, $directions);
-        let (l, d) = (u64::from(lengths.bits), u64::from(directions.bits));
-        let digits = (5 * l + d + 18).max(2 * l + d + 9 + 53) + 2 * 64;
-        if digits <= 10 * 64 {
-            $work::<Short>($($argument),*)
-        } else if digits <= 32 * 64 {
-            $work::<Long>($($argument),*)
-        } else {
-            $work::<BigInt>($($argument),*)
-        }
-    }};
 }
 
 /// Where `ray` meets a triangle, rounded: parameter and weights within a unit in the last place.
@@ -331,161 +215,11 @@ impl<I: Integer> ExactHit<I> {
     }
 }
 
-/// `a · 2^i` against `b · 2^j`.
-fn compare_scaled<I: Integer>(a: &I, i: i32, b: &I, j: i32) -> Ordering {
-    // Signs and lengths decide most, and spare shifts by thousands of bits.
-    let by_sign = a.sign().cmp(&b.sign());
-    if by_sign != Ordering::Equal || a.sign() == Ordering::Equal {
-        return by_sign;
-    }
-    let lengths = (i64::from(a.bits()) + i64::from(i)).cmp(&(i64::from(b.bits()) + i64::from(j)));
-    match (lengths, a.sign()) {
-        (Ordering::Equal, _) if i >= j => a.compare_shifted((i - j) as u32, b),
-        (Ordering::Equal, _) => b.compare_shifted((j - i) as u32, a).reverse(),
-        (order, Ordering::Less) => order.reverse(),
-        (order, _) => order,
-    }
-}
-
-/// `numerator / denominator · 2^exponent`, rounded; the denominator is not zero.
-///
-/// Either's highest 64 digits are within 2^-63 of it, the whole part of the quotient has 64 digits or one
-/// more, and is rounded to a double: off by less than (1 + 2^-8) · 2^-53, and right where the quotient is
-/// a double.
-fn ratio<I: Integer>(numerator: &I, denominator: &I, exponent: i32) -> f64 {
-    if numerator.sign() == Ordering::Equal {
-        return 0.0;
-    }
-    // As fractions of 2^64, one half at least.
-    let [n, d] = [numerator, denominator].map(|x| {
-        let highest = x.highest();
-        u128::from(highest << highest.leading_zeros())
-    });
-    let quotient = (n << 64) / d;
-    let lengths = i64::from(numerator.bits()) - i64::from(denominator.bits());
-    let magnitude = scale(quotient as f64, i64::from(exponent) + lengths - 64);
-    if numerator.sign() == denominator.sign() {
-        magnitude
-    } else {
-        -magnitude
-    }
-}
-
-/// `x · 2^exponent`, in steps that neither overflow nor underflow before the result does.
-fn scale(mut x: f64, mut exponent: i64) -> f64 {
-    while exponent > 0 {
-        let step = exponent.min(1000);
-        x *= 2f64.powi(step as i32);
-        exponent -= step;
-        if x.is_infinite() {
-            break;
-        }
-    }
-    while exponent < 0 {
-        let step = exponent.max(-1000);
-        x *= 2f64.powi(step as i32);
-        exponent -= step;
-        if x == 0.0 {
-            break;
-        }
-    }
-    x
-}
-
-/// Whether three finite points lie exactly on a line, or in one place.
-pub(crate) fn is_collinear(a: Vec3, b: Vec3, c: Vec3) -> bool {
-    let (ab, ac) = (b.as_dvec3() - a.as_dvec3(), c.as_dvec3() - a.as_dvec3());
-    let normal = ab.cross(ac);
-    // Each component is a difference of two products of rounded differences: with ε = 2^-53 its
-    // error is below (2·2 + 1 + 1)·ε times the products' absolute sum, higher orders included in 8.
-    let sum = |x: f64, y: f64, z: f64, w: f64| (x * y).abs() + (z * w).abs();
-    let bound = DVec3::new(
-        sum(ab.y, ac.z, ab.z, ac.y),
-        sum(ab.z, ac.x, ab.x, ac.z),
-        sum(ab.x, ac.y, ab.y, ac.x),
-    ) * (8.0 * 2f64.powi(-53));
-    if normal.abs().cmpgt(bound).any() {
-        return false;
-    }
-    let points = [a, b, c].map(Vec3::as_dvec3);
-    fn of<I: Integer>(points: [DVec3; 3], lengths: Scale) -> bool {
-        let [a, b, c] = points.map(|p| lengths.vector::<I>(p));
-        let normal = cross(&subtract(&b, &a), &subtract(&c, &a));
-        normal.iter().all(|x| x.sign() == Ordering::Equal)
-    }
-    let lengths = Scale::of_vectors(&points);
-    sized!(lengths, Scale::of([]), of(points, lengths))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::random::Random;
-
-    #[test]
-    fn decomposes_into_odd_mantissas() {
-        for x in [
-            0.0,
-            -0.0,
-            1.0,
-            -3.5,
-            0.1,
-            f64::MAX,
-            f64::MIN_POSITIVE,
-            5e-324,
-            -1e-310,
-        ] {
-            let (mantissa, exponent) = decompose(x);
-            assert_eq!(scale(mantissa as f64, exponent.into()), x);
-            assert!(mantissa == 0 || mantissa % 2 != 0);
-        }
-    }
-
-    #[test]
-    fn ratios_round_well() {
-        for (p, q, e) in [
-            (1i64, 3i64, 0),
-            (-2, 7, 5),
-            (i64::MAX, 3, -70),
-            (1, i64::MAX, 1),
-        ] {
-            let expected = p as f64 / q as f64 * 2f64.powi(e);
-            let got = ratio(&BigInt::from(p), &q.into(), e);
-            assert!(((got - expected) / expected).abs() < 1e-15, "{p}/{q}");
-            let got = ratio(&Short::shifted(p, 0), &Short::shifted(q, 0), e);
-            assert!(((got - expected) / expected).abs() < 1e-15, "{p}/{q}");
-        }
-    }
-
-    #[test]
-    fn compares_across_scales() {
-        fn check<I: Integer>() {
-            let compare = |a, i, b, j| compare_scaled(&I::shifted(a, 0), i, &I::shifted(b, 0), j);
-            assert_eq!(compare(1, 3, 8, 0), Ordering::Equal);
-            assert_eq!(compare(8, 0, 1, 3), Ordering::Equal);
-            assert_eq!(compare(-1, 3, -9, 0), Ordering::Greater);
-            assert_eq!(compare(-1, 2000, 1, -2000), Ordering::Less);
-            assert_eq!(compare(3, -1, 1, 0), Ordering::Greater);
-            assert_eq!(compare(0, 5, 0, -5), Ordering::Equal);
-        }
-        check::<BigInt>();
-        check::<Short>();
-    }
-
-    #[test]
-    fn collinear_means_exactly() {
-        let a = Vec3::new(0.1, 0.2, 0.3);
-        let d = Vec3::new(0.25, -0.5, 1.0);
-        assert!(is_collinear(Vec3::ZERO, d, d * 3.0));
-        let nudged = Vec3::new(0.75, -1.5, f32::from_bits(3f32.to_bits() + 1));
-        assert!(!is_collinear(Vec3::ZERO, d, nudged));
-        assert!(is_collinear(a, a, d));
-        assert!(!is_collinear(
-            Vec3::splat(1e18),
-            Vec3::ZERO,
-            Vec3::splat(1e-30).with_x(2e-30)
-        ));
-    }
+    use num_bigint::BigInt;
 
     fn placed(corners: [Vec3; 3], origin: DVec3) -> Placed {
         Placed { corners, origin }

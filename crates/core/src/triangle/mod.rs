@@ -3,11 +3,9 @@
 mod componentwise;
 pub(crate) mod edge_on;
 pub(crate) mod exact;
-mod integer;
 pub(crate) mod interpolate;
 mod nearest;
 mod watertight;
-mod wide;
 
 pub(crate) use nearest::Nearest;
 pub(crate) use watertight::PreparedRay;

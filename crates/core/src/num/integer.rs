@@ -5,7 +5,7 @@ use num_traits::Zero;
 use std::cmp::Ordering;
 
 /// A whole number with a sign, of any length that its kind can hold.
-pub(super) trait Integer: Clone {
+pub(crate) trait Integer: Clone {
     /// `mantissa · 2^shift`.
     fn shifted(mantissa: i64, shift: u32) -> Self;
     /// `self + other`.

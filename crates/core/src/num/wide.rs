@@ -11,7 +11,7 @@ const LIMB: u32 = u64::BITS;
 ///
 /// What does not fit panics (an index out of range); callers reckon beforehand.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Wide<const N: usize> {
+pub(crate) struct Wide<const N: usize> {
     is_negative: bool,
     /// Limbs in use: the highest is not zero.
     len: usize,
