@@ -1,5 +1,6 @@
 //! Triangles that stand exactly where another one stands, and turn the same way: no ray meets them first.
 
+use super::corner_hash::bits;
 use super::flatten::World;
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -19,7 +20,7 @@ const TOGETHER: usize = 1 << 12;
 /// are culled: this is decided here once, and not by each ray. One that turns the other way is no copy,
 /// since culling tells the two apart.
 ///
-/// `hashes` are those of [`hash`]. Where there is no copy this takes a few nanoseconds a triangle.
+/// `hashes` are those of [`hash`](super::corner_hash::hash). Where there is no copy this takes a few nanoseconds a triangle.
 pub(super) fn copies(world: &World<'_>, numbers: &[u32], hashes: &[u32]) -> Vec<u32> {
     let suspects = suspects(hashes);
     let runs = suspects.chunk_by(|a, b| a.0 == b.0);
@@ -36,24 +37,6 @@ pub(super) fn copies(world: &World<'_>, numbers: &[u32], hashes: &[u32]) -> Vec<
         .collect();
     copies.sort_unstable();
     copies
-}
-
-/// A number that triangles with the same corners share, in whatever order they are.
-pub(super) fn hash(corners: [[f32; 3]; 3]) -> u32 {
-    let one = |[x, y, z]: [u32; 3]| {
-        let x = u64::from(x).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        let y = u64::from(y).wrapping_mul(0xc2b2_ae3d_27d4_eb4f);
-        let z = u64::from(z).wrapping_mul(0x1656_67b1_9e37_79f9);
-        let sum = x ^ y.rotate_left(23) ^ z.rotate_left(41);
-        (sum ^ sum >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9)
-    };
-    let [a, b, c] = bits(corners).map(one);
-    (a.wrapping_add(b).wrapping_add(c) >> 32) as u32
-}
-
-/// Corners as numbers that are equal where the coordinates are: the zeros are one.
-fn bits(corners: [[f32; 3]; 3]) -> [[u32; 3]; 3] {
-    corners.map(|corner| corner.map(|x| (x + 0.0).to_bits()))
 }
 
 /// The same triangle from its least corner on, in the same turning sense.

@@ -1,7 +1,7 @@
 //! A scene's triangles in one space.
 
 use super::Triangle;
-use super::copies::hash;
+use super::corner_hash::hash;
 use super::tree::{Box32, TRIANGLE_LIMIT};
 use crate::scene::{COORDINATE_LIMIT, Mesh, Object, Scene, SceneError};
 use glam::{DAffine3, DVec3, Vec3};

@@ -2,6 +2,7 @@
 
 mod build;
 mod copies;
+mod corner_hash;
 mod flatten;
 mod layout;
 pub(crate) mod tree;

@@ -5,7 +5,7 @@ use super::sample::sample;
 use super::smooth::{self, Facets, Row, Vectors};
 use super::srgb::{self, Tables};
 use super::triplanar::Triplanar;
-use super::{Background, Mode, Shading, TextureProjection, TileShader, Wireframe};
+use super::{Background, Mode, Shading, TextureProjection, Wireframe};
 use crate::bvh::Accel;
 use crate::camera::{Camera, Projection, Rect};
 use crate::hit::{Detail, MISS, SlotHit};
@@ -203,12 +203,7 @@ impl<'a> Shader<'a> {
         )
     }
 
-    /// A shader for many pixels, on one thread: it remembers the triangles that it met.
-    pub fn tile(&self) -> TileShader<'_> {
-        TileShader::new(self)
-    }
-
-    /// As [`TileShader::shade`] where nothing was met.
+    /// As [`TileShader::shade`](super::TileShader::shade) where nothing was met.
     pub fn shade_nothing<'p>(&self, rect: Rect, rows: impl Iterator<Item = &'p mut [[u8; 4]]>) {
         for (y, row) in (rect.y..rect.bottom()).zip(rows) {
             row.fill(self.backdrop8(y));

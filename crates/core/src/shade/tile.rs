@@ -29,6 +29,13 @@ pub struct TileShader<'s> {
     facets: Vec<(u32, Facet)>,
 }
 
+impl Shader<'_> {
+    /// A shader for many pixels, on one thread: it remembers the triangles that it met.
+    pub fn tile(&self) -> TileShader<'_> {
+        TileShader::new(self)
+    }
+}
+
 impl<'s> TileShader<'s> {
     pub(super) fn new(shader: &'s Shader<'s>) -> Self {
         Self {
