@@ -13,6 +13,7 @@ pub mod camera;
 pub mod formats;
 pub mod image;
 pub mod intersect;
+pub mod math;
 #[cfg(test)]
 mod random;
 pub mod render;

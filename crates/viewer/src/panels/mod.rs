@@ -1,10 +1,12 @@
 //! Parts of the window, one a file: each shows state and emits commands.
 
 mod banner;
+#[allow(clippy::disallowed_methods, reason = "numbers are shown to few digits")]
 pub mod format;
 mod help;
 mod look;
 mod objects;
+#[allow(clippy::disallowed_methods, reason = "tints are no part of a picture")]
 pub mod overlay;
 mod picture;
 mod render;
