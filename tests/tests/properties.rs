@@ -10,6 +10,7 @@ use proptest::test_runner::RngSeed;
 use raycast_core::camera::{Camera, ImagePlane, Lattice, Placement, Projection, Ray, Rect};
 use raycast_core::glam::DVec3;
 use raycast_core::intersect::Cull;
+use raycast_core::math;
 use raycast_report::meshes::mesh;
 use raycast_tests::check::{Check, Stage};
 
@@ -263,7 +264,7 @@ impl Shot {
             distance => distance,
         };
         let step = match self.step {
-            Step::Decade(decade) => distance * 10f64.powf(decade) / f64::from(rows),
+            Step::Decade(decade) => distance * math::pow(10.0, decade) / f64::from(rows),
             Step::Power(power) => shape.scale() * 2f64.powi(power.into()),
         };
         let plane = ImagePlane::new(columns, rows, step).expect("a good plane");

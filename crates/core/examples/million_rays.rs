@@ -4,7 +4,7 @@
 #![allow(clippy::print_stdout, reason = "an example tells its findings")]
 
 use raycast_core::glam::DVec3;
-use raycast_core::{Accel, Cull, Ray, formats};
+use raycast_core::{Accel, Cull, Ray, formats, math};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -17,7 +17,8 @@ fn direction(index: u64) -> DVec3 {
     let y = 1.0 - (2 * index + 1) as f64 / RAYS as f64;
     let around = index as f64 * std::f64::consts::PI * (3.0 - 5f64.sqrt());
     let across = (1.0 - y * y).sqrt();
-    DVec3::new(across * around.cos(), y, across * around.sin())
+    let (sin, cos) = math::sin_cos(around);
+    DVec3::new(across * cos, y, across * sin)
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -52,7 +52,7 @@
 //!
 //! A module uses only modules before it:
 //!
-//! `num`, [`Ray`], [`Hit`] → [`scene`] → [`camera`] → `triangle` → `bvh` → `single` → [`packet`] →
+//! [`math`], `num`, [`Ray`], [`Hit`] → [`scene`] → [`camera`] → `triangle` → `bvh` → `single` → [`packet`] →
 //! [`shade`] → [`picture`] → [`render`](mod@render) → [`formats`]
 //!
 //! The crate is pure: it has no window, no global state and no clock, and it never prints. Files are read
@@ -63,6 +63,7 @@ pub mod camera;
 pub mod formats;
 mod hit;
 mod hits;
+pub mod math;
 mod num;
 pub mod packet;
 pub mod picture;

@@ -34,7 +34,7 @@ impl Random {
 
     /// A power of ten between 10^`low` and 10^`high`, any decade as likely.
     pub fn decade(&mut self, low: f64, high: f64) -> f64 {
-        10f64.powf(self.between(low, high))
+        libm::pow(10.0, self.between(low, high))
     }
 
     /// A point of the cube [−1, 1]³.

@@ -8,6 +8,7 @@ use raycast_core::accel::{Accel, Simd};
 use raycast_core::camera::{Camera, Grid, Rect};
 use raycast_core::glam::DVec3;
 use raycast_core::image::Picture;
+use raycast_core::math;
 use raycast_core::render::{Cancel, Settings, View};
 use raycast_core::scene::{Bounds, Color, Material, Mesh, MeshData};
 use raycast_core::shade::{Background, Mode, Shading};
@@ -88,7 +89,7 @@ impl Figure {
         let ring = |center: DVec3, width: f64| -> [DVec3; SIDES as usize] {
             std::array::from_fn(|side| {
                 let angle = std::f64::consts::TAU * side as f64 / f64::from(SIDES);
-                center + (a * angle.cos() + b * angle.sin()) * (width * 0.5)
+                center + (a * math::cos(angle) + b * math::sin(angle)) * (width * 0.5)
             })
         };
         // A little longer than asked for, so that lines which meet leave no notch.

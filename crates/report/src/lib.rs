@@ -17,6 +17,7 @@
 
 pub mod cameras;
 pub mod cases;
+#[allow(clippy::disallowed_methods, reason = "a plot is no picture of a scene")]
 pub mod chart;
 pub mod checked;
 pub mod effort;
@@ -27,6 +28,7 @@ pub mod figure;
 pub mod fuzz_kernel;
 pub mod machine;
 pub mod meshes;
+#[allow(clippy::disallowed_methods, reason = "figures are shown to few digits")]
 pub mod metrics;
 pub mod pareto;
 pub mod report;
@@ -34,7 +36,9 @@ pub mod scenes;
 pub mod sections;
 pub mod stage;
 pub mod subject;
+#[allow(clippy::disallowed_methods, reason = "figures are shown to few digits")]
 pub mod table;
+#[allow(clippy::disallowed_methods, reason = "figures are shown to few digits")]
 pub mod timing;
 pub mod verify;
 pub mod views;

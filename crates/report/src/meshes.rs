@@ -1,6 +1,7 @@
 //! Meshes made in code, with corners where rays like to slip through.
 
 use raycast_core::glam::DVec3;
+use raycast_core::math;
 use raycast_core::scene::{Mesh, MeshData};
 use raycast_oracle::random::Random;
 
@@ -46,9 +47,9 @@ pub fn sphere(center: DVec3, radius: f64, steps: u32) -> Mesh {
     let rings = steps / 2;
     let mut positions = vec![center + DVec3::Y * radius];
     for ring in 1..rings {
-        let (sin, cos) = (std::f64::consts::PI * f64::from(ring) / f64::from(rings)).sin_cos();
+        let (sin, cos) = math::sin_cos(std::f64::consts::PI * f64::from(ring) / f64::from(rings));
         for step in 0..steps {
-            let (x, z) = (std::f64::consts::TAU * f64::from(step) / f64::from(steps)).sin_cos();
+            let (x, z) = math::sin_cos(std::f64::consts::TAU * f64::from(step) / f64::from(steps));
             positions.push(center + DVec3::new(x * sin, cos, z * sin) * radius);
         }
     }

@@ -1,6 +1,7 @@
 //! Where scenes are looked at from: the same views for every measurement.
 
 use raycast_core::camera::{Camera, Orbit, PlaneError, PlaneRequest, Projection, fov_to_frame};
+use raycast_core::math;
 use raycast_core::scene::Scene;
 
 /// The vertical field of view in degrees.
@@ -19,7 +20,7 @@ pub fn filling(
 ) -> Result<Camera, PlaneError> {
     let (center, radius) = scene.bounding_sphere();
     let (yaw, pitch) = Orbit::DEFAULT_ANGLES;
-    let distance = radius / (fov.to_radians() * 0.5).sin() / nearer;
+    let distance = radius / math::sin(fov.to_radians() * 0.5) / nearer;
     let orbit = Orbit {
         pivot: center,
         yaw,

@@ -300,7 +300,7 @@ mod tests {
             ..base.clone()
         });
         let fov = by_size_and_step.fov_degrees().expect("perspective");
-        assert!((fov - 2.0 * 0.25f64.atan().to_degrees()).abs() < 1e-9);
+        assert!((fov - 2.0 * raycast_core::math::atan(0.25).to_degrees()).abs() < 1e-9);
 
         let by_step_and_fov = made(&CameraArgs {
             step: Some(0.1),

@@ -1,4 +1,5 @@
 use super::Placement;
+use crate::math;
 use glam::DVec3;
 
 /// A camera's way to move: about a pivot, at a distance, by two angles.
@@ -32,23 +33,23 @@ impl Orbit {
         }
         Self {
             pivot: placement.target,
-            yaw: back.x.atan2(back.z).to_degrees(),
-            pitch: (back.y / distance).clamp(-1.0, 1.0).asin().to_degrees(),
+            yaw: math::atan2(back.x, back.z).to_degrees(),
+            pitch: math::asin((back.y / distance).clamp(-1.0, 1.0)).to_degrees(),
             distance,
         }
     }
 
     /// The unit vector from the pivot to the eye.
     pub fn back(&self) -> DVec3 {
-        let (yaw_sin, yaw_cos) = self.yaw.to_radians().sin_cos();
-        let (pitch_sin, pitch_cos) = self.pitch.to_radians().sin_cos();
+        let (yaw_sin, yaw_cos) = math::sin_cos(self.yaw.to_radians());
+        let (pitch_sin, pitch_cos) = math::sin_cos(self.pitch.to_radians());
         DVec3::new(yaw_sin * pitch_cos, pitch_sin, yaw_cos * pitch_cos)
     }
 
     /// The unit vector up in the picture: at the poles too, where +Y would not do.
     pub fn up(&self) -> DVec3 {
-        let (yaw_sin, yaw_cos) = self.yaw.to_radians().sin_cos();
-        let (pitch_sin, pitch_cos) = self.pitch.to_radians().sin_cos();
+        let (yaw_sin, yaw_cos) = math::sin_cos(self.yaw.to_radians());
+        let (pitch_sin, pitch_cos) = math::sin_cos(self.pitch.to_radians());
         DVec3::new(-yaw_sin * pitch_sin, pitch_cos, -yaw_cos * pitch_sin)
     }
 

@@ -1,4 +1,5 @@
 use super::{ImagePlane, Ray};
+use crate::math;
 use glam::DVec3;
 
 /// How rays leave the camera.
@@ -179,10 +180,10 @@ impl Camera {
 
 /// The height at distance `d` of a frame with this vertical field of view in degrees.
 pub fn fov_to_frame(fov_degrees: f64, distance: f64) -> f64 {
-    2.0 * distance * (fov_degrees.to_radians() * 0.5).tan()
+    2.0 * distance * math::tan(fov_degrees.to_radians() * 0.5)
 }
 
 /// The vertical field of view in degrees of a frame this high at this distance.
 pub fn frame_to_fov(frame_height: f64, distance: f64) -> f64 {
-    2.0 * (frame_height * 0.5 / distance).atan().to_degrees()
+    2.0 * math::atan(frame_height * 0.5 / distance).to_degrees()
 }

@@ -1,4 +1,5 @@
 use super::{Camera, Ray};
+use crate::math;
 
 /// A rectangle of pixels of the full picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -54,11 +55,8 @@ impl SubCamera {
         if self.camera.fov_degrees().is_none() {
             return [0.0; 4];
         }
-        let angle = |pixels: f64| {
-            (pixels * plane.step / self.camera.distance())
-                .atan()
-                .to_degrees()
-        };
+        let angle =
+            |pixels: f64| math::atan(pixels * plane.step / self.camera.distance()).to_degrees();
         let (half_width, half_height) =
             (f64::from(plane.columns) * 0.5, f64::from(plane.rows) * 0.5);
         [

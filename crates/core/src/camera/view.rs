@@ -1,4 +1,5 @@
 use super::{Camera, ImagePlane, Orbit, PlaneError, Projection, fov_to_frame};
+use crate::math;
 use crate::scene::Bounds;
 
 /// Room left around a scene that fits the picture, as a share of the frame.
@@ -17,7 +18,7 @@ pub fn fit_distance(
     fov_degrees: f64,
     aspect: f64,
 ) -> f64 {
-    let slope = (fov_degrees.to_radians() * 0.5).tan() / MARGIN;
+    let slope = math::tan(fov_degrees.to_radians() * 0.5) / MARGIN;
     let (right, up, back) = (orbit.right(), orbit.up(), orbit.back());
     let needed = |corner: glam::DVec3| {
         let relative = corner - orbit.pivot;

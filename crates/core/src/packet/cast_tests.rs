@@ -3,6 +3,7 @@
 use crate::bvh::Accel;
 use crate::camera::{Camera, ImagePlane, Lattice, Orbit, Projection, Rect};
 use crate::hit::{Cull, Detail, Precision};
+use crate::math;
 use crate::num::simd::Simd;
 use crate::random::Random;
 use crate::scene::{Mesh, MeshData, Object, Scene};
@@ -27,7 +28,7 @@ fn build(meshes: impl IntoIterator<Item = Mesh>) -> Accel {
 fn waves_mesh(side: u32, size: f64, offset: DVec3) -> Mesh {
     grid(side, |x, y| {
         let (x, y) = (x / f64::from(side) - 0.5, y / f64::from(side) - 0.5);
-        DVec3::new(x, 0.1 * (x * 20.0).sin() * (y * 17.0).cos(), y) * size + offset
+        DVec3::new(x, 0.1 * math::sin(x * 20.0) * math::cos(y * 17.0), y) * size + offset
     })
 }
 

@@ -264,7 +264,7 @@ mod tests {
             (random.unit() * 32.0).floor(),
             (random.unit() * 32.0).floor(),
         ];
-        let (sin, cos) = (random.unit() * std::f64::consts::TAU).sin_cos();
+        let (sin, cos) = crate::math::sin_cos(random.unit() * std::f64::consts::TAU);
         let aside = past * random.signed();
         let at = |along: f64, aside: f64| {
             let x = ray[0] + cos * along - sin * aside;

@@ -1,4 +1,5 @@
-use glam::{DAffine3, DQuat, DVec3, EulerRot};
+use crate::math;
+use glam::{DAffine3, DQuat, DVec3};
 
 /// Where an object stands in its parent: scaled first, then rotated, then translated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,8 +26,7 @@ impl Transform {
         let rotation = if self.rotate == DVec3::ZERO {
             DQuat::IDENTITY
         } else {
-            let [x, y, z] = self.rotate.to_array().map(f64::to_radians);
-            DQuat::from_euler(EulerRot::XYZEx, x, y, z)
+            rotation(self.rotate)
         };
         DAffine3::from_scale_rotation_translation(self.scale, rotation, self.translate)
     }
@@ -35,6 +35,21 @@ impl Transform {
     pub fn is_finite(&self) -> bool {
         self.translate.is_finite() && self.rotate.is_finite() && self.scale.is_finite()
     }
+}
+
+/// The rotation by angles in degrees about x, then y, then z: q_z · q_y · q_x, multiplied out, each a
+/// half angle's sine and cosine (Shoemake, "Euler Angle Conversion", Graphics Gems IV, 1994).
+fn rotation(degrees: DVec3) -> DQuat {
+    let half = |degrees: f64| math::sin_cos(degrees.to_radians() * 0.5);
+    let (sin_x, cos_x) = half(degrees.x);
+    let (sin_y, cos_y) = half(degrees.y);
+    let (sin_z, cos_z) = half(degrees.z);
+    DQuat::from_xyzw(
+        cos_y * (cos_z * sin_x) - sin_y * (sin_z * cos_x),
+        cos_y * (sin_z * sin_x) + sin_y * (cos_z * cos_x),
+        cos_y * (sin_z * cos_x) - sin_y * (cos_z * sin_x),
+        cos_y * (cos_z * cos_x) + sin_y * (sin_z * sin_x),
+    )
 }
 
 impl Default for Transform {

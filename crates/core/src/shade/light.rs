@@ -54,6 +54,7 @@ impl Lights {
 mod tests {
     use super::*;
     use crate::camera::{ImagePlane, Placement, Projection};
+    use crate::math;
     use glam::DVec3;
 
     #[test]
@@ -82,8 +83,8 @@ mod tests {
             let angle = i as f32 * 2.4;
             let z = (i as f32 + 0.5) / 1000.0;
             let across = (1.0 - z * z).sqrt();
-            let normal = camera.right().as_vec3() * (angle.cos() * across)
-                + camera.up().as_vec3() * (angle.sin() * across)
+            let normal = camera.right().as_vec3() * (math::cos(angle.into()) as f32 * across)
+                + camera.up().as_vec3() * (math::sin(angle.into()) as f32 * across)
                 + to_eye * z;
             let light = lights.on(normal, to_eye);
             assert!(

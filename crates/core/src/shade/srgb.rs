@@ -2,6 +2,7 @@
 //! power in any pixel's loop.
 
 use super::smooth::Vectors;
+use crate::math;
 use crate::num::simd::{LANES, Lanes};
 use crate::scene::Color;
 use glam::Vec3;
@@ -43,7 +44,7 @@ fn to_linear(value: f64) -> f64 {
     if value <= 0.04045 {
         value / 12.92
     } else {
-        ((value + 0.055) / 1.055).powf(2.4)
+        math::pow((value + 0.055) / 1.055, 2.4)
     }
 }
 
@@ -196,7 +197,7 @@ mod tests {
         let value = if linear <= 0.04045 / 12.92 {
             linear * 12.92
         } else {
-            1.055 * linear.powf(1.0 / 2.4) - 0.055
+            1.055 * math::pow(linear, 1.0 / 2.4) - 0.055
         };
         value * 255.0
     }

@@ -6,6 +6,7 @@ use crate::meshes::{self, mesh, soup};
 use raycast_core::camera::{Camera, Projection, Ray};
 use raycast_core::glam::{DVec2, DVec3};
 use raycast_core::intersect::Cull;
+use raycast_core::math;
 use raycast_core::scene::Mesh;
 use raycast_oracle::random::Random;
 use std::f64::consts::TAU;
@@ -373,7 +374,7 @@ fn crossing_layers(variant: u32) -> Setting {
             std::array::from_fn(|corner| {
                 let turn = TAU * (corner as f64 / 3.0 + random.between(0.0, 0.2));
                 let z = z + random.between(-tilt, tilt);
-                DVec3::new(turn.cos() * 3.0, turn.sin() * 3.0, z)
+                DVec3::new(math::cos(turn) * 3.0, math::sin(turn) * 3.0, z)
             })
         })
         .collect();
@@ -397,7 +398,7 @@ fn fan_on_a_pixel(variant: u32) -> Setting {
         _ => random.nudge(middle, 2),
     }];
     for i in 0..spokes {
-        let (sin, cos) = (TAU * f64::from(i) / f64::from(spokes)).sin_cos();
+        let (sin, cos) = math::sin_cos(TAU * f64::from(i) / f64::from(spokes));
         let reach = random.between(0.5, 6.0);
         positions.push(DVec3::new(cos, sin, random.between(-0.1, 0.1)) * reach);
     }

@@ -5,6 +5,7 @@ use crate::cameras::{PROJECTIONS, camera};
 use crate::meshes::{self, mesh};
 use raycast_core::camera::{Projection, Ray};
 use raycast_core::glam::DVec3;
+use raycast_core::math;
 use raycast_core::scene::Mesh;
 use raycast_oracle::random::Random;
 use std::f64::consts::TAU;
@@ -222,7 +223,7 @@ fn small_distant_fan(variant: u32) -> Setting {
     let along = sight.cross(across);
     let mut positions = vec![middle];
     for i in 0..6 {
-        let (sin, cos) = (TAU * f64::from(i) / 6.0).sin_cos();
+        let (sin, cos) = math::sin_cos(TAU * f64::from(i) / 6.0);
         positions.push(middle + (across * cos + along * sin) * scale * 1e-4);
     }
     let fan = mesh(

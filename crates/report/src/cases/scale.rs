@@ -5,6 +5,7 @@ use crate::cameras::{PROJECTIONS, camera};
 use crate::meshes::{self, mesh, soup};
 use raycast_core::camera::{Projection, Ray};
 use raycast_core::glam::DVec3;
+use raycast_core::math;
 use raycast_core::scene::Mesh;
 use raycast_oracle::random::Random;
 use std::f64::consts::TAU;
@@ -212,9 +213,11 @@ fn grazed_sliver(variant: u32) -> Setting {
     let place = random.in_cube() * random.decade(0.0, 3.0);
     let corners = [place, place + x * long, place + x * along + y * across];
     let [a, b, c] = corners;
-    let slope = 0.5f64.to_radians();
-    let lean =
-        move |turn: f64| (x * turn.cos() + y * turn.sin()) * slope.cos() + normal * slope.sin();
+    let (slope_sin, slope_cos) = math::sin_cos(0.5f64.to_radians());
+    let lean = move |turn: f64| {
+        let (sin, cos) = math::sin_cos(turn);
+        (x * cos + y * sin) * slope_cos + normal * slope_sin
+    };
     let middle = (a + b + c) / 3.0;
     let cameras = PROJECTIONS.map(|projection| {
         camera(

@@ -1,5 +1,6 @@
 use crate::meshes::mesh;
 use raycast_core::glam::DVec3;
+use raycast_core::math::{cos, sin, sin_cos};
 use raycast_core::scene::Mesh;
 use std::f64::consts::{PI, TAU};
 
@@ -14,11 +15,11 @@ pub fn bumpy_sphere(triangles: u32) -> Mesh {
         .unwrap_or(2)
         .max(2);
     let point = |ring: u32, step: u32| {
-        let (latitude_sin, latitude_cos) = (PI * f64::from(ring) / f64::from(rings)).sin_cos();
-        let (x, z) = (TAU * f64::from(step) / f64::from(steps)).sin_cos();
+        let (latitude_sin, latitude_cos) = sin_cos(PI * f64::from(ring) / f64::from(rings));
+        let (x, z) = sin_cos(TAU * f64::from(step) / f64::from(steps));
         let unit = DVec3::new(x * latitude_sin, latitude_cos, z * latitude_sin);
-        let coarse = (7.0 * unit.x).sin() * (6.0 * unit.y).sin() * (5.0 * unit.z).cos();
-        let fine = (31.0 * unit.x).sin() * (29.0 * unit.y).cos() * (37.0 * unit.z).sin();
+        let coarse = sin(7.0 * unit.x) * sin(6.0 * unit.y) * cos(5.0 * unit.z);
+        let fine = sin(31.0 * unit.x) * cos(29.0 * unit.y) * sin(37.0 * unit.z);
         unit * (1.0 + 0.12 * coarse + 0.02 * fine)
     };
     let mut positions = vec![point(0, 0)];

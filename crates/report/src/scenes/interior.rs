@@ -1,6 +1,7 @@
 use crate::meshes::{cuboid_parts, mesh};
 use raycast_core::camera::{Camera, Placement, PlaneError, PlaneRequest, Projection, fov_to_frame};
 use raycast_core::glam::DVec3;
+use raycast_core::math;
 use raycast_core::scene::Mesh;
 use raycast_oracle::random::Random;
 use std::f64::consts::{PI, TAU};
@@ -89,7 +90,7 @@ impl Place {
     }
 
     fn point(self, local: DVec3) -> DVec3 {
-        let (sin, cos) = self.yaw.sin_cos();
+        let (sin, cos) = math::sin_cos(self.yaw);
         let DVec3 { x, y, z } = local;
         self.origin + DVec3::new(x * cos + z * sin, y, z * cos - x * sin)
     }
@@ -170,13 +171,14 @@ impl Flat {
         self.turned(lamp, 0.25, 0.3, |along| 1.0 - 0.8 * along);
         for bowl in 0..4 {
             let angle = yaw + f64::from(bowl) * PI / 2.0 + self.random.between(0.0, 0.8);
-            let away = DVec3::new(angle.sin(), 0.0, angle.cos()) * self.random.between(0.2, 0.4);
+            let away =
+                DVec3::new(math::sin(angle), 0.0, math::cos(angle)) * self.random.between(0.2, 0.4);
             let height = self.random.between(0.08, 0.35);
             let waves = self.random.between(2.0, 7.0);
             let radius = self.random.between(0.05, 0.14);
             let foot = middle + away + DVec3::Y * 0.76;
             self.turned(foot, radius, height, |along| {
-                0.7 + 0.3 * (along * waves).sin()
+                0.7 + 0.3 * math::sin(along * waves)
             });
         }
         for _ in 0..3 {
@@ -187,7 +189,7 @@ impl Flat {
                 self.random.between(0.8, SIDE - 0.8),
             );
             self.turned(corner + place, radius, 2.0 * radius, |along| {
-                (PI * along).sin()
+                math::sin(PI * along)
             });
         }
     }
@@ -261,9 +263,9 @@ impl Flat {
         for ring in 0..rings - 1 {
             let along = f64::from(ring + 1) / f64::from(rings);
             // Rings that are as wide as the profile says, and as high as a ball's would be.
-            let up = 0.5 - 0.5 * (PI * along).cos();
+            let up = 0.5 - 0.5 * math::cos(PI * along);
             for step in 0..steps {
-                let (sin, cos) = (TAU * f64::from(step) / f64::from(steps)).sin_cos();
+                let (sin, cos) = math::sin_cos(TAU * f64::from(step) / f64::from(steps));
                 let wide = radius * profile(along);
                 self.positions
                     .push(foot + DVec3::new(sin * wide, up * height, cos * wide));

@@ -12,6 +12,7 @@ use crate::table::{Cell, ReportError, Table, grouped};
 use crate::watch::Watch;
 use raycast_core::camera::{Camera, ImagePlane, Placement, Projection};
 use raycast_core::glam::DVec3;
+use raycast_core::math;
 use raycast_core::scene::{Mesh, Scene};
 use raycast_oracle::random::Random;
 use std::sync::Arc;
@@ -43,7 +44,7 @@ impl Sweep {
     fn places(self) -> Vec<f64> {
         match self {
             Self::Size => (-4..=4)
-                .map(|half| 10f64.powf(f64::from(half) / 2.0))
+                .map(|half| math::pow(10.0, f64::from(half) / 2.0))
                 .collect(),
             Self::Distance => (0..=8).map(|decade| 10f64.powi(decade)).collect(),
             Self::Angle => vec![90.0, 30.0, 10.0, 3.0, 1.0, 0.3, 0.1, 0.03, 0.01, 0.003],
@@ -95,7 +96,7 @@ const CELLS: u32 = 64;
 fn of_size(pixels: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
     let eye = DVec3::new(2.3, 1.1, 3.7);
     let sight = DVec3::new(-0.61, -0.23, -0.76).normalize() * 5.0;
-    let edge = pixels * 2.0 * sight.length() * 22.5f64.to_radians().tan() / 1000.0;
+    let edge = pixels * 2.0 * sight.length() * math::tan(22.5f64.to_radians()) / 1000.0;
     let target = eye + sight;
     let across = sight.cross(DVec3::Y).normalize();
     let along = across.cross(sight).normalize();
@@ -156,7 +157,7 @@ fn at_angle(angle: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
         let mut place = |at: u32| f64::from(at) - half + random.between(-0.3, 0.3);
         middle + across * place(x) + along * place(y)
     });
-    let (sin, cos) = angle.to_radians().sin_cos();
+    let (sin, cos) = math::sin_cos(angle.to_radians());
     let eye = middle + (normal * sin - along * cos) * 80.0;
     // As high as the patch is seen.
     let frame = 0.5 * f64::from(CELLS) * sin;

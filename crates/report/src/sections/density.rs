@@ -12,6 +12,7 @@ use image::{Rgb, RgbImage};
 use raycast_core::accel::Accel;
 use raycast_core::camera::{Camera, Grid, ImagePlane};
 use raycast_core::image::Picture;
+use raycast_core::math;
 use raycast_core::render::{Cancel, Settings, View};
 use raycast_core::scene::Scene;
 use raycast_core::shade::{Background, Shading};
@@ -162,14 +163,14 @@ fn resized(picture: &RgbImage, (width, height): (u32, u32)) -> RgbImage {
         if value <= 0.04045 {
             value / 12.92
         } else {
-            ((value + 0.055) / 1.055).powf(2.4)
+            math::pow((value + 0.055) / 1.055, 2.4)
         }
     };
     let encoded = |value: f64| {
         let value = if value <= 0.003_130_8 {
             value * 12.92
         } else {
-            1.055 * value.powf(1.0 / 2.4) - 0.055
+            1.055 * math::pow(value, 1.0 / 2.4) - 0.055
         };
         (value * 255.0).round() as u8
     };

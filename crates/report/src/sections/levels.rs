@@ -11,6 +11,7 @@ use raycast_core::accel::{Accel, LargeTrace, MISS, PacketTrace, Simd};
 use raycast_core::camera::{Camera, ImagePlane, Lattice, Placement, Projection, Rect};
 use raycast_core::glam::DVec3;
 use raycast_core::intersect::{Cull, Precision};
+use raycast_core::math;
 use raycast_core::scene::{Bounds, Color};
 use std::collections::HashSet;
 
@@ -107,7 +108,7 @@ fn choose(accel: &Accel, camera: &Camera) -> Option<Chosen> {
     let place = |rays: &Lattice| -> f64 {
         let x = f64::from(rays.x) + f64::from(rays.columns) * 0.5 - f64::from(columns) * 0.5;
         let y = f64::from(rays.y) + f64::from(rays.rows) * 0.5 - f64::from(rows) * 0.5;
-        let off = x.hypot(y) / f64::from(rows);
+        let off = (x * x + y * y).sqrt() / f64::from(rows);
         let half = if x > 0.0 { 1.0 } else { 0.25 };
         half / (1.0 + 4.0 * off * off)
     };
@@ -327,8 +328,8 @@ impl<'a> Stage<'a> {
         const BELOW: f64 = 0.1;
         let (columns, rows) = SHEET;
         let (aside, above) = (f64::to_radians(ASIDE), f64::to_radians(ABOVE));
-        let level = self.inner.right() * aside.sin() - self.inner.forward() * aside.cos();
-        let back = level * above.cos() + self.inner.up() * above.sin();
+        let level = self.inner.right() * math::sin(aside) - self.inner.forward() * math::cos(aside);
+        let back = level * math::cos(above) + self.inner.up() * math::sin(above);
         let mut points = vec![self.inner.placement().eye];
         points.extend(self.corners(&self.whole(), self.shown_at));
         points.extend(self.corners(&self.chosen.large.rays, self.end));

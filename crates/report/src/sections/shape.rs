@@ -14,6 +14,7 @@ use crate::ways::{self, Way};
 use crate::{subject, views};
 use raycast_core::accel::{Accel, Simd};
 use raycast_core::camera::{Camera, ImagePlane, fov_to_frame};
+use raycast_core::math;
 use raycast_core::scene::Scene;
 use std::sync::Arc;
 
@@ -110,7 +111,7 @@ pub fn measure(
             }
         }
         Sweep::Triangles => {
-            let counts = (6..=18).map(|half| 10f64.powf(f64::from(half) / 2.0).round() as u32);
+            let counts = (6..=18).map(|half| math::pow(10.0, f64::from(half) / 2.0).round() as u32);
             let counts: Vec<u32> = counts
                 .take_while(|&count| count <= effort.largest)
                 .collect();

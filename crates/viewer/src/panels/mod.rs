@@ -4,6 +4,7 @@ mod banner;
 mod help;
 mod look;
 mod objects;
+#[allow(clippy::disallowed_methods, reason = "tints are no part of a picture")]
 pub mod overlay;
 mod picture;
 mod render;

@@ -333,7 +333,10 @@ mod tests {
         let plane = state.plane().expect("a good plane");
         let frame = f64::from(plane.rows) * plane.step;
         let d = state.orbit.distance;
-        assert!((frame - 2.0 * d * (DEFAULT_FOV / 2.0).to_radians().tan()).abs() < 1e-12);
+        assert!(
+            (frame - 2.0 * d * raycast_core::math::tan((DEFAULT_FOV / 2.0).to_radians())).abs()
+                < 1e-12
+        );
     }
 
     #[test]

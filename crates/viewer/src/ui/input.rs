@@ -5,6 +5,7 @@ use crate::state::update::middle;
 use crate::state::{Overlay, PromptKind, State};
 use egui::{Key, KeyboardShortcut, Modifiers};
 use raycast_core::camera::Projection;
+use raycast_core::math;
 use raycast_core::shade::Mode;
 
 /// Degrees that a point of dragging turns.
@@ -183,7 +184,7 @@ pub fn wheel_factor(unit: egui::MouseWheelUnit, delta: f32) -> f64 {
         egui::MouseWheelUnit::Point => f64::from(delta) / 50.0,
         egui::MouseWheelUnit::Page => f64::from(delta) * 8.0,
     };
-    0.85_f64.powf(notches.clamp(-20.0, 20.0))
+    math::pow(0.85, notches.clamp(-20.0, 20.0))
 }
 
 /// Mouse over the picture to commands. `at` maps a point of the window to the picture's pixels,

@@ -1,6 +1,7 @@
 //! What panels are made with: the theme, keys and gestures, the picture on screen, numbers as text.
 
 pub mod canvas;
+#[allow(clippy::disallowed_methods, reason = "numbers are shown to few digits")]
 pub mod format;
 pub mod input;
 pub mod present;
