@@ -1,56 +1,56 @@
-/// The nearest triangle that a ray meets.
+/// The closest triangle that a ray hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// The object's number.
     pub object: u32,
     /// The triangle's number in its object's mesh.
     pub triangle: u32,
-    /// The ray's parameter there: the distance, in lengths of the ray's direction.
+    /// The ray's parameter: the distance in lengths of the ray's direction.
     pub t: f64,
-    /// Weight of the triangle's second corner, 0 to 1.
+    /// Barycentric weight of the triangle's second corner, 0 to 1.
     pub u: f64,
-    /// Weight of the triangle's third corner, 0 to 1: the point is `(1−u−v)·a + u·b + v·c`.
+    /// Weight of the third corner, 0 to 1: the point is `(1−u−v)·a + u·b + v·c`.
     pub v: f64,
 }
 
-/// Which faces rays meet. A face is a front where its corners run counter-clockwise to the ray.
+/// Which faces rays hit. A face is a front where its corners run counter-clockwise as the ray sees them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Cull {
     /// Fronts and backs.
     #[default]
     None,
-    /// Fronts alone.
+    /// Fronts only.
     Back,
 }
 
 /// How sure a picture's triangles are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
-    /// Rounded arithmetic alone: where doubles cannot tell (a ray within some 1e-15 of an edge or of
-    /// another surface's depth), their rounding decides, and a neighbouring triangle may be shown.
+    /// Rounded arithmetic: where double precision leaves a ray undecided (within some 1e-15 of an edge, or of
+    /// another surface's depth), rounding decides, and a neighbouring triangle may be shown.
     Fast,
     /// What exact arithmetic gives.
     #[default]
     Exact,
 }
 
-/// How much is wanted of a hit: what is not asked for costs nothing.
+/// What is asked of a hit: what is not asked for costs nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Detail {
-    /// Which triangle; parameter and weights may be anything.
+    /// Which triangle; t, u and v may be anything.
     Triangle,
-    /// Parameter and weights too.
+    /// t, u and v too.
     #[default]
     Full,
 }
 
-/// Marks a ray that meets nothing, in place of a triangle's slot.
+/// Stands for a primitive index where a ray hits nothing.
 pub const MISS: u32 = u32::MAX;
 
-/// A nearest hit as the casting loops store it.
+/// A closest hit as casting loops store it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlotHit {
-    /// The triangle's place in leaf order, or [`MISS`].
+    /// The triangle's primitive index, or [`MISS`].
     pub slot: u32,
     /// The ray's parameter; infinity at a miss.
     pub t: f32,
@@ -61,7 +61,7 @@ pub struct SlotHit {
 }
 
 impl SlotHit {
-    /// A ray that meets nothing.
+    /// A ray that hits nothing.
     pub const NONE: Self = Self {
         slot: MISS,
         t: f32::INFINITY,
@@ -69,7 +69,7 @@ impl SlotHit {
         v: 0.0,
     };
 
-    /// Whether the ray meets nothing.
+    /// Whether the ray hits nothing.
     pub fn is_miss(&self) -> bool {
         self.slot == MISS
     }

@@ -2,9 +2,9 @@
 
 use crate::hit::{MISS, SlotHit};
 
-/// The nearest hits of many rays, number beside number: eight of a kind are one load.
+/// The closest hits of many rays, in structure-of-arrays order.
 ///
-/// Where rays meet their triangles may not be known: `t`, `u` and `v` are then empty.
+/// t, u and v may not have been interpolated: they are then empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hits {
     /// As [`SlotHit::slot`].
@@ -18,7 +18,7 @@ pub struct Hits {
 }
 
 impl Hits {
-    /// How many there are, misses and all.
+    /// How many there are, misses included.
     pub fn len(&self) -> usize {
         self.slots.len()
     }
@@ -28,7 +28,7 @@ impl Hits {
         self.slots.is_empty()
     }
 
-    /// One of them; a miss beyond the last. What is not known is as at a miss.
+    /// One of them; a miss beyond the last. What was not interpolated is as at a miss.
     pub fn get(&self, index: usize) -> SlotHit {
         let or = |numbers: &[f32], otherwise| numbers.get(index).copied().unwrap_or(otherwise);
         SlotHit {
@@ -44,14 +44,14 @@ impl Hits {
         (0..self.len()).map(|index| self.get(index))
     }
 
-    /// Forgets where triangles are met.
+    /// Forgets t, u and v.
     pub(crate) fn forget_places(&mut self) {
         for numbers in [&mut self.t, &mut self.u, &mut self.v] {
             numbers.clear();
         }
     }
 
-    /// Room for where triangles are met: so far nowhere.
+    /// Makes room for t, u and v, as at misses.
     pub(crate) fn make_places(&mut self) {
         self.forget_places();
         let SlotHit { t, u, v, .. } = SlotHit::NONE;

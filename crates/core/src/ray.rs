@@ -1,19 +1,18 @@
 use glam::DVec3;
 
-/// A half-line, or a piece of one, in world space: the points `origin + t · direction` with
-/// `t_min < t ≤ t_max`.
+/// A half-line, or a piece of one, in world space: the points `origin + t · direction` with `t_min < t ≤ t_max`.
 ///
-/// What only touches the origin of a ray that begins at zero is not met: a triangle whose plane holds
-/// an eye is met by no ray from there.
+/// A triangle that only touches the origin of a ray with `t_min` = 0 is not hit: a triangle whose plane holds an
+/// eye is hit by no ray from there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where `t` is zero.
+    /// Where t is zero.
     pub origin: DVec3,
-    /// Which way, and what one unit of `t` is: the direction keeps its own length.
+    /// The direction; one unit of t is its length.
     pub direction: DVec3,
-    /// Where hits begin: their `t` is greater.
+    /// Hits have a greater t than this.
     pub t_min: f64,
-    /// The greatest `t` of a hit, inclusive; +infinity is no limit.
+    /// The greatest t of a hit, inclusive; +infinity is no limit.
     pub t_max: f64,
 }
 
@@ -28,8 +27,8 @@ impl Ray {
         }
     }
 
-    /// Whether every number is finite (`t_max` may be +infinity) and the direction is not zero; any
-    /// other ray is a miss.
+    /// Whether every number is finite (`t_max` may be +infinity) and the direction is not zero. Any other ray
+    /// is a miss.
     pub fn is_valid(&self) -> bool {
         self.origin.is_finite()
             && self.direction.is_finite()
@@ -38,7 +37,7 @@ impl Ray {
             && self.t_max > f64::NEG_INFINITY
     }
 
-    /// The point at `t`, rounded.
+    /// The point at t, rounded.
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + self.direction * t
     }

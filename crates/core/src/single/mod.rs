@@ -1,4 +1,4 @@
-//! One ray through the tree.
+//! The single ray: the reference that packets agree with.
 
 mod slab;
 mod traversal;
@@ -10,19 +10,19 @@ use crate::triangle::{Nearest, PreparedRay};
 pub(crate) use traversal::nearest;
 
 impl Accel {
-    /// The nearest hit of `ray` by exact arithmetic; ties go to the lowest object, then triangle.
+    /// The closest hit of `ray` by exact arithmetic; ties go to the lowest object, then the lowest triangle.
     ///
-    /// A ray that is not valid meets nothing.
+    /// A ray that is not valid hits nothing.
     pub fn cast(&self, ray: &Ray, cull: Cull) -> Option<Hit> {
         self.to_hit(self.nearest(ray, cull, Precision::Exact))
     }
 
-    /// The same for casting loops: a slot in place of the numbers, in single precision.
+    /// The same for casting loops: a primitive index in place of the numbers, in single precision.
     pub fn cast_slot(&self, ray: &Ray, cull: Cull, precision: Precision) -> SlotHit {
         self.nearest(ray, cull, precision).to_slot_hit()
     }
 
-    /// What [`Accel::cast`] answers, found by trying every triangle: for tests.
+    /// What [`Accel::cast`] answers, found by testing every triangle: for tests.
     pub fn cast_brute_force(&self, ray: &Ray, cull: Cull) -> Option<Hit> {
         let ray = PreparedRay::new(ray, self.origin, cull, Precision::Exact)?;
         let mut nearest = Nearest::NONE;
@@ -140,7 +140,7 @@ mod tests {
             ],
         };
         let accel = Accel::build(&scene).expect("a valid scene");
-        // The third stands where the first does.
+        // The third coincides with the first.
         assert_eq!((accel.out_of_range(), accel.len()), (1, 2));
         let hit = |x: f64, y: f64| {
             let ray = Ray::new(DVec3::new(x, y, 1.0), DVec3::NEG_Z);

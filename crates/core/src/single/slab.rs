@@ -1,44 +1,44 @@
 //! A ray against boxes, never missing one that it touches.
 //!
-//! After Ize, "Robust BVH Ray Traversal", JCGT 2013: the far end is moved outwards by what rounding
-//! may have moved the two ends together.
+//! After Ize, "Robust BVH Ray Traversal", JCGT 2013: the far end is moved outwards by what rounding may have moved
+//! the two ends together.
 
 use crate::bvh::tree::{Box32, BoxPair};
 use crate::triangle::PreparedRay;
 use glam::DVec3;
 
-/// Below this share of the longest component a direction is taken to be along the box's faces.
+/// Below this fraction of the longest component, a direction counts as parallel to a box's faces.
 const PARALLEL: f64 = 1.0 / (1 << 24) as f64;
 
-/// How much the far end of a box is moved outwards, as a share of itself.
+/// By how much the far end of a box is moved outwards, relative to itself.
 ///
-/// With ε = 2⁻²⁴ each end carries three roundings (difference, reciprocal, product): 3ε, and a
-/// hair for the reciprocal's second rounding. Near and far together, and the product with this
-/// share: 7ε, doubled for good measure since it costs nothing.
+/// With u = 2⁻²⁴ each end carries three roundings (difference, reciprocal, product) and the reciprocal's second
+/// rounding: 3u and a little. Near and far together, and the product with this factor: 7u, doubled since it costs
+/// nothing.
 const SLACK: f32 = 14.0 / (1 << 24) as f32;
 
-/// How many times as far away as the scene is long a ray's origin is at least, for distances to be measured
-/// from a place of the ray that is next to the scene.
+/// How far a ray's origin must be, in lengths of the scene, for distances to be measured from a point of the ray
+/// next to the scene.
 const FAR: f64 = 4.0;
 
-/// Half a unit in the last place of 1 in double precision.
+/// The unit roundoff of double precision.
 const EPSILON: f64 = f64::EPSILON / 2.0;
 
-/// A ray made ready for boxes. Distances along it are measured in advances of its major axis, from its
-/// start: its origin or, where that is far away, a place next to the scene, so that single precision is
-/// that of the scene's size and not of the distance.
+/// A ray prepared for boxes. Distances are measured in advances of its major axis from its start: the origin or,
+/// where that is far away, a point next to the scene, so that rounding is relative to the scene's size and not to the
+/// distance.
 pub(super) struct SlabRay {
     /// No more than the start, by axis.
     low: [f32; 3],
     /// No less than the start, by axis.
     high: [f32; 3],
-    /// Advance of the major axis by advance of the axis.
+    /// Advance of the major axis per advance of the axis.
     inverse: [f32; 3],
     /// Where the ray's range begins, rounded down.
     begin: f32,
     /// From the origin to the start.
     skipped: f64,
-    /// The major axis's advance by the ray's parameter.
+    /// Advance of the major axis per unit of the ray's parameter.
     advance: f64,
 }
 
@@ -52,15 +52,15 @@ impl SlabRay {
             away.max_element()
         };
         let skipped = if reach_from(ray.origin) > FAR * (max - min).max_element() {
-            // To the middle of the scene, or as near as the ray comes to it. Any place would do.
+            // To the centre of the scene, or as near as the ray comes to it. Any point would do.
             let way = ((min + max) * 0.5 - ray.origin).dot(direction) / direction.length_squared();
             if way.is_finite() { way } else { 0.0 }
         } else {
             0.0
         };
         let start = ray.origin + direction * skipped;
-        // The direction is rounded to 2^-53 of itself, its components are at most 1, and so are the
-        // product and the sum: 2ε · |skipped| and ε · (|origin| + |skipped|).
+        // The direction is rounded to 2^-53 of itself, its components are at most 1, and the product and the sum
+        // are rounded: 2ε · |skipped| and ε · (|origin| + |skipped|), below 4ε of the sum.
         let start_error = if skipped == 0.0 {
             0.0
         } else {
@@ -73,10 +73,9 @@ impl SlabRay {
         let mut inverse = [0.0; 3];
         for axis in 0..3 {
             let slope = direction[axis];
-            // Along its way through the scene a nearly parallel ray moves by less than
-            // reach · PARALLEL across the slab. Widening the slab sixteen times that, and looking
-            // at it through a great factor, lets it through wherever it might touch: no infinity,
-            // and no zero times one.
+            // On its way through the scene a nearly parallel ray moves by less than reach · PARALLEL across the slab.
+            // The slab is widened by sixteen times that, and a great factor in place of the infinite reciprocal keeps
+            // 0 · ∞ away.
             let (pad, factor) = if slope.abs() < PARALLEL {
                 (reach * PARALLEL * 16.0, (1u64 << 60) as f64)
             } else {
@@ -101,7 +100,7 @@ impl SlabRay {
         }
     }
 
-    /// How far along the ray a hit at `t`, give or take `t_error`, can be: never less.
+    /// Upper bound of how far along the ray a hit at `t` ± `t_error` is.
     pub(super) fn limit(&self, t: f64, t_error: f64) -> f32 {
         let limit = (t + t_error) * self.advance;
         let rounding = 4.0 * EPSILON * self.skipped.abs();
@@ -116,8 +115,8 @@ impl SlabRay {
         let mut far = [f32::INFINITY; 2];
         for axis in 0..3 {
             for child in 0..2 {
-                // Against the higher origin the lower face is never too far, and against the lower
-                // origin the higher face is never too near, whichever way the ray runs.
+                // Against the higher origin the lower face is never too far, and against the lower origin the higher
+                // face is never too near, whichever way the ray runs.
                 let a = (boxes.min[axis][child] - self.high[axis]) * self.inverse[axis];
                 let b = (boxes.max[axis][child] - self.low[axis]) * self.inverse[axis];
                 near[child] = max(near[child], min(a, b));
@@ -131,7 +130,7 @@ impl SlabRay {
     }
 }
 
-// `f32::min` also sorts out NaN, which cannot come up here, at the cost of two more instructions.
+// `f32::min` also handles NaN, which cannot occur here, at the cost of two more instructions.
 #[inline(always)]
 fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
@@ -142,7 +141,7 @@ fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// The greatest single not above `x`.
+/// The greatest f32 not above `x`.
 fn round_down(x: f64) -> f32 {
     let nearest = x as f32;
     if f64::from(nearest) > x {
@@ -152,7 +151,7 @@ fn round_down(x: f64) -> f32 {
     }
 }
 
-/// The least single not below `x`.
+/// The least f32 not below `x`.
 fn round_up(x: f64) -> f32 {
     let nearest = x as f32;
     if f64::from(nearest) < x {

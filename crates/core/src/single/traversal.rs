@@ -1,11 +1,11 @@
-//! One ray through the tree.
+//! Traversal of one ray.
 
 use super::slab::SlabRay;
 use crate::bvh::Accel;
 use crate::bvh::tree::{DEPTH_LIMIT, Subtree};
 use crate::triangle::{Nearest, PreparedRay};
 
-/// The nearest hit: children from near to far, those beyond the nearest hit so far left out.
+/// The closest hit. Children are visited near to far; those beyond the nearest hit so far are skipped.
 pub(crate) fn nearest(accel: &Accel, ray: &PreparedRay) -> Nearest {
     let mut nearest = Nearest::NONE;
     let tree = &accel.tree;

@@ -1,30 +1,31 @@
-//! A ray's determinants with a triangle in double precision, each with a bound of its own: what the
-//! bounds of [`Edges`](super::watertight::Edges), which go by a triangle's largest coordinate, leave open.
+//! Determinants of a ray and a triangle in double precision, each with its own error bound. They decide most of
+//! what the bounds of [`Edges`](super::watertight::Edges), which go by the triangle's greatest coordinate, leave
+//! undecided.
 //!
-//! The bound is a share of the determinant's permanent, the sum of its terms' magnitudes (Shewchuk,
-//! "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997), so that
-//! it is as small as the terms are: coordinates of very different sizes do not spoil one another, and
-//! where all terms are zero the determinant surely is.
+//! The bound is relative to the determinant's permanent, the sum of its terms' magnitudes (Shewchuk, "Adaptive
+//! Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997): it is as small as the terms
+//! are. Coordinates of very different sizes do not spoil one another, and where all terms are zero the
+//! determinant surely is.
 //!
 //! # Error bounds
-//! ε = 2⁻⁵³. A corner's coordinate x relative to the ray's origin, as rounded, is off by ε|x| + η at most,
-//! η the error of that origin: with x' = |x| + η/ε by εx'. A product of two is off by (2ε + ε²)·x'y',
-//! and rounded; so is the difference of two such, the product with the third factor, and two sums: 7ε
-//! times the permanent of the x' in first order, 8ε if the third factor is a coordinate too. One more,
-//! for the higher orders and the permanent's own rounding: 8ε, or 9ε.
+//! ε = 2⁻⁵³. A corner's coordinate x relative to the ray's origin is off by ε|x| + η, η the error of that origin:
+//! by εx' with x' = |x| + η/ε. A product of two is off by (2ε + ε²)·x'y' and rounded; so are the difference of two
+//! such, the product with the third factor, and two sums: 7ε times the permanent of the x' to first order, 8ε if
+//! the third factor is a coordinate too. One more ε covers the higher orders and the permanent's own rounding:
+//! 8ε, or 9ε.
 //!
-//! No term leaves the range of doubles as long as its factors are zero or within 2^±300.
+//! No term leaves double precision's range while its factors are zero or within 2^±300.
 
 use glam::{BVec3, DVec3, Vec3Swizzles};
 
-/// ε.
+/// The unit roundoff of double precision.
 const EPSILON: f64 = f64::EPSILON / 2.0;
 
-/// The least and greatest magnitude of a factor that is not zero.
+/// The least and greatest magnitude of a factor other than zero.
 const RANGE: (f64, f64) = (1.0 / POWER_300, POWER_300);
 const POWER_300: f64 = f64::from_bits((1023 + 300) << 52);
 
-/// A determinant: at most `error` from `value`, and zero if that is.
+/// A determinant: within `error` of `value`, and zero if `error` is.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Determinant {
     pub(super) value: f64,
@@ -32,7 +33,7 @@ pub(super) struct Determinant {
 }
 
 impl Determinant {
-    /// u·(b×c). `error` is the share of the permanent that it may be off by.
+    /// u·(b×c). `error` is its bound relative to the permanent.
     #[inline(always)]
     fn new(u: Factor, b: Factor, c: Factor, error: f64) -> Self {
         let products = |b: DVec3, c: DVec3| (b.yzx() * c.zxy(), b.zxy() * c.yzx());
@@ -46,7 +47,7 @@ impl Determinant {
         }
     }
 
-    /// −1, 0 or 1; `None` where that cannot be told.
+    /// −1, 0 or 1; `None` where it is undecided.
     #[inline(always)]
     pub(super) fn signum(self) -> Option<i32> {
         if self.value > self.error {
@@ -59,7 +60,7 @@ impl Determinant {
     }
 }
 
-/// A vector, and magnitudes that its components are off by ε of at most.
+/// A vector, and for each component x the x' of which it is off by ε.
 #[derive(Clone, Copy)]
 struct Factor {
     value: DVec3,
@@ -78,7 +79,7 @@ impl Factor {
         Self::new(value, 0.0)
     }
 
-    /// Which components keep products of three in range. One that is not a number does not.
+    /// Components of which products of three stay in range. NaN does not.
     fn in_range(self) -> BVec3 {
         let (least, most) = RANGE;
         let within = self.size.cmpge(DVec3::splat(least)) & self.size.cmple(DVec3::splat(most));
@@ -86,18 +87,18 @@ impl Factor {
     }
 }
 
-/// The determinants that say whether and where a ray meets a triangle.
+/// The determinants that decide whether and where a ray hits a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Determinants {
     /// d·(B×C), d·(C×A) and d·(A×B).
     pub(super) weights: [Determinant; 3],
-    /// A·(B×C): over the weights' sum, the ray's parameter.
+    /// A·(B×C): divided by the weights' sum it is the ray's parameter.
     pub(super) numerator: Determinant,
 }
 
 impl Determinants {
-    /// Of a ray's direction and a triangle's corners relative to its origin, which is off by `off` · ε at
-    /// most. `None` where numbers are too large or too small.
+    /// For a ray's direction and a triangle's corners relative to its origin, which is off by at most
+    /// `off` · ε. `None` where numbers are too large or too small.
     pub(super) fn new(direction: DVec3, corners: [DVec3; 3], off: f64) -> Option<Self> {
         let d = Factor::exact(direction);
         let [a, b, c] = corners.map(|corner| Factor::new(corner, off));
@@ -114,8 +115,8 @@ fn numerator([a, b, c]: [Factor; 3]) -> Determinant {
     Determinant::new(a, b, c, 9.0 * EPSILON)
 }
 
-/// Whether the plane of a triangle surely misses an eye, that corners are relative to and that is off
-/// by `off` · ε at most; `None` where that cannot be told.
+/// Whether the plane of a triangle surely misses the eye. Corners are relative to the eye, which is off by
+/// at most `off` · ε. `None` where it is undecided.
 pub(super) fn plane_misses(corners: [DVec3; 3], off: f64) -> Option<bool> {
     let corners = corners.map(|corner| Factor::new(corner, off));
     let in_range = corners.iter().all(|corner| corner.in_range().all());
@@ -125,11 +126,9 @@ pub(super) fn plane_misses(corners: [DVec3; 3], off: f64) -> Option<bool> {
     sign.map(|sign| sign != 0)
 }
 
-/// Whether the plane of a triangle is surely not parallel to a direction; `None` where that cannot be
-/// told.
+/// Whether the plane of a triangle is surely not parallel to a direction; `None` where it is undecided.
 ///
-/// Corners are exact, and their differences within ε of themselves: d·((b−a)×(c−a)) is off as a weight
-/// is.
+/// Corners are exact, and their differences within ε of themselves: d·((b−a)×(c−a)) is off as a weight is.
 pub(super) fn plane_crosses(direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<bool> {
     let factors = [direction, b - a, c - a].map(Factor::exact);
     let in_range = factors.iter().all(|factor| factor.in_range().all());

@@ -1,4 +1,4 @@
-//! Triangles that a camera sees exactly from their edges: decided once for all its rays.
+//! Triangles exactly edge-on to a camera: decided once for all its rays.
 
 use super::componentwise::{plane_crosses, plane_misses};
 use super::exact::{Placed, plane_holds, plane_is_along};
@@ -6,31 +6,31 @@ use crate::camera::{Camera, Projection};
 use crate::hit::MISS;
 use glam::{DVec3, Vec3};
 
-/// How many answers are kept: of so many triangles those whose slots do not share a place.
+/// How many answers are cached, in 2 kB, by the low bits of the primitive index: triangles that share those
+/// evict one another, and are decided again.
 const KEPT: usize = 256;
 
 /// What all rays of a camera share.
 #[derive(Clone, Copy, Debug)]
 enum Shared {
-    /// Where they begin.
+    /// Their origin.
     Eye(DVec3),
-    /// Which way they run.
+    /// Their direction.
     Direction(DVec3),
 }
 
-/// Tells triangles that no ray of a camera meets, since all begin in their plane, or run along it.
+/// Decides which triangles no ray of a camera hits because all rays begin in their plane, or run along it.
 ///
-/// Every hit of a ray from an eye has the parameter det(A, B, C) / (d·n), with A, B and C the corners
-/// relative to it. Where its plane holds the eye the determinant is zero, the same for every direction:
-/// all hits are at t = 0, and a camera's rays begin behind that. Where rays share a direction d and
-/// d·n is zero, the sum of their three weights is zero: they are of both signs or all zero, and there
-/// is no hit.
+/// Every hit of a ray from an eye has the parameter det(A, B, C) / (d·n), with A, B, C the corners relative to
+/// the eye. Where the plane holds the eye the determinant is zero for every direction: all hits are at t = 0, and a
+/// camera's rays begin behind that. Where rays share a direction d and d·n is zero, the sum of the three weights is
+/// zero: they have both signs or are all zero, and there is no hit.
 #[derive(Debug)]
 pub(crate) struct EdgeOn {
     shared: Shared,
     /// What corners are relative to.
     frame: DVec3,
-    /// Slots, and what was decided about them, each in the place of its lowest digits.
+    /// Primitive indices and what was decided about them.
     decided: [(u32, bool); KEPT],
 }
 
@@ -47,7 +47,7 @@ impl EdgeOn {
         }
     }
 
-    /// Whether no ray meets the triangle in `slot` for that reason.
+    /// Whether no ray hits the triangle for that reason.
     #[inline(never)]
     pub(crate) fn is(&mut self, slot: u32, corners: [Vec3; 3]) -> bool {
         let at = slot as usize % KEPT;
@@ -62,7 +62,7 @@ impl EdgeOn {
         match self.shared {
             Shared::Eye(eye) => {
                 let rounded = eye - self.frame;
-                // In units of 2⁻⁵³; nothing is rounded where nothing is subtracted.
+                // In units of ε; nothing is rounded where nothing is subtracted.
                 let off = if self.frame == DVec3::ZERO {
                     0.0
                 } else {
@@ -94,7 +94,7 @@ mod tests {
         Camera::new(Placement { eye, target, up }, projection, plane)
     }
 
-    /// Triangles with the eye in a corner, on an edge, in the plane aside, and next to it.
+    /// Triangles with the eye at a corner, on an edge, in the plane beside, and next to it.
     #[test]
     fn planes_through_the_eye_are_told_exactly() {
         let eye = DVec3::new(0.75, -2.5, 3.0);
@@ -117,7 +117,7 @@ mod tests {
                     let expected = at < 3 && !next;
                     assert_eq!(edge_on.is(7, corners), expected, "{at} {next} {frame}");
                     assert_eq!(edge_on.is(7, corners), expected);
-                    // Another slot in its place.
+                    // Another triangle in the same place of the cache.
                     let other = [Vec3::X * 50.0, Vec3::Y * 50.0, Vec3::Z * 50.0];
                     assert!(!edge_on.is(7 + KEPT as u32, other));
                     assert_eq!(edge_on.is(7, corners), expected);

@@ -10,7 +10,7 @@ use crate::ray::Ray;
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
 
-/// Three corners in single precision relative to a point.
+/// Three corners in single precision, relative to a point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placed {
     pub(crate) corners: [Vec3; 3],
@@ -31,8 +31,8 @@ impl Placed {
     }
 }
 
-/// Where `ray` meets a triangle, rounded: parameter and weights within a unit in the last place.
-/// `None` where it does not, or not within its range.
+/// Where `ray` hits a triangle, rounded: parameter and weights within a unit in the last place. `None` where it
+/// misses, or hits outside its range.
 pub(crate) fn hit(ray: &Ray, placed: &Placed, cull: Cull, slot: u32) -> Option<Nearest> {
     fn of<I: Integer>(
         ray: &Ray,
@@ -51,7 +51,7 @@ pub(crate) fn hit(ray: &Ray, placed: &Placed, cull: Cull, slot: u32) -> Option<N
     )
 }
 
-/// Which of two triangles `ray` meets first, `None` where it does not meet both.
+/// Which of two triangles `ray` hits first; `None` where it does not hit both.
 pub(crate) fn compare(ray: &Ray, a: &Placed, b: &Placed, cull: Cull) -> Option<Ordering> {
     fn of<I: Integer>(
         ray: &Ray,
@@ -77,10 +77,10 @@ fn scales(ray: &Ray, all: &[&Placed]) -> (Scale, Scale) {
     (Scale::of(lengths), Scale::of_vectors([&ray.direction]))
 }
 
-/// Whether the plane of a triangle holds `eye`: det(A, B, C) is zero, the corners taken from there.
+/// Whether the plane of a triangle holds `eye`: det(A, B, C) is zero, with corners relative to the eye.
 ///
-/// It is the numerator of every hit's parameter (see [`ExactHit`]): rays from there meet such a triangle
-/// at t = 0 or, where their three weights are zero, nowhere.
+/// It is the numerator of every hit's parameter (see [`ExactHit`]): rays from there hit such a triangle at t = 0
+/// or, where their three weights are zero, not at all.
 pub(crate) fn plane_holds(eye: DVec3, placed: &Placed) -> bool {
     fn of<I: Integer>(eye: DVec3, placed: &Placed, lengths: Scale) -> bool {
         let [a, b, c] = placed.relative_to::<I>(eye, lengths);
@@ -91,8 +91,8 @@ pub(crate) fn plane_holds(eye: DVec3, placed: &Placed) -> bool {
     sized!(lengths, none, of(eye, placed, lengths))
 }
 
-/// Whether the plane of a triangle is parallel to `direction`: the sum of the three weights of every
-/// such ray is zero, so that they are of both signs or all zero, and it meets the triangle nowhere.
+/// Whether the plane of a triangle is parallel to `direction`: the three weights of every such ray sum to zero, so
+/// they have both signs or are all zero, and no such ray hits the triangle.
 pub(crate) fn plane_is_along(direction: DVec3, corners: [Vec3; 3]) -> bool {
     fn of<I: Integer>(
         direction: DVec3,
@@ -112,23 +112,23 @@ pub(crate) fn plane_is_along(direction: DVec3, corners: [Vec3; 3]) -> bool {
     )
 }
 
-/// A hit known exactly: its parameter is `numerator / denominator · 2^exponent`.
+/// An exact hit: its parameter is `numerator / denominator · 2^exponent`.
 #[derive(Clone, Debug)]
 struct ExactHit<I> {
     numerator: I,
-    /// Not zero, and of any sign, as the numerator.
+    /// Not zero; either sign, as the numerator.
     denominator: I,
     exponent: i32,
-    /// The numerators of the second and third corner's weights, with the same denominator.
+    /// Numerators of the second and third corner's weights, over the same denominator.
     weights: [I; 2],
 }
 
 impl<I: Integer> ExactHit<I> {
-    /// Where `ray` meets a triangle; `None` where it does not, or not within its range.
+    /// Where `ray` hits a triangle; `None` where it misses, or hits outside its range.
     ///
-    /// With A, B, C the corners relative to the ray's origin and d its direction, the point lies
-    /// inside where d·(B×C), d·(C×A) and d·(A×B) are all ≥ 0 or all ≤ 0, and not all zero. Their
-    /// sum is d·n, with n = (B−A)×(C−A), and the parameter A·(B×C) / (d·n).
+    /// With A, B, C the corners relative to the ray's origin and d its direction, the point is inside where d·(B×C),
+    /// d·(C×A) and d·(A×B) are all ≥ 0 or all ≤ 0, and not all zero. Their sum is d·n, with n = (B−A)×(C−A), and the
+    /// parameter is A·(B×C) / (d·n).
     fn new(
         ray: &Ray,
         placed: &Placed,
@@ -149,7 +149,7 @@ impl<I: Integer> ExactHit<I> {
         let signs = [first.sign(), second.sign(), third.sign()];
         let is_inside = signs.contains(&Ordering::Greater) != signs.contains(&Ordering::Less);
         let denominator = first.plus(&second).plus(&third);
-        // A front turns its normal against the ray.
+        // A front face turns its normal against the ray.
         let is_culled = cull == Cull::Back && denominator.sign() != Ordering::Less;
         if !is_inside || is_culled {
             return None;
@@ -181,7 +181,7 @@ impl<I: Integer> ExactHit<I> {
         }
     }
 
-    /// The parameter against a finite number.
+    /// Compares the parameter with a finite number.
     fn compare_to(&self, t: f64) -> Ordering {
         let (mantissa, exponent) = decompose(t);
         let order = compare_scaled(
@@ -204,7 +204,7 @@ impl<I: Integer> ExactHit<I> {
             .weights
             .each_ref()
             .map(|weight| ratio(weight, &self.denominator, 0));
-        // Twice what `ratio` may be off by, and more.
+        // More than twice the error of `ratio`.
         Nearest {
             slot,
             t,
@@ -258,8 +258,7 @@ mod tests {
         assert_eq!(order(&aside, &here), None);
     }
 
-    /// The same decisions whatever kind of integer makes them: from what fits the shortest to what only
-    /// fits the longest.
+    /// Every kind of integer makes the same decisions, from what fits the shortest to what only fits the longest.
     #[test]
     fn every_length_decides_the_same() {
         let mut random = Random(5);

@@ -1,7 +1,8 @@
-//! Where eight rays of a row meet the triangles that they are known to meet, in doubles side by side.
+//! Interpolates t, u and v where eight rays of a row hit the triangles that they are known to hit, in double
+//! precision, side by side.
 //!
-//! Each lane does what [`PreparedRay`](super::PreparedRay) does for one ray, operation by operation,
-//! so that the bits are the same.
+//! Each lane does what [`PreparedRay`](super::PreparedRay) does for one ray, operation by operation: the bits are
+//! the same.
 
 use super::watertight::{Edges, axes, greater, major_axis};
 use crate::camera::{Camera, Projection};
@@ -10,7 +11,7 @@ use glam::DVec3;
 /// Rays side by side.
 pub(crate) const LANES: usize = 8;
 
-/// Eight triangles' corners: coordinates side by side.
+/// Corners of eight triangles in structure-of-arrays order.
 pub(crate) type Corners = [[f32; LANES]; 9];
 
 /// Eight hits.
@@ -18,11 +19,11 @@ pub(crate) struct RowHits {
     pub(crate) t: [f32; LANES],
     pub(crate) u: [f32; LANES],
     pub(crate) v: [f32; LANES],
-    /// Whether the lane is sure; one that is not must be asked for alone.
+    /// Whether the lane is sure; one that is not must be interpolated alone.
     pub(crate) sure: [bool; LANES],
 }
 
-/// Meets each ray with the triangle in its lane. The rays go through (x + lane · stride, y) of the
+/// Interpolates each ray's hit of the triangle in its lane. Ray `lane` goes through (x + lane · stride, y) of the
 /// picture; corners are relative to `frame`.
 #[inline(always)]
 pub(crate) fn meet_row(
@@ -33,7 +34,7 @@ pub(crate) fn meet_row(
     corners: &Corners,
 ) -> RowHits {
     let DVec3 { x, y, z } = camera.direction(place.0, place.1);
-    // Rays this near each other nearly always share their major axis; those that do not say so.
+    // Neighbouring rays nearly always share their major axis; a lane that does not is not sure.
     match (major_axis(x, y, z), camera.projection()) {
         (0, Projection::Perspective) => meet::<0, true>(camera, frame, place, stride, corners),
         (1, Projection::Perspective) => meet::<1, true>(camera, frame, place, stride, corners),
@@ -44,7 +45,7 @@ pub(crate) fn meet_row(
     }
 }
 
-/// One loop of plain numbers, which compilers lay side by side.
+/// One loop over plain numbers, which compilers vectorise.
 #[inline(always)]
 #[allow(
     clippy::needless_range_loop,
@@ -109,8 +110,7 @@ fn meet<const MAJOR: usize, const PERSPECTIVE: bool>(
             origin_error,
         );
         let [t, u, v] = edges.weights(advance);
-        // A camera's rays begin behind zero and have no end; what is off by far less than itself has
-        // its own sign.
+        // A camera's rays begin behind zero and have no end. What is off by far less than itself has its own sign.
         hits.sure[lane] = same_major & edges.surely_inside() & edges.surely_single() & (t > 0.0);
         hits.t[lane] = t as f32;
         hits.u[lane] = u as f32;

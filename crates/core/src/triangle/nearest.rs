@@ -1,13 +1,13 @@
 use crate::hit::{MISS, SlotHit};
 
-/// The nearest hit so far, with a bound on its parameter's error.
+/// The nearest hit so far, with a bound on the error of its parameter.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearest {
-    /// The triangle's slot, or [`MISS`].
+    /// The triangle's primitive index, or [`MISS`].
     pub(crate) slot: u32,
     /// The ray's parameter; infinity at a miss.
     pub(crate) t: f64,
-    /// How far it may be off.
+    /// Bound on its error.
     pub(crate) t_error: f64,
     /// Weight of the second corner.
     pub(crate) u: f64,
@@ -16,7 +16,7 @@ pub(crate) struct Nearest {
 }
 
 impl Nearest {
-    /// Nothing met yet.
+    /// No hit yet.
     pub(crate) const NONE: Self = Self {
         slot: MISS,
         t: f64::INFINITY,
@@ -29,9 +29,9 @@ impl Nearest {
         self.slot == MISS
     }
 
-    /// Whether the errors leave no doubt that this hit is the nearer one.
+    /// Whether this hit is surely the nearer one.
     pub(crate) fn is_surely_before(&self, other: &Self) -> bool {
-        // The sums round too, by less than either bound's own slack of a few per cent.
+        // The sums round by less than the slack of a few per cent in either bound.
         self.t + self.t_error < other.t - other.t_error
     }
 

@@ -1,12 +1,11 @@
-//! One ray against one triangle: rounded arithmetic where it is sure, exact where it is not.
+//! One ray and one triangle: rounded arithmetic where it is sure, exact arithmetic where it is not.
 //!
-//! The ray is sheared so that it becomes the axis along which its direction is longest; inside or
-//! outside is then three signs in two dimensions (Woop, Benthin, Wald, "Watertight Ray/Triangle
-//! Intersection", JCGT 2013). Theirs are exact for the sheared, rounded vertices; these are exact for
-//! the vertices and the ray as given: each sign and each order of depth comes with a bound on its
-//! error. What the bound leaves open is judged by determinants with bounds of their own
-//! ([`componentwise`](super::componentwise)), and what those leave open goes to [`exact`] (after
-//! Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997).
+//! The ray is sheared onto the axis along which its direction is longest; inside or outside is then three signs in
+//! two dimensions (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2013). Theirs are exact for the
+//! sheared, rounded vertices; these are exact for the vertices and the ray as given, since each sign and each order
+//! of depth has an error bound. What the bound leaves undecided goes to determinants with bounds of their own
+//! ([`componentwise`](super::componentwise)), and what those leave to [`exact`] (Shewchuk, "Adaptive Precision
+//! Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997).
 
 use super::Nearest;
 use super::componentwise::{Determinant, Determinants};
@@ -17,13 +16,13 @@ use glam::{DVec3, Vec3};
 use std::cell::Cell;
 use std::cmp::Ordering;
 
-/// Half a unit in the last place of 1: the relative error of one rounded operation.
+/// The unit roundoff of double precision.
 const EPSILON: f64 = f64::EPSILON / 2.0;
 
-/// The share of the weights' sum that a weight may be off by, to be good to single precision.
+/// The relative error of a weight that is still good to single precision, in units of the weights' sum.
 const WELL_CONDITIONED: f64 = 1.0 / (1u64 << 28) as f64;
 
-/// A ray made ready for many triangles.
+/// A ray prepared for many triangles.
 #[derive(Clone, Debug)]
 pub(crate) struct PreparedRay {
     /// The ray as given, in world space.
@@ -32,7 +31,7 @@ pub(crate) struct PreparedRay {
     frame: DVec3,
     /// The ray's origin relative to that, rounded.
     pub(crate) origin: DVec3,
-    /// How far each of its coordinates may be off.
+    /// Bound on the error of its coordinates.
     pub(crate) origin_error: f64,
     /// The axis along which the direction is longest.
     pub(crate) major: usize,
@@ -40,25 +39,24 @@ pub(crate) struct PreparedRay {
     shear: [f64; 2],
     /// The direction along the major axis.
     pub(crate) advance: f64,
-    /// Whether back faces are left out.
+    /// Whether back faces are culled.
     cull: Cull,
-    /// Whether what doubles leave open is decided exactly, or by their rounded values.
+    /// Whether what double precision leaves undecided is decided exactly, or by the rounded values.
     precision: Precision,
-    /// Whether anything so far had to be decided exactly.
+    /// Whether any triangle so far was decided exactly.
     was_exact: Cell<bool>,
 }
 
-/// What one triangle says to one ray.
+/// The answer of one triangle to one ray.
 enum Verdict {
     Miss,
     Hit(Nearest),
-    /// Too close to call in doubles.
+    /// Undecided in double precision.
     Open,
 }
 
 impl PreparedRay {
-    /// Prepares a ray for triangles whose corners are relative to `frame`. `None` if the ray is not
-    /// valid.
+    /// Prepares a ray for triangles whose corners are relative to `frame`. `None` if the ray is not valid.
     pub(crate) fn new(ray: &Ray, frame: DVec3, cull: Cull, precision: Precision) -> Option<Self> {
         if !ray.is_valid() {
             return None;
@@ -91,13 +89,13 @@ impl PreparedRay {
         })
     }
 
-    /// Whether doubles were not enough for the triangles met so far.
+    /// Whether some triangle tested so far was decided exactly.
     pub(crate) fn was_exact(&self) -> bool {
         self.was_exact.get()
     }
 
-    /// Meets the triangle in `slot` if it is nearer than `nearest`, or as near with a lower
-    /// number; `number` tells a slot's.
+    /// Tests the triangle with primitive index `slot`, and keeps it if it is nearer than `nearest`, or as near
+    /// with a lower primitive id; `number` gives the id of an index.
     pub(crate) fn meet(
         &self,
         slot: u32,
@@ -125,7 +123,7 @@ impl PreparedRay {
         }
     }
 
-    /// The hit at a triangle that doubles leave open, if there is one.
+    /// The hit at a triangle that [`PreparedRay::judge`] leaves undecided, if there is one.
     fn settle(&self, slot: u32, corners: [Vec3; 3]) -> Option<Nearest> {
         match self.precision {
             Precision::Exact => match self.judge_closely(slot, corners) {
@@ -140,7 +138,7 @@ impl PreparedRay {
         }
     }
 
-    /// Decides by componentwise bounds, or leaves open what they cannot.
+    /// Decides by componentwise bounds, or leaves undecided.
     fn judge_closely(&self, slot: u32, corners: [Vec3; 3]) -> Verdict {
         let relative = corners.map(|corner| corner.as_dvec3() - self.origin);
         let off = self.origin_error / EPSILON;
@@ -161,16 +159,16 @@ impl PreparedRay {
         if is_culled || !(is_any(1) || is_any(-1)) {
             return Verdict::Miss;
         }
-        // All weights have one sign, or none: neither their sum nor its bound cancels, and three terms'
-        // rounding takes less than a share of 3ε.
+        // All weights have one sign, or are zero: neither their sum nor its bound cancels, and rounding three terms
+        // takes less than 3ε of it.
         let [a, b, c] = weights;
         let sum = a.value + b.value + c.value;
         let sum_error = (a.error + b.error + c.error) * 1.001 + 3.0 * EPSILON * sum.abs();
         if !(sum_error <= WELL_CONDITIONED * sum.abs()) {
             return Verdict::Open;
         }
-        // (N ± n) / (S ± s) is off by n/|S| + |t|·s/|S| and the quotient's rounding; second orders, and
-        // the bound's own rounding, are far below a thousandth of it.
+        // (N ± n) / (S ± s) is off by n/|S| + |t|·s/|S| and the quotient's rounding; second orders, and the
+        // bound's own rounding, are far below a thousandth of it.
         let t = numerator.value / sum;
         let t_error =
             1.001 * (numerator.error + t.abs() * sum_error) / sum.abs() + 2.0 * EPSILON * t.abs();
@@ -183,8 +181,8 @@ impl PreparedRay {
         self.within_range(slot, point)
     }
 
-    /// A hit at a point that is surely inside of a triangle, if it is surely in the ray's range and good
-    /// to single precision.
+    /// A hit at a point surely inside a triangle, if it is surely in the ray's range and good to single
+    /// precision.
     fn within_range(&self, slot: u32, point: Point) -> Verdict {
         let Point { t, t_error, u, v } = point;
         let Ray { t_min, t_max, .. } = self.ray;
@@ -211,7 +209,7 @@ impl PreparedRay {
         }
     }
 
-    /// Which of two hits is nearer, where their errors leave a doubt.
+    /// Which of two hits is nearer, where their errors overlap.
     fn compare(
         &self,
         candidate: &Nearest,
@@ -237,11 +235,11 @@ impl PreparedRay {
         }
         self.was_exact.set(true);
         let [candidate, nearest] = [candidate, nearest].map(|hit| self.placed(corners(hit.slot)));
-        // Both were decided to be hits, so both are.
+        // Both were decided to be hits.
         exact::compare(&self.ray, &candidate, &nearest, self.cull).unwrap_or(Ordering::Greater)
     }
 
-    /// The hit at a triangle that the ray is known to meet.
+    /// The hit at a triangle that the ray is known to hit.
     pub(crate) fn evaluate(&self, slot: u32, corners: [Vec3; 3]) -> Nearest {
         match self.judge(slot, corners) {
             Verdict::Hit(hit) => hit,
@@ -256,14 +254,13 @@ impl PreparedRay {
         Edges::new(x, y, z, self.shear, self.origin_error)
     }
 
-    /// Whether a triangle with these edge functions shows its back: it is seen along the major
-    /// axis, so its turning sense is the sign of the determinant, against the way that the ray runs
-    /// along the axis.
+    /// Whether a triangle with these edge functions shows its back. It is seen along the major axis, so its
+    /// orientation is the sign of the determinant, against the sense in which the ray runs along the axis.
     fn is_culled(&self, edges: &Edges) -> bool {
         self.cull == Cull::Back && (edges.determinant > 0.0) != (self.advance > 0.0)
     }
 
-    /// What doubles make of a triangle if their rounding is taken at its word.
+    /// What rounded double precision makes of a triangle, bounds aside.
     fn guess(&self, slot: u32, corners: [Vec3; 3]) -> Option<Nearest> {
         let edges = self.edges(corners);
         let inside =
@@ -281,7 +278,7 @@ impl PreparedRay {
         })
     }
 
-    /// Decides in doubles, or leaves open what they cannot.
+    /// Decides in double precision, or leaves undecided.
     fn judge(&self, slot: u32, corners: [Vec3; 3]) -> Verdict {
         let edges = self.edges(corners);
         if edges.surely_outside() {
@@ -315,23 +312,21 @@ pub(super) fn major_axis(x: f64, y: f64, z: f64) -> usize {
     }
 }
 
-/// A triangle's edge functions for one ray, in doubles.
+/// A triangle's edge functions for one ray, in double precision.
 ///
-/// Error bounds, with ε = 2⁻⁵³, m the largest coordinate of the corners relative to the ray's
-/// origin, and η the error of that origin:
+/// # Error bounds
+/// ε = 2⁻⁵³ (notation: `docs/error-bounds.md`), m the greatest coordinate of the corners relative to the ray's
+/// origin, η the error of that origin.
 ///
-/// * A corner relative to the origin has an error of at most εm + η a coordinate, a shear factor
-///   of ε (and is at most 1), so their product 3εm + η, and a sheared coordinate, with one more
-///   subtraction of numbers up to m each, 2·εm + 4·εm + 2η. With higher orders:
-///   δ = 8εm + 3η.
-/// * An edge function `cx·by − cy·bx` of coordinates within δ is off by
-///   δ(|cx| + |by| + |cy| + |bx|) + 2δ², and by 2ε(|cx·by| + |cy·bx|) from its own rounding,
-///   which is below half the first term since |cx| ≤ 2m. Summed over all corners:
-///   E = 2δ(Σ|x| + Σ|y| + δ).
-/// * The depth is the mean of the corners' depths z by the edge functions. Errors of E in the
-///   functions move it by at most 3E·(max z − min z)/|D|, D their sum, since it lies between
-///   them; its own rounding, and that of the depths, is below 10εm + η. With higher orders:
-///   4E·(max z − min z)/|D| + 2δ.
+/// * **Sheared corners.** A corner relative to the origin is off by εm + η a coordinate, a shear factor (at most
+///   1) by ε, so their product by 3εm + η, and a sheared coordinate, after one more subtraction of numbers up to m
+///   each, by 2·εm + 4·εm + 2η. With higher orders: δ = 8εm + 3η.
+/// * **Edge functions.** `cx·by − cy·bx` of coordinates within δ is off by δ(|cx| + |by| + |cy| + |bx|) + 2δ², and
+///   by 2ε(|cx·by| + |cy·bx|) from its own rounding, which is below half the first term since |cx| ≤ 2m. Summed over
+///   all corners: E = 2δ(Σ|x| + Σ|y| + δ).
+/// * **Depth.** It is the mean of the corners' depths z weighted by the edge functions. Errors of E move it by at
+///   most 3E·(max z − min z)/|D|, D their sum; its own rounding, and that of the depths, is below 10εm + η. With
+///   higher orders: 4E·(max z − min z)/|D| + 2δ.
 #[derive(Clone, Copy)]
 pub(super) struct Edges {
     functions: [f64; 3],
@@ -341,7 +336,7 @@ pub(super) struct Edges {
     delta: f64,
 }
 
-/// Where a ray meets a triangle, in doubles.
+/// Where a ray hits a triangle, in double precision.
 #[derive(Clone, Copy)]
 pub(super) struct Point {
     pub(super) t: f64,
@@ -351,8 +346,7 @@ pub(super) struct Point {
 }
 
 impl Edges {
-    /// `x`, `y` and `z` are the corners' coordinates relative to the ray's origin, z along its major
-    /// axis.
+    /// `x`, `y` and `z` are the corners' coordinates relative to the ray's origin, z along its major axis.
     #[inline(always)]
     pub(super) fn new(
         x: [f64; 3],
@@ -388,7 +382,7 @@ impl Edges {
         }
     }
 
-    /// Whether two functions have different signs beyond doubt.
+    /// Whether two functions surely have different signs.
     #[inline(always)]
     fn surely_outside(&self) -> bool {
         let [u, v, w] = self.functions;
@@ -397,8 +391,7 @@ impl Edges {
         below & above
     }
 
-    /// Whether all functions have one sign beyond doubt, and the weights are good to single
-    /// precision.
+    /// Whether all functions surely have one sign, and the weights are good to single precision.
     #[inline(always)]
     pub(super) fn surely_inside(&self) -> bool {
         let [u, v, w] = self.functions;
@@ -408,7 +401,7 @@ impl Edges {
         (above | below) & well_conditioned
     }
 
-    /// Where the ray meets the triangle that it is surely inside of.
+    /// Where the ray hits the triangle that it is surely inside of.
     #[inline(always)]
     pub(super) fn point(&self, advance: f64) -> Point {
         let [t, u, v] = self.weights(advance);
@@ -430,9 +423,8 @@ impl Edges {
         [depth / advance, v / self.determinant, w / self.determinant]
     }
 
-    /// Whether the parameter is surely good to single precision: [`Point::is_single`] multiplied by
-    /// the determinant, which spares two divisions, and with a limit half as high, which makes room
-    /// for the few roundings of each side.
+    /// Whether the parameter is surely good to single precision: [`Point::is_single`] multiplied by the
+    /// determinant, which saves two divisions, with half the limit to cover the roundings of each side.
     #[inline(always)]
     pub(super) fn surely_single(&self) -> bool {
         let error = 4.0 * self.error * self.span() + 2.0 * self.delta * self.determinant.abs();
@@ -446,7 +438,7 @@ impl Edges {
         u * z[0] + v * z[1] + w * z[2]
     }
 
-    /// From the corner nearest along the major axis to the furthest.
+    /// From the nearest corner along the major axis to the furthest.
     #[inline(always)]
     fn span(&self) -> f64 {
         let z = self.depths;
