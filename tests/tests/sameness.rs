@@ -6,7 +6,7 @@ use raycast_core::camera::{Camera, Grid, Orbit, Projection, Ray, Rect};
 use raycast_core::formats::{read_mesh, read_scene};
 use raycast_core::glam::DVec3;
 use raycast_core::image::{Format, Fragment, Picture, stitch};
-use raycast_core::intersect::Cull;
+use raycast_core::intersect::{Cull, Detail};
 use raycast_core::render::{Cancel, Passes, Settings, TileStats, View};
 use raycast_core::scene::{Mesh, Object, Scene, Transform};
 use raycast_core::shade::{Mode, Shading, Wireframe};
@@ -132,7 +132,7 @@ fn strips_of_tiles_equal_tiles() {
         view.settings.layers = true;
         let expected = on_threads(1, || render(&view, Grid::Size(16)));
         view.settings.layers = false;
-        let cast = view.cast(Grid::Size(16));
+        let cast = view.cast(Grid::Size(16), Detail::Triangle);
         for grid in GRIDS {
             for threads in [1, 2, 5] {
                 let told = Mutex::new((0, TileStats::default()));

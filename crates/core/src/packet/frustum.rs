@@ -175,7 +175,7 @@ impl CellFrusta {
 
     /// The cells whose frusta one of two boxes may touch, as bits, row by row.
     #[inline(always)]
-    pub(super) fn dirty(&self, lanes: impl Lanes, boxes: &BoxPair, which: usize) -> u32 {
+    pub(super) fn touched(&self, lanes: impl Lanes, boxes: &BoxPair, which: usize) -> u32 {
         let zero = lanes.splat(0.0);
         let columns = self.columns.values(lanes, boxes, which).lt(zero);
         let rows = self.rows.values(lanes, boxes, which).lt(zero);
@@ -232,23 +232,23 @@ mod tests {
                 let depth = ray.direction.dot(camera.forward());
                 (ray.origin + ray.direction * (6.0 / depth)).as_vec3()
             };
-            let dirty = |min: Vec3, max: Vec3| {
+            let touched = |min: Vec3, max: Vec3| {
                 let one = Box32 { min, max };
-                cells.dirty(Plain, &BoxPair::of([one, one]), 1)
+                cells.touched(Plain, &BoxPair::of([one, one]), 1)
             };
             for y in 0..SIDE {
                 for x in 0..SIDE {
                     let point = at(x as f64, y as f64);
                     let own = 1 << (y / ROW * CELLS + x / ROW);
-                    assert_eq!(dirty(point, point), own, "{x} {y} {projection:?}");
+                    assert_eq!(touched(point, point), own, "{x} {y} {projection:?}");
                 }
             }
             let between = at(7.5, 3.0);
-            assert_eq!(dirty(between, between), 0, "no ray's");
+            assert_eq!(touched(between, between), 0, "no ray's");
             let (a, b) = (at(10.0, 12.0), at(21.0, 20.0));
-            let around = dirty(a.min(b), a.max(b));
+            let around = touched(a.min(b), a.max(b));
             assert_eq!(around & 0x0660, 0x0660, "all between its corners");
-            assert_eq!(dirty(reach.min, reach.max), 0xffff);
+            assert_eq!(touched(reach.min, reach.max), 0xffff);
         }
     }
 }

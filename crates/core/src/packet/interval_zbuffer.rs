@@ -60,9 +60,9 @@ pub(crate) struct IntervalZBuffer {
 /// What came of testing a small triangle.
 pub(crate) enum SmallOutcome {
     /// Some ray hits it first, so far.
-    Met,
+    Merged,
     /// No ray hits the triangle, or all that do have nearer hits.
-    Nobody,
+    Missed,
     /// Not merged: it cannot be decided without set-up.
     Undecided,
 }
@@ -189,7 +189,7 @@ impl IntervalZBuffer {
         })
     }
 
-    /// Tests a small triangle against the few rays of its bounds and merges it, unless some ray leaves
+    /// Tests a small triangle against the rays of its bounds and merges it, unless some ray leaves
     /// undecided whether it is the nearest.
     ///
     /// One ray at a time: vector stores of overlapping rows would stall on store forwarding, since each
@@ -197,18 +197,18 @@ impl IntervalZBuffer {
     #[inline(always)]
     pub(crate) fn test_small(
         &mut self,
-        few: &SmallCoverage,
+        coverage: &SmallCoverage,
         lane: usize,
         rays: &RayBox,
         slot: u32,
     ) -> SmallOutcome {
-        let mut inside = few.inside(lane);
-        if inside != few.perhaps(lane) {
+        let mut inside = coverage.inside(lane);
+        if inside != coverage.perhaps(lane) {
             return SmallOutcome::Undecided;
         }
         let (mut any, mut rivals) = (false, false);
         while inside != 0 {
-            let ([x, y], [near_low, near_high]) = few.ray(lane, inside.trailing_zeros());
+            let ([x, y], [near_low, near_high]) = coverage.ray(lane, inside.trailing_zeros());
             inside &= inside - 1;
             let ray = (first_ray(rays) + y * SIDE + x) % RAYS;
             let (low, high, held) = (
@@ -229,10 +229,10 @@ impl IntervalZBuffer {
             return SmallOutcome::Undecided;
         }
         if !any {
-            return SmallOutcome::Nobody;
+            return SmallOutcome::Missed;
         }
         self.mark_dirty(rays);
-        SmallOutcome::Met
+        SmallOutcome::Merged
     }
 
     /// Removes a provisional triangle that leaves the order with a small triangle undecided. Returns its
@@ -240,14 +240,14 @@ impl IntervalZBuffer {
     #[inline(never)]
     pub(crate) fn evict_rival(
         &mut self,
-        few: &SmallCoverage,
+        coverage: &SmallCoverage,
         lane: usize,
         rays: &RayBox,
     ) -> Option<(u32, RayBox)> {
         let last = SIDE as i32 - 1;
-        let mut perhaps = few.perhaps(lane);
+        let mut perhaps = coverage.perhaps(lane);
         while perhaps != 0 {
-            let ([x, y], [near_low, near_high]) = few.ray(lane, perhaps.trailing_zeros());
+            let ([x, y], [near_low, near_high]) = coverage.ray(lane, perhaps.trailing_zeros());
             perhaps &= perhaps - 1;
             let ray = (first_ray(rays) + y * SIDE + x) % RAYS;
             let held = self.slots[ray];
@@ -306,7 +306,7 @@ impl IntervalZBuffer {
     /// Sets up eight triangles and rasterises those with a primitive index, each within its bounds.
     /// `is_edge_on` tells whether no ray can hit a triangle: asked of the ill-conditioned ones.
     #[inline(always)]
-    pub(crate) fn meet(
+    pub(crate) fn rasterize(
         &mut self,
         lanes: impl Lanes,
         space: &PacketSpace,

@@ -42,12 +42,12 @@
 //! r·S < 10³⁰ and Z ≥ 10⁻³⁰ keep products and inverses finite; r is at least 10⁻³⁰, which keeps what underflow
 //! loses, 10⁻⁴⁴, far below the bounds.
 
-use super::lane_math::{ROUNDER, least, most, round};
+use super::lane_math::{ROUNDER, Three, least, most, round};
 use super::params::{SIDE, SMALL_SIDE};
 use super::ray_box::RayBox;
 use super::setup::{CornerLanes, PacketSpace};
 use super::slivers::{ProjectedCorners, SliverBounds};
-use super::small_triangles::{Edges, SmallCoverage};
+use super::small_triangles::{SmallCoverage, SmallEdges};
 use crate::hit::Cull;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use glam::DVec3;
@@ -114,7 +114,7 @@ pub(crate) struct ProjectedTriangles {
     /// Triangles that some ray may hit, as bits.
     pub(crate) seen: u32,
     /// Those of them that are small, as bits.
-    pub(crate) few: u32,
+    pub(crate) small: u32,
     /// Which rays hit the small ones.
     pub(crate) coverage: SmallCoverage,
 }
@@ -177,131 +177,190 @@ impl Projector {
 
     /// Bounds the rays that may hit each of the first `count` triangles.
     #[inline(always)]
-    pub(crate) fn place<L: Lanes>(
+    pub(crate) fn project<L: Lanes>(
         &self,
         lanes: L,
         corners: &CornerLanes,
         count: usize,
         out: &mut ProjectedTriangles,
     ) {
-        let zero = lanes.splat(0.0);
-        let mut reach = lanes.splat(self.least_reach);
-        let mut places = [[zero; 3]; 3];
-        let [x, y, z] = self.shift;
-        let shift = [lanes.splat(x), lanes.splat(y), lanes.splat(z)];
-        for (corner, place) in places.iter_mut().enumerate() {
-            let mut sums = shift;
-            for axis in 0..3 {
-                let [high, low] = self.origin[axis];
-                let from_high = lanes.load(&corners[3 * corner + axis]) - high;
-                let relative = from_high - low;
-                reach = reach.max(relative);
-                reach = reach.max(zero - relative);
-                for (sum, row) in sums.iter_mut().zip(&self.map) {
-                    *sum = *sum + relative * row[axis];
-                }
-            }
-            *place = sums;
-        }
-        let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = places;
-        let in_range = reach.lt(lanes.splat(self.most_reach));
-        let [always, by_reach] = self.depth_error;
-        let depth_error = lanes.splat(always) + reach * by_reach;
-        let front = least((az, bz, cz));
-        let back = most((az, bz, cz));
-        let behind = back.lt(zero - depth_error);
-
-        let [always, by_depth, by_reach] = self.margin;
-        let error = lanes.splat(by_depth) + reach * by_reach;
-        let (safe, nearest, margin, [xs, ys, nears]) = if self.perspective {
-            let one = lanes.splat(1.0);
-            let (ia, ib, ic) = (one / az, one / bz, one / cz);
-            let clear = (depth_error * CLEAR).max(lanes.splat((1.0 / RANGE) as f32));
-            let nearest = most((ia, ib, ic));
-            (
-                in_range & clear.lt(front),
-                nearest,
-                error * nearest,
-                [
-                    (ax * ia, bx * ib, cx * ic),
-                    (ay * ia, by * ib, cy * ic),
-                    (ia, ib, ic),
-                ],
-            )
-        } else {
-            {
-                let (a, b, c) = (zero - az, zero - bz, zero - cz);
-                (
-                    in_range,
-                    zero,
-                    error,
-                    [(ax, bx, cx), (ay, by, cy), (a, b, c)],
-                )
-            }
+        let mapped = self.map_corners(lanes, corners);
+        let projected = self.divide(lanes, &mapped);
+        let extent = Extent {
+            margin: projected.margin,
+            safe: projected.safe,
+            behind: projected.behind,
         };
-        let margin = lanes.splat(always) + margin;
-        let nobody = in_range & behind;
-        let ends = Extent {
-            margin,
-            safe,
-            nobody,
-        };
-        let (left, right, across) = ends.whole(lanes, xs, self.last[0]);
-        let (top, bottom, along) = ends.whole(lanes, ys, self.last[1]);
-        let empty = right.lt(left) | bottom.lt(top);
-
-        let (nearest, near_error, in_front) = if self.perspective {
-            let slack = depth_error * nearest * 1.25 + DEPTH_KEY_SLACK;
-            let error = nearest * slack;
-            (nearest + error, error, safe)
-        } else {
-            let magnitude = front.max(zero - front).max(back.max(zero - back));
-            let rounding = magnitude * DEPTH_KEY_SLACK;
-            let error = depth_error + rounding;
-            let nearest = error - front;
-            (nearest, error, safe & nearest.lt(zero))
-        };
-
-        let size = across.max(along).max(margin * (SMALL_SIDE / SMALL_MARGIN));
-        let small = in_front & size.lt(lanes.splat(SMALL_SIDE));
-        out.seen = !empty.bits() & ((1 << count) - 1);
-        out.few = small.bits() & out.seen;
-        let off = margin - (MARGIN - PLACE_ERROR) as f32;
-        if out.few != 0 {
-            let side = size * 4.0 + 1.0;
-            let error = off * side + CROSS_ROUNDING;
-            let edges = Edges::new(lanes, [xs, ys, nears], (left, top), error, near_error);
-            out.few &= edges.decided.bits();
-            if self.cull == Cull::Back {
-                let culled = out.few & !edges.front.bits();
-                out.few &= !culled;
-                out.seen &= !culled;
-            }
-            let size = (right - left, bottom - top);
-            out.seen &= !edges.meet(lanes, size, out.few, &mut out.coverage);
-        }
-        let boxes = SliverBounds {
+        let (left, right, across) = extent.rays(lanes, projected.xs, self.last[0]);
+        let (top, bottom, along) = extent.rays(lanes, projected.ys, self.last[1]);
+        let bounds = SliverBounds {
             left,
             right,
             top,
             bottom,
         };
+        let length = across.max(along);
+
+        let empty = right.lt(left) | bottom.lt(top);
+        out.seen = !empty.bits() & ((1 << count) - 1);
+        self.test_small(lanes, &projected, &bounds, length, out);
         let placed = ProjectedCorners {
-            xs,
-            ys,
-            length: across.max(along),
-            off,
-            safe,
+            xs: projected.xs,
+            ys: projected.ys,
+            length,
+            off: projected.place_error(),
+            safe: projected.safe,
         };
-        let (boxes, seen) = boxes.shrunk_to_slivers(lanes, &placed, out.seen);
+        let (bounds, seen) = bounds.shrunk_to_slivers(lanes, &placed, out.seen);
         out.seen = seen;
-        let nearest = safe.select(nearest, lanes.splat(f32::INFINITY));
-        let rounder = lanes.splat(ROUNDER);
-        (boxes.left + rounder).store(&mut out.left);
-        (boxes.right + rounder).store(&mut out.right);
-        (boxes.top + rounder).store(&mut out.top);
-        (boxes.bottom + rounder).store(&mut out.bottom);
+
+        let nearest = projected.nearest;
+        let nearest = projected.safe.select(nearest, lanes.splat(f32::INFINITY));
+        (bounds.left + ROUNDER).store(&mut out.left);
+        (bounds.right + ROUNDER).store(&mut out.right);
+        (bounds.top + ROUNDER).store(&mut out.top);
+        (bounds.bottom + ROUNDER).store(&mut out.bottom);
         nearest.store(&mut out.nearest);
+    }
+
+    /// T of the corners.
+    #[inline(always)]
+    fn map_corners<L: Lanes>(&self, lanes: L, corners: &CornerLanes) -> MappedCorners<L> {
+        let mut reach = lanes.splat(self.least_reach);
+        let shift = self.shift.map(|shift| lanes.splat(shift));
+        let mut mapped = [shift; 3];
+        for (corner, mapped) in mapped.iter_mut().enumerate() {
+            for axis in 0..3 {
+                let [high, low] = self.origin[axis];
+                let relative = lanes.load(&corners[3 * corner + axis]) - high - low;
+                reach = reach.max(relative.abs());
+                for (sum, row) in mapped.iter_mut().zip(&self.map) {
+                    *sum = *sum + relative * row[axis];
+                }
+            }
+        }
+        let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = mapped;
+        MappedCorners {
+            x: (ax, bx, cx),
+            y: (ay, by, cy),
+            z: (az, bz, cz),
+            reach,
+        }
+    }
+
+    /// Places and depth keys of mapped corners, with their errors.
+    #[inline(always)]
+    fn divide<L: Lanes>(&self, lanes: L, mapped: &MappedCorners<L>) -> Projected<L> {
+        let MappedCorners { x, y, z, reach } = *mapped;
+        let zero = lanes.splat(0.0);
+        let in_range = reach.lt(lanes.splat(self.most_reach));
+        let [always, by_reach] = self.depth_error;
+        let depth_error = lanes.splat(always) + reach * by_reach;
+        let (front, back) = (least(z), most(z));
+        let behind = in_range & back.lt(zero - depth_error);
+        let [always, by_depth, by_reach] = self.margin;
+        let error = lanes.splat(by_depth) + reach * by_reach;
+        if self.perspective {
+            let one = lanes.splat(1.0);
+            let keys = (one / z.0, one / z.1, one / z.2);
+            let clear = (depth_error * CLEAR).max(lanes.splat((1.0 / RANGE) as f32));
+            let safe = in_range & clear.lt(front);
+            let nearest = most(keys);
+            let key_error = nearest * (depth_error * nearest * 1.25 + DEPTH_KEY_SLACK);
+            Projected {
+                xs: (x.0 * keys.0, x.1 * keys.1, x.2 * keys.2),
+                ys: (y.0 * keys.0, y.1 * keys.1, y.2 * keys.2),
+                keys,
+                key_error,
+                nearest: nearest + key_error,
+                margin: lanes.splat(always) + error * nearest,
+                safe,
+                in_front: safe,
+                behind,
+            }
+        } else {
+            let greatest = front.abs().max(back.abs());
+            let key_error = depth_error + greatest * DEPTH_KEY_SLACK;
+            let nearest = key_error - front;
+            Projected {
+                xs: x,
+                ys: y,
+                keys: (zero - z.0, zero - z.1, zero - z.2),
+                key_error,
+                nearest,
+                margin: lanes.splat(always) + error,
+                safe: in_range,
+                in_front: in_range & nearest.lt(zero),
+                behind,
+            }
+        }
+    }
+
+    /// Tests the small ones among the triangles seen against their rays, and culls what none of them hits.
+    #[inline(always)]
+    fn test_small<L: Lanes>(
+        &self,
+        lanes: L,
+        projected: &Projected<L>,
+        bounds: &SliverBounds<L>,
+        length: L::F32,
+        out: &mut ProjectedTriangles,
+    ) {
+        let size = length.max(projected.margin * (SMALL_SIDE / SMALL_MARGIN));
+        let small = projected.in_front & size.lt(lanes.splat(SMALL_SIDE));
+        out.small = small.bits() & out.seen;
+        if out.small == 0 {
+            return;
+        }
+        let error = projected.place_error() * (size * 4.0 + 1.0) + CROSS_ROUNDING;
+        let corners = [projected.xs, projected.ys, projected.keys];
+        let first = (bounds.left, bounds.top);
+        let edges = SmallEdges::new(lanes, corners, first, error, projected.key_error);
+        out.small &= edges.decided.bits();
+        if self.cull == Cull::Back {
+            let culled = out.small & !edges.front.bits();
+            out.small &= !culled;
+            out.seen &= !culled;
+        }
+        let size = (bounds.right - bounds.left, bounds.bottom - bounds.top);
+        out.seen &= !edges.test(lanes, size, out.small, &mut out.coverage);
+    }
+}
+
+/// Corners of eight triangles in packet space.
+struct MappedCorners<L: Lanes> {
+    x: Three<L::F32>,
+    y: Three<L::F32>,
+    z: Three<L::F32>,
+    /// r.
+    reach: L::F32,
+}
+
+/// Eight triangles projected into a packet.
+struct Projected<L: Lanes> {
+    /// Places of the corners.
+    xs: Three<L::F32>,
+    ys: Three<L::F32>,
+    /// Depth keys of the corners, and a bound on the error of one interpolated between them.
+    keys: Three<L::F32>,
+    key_error: L::F32,
+    /// Upper bound of the nearest corner's depth key.
+    nearest: L::F32,
+    /// By how much bounds grow.
+    margin: L::F32,
+    /// Where places and depth keys may be used.
+    safe: L::Mask,
+    /// Those of them that lie wholly before the eye, or the image plane.
+    in_front: L::Mask,
+    /// Triangles that no ray hits, since they lie behind.
+    behind: L::Mask,
+}
+
+impl<L: Lanes> Projected<L> {
+    /// m': bound on the error of a place.
+    #[inline(always)]
+    fn place_error(&self) -> L::F32 {
+        self.margin - (MARGIN - PLACE_ERROR) as f32
     }
 }
 
@@ -309,29 +368,24 @@ impl Projector {
 struct Extent<L: Lanes> {
     margin: L::F32,
     safe: L::Mask,
-    nobody: L::Mask,
+    behind: L::Mask,
 }
 
 impl<L: Lanes> Extent<L> {
     /// The first ray not before a triangle, the last not after it, and the triangle's extent.
     #[inline(always)]
-    fn whole(
-        &self,
-        lanes: L,
-        (a, b, c): (L::F32, L::F32, L::F32),
-        last: f32,
-    ) -> (L::F32, L::F32, L::F32) {
+    fn rays(&self, lanes: L, places: Three<L::F32>, last: f32) -> (L::F32, L::F32, L::F32) {
         let (zero, none, last) = (lanes.splat(0.0), lanes.splat(-1.0), lanes.splat(last));
         let half = lanes.splat(0.5);
-        let (begin, end) = (least((a, b, c)), most((a, b, c)));
+        let (begin, end) = (least(places), most(places));
         let first = begin - self.margin + half;
         let first = first.max(zero).min(lanes.splat(2.0 * SIDE as f32));
         let first = self.safe.select(first, zero);
-        let final_ = end + self.margin - half;
-        let final_ = final_.max(none).min(last);
-        let final_ = self.safe.select(final_, last);
-        let final_ = self.nobody.select(none, final_);
-        (round(first), round(final_), end - begin)
+        let end_ray = end + self.margin - half;
+        let end_ray = end_ray.max(none).min(last);
+        let end_ray = self.safe.select(end_ray, last);
+        let end_ray = self.behind.select(none, end_ray);
+        (round(first), round(end_ray), end - begin)
     }
 }
 
@@ -344,7 +398,7 @@ impl ProjectedTriangles {
         bottom: [0.0; LANES],
         nearest: [0.0; LANES],
         seen: 0,
-        few: 0,
+        small: 0,
         coverage: SmallCoverage::NONE,
     };
 

@@ -221,133 +221,268 @@ impl PacketSpace {
             boxes: *boxes,
             ill_conditioned: [false; LANES],
         };
-        let h = REACH;
-        let kh = self.stretch_and_reach;
         for l in 0..LANES {
-            let c = |k: usize| corners[k][l];
-            let (ax, ay, az) = (c(0), c(1), c(2));
-            let (bx, by, bz) = (c(3), c(4), c(5));
-            let (cx, cy, cz) = (c(6), c(7), c(8));
-            let (ux, uy, uz) = (bx - ax, by - ay, bz - az);
-            let (vx, vy, vz) = (cx - ax, cy - ay, cz - az);
-            let (nx, ny, nz) = (uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx);
-            let a_n = ax * nx + ay * ny + az * nz;
-
-            let reach = max(max3(ax, bx, cx), max3(ay, by, cy));
-            let depth = max3(az, bz, cz);
-            let delta = self.delta(reach, depth);
-            // Differences of b and c are at most the sum of these.
-            let wide = 2.0 * max(max(ux.abs(), uy.abs()), max(vx.abs(), vy.abs()));
-            let deep = 2.0 * max(uz.abs(), vz.abs());
-            let weight = if self.perspective { depth } else { 1.0 };
-
-            let plane_error = |reach: f64| {
-                (reach * deep + depth * wide) * (16.0 * kh * delta + 24.0 * EPSILON * wide)
-                    + 12.0 * delta * reach * wide
-            };
-            let (facing, facing_error, numerator_error) = if self.perspective {
-                (
-                    a_n,
-                    plane_error(reach),
-                    (wide + h * deep) * (8.0 * kh * delta + 16.0 * EPSILON * wide)
-                        + self.ray_error * (nx.abs() + ny.abs()),
-                )
-            } else {
-                (
-                    nz,
-                    8.0 * (kh * delta + EPSILON * wide) * wide,
-                    plane_error(reach + h),
-                )
-            };
-            let sign = if facing < 0.0 { -1.0 } else { 1.0 };
+            let triangle = PacketTriangle::of(&corners, l);
+            let size = self.size_of(&triangle);
+            let plane = self.plane(&triangle, &size);
             // NaN fails this comparison, and is ill-conditioned.
-            let clear = facing.abs() > 4.0 * facing_error;
-            let culled = (self.cull == Cull::Back) & clear & (facing > 0.0);
+            let clear = plane.facing.abs() > 4.0 * plane.facing_error;
+            let culled = (self.cull == Cull::Back) & clear & (plane.facing > 0.0);
+            let span = Span::of(&boxes[l]);
+            out.column[l] = span.column;
+            out.row[l] = span.row;
+            out.boxes[l].right = if culled { -1 } else { boxes[l].right };
 
-            // Functions begin at the left of the bounds; for wide bounds at a multiple of a row.
-            let RayBox {
-                left,
-                right,
-                top,
-                bottom,
-            } = boxes[l];
-            let narrow = boxes[l].is_narrow();
-            let most = (SIDE - ROW) as i32;
-            let column = if narrow {
-                if left < most { left } else { most }
-            } else {
-                left & !(ROW as i32 - 1)
-            };
-            let row = if narrow { top } else { top & !(ROW as i32 - 1) };
-            let (i, j) = (f64::from(column), f64::from(row));
-            let across = f64::from(right - column + ROW as i32);
-            let along = f64::from(bottom - row + ROW as i32);
-            out.column[l] = column;
-            out.row[l] = row;
-            out.boxes[l].right = if culled { -1 } else { right };
-
-            let (aw, bw, cw) = if self.perspective {
-                (az, bz, cz)
-            } else {
-                (1.0, 1.0, 1.0)
-            };
-            let edge = |px: f64, py: f64, pw: f64, qx: f64, qy: f64, qw: f64| {
-                let x = (py * qw - pw * qy) * sign;
-                let y = (pw * qx - px * qw) * sign;
-                let constant = (px * qy - py * qx) * sign;
-                (constant + x * i + y * j, x, y)
-            };
-            let (e0, e1, e2) = (
-                edge(bx, by, bw, cx, cy, cw),
-                edge(cx, cy, cw, ax, ay, aw),
-                edge(ax, ay, aw, bx, by, bw),
-            );
-            let size = |(c, x, y): (f64, f64, f64)| c.abs() + x.abs() * across + y.abs() * along;
-            let magnitude = max(max(size(e0), size(e1)), size(e2));
-            let slope = |(_, x, y): (f64, f64, f64)| x.abs() + y.abs();
-            let steepest = max(max(slope(e0), slope(e1)), slope(e2));
-            let edge_error = (reach + h * weight) * (4.0 * kh * delta + 32.0 * EPSILON * reach)
-                + self.ray_error * steepest;
+            let sign = if plane.facing < 0.0 { -1.0 } else { 1.0 };
+            let edges = self.edge_functions(&triangle, sign);
+            let edges = edges.map(|edge| edge.moved(&span));
+            let [e0, e1, e2] = edges;
+            let magnitude = max(max(e0.size(&span), e1.size(&span)), e2.size(&span));
+            let steepest = max(max(e0.slope(), e1.slope()), e2.slope());
             let unit = 1.0 / magnitude;
+            let edge_error = self.edge_error(&size) + self.ray_error * steepest;
             let edge_error = (edge_error * unit + LINEAR_ERROR) * 1.001;
             out.edge_error[l] = edge_error as f32;
-            out.edges[0][0][l] = (e0.0 * unit) as f32;
-            out.edges[0][1][l] = (e0.1 * unit) as f32;
-            out.edges[0][2][l] = (e0.2 * unit) as f32;
-            out.edges[1][0][l] = (e1.0 * unit) as f32;
-            out.edges[1][1][l] = (e1.1 * unit) as f32;
-            out.edges[1][2][l] = (e1.2 * unit) as f32;
-            out.edges[2][0][l] = (e2.0 * unit) as f32;
-            out.edges[2][1][l] = (e2.1 * unit) as f32;
-            out.edges[2][2][l] = (e2.2 * unit) as f32;
+            for (out, edge) in out.edges.iter_mut().zip(edges) {
+                out[0][l] = (edge.constant * unit) as f32;
+                out[1][l] = (edge.x * unit) as f32;
+                out[2][l] = (edge.y * unit) as f32;
+            }
 
-            let inverse = 1.0 / facing;
-            let (n0, n1, n2) = if self.perspective {
-                ((nz + nx * i + ny * j) * inverse, nx * inverse, ny * inverse)
-            } else {
-                (
-                    (nx * i + ny * j - a_n) * inverse,
-                    nx * inverse,
-                    ny * inverse,
-                )
-            };
-            let spread = n0.abs() + n1.abs() * across + n2.abs() * along;
-            let relative = facing_error * inverse.abs();
-            let depth_key_error =
-                spread * (LINEAR_ERROR + 2.0 * relative) + 2.0 * numerator_error * inverse.abs();
-            out.depth_key[0][l] = n0 as f32;
-            out.depth_key[1][l] = n1 as f32;
-            out.depth_key[2][l] = n2 as f32;
-            out.depth_key_error[l] = (depth_key_error * 1.001) as f32 + f32::MIN_POSITIVE;
+            let inverse = 1.0 / plane.facing;
+            let key = self.depth_key(&triangle, &span, inverse);
+            let spread = key.size(&span);
+            let relative = plane.facing_error * inverse.abs();
+            let key_error = spread * (LINEAR_ERROR + 2.0 * relative)
+                + 2.0 * plane.numerator_error * inverse.abs();
+            out.depth_key[0][l] = key.constant as f32;
+            out.depth_key[1][l] = key.x as f32;
+            out.depth_key[2][l] = key.y as f32;
+            out.depth_key_error[l] = (key_error * 1.001) as f32 + f32::MIN_POSITIVE;
             // What leaves single precision's range, or is NaN, is ill-conditioned too.
             let sound = (magnitude < f64::INFINITY)
                 & (magnitude > 0.0)
                 & (edge_error < 1.0)
-                & (depth_key_error < f64::from(f32::MAX))
+                & (key_error < f64::from(f32::MAX))
                 & (spread < f64::from(f32::MAX));
             out.ill_conditioned[l] = !(clear & sound);
         }
         out
+    }
+
+    /// The sizes that a triangle's error bounds go by.
+    #[inline(always)]
+    fn size_of(&self, triangle: &PacketTriangle) -> Size {
+        let PacketTriangle { a, b, c, u, v, .. } = *triangle;
+        let reach = max(max3(a[0], b[0], c[0]), max3(a[1], b[1], c[1]));
+        let depth = max3(a[2], b[2], c[2]);
+        Size {
+            reach,
+            depth,
+            // Differences of b and c are at most the sum of these.
+            wide: 2.0 * max(max(u[0].abs(), u[1].abs()), max(v[0].abs(), v[1].abs())),
+            deep: 2.0 * max(u[2].abs(), v[2].abs()),
+            delta: self.delta(reach, depth),
+        }
+    }
+
+    /// Which side of the triangle the packet sees, and the errors of its plane: F or that of n₃, and N or F.
+    #[inline(always)]
+    fn plane(&self, triangle: &PacketTriangle, size: &Size) -> Plane {
+        let Size {
+            reach,
+            depth,
+            wide,
+            deep,
+            delta,
+        } = *size;
+        let (h, kh, n) = (REACH, self.stretch_and_reach, triangle.n);
+        let plane_error = |reach: f64| {
+            (reach * deep + depth * wide) * (16.0 * kh * delta + 24.0 * EPSILON * wide)
+                + 12.0 * delta * reach * wide
+        };
+        if self.perspective {
+            Plane {
+                facing: triangle.a_n,
+                facing_error: plane_error(reach),
+                numerator_error: (wide + h * deep) * (8.0 * kh * delta + 16.0 * EPSILON * wide)
+                    + self.ray_error * (n[0].abs() + n[1].abs()),
+            }
+        } else {
+            Plane {
+                facing: n[2],
+                facing_error: 8.0 * (kh * delta + EPSILON * wide) * wide,
+                numerator_error: plane_error(reach + h),
+            }
+        }
+    }
+
+    /// E, before rays' own errors.
+    #[inline(always)]
+    fn edge_error(&self, size: &Size) -> f64 {
+        let weight = if self.perspective { size.depth } else { 1.0 };
+        (size.reach + REACH * weight)
+            * (4.0 * self.stretch_and_reach * size.delta + 32.0 * EPSILON * size.reach)
+    }
+
+    /// A triangle's edge functions, times `sign`.
+    #[inline(always)]
+    fn edge_functions(&self, triangle: &PacketTriangle, sign: f64) -> [Linear; 3] {
+        let weighted = |[x, y, z]: [f64; 3]| [x, y, if self.perspective { z } else { 1.0 }];
+        let edge = |[px, py, pw]: [f64; 3], [qx, qy, qw]: [f64; 3]| Linear {
+            constant: (px * qy - py * qx) * sign,
+            x: (py * qw - pw * qy) * sign,
+            y: (pw * qx - px * qw) * sign,
+        };
+        let (a, b, c) = (
+            weighted(triangle.a),
+            weighted(triangle.b),
+            weighted(triangle.c),
+        );
+        [edge(b, c), edge(c, a), edge(a, b)]
+    }
+
+    /// The depth key at the span's first ray, and its steps; `inverse` is that of [`Plane::facing`].
+    #[inline(always)]
+    fn depth_key(&self, triangle: &PacketTriangle, span: &Span, inverse: f64) -> Linear {
+        let [nx, ny, nz] = triangle.n;
+        let constant = if self.perspective {
+            nz + nx * span.i + ny * span.j
+        } else {
+            nx * span.i + ny * span.j - triangle.a_n
+        };
+        Linear {
+            constant: constant * inverse,
+            x: nx * inverse,
+            y: ny * inverse,
+        }
+    }
+}
+
+/// A triangle in packet space: its corners, two edges from the first, their cross product n, and A·n.
+#[derive(Clone, Copy)]
+struct PacketTriangle {
+    a: [f64; 3],
+    b: [f64; 3],
+    c: [f64; 3],
+    u: [f64; 3],
+    v: [f64; 3],
+    n: [f64; 3],
+    a_n: f64,
+}
+
+impl PacketTriangle {
+    #[inline(always)]
+    fn of(corners: &[[f64; LANES]; 9], l: usize) -> Self {
+        let corner = |k: usize| [corners[k][l], corners[k + 1][l], corners[k + 2][l]];
+        let (a, b, c) = (corner(0), corner(3), corner(6));
+        let from_a = |p: [f64; 3]| [p[0] - a[0], p[1] - a[1], p[2] - a[2]];
+        let (u, v) = (from_a(b), from_a(c));
+        let n = [
+            u[1] * v[2] - u[2] * v[1],
+            u[2] * v[0] - u[0] * v[2],
+            u[0] * v[1] - u[1] * v[0],
+        ];
+        let a_n = a[0] * n[0] + a[1] * n[1] + a[2] * n[2];
+        Self {
+            a,
+            b,
+            c,
+            u,
+            v,
+            n,
+            a_n,
+        }
+    }
+}
+
+/// A, Z, L, M and δ of a triangle.
+#[derive(Clone, Copy)]
+struct Size {
+    reach: f64,
+    depth: f64,
+    wide: f64,
+    deep: f64,
+    delta: f64,
+}
+
+/// A triangle's plane as a packet sees it.
+#[derive(Clone, Copy)]
+struct Plane {
+    /// Negative where its front faces the eye.
+    facing: f64,
+    facing_error: f64,
+    numerator_error: f64,
+}
+
+/// Where a triangle's functions begin, and how far they are evaluated from there.
+#[derive(Clone, Copy)]
+struct Span {
+    column: i32,
+    row: i32,
+    i: f64,
+    j: f64,
+    across: f64,
+    along: f64,
+}
+
+impl Span {
+    /// Functions begin at the left of the bounds; for wide bounds at a multiple of a row.
+    #[inline(always)]
+    fn of(bounds: &RayBox) -> Self {
+        let RayBox {
+            left,
+            right,
+            top,
+            bottom,
+        } = *bounds;
+        let narrow = bounds.is_narrow();
+        let most = (SIDE - ROW) as i32;
+        let column = if narrow {
+            if left < most { left } else { most }
+        } else {
+            left & !(ROW as i32 - 1)
+        };
+        let row = if narrow { top } else { top & !(ROW as i32 - 1) };
+        Self {
+            column,
+            row,
+            i: f64::from(column),
+            j: f64::from(row),
+            across: f64::from(right - column + ROW as i32),
+            along: f64::from(bottom - row + ROW as i32),
+        }
+    }
+}
+
+/// A linear function of a ray's place.
+#[derive(Clone, Copy)]
+struct Linear {
+    constant: f64,
+    x: f64,
+    y: f64,
+}
+
+impl Linear {
+    /// The same function of the place relative to a span's first ray.
+    #[inline(always)]
+    fn moved(self, span: &Span) -> Self {
+        Self {
+            constant: self.constant + self.x * span.i + self.y * span.j,
+            ..self
+        }
+    }
+
+    /// The sum of its terms' greatest magnitudes over a span.
+    #[inline(always)]
+    fn size(self, span: &Span) -> f64 {
+        self.constant.abs() + self.x.abs() * span.across + self.y.abs() * span.along
+    }
+
+    /// How much it changes from ray to ray.
+    #[inline(always)]
+    fn slope(self) -> f64 {
+        self.x.abs() + self.y.abs()
     }
 }
 

@@ -24,7 +24,7 @@ const WHOLE: f32 = 8_388_608.0;
 
 /// Edge functions of eight triangles, positive inside: cross products of two corners relative to a ray, linear
 /// in the ray's place.
-pub(super) struct Edges<L: Lanes> {
+pub(super) struct SmallEdges<L: Lanes> {
     /// Values at the first ray of each triangle's bounds.
     first: Three<L::F32>,
     /// Steps from column to column, and from row to row.
@@ -56,7 +56,7 @@ pub(crate) struct SmallCoverage {
     depth_key_error: [f32; LANES],
 }
 
-impl<L: Lanes> Edges<L> {
+impl<L: Lanes> SmallEdges<L> {
     /// `xs`, `ys` and `nears` are places and depth keys of the corners, `(x, y)` the first ray of each
     /// triangle's bounds; `error` bounds the error of the edge functions, `corner_error` that of `nears`.
     #[inline(always)]
@@ -103,7 +103,7 @@ impl<L: Lanes> Edges<L> {
     /// Tests the triangles in `which` (as bits) against the rays of their bounds, of `width + 1` columns and
     /// `height + 1` rows, at most five each. Returns those that no ray hits, as bits.
     #[inline(always)]
-    pub(super) fn meet(
+    pub(super) fn test(
         &self,
         lanes: L,
         (width, height): (L::F32, L::F32),

@@ -119,9 +119,9 @@ impl Batch {
 /// What came of testing a projected triangle.
 enum Outcome {
     /// No ray hits it, or all that do have nearer hits.
-    Hidden,
+    Occluded,
     /// It was merged as a small triangle.
-    Met,
+    Merged,
     /// Queued for set-up; its bounds hold so many rays.
     Queued(i32),
     /// It and others must be set up, and the queue has no room for all.
@@ -134,6 +134,68 @@ struct EntryPair {
     subtrees: [Subtree; 2],
     /// Where the nearer one begins along the view axis.
     near: f32,
+}
+
+/// How far along the view axis a box may begin and still hold a first hit.
+#[derive(Clone, Copy)]
+struct Limits {
+    /// Of some ray of the packet.
+    furthest: f32,
+    /// Of the cell whose hits are nearest: beyond it, some cell is occluded.
+    nearest_cell: f32,
+}
+
+/// A packet's way down the tree.
+struct Descent {
+    frustum: Frustum,
+    small: SmallBoxes,
+    limits: Limits,
+    /// Nodes so far whose children may be occluded in all cells they touch.
+    doubtful: usize,
+    /// The cells' frusta, once they pay.
+    cells: Option<CellFrusta>,
+    /// Subtrees to visit, the nearest on top, and where each begins.
+    stack: [(Subtree, f32); STACK],
+    depth: usize,
+    /// The next pair of entry points.
+    pair: usize,
+    /// What is left of the leaf that was reached.
+    leaf: Range<u32>,
+    /// Whether small triangles were merged since hi-z was updated.
+    merged_small: bool,
+}
+
+impl Descent {
+    #[inline(always)]
+    fn new(frustum: Frustum, small: SmallBoxes) -> Self {
+        Self {
+            frustum,
+            small,
+            limits: Limits {
+                furthest: f32::INFINITY,
+                nearest_cell: f32::INFINITY,
+            },
+            doubtful: 0,
+            cells: None,
+            stack: [(Subtree::default(), 0.0); STACK],
+            depth: 0,
+            pair: 0,
+            leaf: 0..0,
+            merged_small: false,
+        }
+    }
+
+    /// Puts two children on the stack if they are hit, the nearer one on top. Without a branch: a child
+    /// that is missed is written above the top.
+    #[inline(always)]
+    fn push(&mut self, [(a, near_a, a_hit), (b, near_b, b_hit)]: [(Subtree, f32, bool); 2]) {
+        let b_nearer = near_b < near_a;
+        let a_above = if b_nearer { !a_hit } else { b_hit };
+        let b_above = if b_nearer { a_hit } else { !b_hit };
+        self.stack[self.depth + usize::from(a_above)] = (a, near_a);
+        self.stack[self.depth + usize::from(b_above)] = (b, near_b);
+        self.depth += usize::from(a_hit) + usize::from(b_hit);
+    }
 }
 
 /// The traversal of a lattice's packets.
@@ -288,102 +350,30 @@ impl<'a> Traversal<'a> {
         zbuffer: &mut IntervalZBuffer,
         observer: &mut impl Observer,
     ) -> bool {
-        let frustum = self.frustum(part);
         let space = self.space(part, cull);
         let nearest = self.pairs.first().map_or(0.0, |pair| pair.near);
         let projector = Projector::new(&space, nearest);
-        let small = self.small();
-        let (mut limit, mut least_limit) = (f32::INFINITY, f32::INFINITY);
-        let (mut doubtful, mut cell_frusta) = (0, None);
-        let mut stack = [(Subtree::default(), 0.0f32); STACK];
-        let (mut pair, mut depth) = (0, 0);
-        let mut leaf = 0..0;
-        let mut placed = ProjectedTriangles::NONE;
-        let (mut begun, mut merged_small) = (false, false);
+        let mut descent = Descent::new(self.frustum(part), self.small_boxes());
+        let mut projected = ProjectedTriangles::NONE;
+        let mut begun = false;
         loop {
             let mut covered = 0;
             while self.queued.len < LANES {
-                if placed.seen != 0 {
-                    let lane = placed.seen.trailing_zeros() as usize & (LANES - 1);
-                    match self.test_projected(lanes, &placed, lane, zbuffer, observer) {
-                        Outcome::Hidden => {}
-                        Outcome::Met => merged_small = true,
+                if projected.seen != 0 {
+                    let lane = projected.seen.trailing_zeros() as usize & (LANES - 1);
+                    match self.test_projected(lanes, &projected, lane, zbuffer, observer) {
+                        Outcome::Occluded => {}
+                        Outcome::Merged => descent.merged_small = true,
                         Outcome::Queued(rays) => covered += rays,
                         Outcome::NoRoom => break,
                     }
-                    placed.seen &= placed.seen - 1;
+                    projected.seen &= projected.seen - 1;
                     continue;
                 }
                 if covered >= MANY_RAYS {
                     break;
                 }
-                self.batch.len = 0;
-                while self.batch.len < LANES {
-                    if !leaf.is_empty() {
-                        self.batch.take(&mut leaf);
-                        continue;
-                    }
-                    let (boxes, [a, b]) = if depth > 0 {
-                        depth -= 1;
-                        let (subtree, near) = stack[depth];
-                        if near > limit {
-                            continue;
-                        }
-                        let Some(index) = subtree.node() else {
-                            leaf = subtree.slots();
-                            observer.reached(leaf.clone());
-                            continue;
-                        };
-                        let node = &self.accel.tree.nodes[index as usize];
-                        (&node.boxes, node.children(index))
-                    } else if pair < self.pairs.len() && self.pairs[pair].near <= limit {
-                        // What the last pair holds comes first: it may occlude the next one.
-                        if self.batch.len > 0 || self.queued.len > 0 {
-                            break;
-                        }
-                        if std::mem::take(&mut merged_small) {
-                            zbuffer.update_hi_z(lanes);
-                            (limit, least_limit) = self.limits(lanes, zbuffer);
-                            continue;
-                        }
-                        pair += 1;
-                        let EntryPair {
-                            boxes, subtrees, ..
-                        } = &self.pairs[pair - 1];
-                        (boxes, *subtrees)
-                    } else {
-                        break;
-                    };
-                    self.counts.nodes += 1;
-                    let [(near_a, inside_a), (near_b, inside_b)] = frustum.enter(lanes, boxes);
-                    let (mut a_meets, mut b_meets) =
-                        (inside_a & (near_a <= limit), inside_b & (near_b <= limit));
-                    // What begins behind hi-z of some cells may touch no others.
-                    if a_meets & (near_a > least_limit) | b_meets & (near_b > least_limit) {
-                        doubtful += 1;
-                        if doubtful > DOUBTFUL {
-                            let cells = match &cell_frusta {
-                                Some(cells) => cells,
-                                None => cell_frusta.insert(self.cell_frusta(part)),
-                            };
-                            let (in_a, in_b) =
-                                (cells.dirty(lanes, boxes, 0), cells.dirty(lanes, boxes, 1));
-                            a_meets &= !zbuffer.occludes_cells(lanes, in_a, self.depth_key(near_a));
-                            b_meets &= !zbuffer.occludes_cells(lanes, in_b, self.depth_key(near_b));
-                        }
-                    }
-                    // The nearer child goes on top. Without a branch: a child that is missed is written above the top.
-                    let b_nearer = near_b < near_a;
-                    let a_above = if b_nearer { !a_meets } else { b_meets };
-                    let b_above = if b_nearer { a_meets } else { !b_meets };
-                    let a = small.whole(boxes, 0, near_a, a);
-                    let b = small.whole(boxes, 1, near_b, b);
-                    stack[depth + usize::from(a_above)] = (a, near_a);
-                    stack[depth + usize::from(b_above)] = (b, near_b);
-                    depth += usize::from(a_meets) + usize::from(b_meets);
-                    self.prefetch(lanes, a, a_meets);
-                    self.prefetch(lanes, b, b_meets);
-                }
+                self.fill_batch(lanes, &mut descent, part, zbuffer, observer);
                 if self.batch.len == 0 {
                     break;
                 }
@@ -393,7 +383,7 @@ impl<'a> Traversal<'a> {
                     zbuffer.clear(lanes, part.columns, part.rows, perspective);
                 }
                 let corners = self.corners(lanes, self.batch.slots());
-                projector.place(lanes, &corners, self.batch.len, &mut placed);
+                projector.project(lanes, &corners, self.batch.len, &mut projected);
             }
             if self.queued.len == 0 {
                 return begun;
@@ -401,12 +391,87 @@ impl<'a> Traversal<'a> {
             let corners = self.corners(lanes, self.queued.slots());
             let slots = &self.queued.slots[..self.queued.len];
             let is_edge_on = |slot| self.edge_on.is(slot, self.accel.corners(slot));
-            zbuffer.meet(lanes, &space, &corners, &self.boxes, slots, is_edge_on);
+            zbuffer.rasterize(lanes, &space, &corners, &self.boxes, slots, is_edge_on);
             self.counts.triangles += slots.len() as u64;
             observer.set_up(slots);
             self.queued.len = 0;
-            merged_small = false;
-            (limit, least_limit) = self.limits(lanes, zbuffer);
+            descent.merged_small = false;
+            descent.limits = self.limits(lanes, zbuffer);
+        }
+    }
+
+    /// Descends until eight triangles are reached, or until what is left should wait for them.
+    #[inline(always)]
+    fn fill_batch(
+        &mut self,
+        lanes: impl Lanes,
+        descent: &mut Descent,
+        part: &RayRect,
+        zbuffer: &mut IntervalZBuffer,
+        observer: &mut impl Observer,
+    ) {
+        self.batch.len = 0;
+        while self.batch.len < LANES {
+            if !descent.leaf.is_empty() {
+                self.batch.take(&mut descent.leaf);
+                continue;
+            }
+            let (boxes, children) = if descent.depth > 0 {
+                descent.depth -= 1;
+                let (subtree, near) = descent.stack[descent.depth];
+                if near > descent.limits.furthest {
+                    continue;
+                }
+                let Some(index) = subtree.node() else {
+                    descent.leaf = subtree.slots();
+                    observer.reached(descent.leaf.clone());
+                    continue;
+                };
+                let node = &self.accel.tree.nodes[index as usize];
+                (&node.boxes, node.children(index))
+            } else if descent.pair < self.pairs.len()
+                && self.pairs[descent.pair].near <= descent.limits.furthest
+            {
+                // What the last pair holds comes first: it may occlude the next one.
+                if self.batch.len > 0 || self.queued.len > 0 {
+                    break;
+                }
+                if std::mem::take(&mut descent.merged_small) {
+                    zbuffer.update_hi_z(lanes);
+                    descent.limits = self.limits(lanes, zbuffer);
+                    continue;
+                }
+                descent.pair += 1;
+                let pair = &self.pairs[descent.pair - 1];
+                (&pair.boxes, pair.subtrees)
+            } else {
+                break;
+            };
+            self.counts.nodes += 1;
+            let limits = descent.limits;
+            let [(near_a, inside_a), (near_b, inside_b)] = descent.frustum.enter(lanes, boxes);
+            let mut a_hit = inside_a & (near_a <= limits.furthest);
+            let mut b_hit = inside_b & (near_b <= limits.furthest);
+            // What begins behind hi-z of some cells may touch no others.
+            if a_hit & (near_a > limits.nearest_cell) | b_hit & (near_b > limits.nearest_cell) {
+                descent.doubtful += 1;
+                if descent.doubtful > DOUBTFUL {
+                    let cells = match &descent.cells {
+                        Some(cells) => cells,
+                        None => descent.cells.insert(self.cell_frusta(part)),
+                    };
+                    let in_a = cells.touched(lanes, boxes, 0);
+                    let in_b = cells.touched(lanes, boxes, 1);
+                    a_hit &= !zbuffer.occludes_cells(lanes, in_a, self.depth_key(near_a));
+                    b_hit &= !zbuffer.occludes_cells(lanes, in_b, self.depth_key(near_b));
+                }
+            }
+            let [a, b] = children;
+            let a = descent.small.whole(boxes, 0, near_a, a);
+            let b = descent.small.whole(boxes, 1, near_b, b);
+            descent.push([(a, near_a, a_hit), (b, near_b, b_hit)]);
+            self.prefetch(lanes, a, a_hit);
+            self.prefetch(lanes, b, b_hit);
         }
     }
 
@@ -415,35 +480,35 @@ impl<'a> Traversal<'a> {
     fn test_projected(
         &mut self,
         lanes: impl Lanes,
-        placed: &ProjectedTriangles,
+        projected: &ProjectedTriangles,
         lane: usize,
         zbuffer: &mut IntervalZBuffer,
         observer: &mut impl Observer,
     ) -> Outcome {
         let slot = self.batch.slots[lane];
-        let rays = placed.rays(lane);
-        if zbuffer.occludes(&rays, placed.nearest[lane]) {
-            return Outcome::Hidden;
+        let rays = projected.rays(lane);
+        if zbuffer.occludes(&rays, projected.nearest[lane]) {
+            return Outcome::Occluded;
         }
-        if placed.few >> lane & 1 == 0 {
-            if rays.is_narrow() && zbuffer.occludes_each(lanes, &rays, placed.nearest[lane]) {
-                return Outcome::Hidden;
+        if projected.small >> lane & 1 == 0 {
+            if rays.is_narrow() && zbuffer.occludes_each(lanes, &rays, projected.nearest[lane]) {
+                return Outcome::Occluded;
             }
             self.queue(slot, rays);
             return Outcome::Queued(rays.count());
         }
-        let few = &placed.coverage;
-        match zbuffer.test_small(few, lane, &rays, slot) {
-            SmallOutcome::Met => {
+        let coverage = &projected.coverage;
+        match zbuffer.test_small(coverage, lane, &rays, slot) {
+            SmallOutcome::Merged => {
                 self.counts.triangles += 1;
                 observer.set_up(&[slot]);
-                return Outcome::Met;
+                return Outcome::Merged;
             }
-            SmallOutcome::Nobody => return Outcome::Hidden,
+            SmallOutcome::Missed => return Outcome::Occluded,
             SmallOutcome::Undecided => {}
         }
         while self.queued.len + 1 < LANES {
-            let Some((slot, rays)) = zbuffer.evict_rival(few, lane, &rays) else {
+            let Some((slot, rays)) = zbuffer.evict_rival(coverage, lane, &rays) else {
                 self.queue(slot, rays);
                 return Outcome::Queued(rays.count());
             };
@@ -526,15 +591,15 @@ impl<'a> Traversal<'a> {
         }
     }
 
-    fn small(&self) -> Small {
+    fn small_boxes(&self) -> SmallBoxes {
         let camera = &self.lattice.camera;
         let side = (SMALL * camera.plane().step * f64::from(self.lattice.stride)) as f32;
         match camera.projection() {
-            Projection::Perspective => Small {
+            Projection::Perspective => SmallBoxes {
                 slope: side / camera.distance() as f32,
                 constant: 0.0,
             },
-            Projection::Orthographic => Small {
+            Projection::Orthographic => SmallBoxes {
                 slope: 0.0,
                 constant: side,
             },
@@ -553,12 +618,14 @@ impl<'a> Traversal<'a> {
         )
     }
 
-    /// How far along the view axis a box may begin and still hold a first hit of some ray, and of some ray of
-    /// the furthest cell.
+    /// Where boxes must begin to hold something that is not occluded.
     #[inline(always)]
-    fn limits(&self, lanes: impl Lanes, zbuffer: &IntervalZBuffer) -> (f32, f32) {
+    fn limits(&self, lanes: impl Lanes, zbuffer: &IntervalZBuffer) -> Limits {
         let (least, most) = zbuffer.hi_z(lanes);
-        (self.limit(least), self.limit(most))
+        Limits {
+            furthest: self.limit(least),
+            nearest_cell: self.limit(most),
+        }
     }
 
     /// Upper bound of the depth key of a box that begins here along the view axis.
@@ -585,12 +652,12 @@ impl<'a> Traversal<'a> {
 
 /// The size below which boxes count as small: a bound on the sum of their sides, linear in where they begin
 /// along the view axis.
-struct Small {
+struct SmallBoxes {
     slope: f32,
     constant: f32,
 }
 
-impl Small {
+impl SmallBoxes {
     /// The subtree, as a leaf if its box is small.
     #[inline(always)]
     fn whole(&self, boxes: &BoxPair, which: usize, near: f32, subtree: Subtree) -> Subtree {

@@ -34,10 +34,23 @@ impl Job {
         }
     }
 
-    /// Casts the rays through a rectangle's pixels, and forgets what they met.
-    pub(super) fn cast(view: &View, rect: Rect, buffers: &mut Buffers<'_>) -> TileStats {
+    /// Casts the rays through a rectangle's pixels, as far as `detail` asks for, and forgets what they hit.
+    pub(super) fn cast(
+        view: &View,
+        rect: Rect,
+        detail: Detail,
+        buffers: &mut Buffers<'_>,
+    ) -> TileStats {
         let mut work = Work::new(view, &|| Duration::ZERO, buffers);
-        work.find(&Lattice::new(view.camera, rect, 1, (0, 0)));
+        let lattice = Lattice::new(view.camera, rect, 1, (0, 0));
+        work.find(&lattice);
+        if detail == Detail::Full {
+            let Settings {
+                cull, precision, ..
+            } = view.settings;
+            let hits = &mut work.buffers.hits;
+            view.accel.evaluate(&lattice, cull, precision, hits);
+        }
         work.stats
     }
 

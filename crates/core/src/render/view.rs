@@ -2,7 +2,7 @@ use super::job::{Buffers, Job};
 use super::{Pass, Precision, Tile, TileStats};
 use crate::bvh::Accel;
 use crate::camera::{Camera, Grid, ImagePlane, Rect};
-use crate::hit::Cull;
+use crate::hit::{Cull, Detail};
 use crate::picture::Picture;
 use crate::scene::Scene;
 use crate::shade::{Shader, Shading};
@@ -112,8 +112,9 @@ impl View {
         })
     }
 
-    /// Casts every ray of the picture and keeps nothing: visibility alone, for measuring.
-    pub fn cast(&self, grid: Grid) -> TileStats {
+    /// Casts every ray of the picture and keeps nothing, for measuring: visibility alone, or with t, u and v
+    /// of every hit written, a tile at a time.
+    pub fn cast(&self, grid: Grid, detail: Detail) -> TileStats {
         let plane = self.camera.plane();
         let tiles = grid.tiles(plane.columns, plane.rows);
         let sum = Mutex::new(TileStats::default());
@@ -124,7 +125,7 @@ impl View {
             &Cancel::default(),
             buffers,
             |buffers, index| {
-                let stats = Job::cast(self, tiles[index], buffers);
+                let stats = Job::cast(self, tiles[index], detail, buffers);
                 *sum.lock().unwrap_or_else(PoisonError::into_inner) += stats;
             },
         );

@@ -4,6 +4,7 @@ use crate::output::print;
 use crate::progress::Progress;
 use crate::setup;
 use crate::stats::{self, json, milliseconds};
+use raycast_core::Detail;
 use raycast_core::accel::Accel;
 use raycast_core::camera::{Camera, Grid, Lattice, Placement, PlaneRequest, fov_to_frame};
 use raycast_core::formats;
@@ -49,6 +50,7 @@ struct ViewFigures {
     rays: u64,
     hits: u64,
     cast_ms: Spread,
+    hits_ms: Spread,
     frame_ms: Spread,
     mrays_per_s: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -288,6 +290,7 @@ fn measure_view(
     progress: &Progress,
 ) -> Result<ViewFigures, Failure> {
     let mut cast_times = Vec::new();
+    let mut hits_times = Vec::new();
     let mut frame_times = Vec::new();
     let ways = baselines.unwrap_or_default();
     let lattices: Vec<Vec<Lattice>> = ways
@@ -303,8 +306,11 @@ fn measure_view(
     let mut picture = Picture::blank(plane.columns, plane.rows, false);
     for frame in 0..=frames {
         let started = Instant::now();
-        let counts = std::hint::black_box(view.cast(Grid::default()));
+        let counts = std::hint::black_box(view.cast(Grid::default(), Detail::Triangle));
         let cast = started.elapsed();
+        let started = Instant::now();
+        std::hint::black_box(view.cast(Grid::default(), Detail::Full));
+        let hits = started.elapsed();
         let wall = render_frame(view, &mut picture)?;
         for ((way, lattices), frames) in ways.iter().zip(&lattices).zip(&mut baseline_frames) {
             let started = Instant::now();
@@ -315,6 +321,7 @@ fn measure_view(
         }
         if frame > 0 {
             cast_times.push(cast);
+            hits_times.push(hits);
             frame_times.push(wall);
             tiles = counts;
         }
@@ -327,6 +334,7 @@ fn measure_view(
         rays: tiles.rays,
         hits: tiles.counts.hits,
         cast_ms,
+        hits_ms: Spread::of(&mut hits_times),
         frame_ms: Spread::of(&mut frame_times),
         mrays_per_s: stats::mrays_per_s(tiles.rays, cast_time),
         baselines: baselines.map(|ways| {
@@ -405,6 +413,7 @@ mod tests {
             rays: 2,
             hits: 1,
             cast_ms: Spread::default(),
+            hits_ms: Spread::default(),
             frame_ms: Spread::default(),
             mrays_per_s: 1.0,
             baselines: None,
@@ -414,7 +423,15 @@ mod tests {
         keys.sort();
         assert_eq!(
             keys,
-            ["cast_ms", "frame_ms", "hits", "mrays_per_s", "rays", "view"]
+            [
+                "cast_ms",
+                "frame_ms",
+                "hits",
+                "hits_ms",
+                "mrays_per_s",
+                "rays",
+                "view"
+            ]
         );
         assert_eq!(
             value["cast_ms"],
