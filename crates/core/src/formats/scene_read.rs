@@ -50,6 +50,7 @@ pub(super) fn read(
         image,
         shading,
         warnings,
+        opened: files.opened(),
     })
 }
 
@@ -580,6 +581,8 @@ texture = "t.ppm"
     fn files_append() {
         let mut file = parse("[image]\nsamples = 2\n[[object]]\nmesh = \"b.txt\"");
         file.append(parse(WHOLE));
+        let opened = ["b.txt", "parts/a.obj", "parts/a.mtl", "t.ppm"].map(PathBuf::from);
+        assert_eq!(file.opened, opened, "what both opened is named once");
         assert_eq!(file.scene.objects.len(), 4);
         assert_eq!(file.scene.objects[1].parent, Some(2));
         assert_eq!(file.image.samples, Some(2));
