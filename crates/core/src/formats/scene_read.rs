@@ -19,8 +19,8 @@ use toml::Spanned;
 /// The vertical field of view, in degrees, of a perspective camera that names none.
 const DEFAULT_FOV: f64 = 45.0;
 
-/// The most rays a pixel.
-const SAMPLE_LIMIT: u32 = 65_536;
+/// The most rays a pixel, as on the command line.
+const SAMPLE_LIMIT: u32 = 4096;
 
 /// Reads a scene file's text, and through `files` what it names.
 pub(super) fn read(
