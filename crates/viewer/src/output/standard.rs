@@ -16,10 +16,10 @@ pub fn print(text: &str) -> Result<(), Failure> {
     )
 }
 
-/// What became of writing to standard output, as [`print`] has it.
+/// What became of writing to standard output, as [`print()`] has it.
 ///
 /// # Errors
-/// As [`print`].
+/// As [`print()`].
 pub fn written(outcome: io::Result<()>) -> Result<(), Failure> {
     match outcome {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::could_not(
