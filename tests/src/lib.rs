@@ -4,5 +4,6 @@
 
 pub mod binary;
 pub mod check;
+pub mod files;
 pub mod models;
 pub mod screen;

@@ -1,9 +1,13 @@
 //! What a command line may hold.
 
+mod mistyped;
 mod values;
 
+pub use mistyped::mistyped;
 pub use values::{OrbitArg, SceneColor};
 
+use crate::failure::Failure;
+use crate::output;
 use clap::{Args, Parser, Subcommand};
 use raycast_core::camera::{Grid, Projection};
 use raycast_core::glam::DVec3;
@@ -12,6 +16,7 @@ use raycast_core::render::Precision;
 use raycast_core::scene::Crop;
 use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
 use raycast_report::scenes::Made;
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -183,11 +188,11 @@ pub struct ShadingArgs {
     /// How the texture is read between its texels [default: bilinear]
     #[arg(long, value_name = "KIND", value_parser = values::named(values::FILTERS))]
     pub filter: Option<Filter>,
-    /// Every object's colours: `file`, `per-triangle[:SEED]` or `#rrggbb` [default: the file's own,
+    /// Every object's colours: `file`, `per-triangle[:SEED]`, `#rrggbb` or `#rgb` [default: the file's own,
     /// or one a triangle where it has none]
     #[arg(long, value_name = "COLOR", value_parser = values::scene_color)]
     pub color: Option<SceneColor>,
-    /// What lies behind: `#top,#bottom`, `#rrggbb` or `transparent`
+    /// What lies behind: `#top,#bottom`, `#rrggbb`, `#rgb` or `transparent`
     #[arg(long, value_name = "COLORS", value_parser = values::background)]
     pub background: Option<Background>,
 }
@@ -362,9 +367,12 @@ Examples:
 pub struct ReportArgs {
     /// Meshes or scene files, each measured for itself [default: the demo's, and some made in code]
     pub files: Vec<PathBuf>,
-    /// The folder to write to; made if it is not there
+    /// The folder to write to: made if it is not there, and written over if it holds a report
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
+    /// Write to a folder that is not empty and holds no report, too
+    #[arg(long)]
+    pub force: bool,
     /// Measure little, in seconds: to see what a report is like
     #[arg(long)]
     pub quick: bool,
@@ -410,12 +418,13 @@ pub struct VerifyArgs {
 /// standard output in full. Returns the exit status.
 pub fn refuse(error: &clap::Error) -> ExitCode {
     if !error.use_stderr() {
-        // A reader that went away early has seen enough.
-        let _ = error.print();
-        return ExitCode::SUCCESS;
+        let printed = error.print().and_then(|()| std::io::stdout().flush());
+        return match output::written(printed) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(failure) => failure.tell(),
+        };
     }
-    eprintln!("raycast: {}", one_line(&error.to_string()));
-    ExitCode::from(2)
+    Failure::usage(one_line(&error.to_string())).tell()
 }
 
 /// clap's message without its usage: `error: …`, details on lines of their own, then hints.

@@ -4,27 +4,69 @@ use raycast_core::camera::PlaneError;
 use raycast_core::formats::FormatError;
 use raycast_core::image::{FragmentError, ImageError};
 use raycast_core::scene::SceneError;
+use std::error::Error;
 use std::fmt;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 /// Why a command was not done; shown as one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Failure {
     /// What was asked for makes no sense: exit status 2.
-    Usage(String),
+    Usage(Reason),
     /// It could not be done: exit status 1.
-    CouldNot(String),
+    CouldNot(Reason),
+}
+
+/// What is told of a failure, and the error that it came from, if it came from one. Two are equal if
+/// they tell the same.
+#[derive(Clone, Debug)]
+pub struct Reason {
+    message: String,
+    source: Option<Arc<dyn Error + Send + Sync>>,
+}
+
+impl Reason {
+    /// An error in its own words.
+    pub fn of(error: impl Error + Send + Sync + 'static) -> Self {
+        Self {
+            message: error.to_string(),
+            source: Some(Arc::new(error)),
+        }
+    }
+}
+
+impl PartialEq for Reason {
+    fn eq(&self, other: &Self) -> bool {
+        self.message == other.message
+    }
+}
+
+impl Eq for Reason {}
+
+impl From<String> for Reason {
+    fn from(message: String) -> Self {
+        Self {
+            message,
+            source: None,
+        }
+    }
 }
 
 impl Failure {
     /// Bad usage.
     pub fn usage(message: impl Into<String>) -> Self {
-        Self::Usage(message.into())
+        Self::Usage(message.into().into())
     }
 
     /// Could not.
     pub fn could_not(message: impl Into<String>) -> Self {
-        Self::CouldNot(message.into())
+        Self::CouldNot(message.into().into())
+    }
+
+    fn reason(&self) -> &Reason {
+        let (Self::Usage(reason) | Self::CouldNot(reason)) = self;
+        reason
     }
 
     /// The exit status that says so.
@@ -38,8 +80,7 @@ impl Failure {
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (Self::Usage(message) | Self::CouldNot(message)) = self;
-        for (index, line) in message.lines().enumerate() {
+        for (index, line) in self.reason().message.lines().enumerate() {
             if index > 0 {
                 f.write_str(" ")?;
             }
@@ -49,23 +90,28 @@ impl fmt::Display for Failure {
     }
 }
 
-impl std::error::Error for Failure {}
+impl Error for Failure {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        let source = self.reason().source.as_deref()?;
+        Some(source)
+    }
+}
 
 impl From<PlaneError> for Failure {
     fn from(error: PlaneError) -> Self {
-        Self::Usage(error.to_string())
+        Self::Usage(Reason::of(error))
     }
 }
 
 impl From<FormatError> for Failure {
     fn from(error: FormatError) -> Self {
-        Self::CouldNot(error.to_string())
+        Self::CouldNot(Reason::of(error))
     }
 }
 
 impl From<SceneError> for Failure {
     fn from(error: SceneError) -> Self {
-        Self::CouldNot(error.to_string())
+        Self::CouldNot(Reason::of(error))
     }
 }
 
@@ -73,15 +119,37 @@ impl From<ImageError> for Failure {
     fn from(error: ImageError) -> Self {
         match error {
             ImageError::UnknownFormat { .. } | ImageError::NotForFragments => {
-                Self::Usage(error.to_string())
+                Self::Usage(Reason::of(error))
             }
-            _ => Self::CouldNot(error.to_string()),
+            _ => Self::CouldNot(Reason::of(error)),
         }
     }
 }
 
 impl From<FragmentError> for Failure {
     fn from(error: FragmentError) -> Self {
-        Self::CouldNot(error.to_string())
+        Self::CouldNot(Reason::of(error))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn a_failure_keeps_the_error_that_it_came_from() {
+        let missing = raycast_core::formats::read_texture(Path::new("none/there.png"));
+        let error = missing.expect_err("there is no such file");
+        let told = error.to_string();
+        let failure = Failure::from(error);
+        assert_eq!(failure.to_string(), told);
+        let source = failure.source().expect("a source");
+        assert!(source.is::<FormatError>());
+        let io = source.source().and_then(|io| io.downcast_ref());
+        let io: &std::io::Error = io.expect("the system's own error");
+        assert_eq!(io.kind(), std::io::ErrorKind::NotFound);
+        assert_eq!(failure, Failure::could_not(told));
+        assert!(Failure::usage("no").source().is_none());
     }
 }

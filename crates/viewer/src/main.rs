@@ -5,6 +5,10 @@ use raycast_viewer::{cli, commands};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    let first = std::env::args_os().nth(1);
+    if let Some(refused) = first.as_deref().and_then(cli::mistyped) {
+        return refused.tell();
+    }
     match cli::Cli::try_parse() {
         Ok(cli) => commands::run(cli),
         Err(error) => cli::refuse(&error),

@@ -1,5 +1,9 @@
 //! From files and options to what a command works on: scene, camera, shading.
 
+mod nothing_to_see;
+
+pub use nothing_to_see::NothingToSee;
+
 use crate::cli::{CameraArgs, ShadingArgs};
 use crate::failure::Failure;
 use raycast_core::accel::{Accel, Simd};
@@ -11,7 +15,7 @@ use raycast_core::formats::{self, CameraFile, FormatError, Progress, SceneFile};
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{Bounds, Dropped, Scene};
 use raycast_core::shade::{Shading, Wireframe};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The picture's size where nobody says another.
@@ -67,14 +71,39 @@ pub fn tree(scene: &Scene) -> Result<Accel, Failure> {
     Ok(Accel::build(scene)?.with_simd(simd))
 }
 
-/// The files that a scene was read from, beside those that were named.
-pub fn sources(scene: &Scene) -> impl Iterator<Item = &Path> {
-    scene
-        .objects
-        .iter()
-        .flat_map(|object| [&object.source, &object.texture_source])
-        .flatten()
-        .map(PathBuf::as_path)
+/// The tree over a scene of which something can be seen; `name` is what an error calls it.
+///
+/// # Errors
+/// As [`tree`]; [`NothingToSee`] where no triangle is left.
+pub fn visible_tree(name: &str, scene: &Scene) -> Result<Accel, Failure> {
+    let accel = tree(scene)?;
+    if accel.is_empty() {
+        return Err(NothingToSee {
+            name: name.to_owned(),
+            triangles: scene.triangle_count(),
+            dropped: dropped(scene, &accel),
+        }
+        .into());
+    }
+    Ok(accel)
+}
+
+/// The box around what can be seen: a triangle that its transform moved out of range is not.
+pub fn bounds(scene: &Scene, accel: &Accel) -> Bounds {
+    if accel.out_of_range() == 0 {
+        return scene.bounds();
+    }
+    let corners = (0..accel.len() as u32).flat_map(|slot| accel.corners(slot));
+    Bounds::around(corners.map(|corner| accel.origin() + corner.as_dvec3()))
+}
+
+/// What a scene of these files is called in an error.
+pub fn name_of(files: &[PathBuf]) -> String {
+    match files {
+        [] => "the scene".to_owned(),
+        [file] => file.display().to_string(),
+        [first, rest @ ..] => format!("{} and {} more", first.display(), rest.len()),
+    }
 }
 
 /// Gives every object the texture and the colours that were asked for.
@@ -172,6 +201,21 @@ pub fn camera(
     }
     .resolve(default_size, frame)?;
     Ok(Camera::new(placement, projection, plane))
+}
+
+/// Why there is no camera: bad usage, if anything was asked of it; else the fault of the files.
+pub fn no_camera(args: &CameraArgs, name: &str, error: PlaneError) -> Failure {
+    let was_asked = args.size.is_some()
+        || args.step.is_some()
+        || args.fov.is_some()
+        || args.eye.is_some()
+        || args.target.is_some()
+        || args.orbit.is_some();
+    if was_asked {
+        error.into()
+    } else {
+        Failure::could_not(format!("{name}: its camera cannot be used: {error}"))
+    }
 }
 
 /// A scene file's vertical field of view, or the one that its orthographic frame has from its eye.

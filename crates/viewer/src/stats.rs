@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::output::{Output, print};
 use raycast_core::render::TileStats;
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// The numbers of `--stats`. Times are wall-clock milliseconds.
@@ -79,6 +79,17 @@ impl StatsTarget {
             None => Ok(Self::Nowhere),
             Some(path) if path == Path::new("-") => Ok(Self::Stdout),
             Some(path) => Ok(Self::File(Output::at(path, inputs)?)),
+        }
+    }
+
+    /// Checks that they do not go to one of these files.
+    ///
+    /// # Errors
+    /// As [`Output::check_against`].
+    pub fn check_against(&self, opened: &[PathBuf]) -> Result<(), Failure> {
+        match self {
+            Self::Nowhere | Self::Stdout => Ok(()),
+            Self::File(output) => output.check_against(opened),
         }
     }
 

@@ -261,6 +261,24 @@ fn a_path_can_be_typed_where_the_desktop_has_no_dialog() {
 }
 
 #[test]
+fn a_file_is_replaced_when_the_person_says_so() {
+    let path = PathBuf::from("out/picture.png");
+    for (button, effects) in [
+        ("Keep it", vec![]),
+        ("Replace it", vec![Effect::Replace(path.clone())]),
+    ] {
+        let mut harness = open_with(State {
+            replacing: Some(path.clone()),
+            ..State::default()
+        });
+        harness.get_by_label("out/picture.png is there already.");
+        click(&mut harness, button);
+        assert_eq!(harness.state().effects, effects);
+        assert_eq!(harness.state().state.replacing, None);
+    }
+}
+
+#[test]
 fn an_error_is_shown_in_full_until_it_is_dismissed() {
     let text = "models/bad.obj:17: expected a vertex index, found \"f 1 2 x\"";
     let mut harness = open_with(State {

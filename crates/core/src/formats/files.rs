@@ -1,4 +1,5 @@
 use super::Progress;
+use std::cell::RefCell;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
@@ -10,15 +11,39 @@ pub(super) trait Files {
 
     /// The path under which an object remembers its file.
     fn source(&self, path: &Path) -> PathBuf;
+
+    /// The files that were opened so far, each once, by the paths that [`Files::source`] gives.
+    fn opened(&self) -> Vec<PathBuf>;
 }
 
-/// The file system.
-pub(super) struct Disk;
+/// The files that were opened, each once, in their order.
+#[derive(Default)]
+struct Opened(RefCell<Vec<PathBuf>>);
+
+impl Opened {
+    fn add(&self, path: PathBuf) {
+        let mut paths = self.0.borrow_mut();
+        if !paths.contains(&path) {
+            paths.push(path);
+        }
+    }
+
+    fn list(&self) -> Vec<PathBuf> {
+        self.0.borrow().clone()
+    }
+}
+
+/// The file system, for one reading of a scene.
+#[derive(Default)]
+pub(super) struct Disk {
+    opened: Opened,
+}
 
 impl Files for Disk {
     fn read(&self, path: &Path, progress: Progress<'_>) -> io::Result<Vec<u8>> {
         const STEP: u64 = 1 << 20;
         let mut file = File::open(path)?;
+        self.opened.add(self.source(path));
         let length = file.metadata()?.len();
         let mut bytes = Vec::new();
         // The length is what the system says: a pipe has none, and grows as it is read.
@@ -29,16 +54,41 @@ impl Files for Disk {
     }
 
     fn source(&self, path: &Path) -> PathBuf {
-        std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+        absolute(path)
+    }
+
+    fn opened(&self) -> Vec<PathBuf> {
+        self.opened.list()
     }
 }
 
-/// Files that the caller holds: relative path, with `/` between its parts, to bytes.
-pub(super) struct Held<'a>(pub(super) &'a dyn Fn(&str) -> Option<Vec<u8>>);
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}
+
+/// Files that the caller holds.
+pub(super) struct Held<'a> {
+    /// Relative path, with `/` between its parts, to bytes.
+    resolve: &'a dyn Fn(&str) -> Option<Vec<u8>>,
+    opened: Opened,
+}
+
+impl<'a> Held<'a> {
+    pub(super) fn new(resolve: &'a dyn Fn(&str) -> Option<Vec<u8>>) -> Self {
+        Self {
+            resolve,
+            opened: Opened::default(),
+        }
+    }
+}
 
 impl Files for Held<'_> {
     fn read(&self, path: &Path, progress: Progress<'_>) -> io::Result<Vec<u8>> {
-        let bytes = self.source(path).to_str().and_then(self.0);
+        let source = self.source(path);
+        let bytes = source.to_str().and_then(self.resolve);
+        if bytes.is_some() {
+            self.opened.add(source);
+        }
         progress(1.0);
         bytes.ok_or_else(|| io::Error::from(io::ErrorKind::NotFound))
     }
@@ -53,6 +103,10 @@ impl Files for Held<'_> {
             }
         }
         PathBuf::from(parts.join("/"))
+    }
+
+    fn opened(&self) -> Vec<PathBuf> {
+        self.opened.list()
     }
 }
 
@@ -73,7 +127,7 @@ pub(super) fn relative(file: &Path, folder: &Path) -> Option<String> {
     if file.is_relative() {
         return slashed(file);
     }
-    let folder = Disk.source(folder);
+    let folder = absolute(folder);
     let mut to = file.components().peekable();
     let mut from = folder.components().peekable();
     let mut in_common = false;
@@ -112,9 +166,11 @@ mod tests {
 
     #[test]
     fn held_files_have_plain_names() {
-        let held = Held(&|name| (name == "a/c.obj").then(|| vec![7]));
+        let held = Held::new(&|name| (name == "a/c.obj").then(|| vec![7]));
         let read = |path: &str| held.read(Path::new(path), &|_| ());
         assert_eq!(read("./a/b/../c.obj").ok(), Some(vec![7]));
         assert!(read("c.obj").is_err());
+        assert!(read("a/c.obj").is_ok());
+        assert_eq!(held.opened(), [PathBuf::from("a/c.obj")]);
     }
 }

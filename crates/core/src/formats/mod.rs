@@ -37,8 +37,9 @@ const READING: f32 = 0.2;
 /// A file that cannot be read, or is not a mesh of a kind we know: with file, line and what was
 /// expected.
 pub fn read_mesh(path: &Path, progress: Progress<'_>) -> Result<Mesh, FormatError> {
-    let bytes = read_bytes(path, &|share| progress(share * READING))?;
-    let read = mesh_file::read(path, &bytes, &Disk, &|share| {
+    let disk = Disk::default();
+    let bytes = read_bytes(&disk, path, &|share| progress(share * READING))?;
+    let read = mesh_file::read(path, &bytes, &disk, &|share| {
         progress(READING + share * (1.0 - READING));
     })?;
     Ok(read.mesh)
@@ -50,7 +51,7 @@ pub fn read_mesh(path: &Path, progress: Progress<'_>) -> Result<Mesh, FormatErro
 /// A file that cannot be read, is not an image of a kind we know, or has a side longer than
 /// 32768 texels.
 pub fn read_texture(path: &Path) -> Result<Texture, FormatError> {
-    texture::decode(path, &read_bytes(path, &|_| ())?)
+    decode_texture(&Disk::default(), path)
 }
 
 /// Reads a scene file (`.raycast.toml`) and every mesh and texture that it names, or a mesh file as
@@ -60,20 +61,21 @@ pub fn read_texture(path: &Path) -> Result<Texture, FormatError> {
 /// # Errors
 /// As [`read_mesh`]; a scene file that does not parse, with its line.
 pub fn read_scene(path: &Path, progress: Progress<'_>) -> Result<SceneFile, FormatError> {
-    let bytes = read_bytes(path, &|share| progress(share * READING))?;
+    let disk = Disk::default();
+    let bytes = read_bytes(&disk, path, &|share| progress(share * READING))?;
     let rest = |share: f32| progress(READING + share * (1.0 - READING));
     if kind::is_scene(path, &bytes) {
-        return scene_read::read(path, &bytes, &Disk, &rest);
+        return scene_read::read(path, &bytes, &disk, &rest);
     }
-    let read = mesh_file::read(path, &bytes, &Disk, &rest)?;
+    let read = mesh_file::read(path, &bytes, &disk, &rest)?;
     let mut warnings = read.warnings;
     let mut object = Object::new(mesh_file::name(path), Arc::new(read.mesh));
-    object.source = Some(Disk.source(path));
+    object.source = Some(disk.source(path));
     if let Some(image) = read.texture {
-        match read_texture(&image) {
+        match decode_texture(&disk, &image) {
             Ok(texture) => {
                 object.texture = Some(Arc::new(texture));
-                object.texture_source = Some(Disk.source(&image));
+                object.texture_source = Some(disk.source(&image));
             }
             Err(error) => warnings.push(error.to_string()),
         }
@@ -83,6 +85,7 @@ pub fn read_scene(path: &Path, progress: Progress<'_>) -> Result<SceneFile, Form
             objects: vec![object],
         },
         warnings,
+        opened: disk.opened(),
         ..SceneFile::default()
     })
 }
@@ -101,13 +104,17 @@ pub fn read_scene_from(
     scene_read::read(
         Path::new("scene"),
         toml_text.as_bytes(),
-        &Held(resolve),
+        &Held::new(resolve),
         &|_| (),
     )
 }
 
-fn read_bytes(path: &Path, progress: Progress<'_>) -> Result<Vec<u8>, FormatError> {
-    Disk.read(path, progress)
+fn decode_texture(disk: &Disk, path: &Path) -> Result<Texture, FormatError> {
+    texture::decode(path, &read_bytes(disk, path, &|_| ())?)
+}
+
+fn read_bytes(disk: &Disk, path: &Path, progress: Progress<'_>) -> Result<Vec<u8>, FormatError> {
+    disk.read(path, progress)
         .map_err(|error| FormatError::io(path, error))
 }
 
@@ -172,6 +179,16 @@ mod tests {
         let scene = folder.write("deep/saved.raycast.toml", text.as_bytes());
         let again = read_scene(&scene, &|_| ()).expect("a good scene");
         assert_eq!(again.scene.objects[0].texture, object.texture);
+
+        assert_eq!(again.opened.first(), Some(&scene));
+        let library = folder.0.join("a.mtl");
+        for opened in [&mesh, &library, &image] {
+            assert!(file.opened.contains(opened), "{:?}", file.opened);
+        }
+        std::fs::write(&image, b"no image").expect("a file can be written");
+        let unreadable = read_scene(&mesh, &|_| ()).expect("a mesh with a bad image");
+        assert!(unreadable.scene.objects[0].texture.is_none());
+        assert_eq!(unreadable.opened, file.opened);
 
         std::fs::remove_file(&image).expect("it was there");
         let file = read_scene(&mesh, &|_| ()).expect("a mesh without its image");

@@ -337,7 +337,7 @@ mod tests {
         "newmtl red\nKd 1 0 0\nmap_Kd skin.png\nnewmtl blue\nKd 0 0 1\nmap_Kd skin.png\n";
 
     fn parse_bytes(bytes: &[u8]) -> Result<Obj, FormatError> {
-        let files = Held(&|name| (name == "parts/a.mtl").then(|| LIBRARY.into()));
+        let files = Held::new(&|name| (name == "parts/a.mtl").then(|| LIBRARY.into()));
         read(Path::new("parts/a.obj"), bytes, &files, &|_| ())
     }
 

@@ -1,6 +1,7 @@
 use crate::camera::{Placement, Projection};
 use crate::scene::Scene;
 use crate::shade::Shading;
+use std::path::PathBuf;
 
 /// A scene as a `.raycast.toml` holds it, read with everything that it names. What the file leaves
 /// out is `None`: the caller's defaults stand.
@@ -16,6 +17,11 @@ pub struct SceneFile {
     pub shading: Option<ShadingFile>,
     /// What was not as it should be, and did not matter enough to stop: a line each. Never saved.
     pub warnings: Vec<String>,
+    /// Every file that was opened on the way, each once: the scene file itself, meshes, their
+    /// material libraries, textures, and those that could be opened and then not be read. Nothing
+    /// should be written over them. Absolute, or relative where they came from a caller's own store
+    /// of files. Never saved.
+    pub opened: Vec<PathBuf>,
 }
 
 /// A scene file's camera.
@@ -56,5 +62,10 @@ impl SceneFile {
         self.image.samples = self.image.samples.or(other.image.samples);
         self.shading = self.shading.or(other.shading);
         self.warnings.extend(other.warnings);
+        for path in other.opened {
+            if !self.opened.contains(&path) {
+                self.opened.push(path);
+            }
+        }
     }
 }

@@ -19,8 +19,8 @@ use toml::Spanned;
 /// The vertical field of view, in degrees, of a perspective camera that names none.
 const DEFAULT_FOV: f64 = 45.0;
 
-/// The most rays a pixel.
-const SAMPLE_LIMIT: u32 = 65_536;
+/// The most rays a pixel, as on the command line.
+const SAMPLE_LIMIT: u32 = 4096;
 
 /// Reads a scene file's text, and through `files` what it names.
 pub(super) fn read(
@@ -50,6 +50,7 @@ pub(super) fn read(
         image,
         shading,
         warnings,
+        opened: files.opened(),
     })
 }
 
@@ -580,6 +581,8 @@ texture = "t.ppm"
     fn files_append() {
         let mut file = parse("[image]\nsamples = 2\n[[object]]\nmesh = \"b.txt\"");
         file.append(parse(WHOLE));
+        let opened = ["b.txt", "parts/a.obj", "parts/a.mtl", "t.ppm"].map(PathBuf::from);
+        assert_eq!(file.opened, opened, "what both opened is named once");
         assert_eq!(file.scene.objects.len(), 4);
         assert_eq!(file.scene.objects[1].parent, Some(2));
         assert_eq!(file.image.samples, Some(2));

@@ -1,4 +1,6 @@
 use super::{Picture, exr, jpeg, png, ppm};
+use std::ffi::OsStr;
+use std::path::Path;
 
 /// A kind of image file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,17 +39,14 @@ pub enum ImageError {
 }
 
 impl Format {
-    /// The kind that a file's name says.
+    /// The kind that the end of a file's name says, after its last dot. A name of that end alone
+    /// (`png`, `.png`) says none.
     ///
     /// # Errors
     /// An extension that names none.
     pub fn from_name(name: &str) -> Result<Self, ImageError> {
-        match name
-            .rsplit('.')
-            .next()
-            .map(str::to_ascii_lowercase)
-            .as_deref()
-        {
+        let extension = Path::new(name).extension().and_then(OsStr::to_str);
+        match extension.map(str::to_ascii_lowercase).as_deref() {
             Some("png") => Ok(Self::Png),
             Some("ppm") => Ok(Self::Ppm),
             Some("jpg" | "jpeg") => Ok(Self::Jpeg),
@@ -124,7 +123,16 @@ mod tests {
     fn names_say_the_kind() {
         assert_eq!(Format::from_name("a.b/c.PNG").ok(), Some(Format::Png));
         assert_eq!(Format::from_name("c.jpeg").ok(), Some(Format::Jpeg));
-        for bad in ["", "a.gif", "a.png.bak", "a."] {
+        for bad in [
+            "",
+            "a.gif",
+            "a.png.bak",
+            "a.",
+            "png",
+            ".png",
+            "a/.png",
+            "a.png/b",
+        ] {
             let error = Format::from_name(bad).expect_err("names no kind");
             assert!(
                 error

@@ -12,14 +12,20 @@ impl Color {
 impl FromStr for Color {
     type Err = String;
 
-    /// Reads `#rrggbb`, hexadecimal, the `#` optional.
+    /// Reads `#rrggbb`, or `#rgb` for `#rrggbb` with each digit twice: hexadecimal, the `#` optional.
     fn from_str(text: &str) -> Result<Self, String> {
         let digits = text.strip_prefix('#').unwrap_or(text);
-        match u32::from_str_radix(digits, 16) {
-            Ok(value) if digits.len() == 6 && digits.bytes().all(|b| b.is_ascii_hexdigit()) => {
-                Ok(Self([(value >> 16) as u8, (value >> 8) as u8, value as u8]))
-            }
-            _ => Err(format!("expected a colour as #rrggbb, found {text:?}")),
+        let value = u32::from_str_radix(digits, 16)
+            .ok()
+            .filter(|_| digits.bytes().all(|b| b.is_ascii_hexdigit()));
+        match (value, digits.len()) {
+            (Some(value), 6) => Ok(Self([(value >> 16) as u8, (value >> 8) as u8, value as u8])),
+            (Some(value), 3) => Ok(Self(
+                [8, 4, 0].map(|shift| (value >> shift & 15) as u8 * 17),
+            )),
+            _ => Err(format!(
+                "expected a colour as #rrggbb or #rgb, found {text:?}"
+            )),
         }
     }
 }
@@ -86,7 +92,11 @@ mod tests {
     fn reads_what_it_writes() {
         let color = Color([1, 0xab, 255]);
         assert_eq!(color.to_string().parse(), Ok(color));
-        for bad in ["", "#12345", "#1234567", "#gg0000", "+12345"] {
+        assert_eq!("#0aF".parse(), Ok(Color([0, 0xaa, 255])));
+        assert_eq!("fff".parse(), "#ffffff".parse::<Color>());
+        for bad in [
+            "", "#12", "#1234", "#ggg", "+12", "#12345", "#1234567", "#gg0000", "+12345",
+        ] {
             assert!(bad.parse::<Color>().is_err(), "{bad}");
         }
     }

@@ -7,15 +7,29 @@
 //! and whether the picture on screen is the newest and full. A picture asked for gives
 //! `{"ms", "request", "size", "threads"}`.
 
+use crate::failure::Failure;
+use crate::output::Output;
 use crate::ui::canvas::Progress;
 use std::fs::File;
 use std::io::{BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// An open log.
+/// A log. Until the first scene is there its lines are held back: the file could be one that the scene
+/// is read from.
 #[derive(Debug)]
-pub struct FrameLog(BufWriter<File>);
+pub struct FrameLog {
+    output: Output,
+    lines: Lines,
+}
+
+/// Where lines go.
+#[derive(Debug)]
+enum Lines {
+    Held(Vec<u8>),
+    Written(BufWriter<File>),
+    Lost,
+}
 
 /// What a line tells of a frame.
 #[derive(Clone, Copy, Debug)]
@@ -35,12 +49,38 @@ pub struct FrameLine {
 }
 
 impl FrameLog {
-    /// Starts a log in a new file.
+    /// A log that is to be written to a file, which is none of these.
     ///
     /// # Errors
-    /// The system's refusal.
-    pub fn create(path: &Path) -> std::io::Result<Self> {
-        Ok(Self(BufWriter::new(File::create(path)?)))
+    /// As [`Output::at`].
+    pub fn at(path: &Path, files: &[PathBuf]) -> Result<Self, Failure> {
+        let inputs: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
+        Ok(Self {
+            output: Output::at(path, &inputs)?,
+            lines: Lines::Held(Vec::new()),
+        })
+    }
+
+    /// Writes what there is, and from now on every line as it comes, in place of what the file held.
+    ///
+    /// # Errors
+    /// A file that is one of those `opened`, or that the system refuses: then there is no log.
+    pub fn begin(&mut self, opened: &[PathBuf]) -> Result<(), Failure> {
+        let Lines::Held(held) = &self.lines else {
+            return Ok(());
+        };
+        let opened = self.output.check_against(opened);
+        let file = opened.and_then(|()| self.output.open_in_place());
+        let mut file = match file {
+            Ok(file) => BufWriter::new(file),
+            Err(failure) => {
+                self.lines = Lines::Lost;
+                return Err(failure);
+            }
+        };
+        let _ = file.write_all(held).and_then(|()| file.flush());
+        self.lines = Lines::Written(file);
+        Ok(())
     }
 
     /// Writes a frame down. A full disk must not end the session: then there is no more log.
@@ -70,10 +110,47 @@ impl FrameLog {
     }
 
     fn write(&mut self, value: &serde_json::Value) {
-        let _ = writeln!(self.0, "{value}").and_then(|()| self.0.flush());
+        let _ = match &mut self.lines {
+            Lines::Held(held) => writeln!(held, "{value}"),
+            Lines::Written(file) => writeln!(file, "{value}").and_then(|()| file.flush()),
+            Lines::Lost => Ok(()),
+        };
     }
 }
 
 fn milliseconds(time: Duration) -> f64 {
     (time.as_secs_f64() * 1e6).round() * 1e-3
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_of_the_scene_is_not_written_over() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let [mesh, library, path] =
+            ["mesh.obj", "mesh.mtl", "log"].map(|name| folder.path().join(name));
+        for file in [&mesh, &library, &path] {
+            std::fs::write(file, "what it held").expect("written");
+        }
+        let files = [mesh.clone()];
+        assert!(FrameLog::at(&mesh, &files).is_err());
+
+        let opened = [mesh, library.clone()];
+        let mut log = FrameLog::at(&library, &files).expect("not yet known");
+        assert!(log.begin(&opened).is_err());
+        log.request(Duration::ZERO, 1, (1, 1), 1);
+        assert_eq!(std::fs::read(&library).expect("the file"), b"what it held");
+
+        let mut log = FrameLog::at(&path, &files).expect("a log");
+        log.request(Duration::ZERO, 1, (1, 1), 1);
+        assert_eq!(std::fs::read(&path).expect("the file"), b"what it held");
+        log.begin(&opened).expect("another file");
+        log.request(Duration::ZERO, 2, (1, 1), 1);
+        let text = std::fs::read_to_string(&path).expect("the log");
+        let lines: Vec<_> = text.lines().collect();
+        assert_eq!(lines.len(), 2, "{text}");
+        assert!(lines[0].contains("\"request\":1") && lines[1].contains("\"request\":2"));
+    }
 }

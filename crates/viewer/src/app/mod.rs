@@ -16,7 +16,7 @@ use crate::state::State;
 use crate::state::update::{self, Effect, News};
 use crate::ui::canvas::{self, Canvas};
 use crate::ui::{present, theme};
-use crate::worker::files::Files;
+use crate::worker::files::{Files, Saving};
 use crate::worker::outbox::Outbox;
 use crate::worker::render::{Renderer, Request};
 use crate::worker::{Clock, Wake};
@@ -127,6 +127,7 @@ impl App {
         for news in self.files.fetch() {
             if matches!(news, News::Loaded(_)) {
                 self.canvas.clear(self.generation + 1);
+                self.begin_log(now);
             }
             let effect = update::receive(&mut self.state, news, now);
             self.carry_out(effect);
@@ -142,6 +143,16 @@ impl App {
             .map(|file| file.path().to_path_buf())
             .collect();
         self.drop_in(paths);
+    }
+
+    /// Lets the log be written, now that it is known which files are not to be touched.
+    fn begin_log(&mut self, now: Duration) {
+        if let Some(log) = &mut self.log
+            && let Err(failure) = log.begin(&self.files.opened())
+        {
+            let news = News::Failed(failure.to_string());
+            update::receive(&mut self.state, news, now);
+        }
     }
 
     /// Takes in tiles of pictures of a size that fits what is shown. Returns whether they begin or end one.
@@ -185,12 +196,20 @@ impl App {
             Some(Effect::Dialog(kind)) => {
                 self.files.ask(kind, update::suggested_name(&self.state));
             }
-            Some(Effect::Save(path)) => {
-                if let Some(view) = self.state.view() {
-                    let state = &self.state;
-                    self.files.save(view, state.grid, state.threads, path);
-                }
-            }
+            Some(Effect::Save(path)) => self.save_picture(path, false),
+            Some(Effect::Replace(path)) => self.save_picture(path, true),
+        }
+    }
+
+    fn save_picture(&self, path: PathBuf, replace: bool) {
+        if let Some(view) = self.state.view() {
+            let state = &self.state;
+            let picture = Saving {
+                view,
+                grid: state.grid,
+                threads: state.threads,
+            };
+            self.files.save(picture, path, replace);
         }
     }
 

@@ -3,6 +3,7 @@
 use super::frames::{self, Frames};
 use super::log::FrameLog;
 use super::{App, Link};
+use crate::output::say;
 use crate::worker::Clock;
 use crate::worker::outbox::Outbox;
 use std::path::PathBuf;
@@ -26,12 +27,13 @@ pub struct Options {
 ///
 /// With no display it prints one line that names `raycast render`, and exits with 1.
 pub fn run(options: Options) -> ExitCode {
-    let log = match options.log.as_deref().map(FrameLog::create).transpose() {
+    let log = options.log.as_deref();
+    let log = match log
+        .map(|path| FrameLog::at(path, &options.files))
+        .transpose()
+    {
         Ok(log) => log,
-        Err(error) => {
-            let name = options.log.unwrap_or_default();
-            return refuse(&format!("{}: {error}", name.display()));
-        }
+        Err(failure) => return failure.tell(),
     };
     if !has_display() {
         return refuse(NO_DISPLAY);
@@ -100,12 +102,9 @@ const NO_DISPLAY: &str =
 const NO_WINDOW: &str =
     "the window could not be opened; `raycast render` makes pictures without one";
 
-#[expect(
-    clippy::print_stderr,
-    reason = "the one line that says why there is no window"
-)]
+/// The one line that says why there is no window.
 fn refuse(reason: &str) -> ExitCode {
-    eprintln!("raycast: {reason}");
+    say(reason);
     ExitCode::FAILURE
 }
 

@@ -179,7 +179,7 @@ pub(super) fn crop(text: &str) -> Result<Crop, String> {
 
 /// Reads a colour rule.
 pub(super) fn scene_color(text: &str) -> Result<SceneColor, String> {
-    const EXPECTED: &str = "expected file, per-triangle, per-triangle:SEED or #rrggbb";
+    const EXPECTED: &str = "expected file, per-triangle, per-triangle:SEED, #rrggbb or #rgb";
     match text.split_once(':') {
         None if text == "file" => Ok(ColorRule::File),
         None if text == "per-triangle" => Ok(ColorRule::PerTriangle { seed: 0 }),
@@ -201,7 +201,7 @@ pub(super) fn background(text: &str) -> Result<Background, String> {
     }
     let color = |text: &str| {
         text.parse::<Color>()
-            .map_err(|_| "expected #top,#bottom, #rrggbb or transparent".to_owned())
+            .map_err(|_| "expected #top,#bottom, #rrggbb, #rgb or transparent".to_owned())
     };
     let (top, bottom) = text.split_once(',').unwrap_or((text, text));
     Ok(Background::Gradient(color(top)?, color(bottom)?))
@@ -274,6 +274,7 @@ mod tests {
             scene_color("#0102ff"),
             Ok(ColorRule::Uniform(Color([1, 2, 255])))
         );
+        assert_eq!(scene_color("#0af"), scene_color("#00aaff"));
         for bad in ["", "per-triangle:", "per-triangle:-1", "file:1", "#12345"] {
             assert!(scene_color(bad).is_err(), "{bad}");
         }

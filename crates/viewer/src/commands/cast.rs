@@ -61,13 +61,18 @@ pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
     let progress = Progress::new();
     progress.loading();
     let SceneFile {
-        scene, warnings, ..
+        scene,
+        warnings,
+        opened,
+        ..
     } = setup::load(&args.files, &|share| progress.loaded(share))?;
-    output.check_against(setup::sources(&scene))?;
+    output.check_against(&opened)?;
+    stats_target.check_against(&opened)?;
     let load_time = started.elapsed();
     progress.building();
     let building = Instant::now();
-    let accel = pool.install(|| setup::tree(&scene))?;
+    let name = setup::name_of(&args.files);
+    let accel = pool.install(|| setup::visible_tree(&name, &scene))?;
     let build_time = building.elapsed();
 
     progress.counting("casting", bytes / RAY_BYTES as u64);
@@ -86,6 +91,13 @@ pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
         |rays| pool.install(|| cast_all(&accel, args.cull, rays, &progress)),
     )?;
     progress.clear();
+    let answered = counts.rays * RAY_BYTES as u64;
+    if bytes > 0 && answered != bytes {
+        return Err(Failure::could_not(format!(
+            "{}: was changed while it was read: expected {bytes} bytes, found {answered}",
+            args.rays.display()
+        )));
+    }
     warn_of_reading(&warnings, &scene, &accel);
 
     if counts.invalid > 0 {

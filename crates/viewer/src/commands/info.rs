@@ -1,5 +1,5 @@
 use super::Failure;
-use crate::cli::InfoArgs;
+use crate::cli::{CameraArgs, InfoArgs};
 use crate::output::print;
 use crate::progress::Progress;
 use crate::setup;
@@ -129,20 +129,31 @@ fn inspect(path: &Path) -> Result<FileInfo, Failure> {
     progress.loading();
     let loading = Instant::now();
     let SceneFile {
-        scene, warnings, ..
+        scene,
+        warnings,
+        camera,
+        image,
+        ..
     } = formats::read_scene(path, &|share| progress.loaded(share))?;
     let load_time = loading.elapsed();
     progress.building();
     let building = Instant::now();
     let accel = setup::tree(&scene)?;
     let build_time = building.elapsed();
+    let bounds = setup::bounds(&scene, &accel);
+    if !accel.is_empty() {
+        // What cannot be rendered as it is is not described as if it could.
+        let args = CameraArgs::default();
+        setup::camera(&args, camera.as_ref(), image.size, &bounds)
+            .map_err(|error| setup::no_camera(&args, &path.display().to_string(), error))?;
+    }
     let tree_bytes = accel.retained_bytes();
     Ok(FileInfo {
         file: path.display().to_string(),
         kind: kind(path, &first_bytes(path)),
         triangles: scene.triangle_count() as u64,
         dropped: (&setup::dropped(&scene, &accel)).into(),
-        bounds: BoundsInfo::new(&scene.bounds()),
+        bounds: BoundsInfo::new(&bounds),
         load_ms: milliseconds(load_time),
         build_ms: milliseconds(build_time),
         tree_bytes,

@@ -11,6 +11,7 @@ mod verify;
 use crate::failure::Failure;
 
 use crate::cli::{Cli, Command};
+use crate::output::say;
 use crate::{app::open, output, setup};
 use raycast_core::accel::Accel;
 use raycast_core::scene::Scene;
@@ -19,8 +20,10 @@ use std::process::ExitCode;
 
 /// Does what the command line says; tells a failure in one line on standard error.
 ///
-/// The exit status is 0 for done, 1 for could not, 2 for bad usage; Ctrl-C exits with 130.
+/// The exit status is 0 for done, 1 for could not, 2 for bad usage; signals that end it give 130, 143
+/// and 129: see [`output::watch_signals`].
 pub fn run(cli: Cli) -> ExitCode {
+    output::watch_signals();
     let command = match cli.command {
         None => {
             return view(open::Options {
@@ -31,7 +34,6 @@ pub fn run(cli: Cli) -> ExitCode {
         Some(Command::View { files, log }) => return view(open::Options { files, log }),
         Some(command) => command,
     };
-    output::remove_unfinished_on_interrupt();
     let done = match command {
         Command::View { .. } => Ok(()),
         Command::Render(args) => render::run(&args),
@@ -44,7 +46,7 @@ pub fn run(cli: Cli) -> ExitCode {
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => tell(&failure),
+        Err(failure) => failure.tell(),
     }
 }
 
@@ -52,13 +54,8 @@ pub fn run(cli: Cli) -> ExitCode {
 fn view(options: open::Options) -> ExitCode {
     match setup::instruction_set() {
         Ok(_) => open::run(options),
-        Err(failure) => tell(&failure),
+        Err(failure) => failure.tell(),
     }
-}
-
-fn tell(failure: &Failure) -> ExitCode {
-    eprintln!("raycast: {failure}");
-    failure.exit_code()
 }
 
 /// So many workers; 0 for one each of the machine's.
@@ -88,5 +85,5 @@ fn warn_of_reading(warnings: &[String], scene: &Scene, accel: &Accel) {
 
 /// Says on standard error what is odd but no failure.
 fn warn(text: &str) {
-    eprintln!("raycast: warning: {text}");
+    say(&format!("warning: {text}"));
 }

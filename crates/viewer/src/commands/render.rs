@@ -37,14 +37,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let loading = Instant::now();
     let mut file = setup::load(&args.files, &|share| progress.loaded(share))?;
     setup::paint(&mut file.scene, &args.shading)?;
-    output.check_against(setup::sources(&file.scene))?;
+    output.check_against(&file.opened)?;
+    stats_target.check_against(&file.opened)?;
     let load_time = loading.elapsed();
-    let camera = setup::camera(
-        &args.camera,
-        file.camera.as_ref(),
-        file.image.size,
-        &file.scene.bounds(),
-    )?;
     let settings = Settings {
         shading: setup::shading(&args.shading, file.shading),
         cull: args.casting.cull,
@@ -52,20 +47,28 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         samples: args.samples.or(file.image.samples).unwrap_or(1).max(1),
         layers: format == Format::Exr,
     };
+
+    progress.building();
+    let building = Instant::now();
+    let SceneFile {
+        scene,
+        warnings,
+        camera,
+        image,
+        ..
+    } = file;
+    let name = setup::name_of(&args.files);
+    let accel = pool.install(|| setup::visible_tree(&name, &scene))?;
+    let build_time = building.elapsed();
+    let bounds = setup::bounds(&scene, &accel);
+    let camera = setup::camera(&args.camera, camera.as_ref(), image.size, &bounds)
+        .map_err(|error| setup::no_camera(&args.camera, &name, error))?;
     let plane = camera.plane();
     let grid = args.tiles.grid();
     let cell = match args.tiles.sub_camera {
         Some(cell) => Some(tile_at(grid, cell, (plane.columns, plane.rows))?),
         None => None,
     };
-
-    progress.building();
-    let building = Instant::now();
-    let SceneFile {
-        scene, warnings, ..
-    } = file;
-    let accel = pool.install(|| setup::tree(&scene))?;
-    let build_time = building.elapsed();
     let view = View {
         scene: Arc::new(scene),
         accel: Arc::new(accel),

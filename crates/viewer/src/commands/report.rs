@@ -1,15 +1,18 @@
 use super::{Failure, warn_of_reading, workers};
 use crate::cli::ReportArgs;
-use crate::output::Output;
+use crate::output::Folder;
 use crate::progress::Progress;
 use crate::setup;
 use crate::worker::demo;
 use raycast_core::formats;
 use raycast_core::scene::Scene;
 use raycast_report::{Effort, Input, ReportError, Watch, scenes, stage};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
+
+/// What the names of a report's files end in.
+const KINDS: [&str; 4] = [".md", ".csv", ".png", ".svg"];
 
 /// Measures speed against error, and writes a report of it.
 pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
@@ -21,28 +24,38 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
             Effort::FULL
         }
     };
-    std::fs::create_dir_all(&args.output).map_err(|error| {
-        Failure::could_not(format!(
-            "{}: cannot be made: {error}",
-            args.output.display()
-        ))
-    })?;
+    let folder = Folder::at(&args.output, args.force)?;
     let inputs: Vec<&Path> = args.files.iter().map(AsRef::as_ref).collect();
-    let place = |name: &str| Output::at(&args.output.join(name), &inputs);
     // Better now than after minutes.
-    place("report.md")?;
+    folder.file("report.md", &inputs)?;
     let pool = workers(args.threads)?;
     let progress = Progress::new();
-    let scenes = if args.files.is_empty() {
-        own_scenes(&effort)?
+    let (scenes, opened) = if args.files.is_empty() {
+        (own_scenes(&effort)?, Vec::new())
     } else {
         read_scenes(args, &progress)?
     };
+    let inputs: Vec<&Path> = inputs
+        .into_iter()
+        .chain(opened.iter().map(PathBuf::as_path))
+        .collect();
+    // What the report could be written over is known now, not after minutes either.
+    for name in inputs.iter().filter_map(|input| input.file_name()) {
+        let name = name.to_string_lossy();
+        if KINDS.iter().any(|kind| name.ends_with(kind)) {
+            folder.file(&name, &inputs)?;
+        }
+    }
     let files =
         pool.install(|| raycast_report::report(&scenes, &effort, &command_line(args), &progress))?;
-    let written = files
+    // First: from then on a command that is stopped can be given again.
+    let marker = (Folder::MARKER, Folder::MARKER_TEXT.as_bytes());
+    let files = files
         .iter()
-        .map(|(name, bytes)| place(name)?.write(bytes))
+        .map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
+    let written = std::iter::once(marker)
+        .chain(files)
+        .map(|(name, bytes)| folder.file(name, &inputs)?.write(bytes))
         .collect::<Result<Vec<_>, _>>()?;
     for file in written {
         file.finish()?;
@@ -66,14 +79,20 @@ impl From<ReportError> for Failure {
     }
 }
 
-/// The scenes of the files, each for itself.
-fn read_scenes(args: &ReportArgs, progress: &Progress) -> Result<Vec<Input>, Failure> {
-    let read = |path: &std::path::PathBuf| {
+/// The scenes of the files, each for itself, and all files that were opened for them.
+fn read_scenes(
+    args: &ReportArgs,
+    progress: &Progress,
+) -> Result<(Vec<Input>, Vec<PathBuf>), Failure> {
+    let mut opened = Vec::new();
+    let read = |path: &PathBuf| {
         progress.loading();
         let started = Instant::now();
         let file = formats::read_scene(path, &|share| progress.loaded(share))?;
         let parsing = started.elapsed();
-        warn_of_reading(&file.warnings, &file.scene, &setup::tree(&file.scene)?);
+        let accel = setup::visible_tree(&path.display().to_string(), &file.scene)?;
+        warn_of_reading(&file.warnings, &file.scene, &accel);
+        opened.extend(file.opened);
         let name = path.file_stem().unwrap_or(path.as_os_str());
         Ok(Input {
             name: name.to_string_lossy().into_owned(),
@@ -81,7 +100,12 @@ fn read_scenes(args: &ReportArgs, progress: &Progress) -> Result<Vec<Input>, Fai
             parsing: Some(parsing),
         })
     };
-    args.files.iter().map(read).collect()
+    let inputs = args
+        .files
+        .iter()
+        .map(read)
+        .collect::<Result<_, Failure>>()?;
+    Ok((inputs, opened))
 }
 
 /// The scenes of a report that was given none: the demo's meshes and the demo itself, and a bumpy

@@ -30,13 +30,25 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let progress = Progress::new();
     progress.loading();
     let file = setup::load(files, &|share| progress.loaded(share))?;
+    progress.building();
+    let SceneFile {
+        scene,
+        warnings,
+        camera,
+        image: file_image,
+        ..
+    } = file;
+    let name = setup::name_of(files);
+    let stage = pool.install(|| stage(&name, scene))?;
+    let bounds = setup::bounds(&stage.scene, &stage.accel);
     let size = image.as_ref().map(|image| image.full_size);
     let camera = setup::camera(
         &args.camera,
-        file.camera.as_ref(),
-        size.or(file.image.size),
-        &file.scene.bounds(),
-    )?;
+        camera.as_ref(),
+        size.or(file_image.size),
+        &bounds,
+    )
+    .map_err(|error| setup::no_camera(&args.camera, &name, error))?;
     let plane = camera.plane();
     if let (Some(path), Some((columns, rows))) = (path, size)
         && (plane.columns, plane.rows) != (columns, rows)
@@ -48,12 +60,6 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
             plane.rows
         )));
     }
-
-    progress.building();
-    let SceneFile {
-        scene, warnings, ..
-    } = file;
-    let stage = pool.install(|| stage(scene))?;
     let image = match image {
         Some(image) => image,
         None => pool.install(|| render(args, &stage, camera, &progress))?,
@@ -137,8 +143,8 @@ fn read(path: &Path) -> Result<Image, Failure> {
     })
 }
 
-fn stage(scene: Scene) -> Result<Stage, Failure> {
-    let accel = setup::tree(&scene)?;
+fn stage(name: &str, scene: Scene) -> Result<Stage, Failure> {
+    let accel = setup::visible_tree(name, &scene)?;
     Ok(Stage::of_parts(Arc::new(scene), Arc::new(accel))?)
 }
 

@@ -7,6 +7,7 @@ use crate::state::command::Command;
 use crate::state::{Prompt, State};
 use crate::ui::theme;
 use egui::{Align2, Area, Context, Frame, Id, Margin, Order, RichText, Stroke, Ui, vec2};
+use std::path::Path;
 
 /// What an empty window says.
 const HINT: &str = "Open a mesh (Ctrl+O) or drop one here";
@@ -34,13 +35,19 @@ pub(super) fn show(
     let top = Area::new(Id::unique("banners"))
         .order(Order::Middle)
         .fixed_pos(room.center_top() + vec2(-width * 0.5, 12.0));
-    let anything = state.prompt.is_some() || !state.errors.is_empty() || status.activity.is_some();
+    let anything = state.prompt.is_some()
+        || state.replacing.is_some()
+        || !state.errors.is_empty()
+        || status.activity.is_some();
     if anything {
         top.show(context, |ui| {
             ui.set_width(width);
             activity(ui, status);
             if let Some(prompt) = &state.prompt {
                 path_line(ui, prompt, out);
+            }
+            if let Some(path) = &state.replacing {
+                question(ui, path, out);
             }
             for (index, error) in state.errors.iter().enumerate().rev().take(4) {
                 error_banner(ui, index, error, out);
@@ -154,6 +161,23 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
                 out.push(Command::ConfirmPath);
             }
             if ui.button("Cancel").clicked() || escaped {
+                out.push(Command::Dismiss);
+            }
+        });
+    });
+}
+
+/// Whether a picture may replace the file at `path`.
+fn question(ui: &mut Ui, path: &Path, out: &mut Commands) {
+    card(theme::ACCENT).show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        let text = format!("{} is there already.", path.display());
+        ui.add(egui::Label::new(RichText::new(text).strong()).wrap());
+        ui.horizontal(|ui| {
+            if ui.button("Replace it").clicked() {
+                out.push(Command::ReplacePicture(path.to_owned()));
+            }
+            if ui.button("Keep it").on_hover_text("Close (Esc)").clicked() {
                 out.push(Command::Dismiss);
             }
         });

@@ -112,14 +112,16 @@ pub enum Command {
     OpenCase(&'static str),
     /// Put an image on every object.
     LoadTexture(PathBuf),
-    /// Write the picture to a file; its name says which kind.
+    /// Write the picture to a file; its name says which kind. Where one is there already, ask first.
     SavePicture(PathBuf),
+    /// The same, in place of what is there.
+    ReplacePicture(PathBuf),
 
     /// Show or hide the side panel.
     TogglePanel,
     /// Show or hide the keys.
     ToggleHelp,
-    /// Close the topmost of: keys, path line, error.
+    /// Close the topmost of: keys, question, path line, error.
     Dismiss,
     /// Close one error.
     DismissError(usize),

@@ -159,6 +159,8 @@ pub struct State {
     pub help: bool,
     /// The path line, if open.
     pub prompt: Option<Prompt>,
+    /// The file that a picture would replace, while the person is asked whether it may.
+    pub replacing: Option<PathBuf>,
     /// Errors that were not dismissed yet, oldest first.
     pub errors: Vec<String>,
     /// Messages that go by themselves, oldest first.
@@ -196,6 +198,7 @@ impl Default for State {
             panel: true,
             help: false,
             prompt: None,
+            replacing: None,
             errors: Vec::new(),
             toasts: Vec::new(),
             hover: None,

@@ -10,7 +10,7 @@ use raycast_core::formats::CameraFile;
 use raycast_core::image::Format;
 use raycast_core::scene::Texture;
 use raycast_core::shade::Wireframe;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -23,8 +23,10 @@ pub enum Effect {
     OpenCase(&'static str),
     /// Read an image as a texture.
     LoadTexture(PathBuf),
-    /// Write the picture.
+    /// Write the picture, unless a file is there.
     Save(PathBuf),
+    /// Write the picture, in place of what is there.
+    Replace(PathBuf),
     /// Show the desktop's own dialog.
     Dialog(PromptKind),
 }
@@ -38,6 +40,8 @@ pub enum News {
     Texture(Arc<Texture>),
     /// A picture was written.
     Saved(PathBuf),
+    /// It was not: a file is there.
+    Taken(PathBuf),
     /// Something could not be done: the whole message.
     Failed(String),
     /// A dialog was closed: with a path, by a person, or because the desktop has none.
@@ -147,7 +151,12 @@ pub fn update(state: &mut State, command: Command) -> Option<Effect> {
             state.prompt = None;
             return Some(Effect::LoadTexture(path));
         }
-        Command::SavePicture(path) => return save(state, path),
+        Command::SavePicture(path) => {
+            return can_be_saved(state, &path).then_some(Effect::Save(path));
+        }
+        Command::ReplacePicture(path) => {
+            return can_be_saved(state, &path).then_some(Effect::Replace(path));
+        }
 
         Command::TogglePanel => state.panel = !state.panel,
         Command::ToggleHelp => state.help = !state.help,
@@ -175,6 +184,7 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
         News::Saved(path) => state
             .toasts
             .push(toast(format!("Saved {}", path.display()))),
+        News::Taken(path) => state.replacing = Some(path),
         News::Failed(message) => {
             // The same fault twice is one banner.
             state.errors.retain(|error| *error != message);
@@ -186,7 +196,12 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
             match answer {
                 DialogAnswer::Path(path) => {
                     state.prompt = None;
-                    return update(state, path_command(kind, path));
+                    let command = match kind {
+                        // The desktop's dialog has asked whether it may.
+                        PromptKind::Save => Command::ReplacePicture(path),
+                        PromptKind::Open | PromptKind::Texture => path_command(kind, path),
+                    };
+                    return update(state, command);
                 }
                 DialogAnswer::Cancelled => state.prompt = None,
                 DialogAnswer::Unavailable => prompt.dialog = false,
@@ -463,19 +478,23 @@ fn confirm(state: &mut State) -> Option<Effect> {
     update(state, command)
 }
 
-fn save(state: &mut State, path: PathBuf) -> Option<Effect> {
+/// Whether a picture can have this name: then nothing more is asked.
+fn can_be_saved(state: &mut State, path: &Path) -> bool {
     // A wrong name is told while the path can still be changed.
     if let Err(error) = Format::from_name(&path.to_string_lossy()) {
         report(state, error.to_string());
-        return None;
+        return false;
     }
     state.prompt = None;
-    Some(Effect::Save(path))
+    state.replacing = None;
+    true
 }
 
 fn dismiss(state: &mut State) {
     if state.help {
         state.help = false;
+    } else if state.replacing.is_some() {
+        state.replacing = None;
     } else if state.prompt.is_some() {
         state.prompt = None;
     } else {

@@ -225,6 +225,34 @@ fn a_picture_needs_a_name_that_says_its_kind() {
 }
 
 #[test]
+fn a_picture_replaces_a_file_when_the_person_says_so() {
+    let mut state = State::default();
+    let path = PathBuf::from("picture.png");
+    let ask = |state: &mut State| {
+        let news = News::Taken(path.clone());
+        assert_eq!(receive(state, news, Duration::ZERO), None);
+        assert_eq!(state.replacing.as_ref(), Some(&path));
+    };
+    ask(&mut state);
+    update(&mut state, Command::Dismiss);
+    assert_eq!(state.replacing, None);
+    ask(&mut state);
+    assert_eq!(
+        update(&mut state, Command::ReplacePicture(path.clone())),
+        Some(Effect::Replace(path.clone()))
+    );
+    assert_eq!(state.replacing, None);
+
+    // The desktop's dialog has asked already.
+    update(&mut state, Command::Ask(PromptKind::Save));
+    let answer = News::Dialog(PromptKind::Save, DialogAnswer::Path(path.clone()));
+    assert_eq!(
+        receive(&mut state, answer, Duration::ZERO),
+        Some(Effect::Replace(path))
+    );
+}
+
+#[test]
 fn escape_closes_the_topmost_first() {
     let mut state = State::default();
     state.errors.push("an error".to_owned());

@@ -1,15 +1,16 @@
 //! Reading scenes and textures, writing pictures, asking for paths: a named thread for each task.
 
 use super::{Wake, case, demo, panic_text};
+use crate::failure::Failure;
+use crate::output::Output;
 use crate::setup;
 use crate::state::Document;
 use crate::state::PromptKind;
 use crate::state::update::{DialogAnswer, Loaded, News};
 use raycast_core::camera::Grid;
 use raycast_core::formats::{self, SceneFile};
-use raycast_core::image::{Format, Picture};
+use raycast_core::image::Format;
 use raycast_core::render::{Cancel, View};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -48,6 +49,19 @@ struct Shared {
     documents: AtomicU64,
     loads: Mutex<Vec<(u64, String, Arc<Progress>)>>,
     saves: AtomicU32,
+    /// Every file that was opened: no picture is written over one.
+    opened: Mutex<Vec<PathBuf>>,
+}
+
+/// A picture that is to be saved.
+#[derive(Clone, Debug)]
+pub struct Saving {
+    /// What it shows.
+    pub view: View,
+    /// How it is split.
+    pub grid: Grid,
+    /// On how many threads it is rendered.
+    pub threads: usize,
 }
 
 impl std::fmt::Debug for Shared {
@@ -77,6 +91,7 @@ impl Files {
                 documents: AtomicU64::new(0),
                 loads: Mutex::default(),
                 saves: AtomicU32::new(0),
+                opened: Mutex::default(),
             }),
             news,
         }
@@ -119,6 +134,11 @@ impl Files {
         })
     }
 
+    /// Every file that was opened so far.
+    pub fn opened(&self) -> Vec<PathBuf> {
+        lock(&self.shared.opened).clone()
+    }
+
     /// Reads files as one scene; the demo scene if there are none. The newest call wins.
     pub fn open(&self, paths: Vec<PathBuf>) {
         self.load(scene_name(&paths), paths, read);
@@ -153,22 +173,27 @@ impl Files {
 
     /// Reads an image as a texture.
     pub fn load_texture(&self, path: PathBuf) {
-        self.shared.spawn("raycast-texture", ANY, move |_| {
+        self.shared.spawn("raycast-texture", ANY, move |shared| {
+            lock(&shared.opened).push(path.clone());
             let texture = formats::read_texture(&path).map_err(|error| error.to_string())?;
             Ok(News::Texture(Arc::new(texture)))
         });
     }
 
-    /// Renders the picture once more, with all that the file's kind holds, and writes it.
-    pub fn save(&self, view: View, grid: Grid, threads: usize, path: PathBuf) {
+    /// Renders the picture once more, with all that the file's kind holds, and writes it; not where a
+    /// file is there, unless it may `replace` that.
+    pub fn save(&self, picture: Saving, path: PathBuf, replace: bool) {
         self.shared.saves.fetch_add(1, Ordering::Relaxed);
         self.shared.spawn("raycast-save", ANY, move |shared| {
             let saved = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-                save(view, grid, threads, &path)
+                save(picture, &path, replace, shared)
             }));
             shared.saves.fetch_sub(1, Ordering::Relaxed);
-            saved.map_err(|panic| panic_text(&*panic))??;
-            Ok(News::Saved(path))
+            match saved.map_err(|panic| panic_text(&*panic))? {
+                Ok(true) => Ok(News::Saved(path)),
+                Ok(false) => Ok(News::Taken(path)),
+                Err(failure) => Err(failure.to_string()),
+            }
         });
     }
 
@@ -256,22 +281,22 @@ fn load(
     shared: &Shared,
 ) -> Result<Loaded, String> {
     let started = Instant::now();
+    lock(&shared.opened).extend_from_slice(paths);
     let file = read(&|share| {
         progress.read(share);
         (shared.wake)();
     })?;
+    lock(&shared.opened).extend(file.opened);
     let load_time = started.elapsed();
     progress.0.store(BUILDING, Ordering::Relaxed);
     (shared.wake)();
     let started = Instant::now();
-    let accel = setup::tree(&file.scene).map_err(|error| error.to_string())?;
+    let called = match paths {
+        [] => name.clone(),
+        paths => setup::name_of(paths),
+    };
+    let accel = setup::visible_tree(&called, &file.scene).map_err(|error| error.to_string())?;
     let build_time = started.elapsed();
-    if accel.is_empty() {
-        return Err(match paths.first() {
-            Some(path) => format!("{}: no triangle in it can be seen", path.display()),
-            None => format!("{name}: no triangle in it can be seen"),
-        });
-    }
     let dropped: u64 = file
         .scene
         .objects
@@ -283,7 +308,7 @@ fn load(
         let plural = if dropped == 1 { "" } else { "s" };
         notes.push(format!("{dropped} degenerate triangle{plural} left out"));
     }
-    let bounds = file.scene.bounds();
+    let bounds = setup::bounds(&file.scene, &accel);
     Ok(Loaded {
         document: Document {
             number: shared.documents.fetch_add(1, Ordering::Relaxed) + 1,
@@ -303,67 +328,44 @@ fn load(
     })
 }
 
-/// Reads every file into one scene; camera and settings are the first file's that has any.
+/// Reads every file into one scene, or the demo scene if there is none.
 fn read(paths: &[PathBuf], progress: &(dyn Fn(f32) + Sync)) -> Result<SceneFile, String> {
     if paths.is_empty() {
         return demo::scene().map_err(|error| error.to_string());
     }
-    let mut whole = SceneFile::default();
-    for (index, path) in paths.iter().enumerate() {
-        let share = |share: f32| progress((index as f32 + share) / paths.len() as f32);
-        let file = formats::read_scene(path, &share).map_err(|error| error.to_string())?;
-        let first = whole.scene.objects.len();
-        whole
-            .scene
-            .objects
-            .extend(file.scene.objects.into_iter().map(|mut object| {
-                object.parent = object.parent.map(|parent| parent + first);
-                object
-            }));
-        whole.warnings.extend(file.warnings);
-        whole.camera = whole.camera.or(file.camera);
-        whole.image.samples = whole.image.samples.or(file.image.samples);
-        whole.shading = whole.shading.or(file.shading);
-    }
-    Ok(whole)
+    setup::load(paths, progress).map_err(|error| error.to_string())
 }
 
-fn save(mut view: View, grid: Grid, threads: usize, path: &Path) -> Result<(), String> {
-    let format = Format::from_name(&path.to_string_lossy()).map_err(|error| error.to_string())?;
+/// Whether the picture was written: not where a file is there that it may not replace.
+fn save(saving: Saving, path: &Path, replace: bool, shared: &Shared) -> Result<bool, Failure> {
+    let Saving {
+        mut view,
+        grid,
+        threads,
+    } = saving;
+    let format = Format::from_name(&path.to_string_lossy())?;
+    let opened = || lock(&shared.opened).clone();
+    let output = Output::at(path, &[])?;
+    output.check_against(opened())?;
+    if output.is_taken() && !replace {
+        return Ok(false);
+    }
     view.settings.layers = format == Format::Exr;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(|index| format!("raycast-save-{index}"))
         .start_handler(|_| super::priority::give_way())
         .build()
-        .map_err(|error| error.to_string())?;
+        .map_err(|error| Failure::could_not(error.to_string()))?;
     let clock = || Duration::ZERO;
     let picture = pool
         .install(|| view.render(grid, &clock, &Cancel::default(), &|_| {}))
-        .ok_or("the render was cancelled")?;
-    write(&picture, format, path)
-}
-
-/// Writes all of a picture, or nothing: beside its place first, then into it.
-fn write(picture: &Picture, format: Format, path: &Path) -> Result<(), String> {
-    let bytes = picture.encode(format).map_err(|error| error.to_string())?;
-    let describe = |error: std::io::Error| format!("{}: {error}", path.display());
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".raycast-");
-    #[cfg(unix)]
-    {
-        // The usual rights of a new file, before the person's umask; a temporary file's are fewer.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(folder).map_err(describe)?;
-    file.write_all(&bytes).map_err(describe)?;
-    file.persist(path).map_err(|error| describe(error.error))?;
-    Ok(())
+        .ok_or_else(|| Failure::could_not("the render was cancelled"))?;
+    let file = output.write(&picture.encode(format)?)?;
+    // Another scene may have been opened meanwhile.
+    output.check_against(opened())?;
+    file.finish()?;
+    Ok(true)
 }
 
 fn dialog(kind: PromptKind, suggested: &str) -> DialogAnswer {
@@ -438,14 +440,63 @@ mod tests {
         );
     }
 
+    fn picture() -> Saving {
+        let demo = demo::scene().expect("the demo scene");
+        let accel = setup::tree(&demo.scene).expect("a tree");
+        let size = Some((16, 9));
+        let camera = demo.camera.as_ref();
+        let camera = setup::camera(&Default::default(), camera, size, &demo.scene.bounds());
+        Saving {
+            view: View {
+                scene: Arc::new(demo.scene),
+                accel: Arc::new(accel),
+                camera: camera.expect("a camera"),
+                settings: Default::default(),
+            },
+            grid: Grid::default(),
+            threads: 1,
+        }
+    }
+
+    #[test]
+    fn a_picture_replaces_a_file_only_where_it_may() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("a.png");
+        let files = files();
+        let save = |replace| {
+            files.save(picture(), path.clone(), replace);
+            wait(&files)
+        };
+        assert!(matches!(save(false), News::Saved(_)));
+        let whole = std::fs::read(&path).expect("a picture");
+        std::fs::write(&path, "a letter").expect("written");
+        assert!(matches!(save(false), News::Taken(there) if there == path));
+        assert_eq!(std::fs::read(&path).expect("a file"), b"a letter");
+        assert!(matches!(save(true), News::Saved(_)));
+        assert!(std::fs::read(&path).expect("a picture") == whole);
+        assert_eq!(files.activity(), None);
+    }
+
+    #[test]
+    fn a_picture_is_not_written_over_what_was_opened() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("skin.png");
+        std::fs::write(&path, "P3\n1 1\n255\n1 2 3\n").expect("written");
+        let files = files();
+        files.load_texture(path.clone());
+        assert!(matches!(wait(&files), News::Texture(_)));
+        files.save(picture(), path.clone(), true);
+        assert!(matches!(wait(&files), News::Failed(text) if text.contains("skin.png")));
+        assert!(std::fs::read(&path).expect("a file").starts_with(b"P3"));
+    }
+
     #[test]
     fn a_picture_that_cannot_be_written_leaves_no_file() {
         let folder = tempfile::tempdir().expect("a temporary folder");
+        let files = files();
         let path = folder.path().join("missing").join("a.png");
-        let picture = Picture::blank(2, 2, false);
-        // Whether the encoder or the folder refuses, nothing may be left behind.
-        let outcome = std::panic::catch_unwind(|| write(&picture, Format::Png, &path));
-        assert!(!matches!(outcome, Ok(Ok(()))));
+        files.save(picture(), path, true);
+        assert!(matches!(wait(&files), News::Failed(text) if text.contains("a.png")));
         assert_eq!(
             std::fs::read_dir(folder.path()).map(Iterator::count).ok(),
             Some(0)

@@ -1,0 +1,82 @@
+//! A first word that is no command and no file.
+
+use super::Cli;
+use crate::failure::Failure;
+use clap::CommandFactory;
+use std::ffi::OsStr;
+use std::path::Path;
+
+/// What is wrong with a command line's first word, if it must be a command and is none: it is written
+/// as one (letters alone), and no file has that name. Without this it would be taken for a file, and its
+/// options for the window's.
+pub fn mistyped(word: &OsStr) -> Option<Failure> {
+    let is_there = Path::new(word).exists();
+    let word = word.to_str()?;
+    let is_like_a_command = !word.is_empty() && word.chars().all(char::is_alphabetic);
+    if is_there || !is_like_a_command {
+        return None;
+    }
+    let mut cli = Cli::command();
+    // With `help`, which is added here.
+    cli.build();
+    let commands: Vec<_> = cli.get_subcommands().map(|c| c.get_name()).collect();
+    if commands.contains(&word) {
+        return None;
+    }
+    let nearest = nearest(&word.to_lowercase(), &commands);
+    let hint = nearest.map_or(String::new(), |name| format!("; did you mean `{name}`?"));
+    Some(Failure::usage(format!(
+        "{word}: there is no such command and no such file{hint} (see `raycast --help`)"
+    )))
+}
+
+/// The name that takes the fewest slips of the keyboard to become `word`, where that is no more than one
+/// for every three letters, rounded up.
+fn nearest<'a>(word: &str, names: &[&'a str]) -> Option<&'a str> {
+    names
+        .iter()
+        .map(|&name| (strsim::damerau_levenshtein(word, name), name))
+        .min()
+        .filter(|&(slips, name)| slips <= word.len().max(name.len()).div_ceil(3))
+        .map(|(_, name)| name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(word: &str) -> Option<String> {
+        mistyped(OsStr::new(word)).map(|failure| failure.to_string())
+    }
+
+    #[test]
+    fn slips_are_told_with_the_command_that_was_meant() {
+        for (word, meant) in [
+            ("reder", "render"),
+            ("Render", "render"),
+            ("redner", "render"),
+            ("rendering", "render"),
+            ("inof", "info"),
+            ("verfiy", "verify"),
+            ("stich", "stitch"),
+            ("cst", "cast"),
+            ("hlep", "help"),
+            ("veiw", "view"),
+        ] {
+            let told = told(word).unwrap_or_else(|| panic!("{word} is no command"));
+            assert!(told.contains(&format!("did you mean `{meant}`?")), "{told}");
+            assert!(told.starts_with(&format!("{word}: ")), "{told}");
+        }
+        let far = told("bunny").expect("no command, no file");
+        assert!(!far.contains("did you mean"), "{far}");
+    }
+
+    #[test]
+    fn commands_options_and_files_are_let_through() {
+        for word in [
+            "render", "view", "help", "--help", "-V", "", "none.obj", "a/b", "src",
+        ] {
+            assert_eq!(told(word), None, "{word}");
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! A folder of outputs: a report's.
+
+use super::Output;
+use super::part_file::{is_part_name, sweep};
+use crate::failure::Failure;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A folder to write a report to: new, empty, one that holds a report already, or any that was asked
+/// for twice.
+///
+/// Its files appear one by one, each whole; what else is in it stays.
+#[derive(Clone, Debug)]
+pub struct Folder {
+    path: PathBuf,
+}
+
+impl Folder {
+    /// What a folder holds that is a report's.
+    pub const MARKER: &str = ".raycast-report";
+
+    /// What stands in it.
+    pub const MARKER_TEXT: &str = "\
+A report of `raycast report` lies in this folder. Another one may be written over it without being asked for twice.
+";
+
+    /// The folder at `path`, made if it is not there. With `force` it may hold anything.
+    ///
+    /// # Errors
+    /// A folder that cannot be made or read; without `force`, one that is neither empty nor a report's.
+    pub fn at(path: &Path, force: bool) -> Result<Self, Failure> {
+        let cannot = |what: &str, error: std::io::Error| {
+            Failure::could_not(format!("{}: cannot be {what}: {error}", path.display()))
+        };
+        fs::create_dir_all(path).map_err(|error| cannot("made", error))?;
+        sweep(path);
+        let mut is_empty = true;
+        for entry in fs::read_dir(path).map_err(|error| cannot("read", error))? {
+            let name = entry.map_err(|error| cannot("read", error))?.file_name();
+            is_empty &= is_part_name(&name);
+        }
+        if is_empty || force || path.join(Self::MARKER).is_file() {
+            return Ok(Self {
+                path: path.to_owned(),
+            });
+        }
+        Err(Failure::could_not(format!(
+            "{}: is not empty and holds no report: give --force to write one into it",
+            path.display()
+        )))
+    }
+
+    /// The place of a file in it.
+    ///
+    /// # Errors
+    /// As [`Output::at`].
+    pub fn file(&self, name: &str, inputs: &[&Path]) -> Result<Output, Failure> {
+        Output::at(&self.path.join(name), inputs)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_of_something_else_is_asked_for_twice() {
+        let there = tempfile::tempdir().expect("a folder");
+        let new = there.path().join("new/report");
+        let folder = Folder::at(&new, false).expect("a new folder");
+        assert!(Folder::at(&new, false).is_ok(), "it is empty");
+        // What a killed command left is nothing.
+        fs::write(new.join(".raycast-1-0.part"), b"half").expect("written");
+        assert!(Folder::at(&new, false).is_ok());
+        assert_eq!(fs::read_dir(&new).map(Iterator::count).ok(), Some(0));
+
+        fs::write(new.join("thesis.md"), b"years of work").expect("written");
+        let told = Folder::at(&new, false)
+            .expect_err("not a report's")
+            .to_string();
+        assert!(told.contains("--force"), "{told}");
+        assert!(Folder::at(&new, true).is_ok());
+
+        let marker = folder.file(Folder::MARKER, &[]).expect("a place");
+        let written = marker.write(Folder::MARKER_TEXT.as_bytes());
+        written.expect("written").finish().expect("finished");
+        assert!(Folder::at(&new, false).is_ok(), "it holds a report");
+
+        let file = there.path().join("file");
+        fs::write(&file, b"").expect("written");
+        assert!(Folder::at(&file, true).is_err());
+    }
+}

@@ -1,0 +1,281 @@
+//! Part files: what becomes an output, under a name of its own until it is whole.
+
+use super::place::{directory_of, is_at};
+use std::ffi::OsStr;
+use std::fs::{self, File, Permissions, TryLockError};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+const PREFIX: &str = ".raycast-";
+const SUFFIX: &str = ".part";
+
+/// Part files of one process at one time in one folder: more are a fault.
+const MOST: u32 = 1 << 16;
+
+/// Part files that this process has: what a signal removes.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// The part files that this process has. While this is held no other is made, put in its place, or
+/// removed.
+pub(super) fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A part file, locked; removed when dropped, unless [`PartFile::put`] gives it its name.
+#[derive(Debug)]
+pub(super) struct PartFile {
+    file: File,
+    path: PathBuf,
+    is_placed: bool,
+}
+
+impl PartFile {
+    /// A new, empty part file in `directory`. If `is_private` only its owner may read it; else
+    /// everybody whom the umask allows.
+    ///
+    /// # Errors
+    /// A directory that cannot be written.
+    pub(super) fn create_in(directory: &Path, is_private: bool) -> io::Result<Self> {
+        let mut options = File::options();
+        options.read(true).write(true).create_new(true);
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::OpenOptionsExt;
+            options.mode(if is_private { 0o600 } else { 0o666 });
+        }
+        #[cfg(not(unix))]
+        let _ = is_private;
+        let process = std::process::id();
+        let mut paths = unfinished();
+        for number in 0..MOST {
+            let path = directory.join(format!("{PREFIX}{process}-{number}{SUFFIX}"));
+            let file = match options.open(&path) {
+                Ok(file) => file,
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
+                Err(error) => return Err(error),
+            };
+            // Between its making and its locking another process may take it for abandoned, hold it,
+            // and remove it: then the next name is tried.
+            match file.try_lock() {
+                Err(TryLockError::WouldBlock) => continue,
+                Ok(()) if !is_at(&file, &path) => continue,
+                // A file system without locks: there nobody takes it for abandoned.
+                Ok(()) | Err(TryLockError::Error(_)) => {}
+            }
+            paths.push(path.clone());
+            return Ok(Self {
+                file,
+                path,
+                is_placed: false,
+            });
+        }
+        Err(io::Error::other("there are too many part files"))
+    }
+
+    /// The file, to be written.
+    pub(super) fn file(&mut self) -> &mut File {
+        &mut self.file
+    }
+
+    /// Gives the file its name, in place of what has it, once it is safe on the disk.
+    ///
+    /// # Errors
+    /// The system's refusal. The place then has what it had, unless the folder alone could not be
+    /// synced.
+    pub(super) fn put(
+        mut self,
+        destination: &Path,
+        permissions: Option<Permissions>,
+    ) -> io::Result<()> {
+        if let Some(permissions) = permissions {
+            self.file.set_permissions(permissions)?;
+        }
+        self.file.flush()?;
+        sync(&self.file)?;
+        {
+            let mut paths = unfinished();
+            fs::rename(&self.path, destination)?;
+            self.is_placed = true;
+            paths.retain(|path| *path != self.path);
+        }
+        sync_directory(directory_of(destination))
+    }
+}
+
+impl Drop for PartFile {
+    fn drop(&mut self) {
+        if !self.is_placed {
+            let mut paths = unfinished();
+            // Nobody is there to be told; it is then as after a power cut.
+            let _ = fs::remove_file(&self.path);
+            paths.retain(|path| *path != self.path);
+        }
+    }
+}
+
+/// Removes the part files in `directory` that nobody holds: those of processes that were killed.
+pub(super) fn sweep(directory: &Path) {
+    let Ok(entries) = fs::read_dir(directory) else {
+        return;
+    };
+    for entry in entries.flatten() {
+        if is_part_name(&entry.file_name()) {
+            remove_if_abandoned(&entry.path());
+        }
+    }
+}
+
+/// Removes a part file if it can be locked: its process is gone, or has yet to lock it and will then
+/// make another.
+fn remove_if_abandoned(path: &Path) {
+    if !fs::symlink_metadata(path).is_ok_and(|found| found.is_file()) {
+        return;
+    }
+    let Ok(file) = File::options().read(true).write(true).open(path) else {
+        return;
+    };
+    // Who holds the lock alone renames the file: what is at the path now stays there.
+    if file.try_lock().is_ok() && is_at(&file, path) {
+        let _ = fs::remove_file(path);
+    }
+}
+
+/// Whether this is what [`PartFile::create_in`] calls its files.
+pub(super) fn is_part_name(name: &OsStr) -> bool {
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    name.to_str()
+        .and_then(|name| name.strip_prefix(PREFIX)?.strip_suffix(SUFFIX))
+        .and_then(|middle| middle.split_once('-'))
+        .is_some_and(|(process, number)| is_number(process) && is_number(number))
+}
+
+/// Sees a file onto the disk; file systems that cannot say so are taken at their word.
+fn sync(file: &File) -> io::Result<()> {
+    match file.sync_all() {
+        Err(error) if !cannot_sync(&error) => Err(error),
+        _ => Ok(()),
+    }
+}
+
+/// Sees a folder's names onto the disk. A folder that may not be read cannot be synced.
+#[cfg(unix)]
+fn sync_directory(directory: &Path) -> io::Result<()> {
+    match File::open(directory) {
+        Ok(directory) => sync(&directory),
+        Err(_) => Ok(()),
+    }
+}
+
+/// Other systems sync a name with its file.
+#[cfg(not(unix))]
+fn sync_directory(_: &Path) -> io::Result<()> {
+    Ok(())
+}
+
+fn cannot_sync(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn count(directory: &Path) -> usize {
+        fs::read_dir(directory).map_or(0, Iterator::count)
+    }
+
+    #[test]
+    fn names() {
+        for good in [".raycast-1-0.part", ".raycast-4194304-12.part"] {
+            assert!(is_part_name(OsStr::new(good)), "{good}");
+        }
+        for bad in [
+            "raycast-1-0.part",
+            ".raycast-1.part",
+            ".raycast--0.part",
+            ".raycast-1-.part",
+            ".raycast-1-x.part",
+            ".raycast-1-0-0.part",
+            ".raycast-1-0.part.png",
+            ".raycast-notes.part",
+        ] {
+            assert!(!is_part_name(OsStr::new(bad)), "{bad}");
+        }
+    }
+
+    #[test]
+    fn abandoned_files_are_removed_and_held_ones_are_not() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let held = PartFile::create_in(folder.path(), false).expect("a part file");
+        let other = PartFile::create_in(folder.path(), true).expect("another");
+        assert_ne!(held.path, other.path);
+        for name in [".raycast-1-0.part", ".raycast-999999999-7.part"] {
+            fs::write(folder.path().join(name), b"half").expect("a file of a process that is gone");
+        }
+        fs::write(folder.path().join(".raycast-mine.part"), b"").expect("a file of somebody's own");
+        fs::create_dir(folder.path().join(".raycast-2-0.part")).expect("a folder");
+        assert_eq!(count(folder.path()), 6);
+        sweep(folder.path());
+        assert_eq!(count(folder.path()), 4);
+        assert!(held.path.is_file() && other.path.is_file());
+        drop((held, other));
+        assert_eq!(count(folder.path()), 2);
+    }
+
+    #[test]
+    fn what_is_put_in_its_place_is_no_longer_removed() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let place = folder.path().join("a");
+        let mut part = PartFile::create_in(folder.path(), false).expect("a part file");
+        part.file().write_all(b"all").expect("written");
+        part.put(&place, None).expect("put");
+        sweep(folder.path());
+        assert_eq!(fs::read(&place).expect("the file"), b"all");
+        assert_eq!(count(folder.path()), 1);
+
+        let part = PartFile::create_in(folder.path(), false).expect("a part file");
+        assert!(part.put(&folder.path().join("none/a"), None).is_err());
+        assert_eq!(count(folder.path()), 1, "what cannot be put is removed");
+    }
+
+    /// Makers and sweepers in one folder: whoever has a part file keeps it.
+    #[test]
+    fn a_sweep_takes_no_file_from_its_maker() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let is_done = std::sync::atomic::AtomicBool::new(false);
+        let order = std::sync::atomic::Ordering::Relaxed;
+        std::thread::scope(|scope| {
+            for _ in 0..2 {
+                scope.spawn(|| {
+                    while !is_done.load(order) {
+                        sweep(folder.path());
+                    }
+                });
+            }
+            let makers: Vec<_> = (0..2)
+                .map(|maker| {
+                    let place = folder.path().join(format!("file {maker}"));
+                    let folder = folder.path();
+                    scope.spawn(move || {
+                        for round in 0..100u32 {
+                            let mut part = PartFile::create_in(folder, false).expect("a part file");
+                            part.file()
+                                .write_all(&round.to_le_bytes())
+                                .expect("written");
+                            part.put(&place, None).expect("put");
+                        }
+                    })
+                })
+                .collect();
+            for maker in makers {
+                maker.join().expect("no maker lost its file");
+            }
+            is_done.store(true, order);
+        });
+        assert_eq!(count(folder.path()), 2);
+    }
+}

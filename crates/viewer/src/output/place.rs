@@ -1,0 +1,148 @@
+//! Which file a path names, whatever it is called.
+
+use std::ffi::OsString;
+use std::fs::{self, File, Metadata};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// The most links that are followed one after another, as Linux has it.
+const LINKS: usize = 40;
+
+/// A file by what it is: all names of one file have one identity.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Identity {
+    /// Of a file that is there.
+    Present(FileId),
+    /// Of one that is not: its folder, and its name there.
+    Absent(FileId, OsString),
+}
+
+/// Device and inode.
+#[cfg(unix)]
+type FileId = (u64, u64);
+
+/// The one name without links and detours, where a system shows nothing better.
+#[cfg(not(unix))]
+type FileId = PathBuf;
+
+impl Identity {
+    /// What `path` names; `None` where it can name nothing.
+    pub(super) fn of(path: &Path) -> Option<Self> {
+        if let Some(id) = file_id(path) {
+            return Some(Self::Present(id));
+        }
+        let path = follow(path).ok()?;
+        let name = path.file_name()?.to_owned();
+        Some(Self::Absent(file_id(directory_of(&path))?, name))
+    }
+}
+
+#[cfg(unix)]
+fn file_id(path: &Path) -> Option<FileId> {
+    fs::metadata(path).ok().map(|found| id_of(&found))
+}
+
+#[cfg(unix)]
+fn id_of(found: &Metadata) -> FileId {
+    use std::os::unix::fs::MetadataExt;
+    (found.dev(), found.ino())
+}
+
+#[cfg(not(unix))]
+fn file_id(path: &Path) -> Option<FileId> {
+    fs::canonicalize(path).ok()
+}
+
+/// Whether `path` itself, not what it may link to, is still the open `file`.
+#[cfg(unix)]
+pub(super) fn is_at(file: &File, path: &Path) -> bool {
+    let id = |found: io::Result<Metadata>| found.ok().map(|found| id_of(&found));
+    let open = id(file.metadata());
+    open.is_some() && open == id(fs::symlink_metadata(path))
+}
+
+/// Whether there is a file at `path`: an open file keeps its name from others there.
+#[cfg(not(unix))]
+pub(super) fn is_at(_: &File, path: &Path) -> bool {
+    fs::symlink_metadata(path).is_ok_and(|found: Metadata| found.is_file())
+}
+
+/// The end of a chain of links, whether a file is there or not.
+///
+/// # Errors
+/// A chain without an end; links that cannot be read.
+pub(super) fn follow(path: &Path) -> io::Result<PathBuf> {
+    let mut path = path.to_owned();
+    for _ in 0..LINKS {
+        if !fs::symlink_metadata(&path).is_ok_and(|found| found.is_symlink()) {
+            return Ok(path);
+        }
+        let target = fs::read_link(&path)?;
+        path = directory_of(&path).join(target);
+    }
+    Err(io::Error::other("it is a link that leads nowhere"))
+}
+
+/// The directory that a file is in.
+pub(super) fn directory_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if parent != Path::new("") => parent,
+        _ => Path::new("."),
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::symlink;
+
+    #[test]
+    fn all_names_of_a_file_are_one() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("file"), b"").expect("a file");
+        fs::write(at("other"), b"").expect("a file");
+        fs::create_dir(at("folder")).expect("a folder");
+        fs::hard_link(at("file"), at("hard")).expect("a hard link");
+        symlink("file", at("link")).expect("a link");
+        symlink("link", at("link to a link")).expect("a link");
+        symlink("new", at("dangling")).expect("a link");
+        let same = |a: &str, b: &str| {
+            let a = Identity::of(&at(a));
+            a.is_some() && a == Identity::of(&at(b))
+        };
+        for name in ["hard", "link", "link to a link", "folder/../file", "./file"] {
+            assert!(same("file", name), "{name}");
+        }
+        assert!(!same("file", "other"));
+        assert!(same("new", "dangling") && same("new", "folder/../new"));
+        assert!(!same("new", "file") && !same("new", "newer"));
+        assert_eq!(Identity::of(&at("none/file")), None);
+    }
+
+    #[test]
+    fn links_are_followed_to_their_end_or_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        fs::create_dir(at("folder")).expect("a folder");
+        symlink("folder/second", at("first")).expect("a link");
+        symlink("../end", at("folder/second")).expect("a link");
+        let end = follow(&at("first")).expect("an end");
+        assert_eq!(end, at("folder/../end"));
+        symlink("b", at("a")).expect("a link");
+        symlink("a", at("b")).expect("a link");
+        assert!(follow(&at("a")).is_err());
+    }
+
+    #[test]
+    fn a_name_that_was_given_to_another_file_is_not_the_open_one() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("file");
+        let file = File::create(&path).expect("a file");
+        assert!(is_at(&file, &path));
+        fs::rename(&path, folder.path().join("elsewhere")).expect("renamed");
+        assert!(!is_at(&file, &path));
+        symlink("elsewhere", &path).expect("a link");
+        assert!(!is_at(&file, &path), "a link to it is not itself");
+    }
+}

@@ -1,0 +1,91 @@
+//! Signals that end a command: no part file is left, and the exit status says which it was.
+
+use super::part_file::unfinished;
+
+/// From now on SIGINT, SIGTERM and SIGHUP remove this process's part files and end it with 128 and
+/// the signal's number: 130, 143, 129. SIGHUP stays ignored where it is (`nohup`). A file that grows
+/// beyond its limit is an error to be told, no longer a signal.
+///
+/// Where threads or handlers are refused, signals end the process as they would without this, and part
+/// files wait for the next command to be removed.
+#[cfg(unix)]
+pub fn watch_signals() {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+    use signal_hook::iterator::Signals;
+    use std::sync::mpsc::channel;
+
+    // Caught, it makes the write fail; nothing else need happen.
+    let _ = signal_hook::flag::register(SIGXFSZ, std::sync::Arc::default());
+    let mut watched = vec![SIGINT, SIGTERM];
+    if !is_ignored(SIGHUP) {
+        watched.push(SIGHUP);
+    }
+    let (ready, is_ready) = channel::<()>();
+    let watch = move || {
+        // Here, not before: signals that are caught need a thread that waits for them.
+        let signals = Signals::new(watched);
+        drop(ready);
+        if let Ok(mut signals) = signals
+            && let Some(signal) = signals.forever().next()
+        {
+            remove_and_exit(128 + signal);
+        }
+    };
+    let spawned = std::thread::Builder::new()
+        .name("raycast-signals".to_owned())
+        .spawn(watch);
+    if spawned.is_ok() {
+        // Until the sender is dropped: nothing is ever sent.
+        let _ = is_ready.recv();
+    }
+}
+
+/// From now on Ctrl-C removes this process's part files and ends it with 130.
+#[cfg(not(unix))]
+pub fn watch_signals() {
+    // Refused only where a handler stands already; part files then wait for the next command.
+    let _ = ctrlc::set_handler(|| remove_and_exit(130));
+}
+
+fn remove_and_exit(status: i32) -> ! {
+    // Held until the process is gone: no part file is made, or put in its place, in between.
+    let paths = unfinished();
+    for path in paths.iter() {
+        let _ = std::fs::remove_file(path);
+    }
+    #[cfg(unix)]
+    // At once: nothing that other threads still do may hold it up.
+    signal_hook::low_level::exit(status);
+    #[cfg(not(unix))]
+    std::process::exit(status);
+}
+
+/// Whether the process was started with this signal ignored; told on Linux alone.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    ignored(&status, signal)
+}
+
+/// Whether a signal is in the `SigIgn` mask of a Linux process's status.
+#[cfg(unix)]
+fn ignored(status: &str, signal: i32) -> bool {
+    let mask = status
+        .lines()
+        .find_map(|line| line.strip_prefix("SigIgn:"))
+        .and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::ignored;
+
+    #[test]
+    fn ignored_signals_are_told_by_the_mask() {
+        let status = "Name:\traycast\nSigBlk:\t0000000000000000\nSigIgn:\t0000000000001001\n";
+        assert!(ignored(status, 1) && ignored(status, 13));
+        assert!(!ignored(status, 2) && !ignored(status, 15));
+        assert!(!ignored("Name:\traycast\n", 1));
+    }
+}

@@ -1,0 +1,455 @@
+//! A place to write to, checked before the work; a file on its way there.
+
+use super::part_file::{PartFile, sweep};
+use super::place::{Identity, directory_of, follow};
+use crate::failure::Failure;
+use std::fmt::Display;
+use std::fs::{self, File, Metadata, Permissions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// A place to write to, checked.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Output {
+    /// As it was named, for messages.
+    name: PathBuf,
+    /// Where links lead.
+    path: PathBuf,
+    is_device: bool,
+}
+
+impl Output {
+    /// A file that can be made at `name`, in a directory that exists, and is none of `inputs` (nor
+    /// of this command's other outputs, if they are among them). A link is followed to its end.
+    /// Part files that nobody holds are removed from the directory.
+    ///
+    /// # Errors
+    /// An input, as bad usage. A directory that is missing or cannot be written, a path that is a
+    /// directory, a file that may not be written or that a new file could not stand for.
+    pub fn at(name: &Path, inputs: &[&Path]) -> Result<Self, Failure> {
+        let cannot = |reason: &dyn Display| cannot_write(name, reason);
+        let (path, is_device) = match fs::metadata(name) {
+            Ok(found) if found.is_dir() => return Err(cannot(&"it is a directory")),
+            // Not by the end of its links: a pipe's has no name.
+            Ok(found) if !found.is_file() => (name.to_owned(), true),
+            Ok(_) | Err(_) => (follow(name).map_err(|error| cannot(&error))?, false),
+        };
+        let output = Self {
+            name: name.to_owned(),
+            path,
+            is_device,
+        };
+        output.check_against(inputs.iter().copied())?;
+        if name.file_name().is_none() || ends_as_folder(name) {
+            return Err(cannot(&"it names no file"));
+        }
+        if !is_device {
+            let directory = directory_of(&output.path);
+            if !directory.is_dir() {
+                let reason = format!("there is no directory {}", directory.display());
+                return Err(cannot(&reason));
+            }
+            sweep(directory);
+            // Better now than after the work.
+            output.create()?;
+        }
+        Ok(output)
+    }
+
+    /// Checks that the place is none of `inputs`, under whatever name. Devices may be both.
+    ///
+    /// # Errors
+    /// The one that it is.
+    pub fn check_against<P: AsRef<Path>>(
+        &self,
+        inputs: impl IntoIterator<Item = P>,
+    ) -> Result<(), Failure> {
+        let Some(place) = Identity::of(&self.path).filter(|_| !self.is_device) else {
+            return Ok(());
+        };
+        for input in inputs {
+            let input = input.as_ref();
+            if Identity::of(input).as_ref() == Some(&place) {
+                let is = if input == self.name {
+                    String::new()
+                } else {
+                    format!("it is {}, and ", input.display())
+                };
+                return Err(Failure::usage(format!(
+                    "{}: cannot be written: {is}this command reads or writes that already",
+                    self.name.display()
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether something is there that would be replaced.
+    pub fn is_taken(&self) -> bool {
+        !self.is_device && self.path.exists()
+    }
+
+    /// Begins to write, beside the place itself.
+    ///
+    /// # Errors
+    /// A directory that cannot be written, a file that may not be or that a new one could not stand
+    /// for.
+    pub fn create(&self) -> Result<Unfinished, Failure> {
+        let sink = if self.is_device {
+            Sink::Device(self.open_there()?)
+        } else {
+            let cannot = |error: io::Error| self.cannot(&error);
+            let replaced = self.replaced()?;
+            let mut part = PartFile::create_in(directory_of(&self.path), replaced.is_some())
+                .map_err(cannot)?;
+            if let Some(replaced) = &replaced {
+                give_to_owner_of(replaced, part.file()).map_err(|reason| self.cannot(&reason))?;
+            }
+            Sink::Part {
+                part,
+                permissions: replaced.map(|replaced| replaced.permissions()),
+            }
+        };
+        Ok(Unfinished {
+            sink,
+            output: self.clone(),
+        })
+    }
+
+    /// Writes all of a file's bytes, ready to be finished.
+    ///
+    /// # Errors
+    /// As [`Output::create`]; a full disk.
+    pub fn write(&self, bytes: &[u8]) -> Result<Unfinished, Failure> {
+        let mut file = self.create()?;
+        file.write_all(bytes).map_err(|error| self.cannot(&error))?;
+        Ok(file)
+    }
+
+    /// Empties the file and opens it where it is, to be seen while it grows.
+    ///
+    /// # Errors
+    /// The system's refusal.
+    pub fn open_in_place(&self) -> Result<File, Failure> {
+        if self.is_device {
+            return self.open_there();
+        }
+        File::create(&self.path).map_err(|error| self.cannot(&error))
+    }
+
+    /// What will be replaced, if anything is there; it must be open to writing.
+    fn replaced(&self) -> Result<Option<Metadata>, Failure> {
+        match fs::metadata(&self.path) {
+            Ok(found) => {
+                self.open_there()?;
+                Ok(Some(found))
+            }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(self.cannot(&error)),
+        }
+    }
+
+    fn open_there(&self) -> Result<File, Failure> {
+        let opened = File::options().write(true).open(&self.path);
+        opened.map_err(|error| self.cannot(&error))
+    }
+
+    fn cannot(&self, reason: &dyn Display) -> Failure {
+        cannot_write(&self.name, reason)
+    }
+}
+
+fn cannot_write(name: &Path, reason: &dyn Display) -> Failure {
+    Failure::could_not(format!("{}: cannot be written: {reason}", name.display()))
+}
+
+/// Whether a path ends with a separator: no file can be called that.
+fn ends_as_folder(path: &Path) -> bool {
+    let last = path.as_os_str().as_encoded_bytes().last();
+    last.is_some_and(|&byte| std::path::is_separator(byte.into()))
+}
+
+/// Gives a new file the owner and the group of the one that it will replace.
+#[cfg(unix)]
+fn give_to_owner_of(replaced: &Metadata, new: &File) -> Result<(), String> {
+    use std::os::unix::fs::{MetadataExt, fchown};
+    let made = new.metadata().map_err(|error| error.to_string())?;
+    let owner = (made.uid() != replaced.uid()).then_some(replaced.uid());
+    let group = (made.gid() != replaced.gid()).then_some(replaced.gid());
+    if owner.is_none() && group.is_none() {
+        return Ok(());
+    }
+    fchown(new, owner, group).map_err(|error| {
+        format!(
+            "it belongs to user {} and group {}, to whom a new file cannot be given: {error}",
+            replaced.uid(),
+            replaced.gid()
+        )
+    })
+}
+
+#[cfg(not(unix))]
+fn give_to_owner_of(_: &Metadata, _: &File) -> Result<(), String> {
+    Ok(())
+}
+
+/// A file under way: gone when dropped, unless [`Unfinished::finish`] puts it in its place.
+#[derive(Debug)]
+pub struct Unfinished {
+    sink: Sink,
+    output: Output,
+}
+
+#[derive(Debug)]
+enum Sink {
+    Part {
+        part: PartFile,
+        /// Those of the file that it replaces.
+        permissions: Option<Permissions>,
+    },
+    Device(File),
+}
+
+impl Unfinished {
+    /// Puts the file in its place, at once.
+    ///
+    /// # Errors
+    /// A file that cannot be put there.
+    pub fn finish(self) -> Result<(), Failure> {
+        let Self { sink, output } = self;
+        match sink {
+            Sink::Part { part, permissions } => part
+                .put(&output.path, permissions)
+                .map_err(|error| output.cannot(&error)),
+            Sink::Device(_) => Ok(()),
+        }
+    }
+
+    fn file(&mut self) -> &mut File {
+        match &mut self.sink {
+            Sink::Part { part, .. } => part.file(),
+            Sink::Device(device) => device,
+        }
+    }
+}
+
+impl Write for Unfinished {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file().write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file().flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(directory: &Path) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(directory)
+            .expect("a directory")
+            .map(|entry| {
+                entry
+                    .expect("an entry")
+                    .file_name()
+                    .to_string_lossy()
+                    .into_owned()
+            })
+            .collect();
+        names.sort();
+        names
+    }
+
+    fn write(path: &Path, bytes: &[u8]) {
+        let output = Output::at(path, &[]).expect("a place");
+        let file = output.write(bytes).expect("written");
+        file.finish().expect("finished");
+    }
+
+    #[test]
+    fn a_file_appears_when_it_is_finished() {
+        let directory = tempfile::tempdir().expect("a directory");
+        let path = directory.path().join("out.png");
+        fs::write(&path, b"old").expect("the old file");
+        let output = Output::at(&path, &[]).expect("a place");
+        assert!(output.is_taken());
+        let file = output.write(b"new").expect("written");
+        assert_eq!(fs::read(&path).expect("the old file"), b"old");
+        file.finish().expect("finished");
+        assert_eq!(fs::read(&path).expect("the new file"), b"new");
+        assert_eq!(names(directory.path()), ["out.png"]);
+    }
+
+    #[test]
+    fn a_file_that_is_not_finished_leaves_nothing() {
+        let directory = tempfile::tempdir().expect("a directory");
+        let output = Output::at(&directory.path().join("out.png"), &[]).expect("a place");
+        assert!(!output.is_taken());
+        let file = output.write(b"half").expect("written");
+        assert_eq!(names(directory.path()).len(), 1);
+        drop(file);
+        assert!(names(directory.path()).is_empty());
+    }
+
+    #[test]
+    fn refuses_inputs_and_places_that_are_not_there() {
+        let directory = tempfile::tempdir().expect("a directory");
+        let input = directory.path().join("mesh.obj");
+        fs::write(&input, b"v 0 0 0").expect("an input");
+        let roundabout = directory.path().join(".").join("mesh.obj");
+        assert!(matches!(
+            Output::at(&roundabout, &[&input]),
+            Err(Failure::Usage(_))
+        ));
+        let nowhere = directory.path().join("missing").join("out.png");
+        assert!(matches!(
+            Output::at(&nowhere, &[]),
+            Err(Failure::CouldNot(_))
+        ));
+        assert!(matches!(
+            Output::at(directory.path(), &[]),
+            Err(Failure::CouldNot(_))
+        ));
+        let folder = directory.path().join("new.png/");
+        assert!(matches!(
+            Output::at(&folder, &[]),
+            Err(Failure::CouldNot(_))
+        ));
+        assert_eq!(names(directory.path()), ["mesh.obj"]);
+    }
+
+    #[test]
+    fn two_outputs_are_not_one_file_even_before_it_is_there() {
+        let directory = tempfile::tempdir().expect("a directory");
+        let at = |name: &str| directory.path().join(name);
+        let refused = Output::at(&at("./a"), &[&at("a")]);
+        assert!(matches!(refused, Err(Failure::Usage(_))));
+        assert!(Output::at(&at("b"), &[&at("a")]).is_ok());
+    }
+
+    #[cfg(unix)]
+    mod unix {
+        use super::*;
+        use std::os::unix::fs::{MetadataExt, PermissionsExt, symlink};
+
+        fn mode(path: &Path) -> u32 {
+            fs::metadata(path).expect("a file").permissions().mode() & 0o7777
+        }
+
+        #[test]
+        fn a_new_file_has_the_mode_of_any_new_file() {
+            let directory = tempfile::tempdir().expect("a directory");
+            let ours = directory.path().join("ours");
+            let plain = directory.path().join("plain");
+            write(&ours, b"");
+            fs::write(&plain, b"").expect("written");
+            assert_eq!(mode(&ours), mode(&plain));
+        }
+
+        #[test]
+        fn a_replaced_file_keeps_its_mode() {
+            let directory = tempfile::tempdir().expect("a directory");
+            let path = directory.path().join("a");
+            for kept in [0o600, 0o640, 0o755, 0o666] {
+                fs::write(&path, b"old").expect("written");
+                fs::set_permissions(&path, Permissions::from_mode(kept)).expect("set");
+                write(&path, b"new");
+                assert_eq!(mode(&path), kept, "{kept:o}");
+            }
+        }
+
+        /// Who may do all things replaces it, and it stays read-only; others are refused.
+        #[test]
+        fn a_read_only_file_is_not_replaced_by_who_may_not_write_it() {
+            let directory = tempfile::tempdir().expect("a directory");
+            let path = directory.path().join("a");
+            fs::write(&path, b"old").expect("written");
+            fs::set_permissions(&path, Permissions::from_mode(0o444)).expect("set");
+            let may_write = File::options().write(true).open(&path).is_ok();
+            match Output::at(&path, &[]) {
+                Ok(_) => {
+                    assert!(may_write);
+                    write(&path, b"new");
+                    assert_eq!(mode(&path), 0o444);
+                }
+                Err(failure) => {
+                    assert!(!may_write, "{failure}");
+                    assert_eq!(fs::read(&path).expect("the old file"), b"old");
+                }
+            }
+            assert_eq!(names(directory.path()), ["a"]);
+        }
+
+        /// Where this may give files away, as the superuser, it gives them back.
+        #[test]
+        fn a_replaced_file_keeps_its_owner() {
+            let directory = tempfile::tempdir().expect("a directory");
+            let path = directory.path().join("a");
+            fs::write(&path, b"old").expect("written");
+            if std::os::unix::fs::chown(&path, Some(12_345), Some(54_321)).is_err() {
+                return;
+            }
+            write(&path, b"new");
+            let found = fs::metadata(&path).expect("a file");
+            assert_eq!((found.uid(), found.gid()), (12_345, 54_321));
+            assert_eq!(fs::read(&path).expect("the new file"), b"new");
+        }
+
+        #[test]
+        fn links_stay_links_also_where_nothing_is_at_their_end() {
+            let directory = tempfile::tempdir().expect("a directory");
+            let at = |name: &str| directory.path().join(name);
+            fs::create_dir(at("there")).expect("a directory");
+            symlink("there/new", at("dangling")).expect("a link");
+            for bytes in [&b"first"[..], b"second"] {
+                write(&at("dangling"), bytes);
+                assert_eq!(fs::read(at("there/new")).expect("the file"), bytes);
+                assert!(at("dangling").is_symlink());
+            }
+            symlink("nowhere/new", at("lost")).expect("a link");
+            assert!(Output::at(&at("lost"), &[]).is_err());
+            symlink("circle", at("circle")).expect("a link");
+            assert!(Output::at(&at("circle"), &[]).is_err());
+            assert_eq!(names(&at("there")), ["new"]);
+        }
+
+        #[test]
+        fn an_input_is_found_behind_links() {
+            let directory = tempfile::tempdir().expect("a directory");
+            let at = |name: &str| directory.path().join(name);
+            fs::write(at("input"), b"in").expect("written");
+            fs::hard_link(at("input"), at("hard")).expect("a hard link");
+            symlink("input", at("soft")).expect("a link");
+            for name in ["hard", "soft"] {
+                let refused = Output::at(&at(name), &[&at("input")]);
+                let Err(Failure::Usage(_)) = refused else {
+                    panic!("{name}: {refused:?}");
+                };
+                let output = Output::at(&at(name), &[]).expect("a place");
+                assert!(output.check_against([at("input")]).is_err(), "{name}");
+                assert!(output.check_against([at("other")]).is_ok(), "{name}");
+            }
+        }
+
+        #[test]
+        fn a_device_is_written_where_it_is() {
+            let null = Path::new("/dev/null");
+            let output = Output::at(null, &[null]).expect("it may be read and written");
+            assert!(!output.is_taken());
+            let file = output.write(b"gone").expect("written");
+            file.finish().expect("finished");
+            let full = Path::new("/dev/full");
+            if full.exists() {
+                let output = Output::at(full, &[]).expect("a place");
+                let failure = output.write(b"all").expect_err("it is full");
+                assert!(
+                    failure
+                        .to_string()
+                        .starts_with("/dev/full: cannot be written")
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! Disks that are full, folders that are read-only, files that change while they are read.
+
+use raycast_tests::arguments;
+use raycast_tests::binary::{self, Told, command, refuse, run, succeed};
+use raycast_tests::files::{asset, bytes, folder, names, write};
+use std::ffi::OsString;
+use std::io::Write;
+use std::path::Path;
+use std::process::Stdio;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A refusal: exit status 1, one line that says all of this.
+fn assert_refused(told: &Told, said: &[&str]) {
+    assert_eq!(told.status, Some(1), "{told:?}");
+    assert_eq!(told.errors.lines().count(), 1, "{told:?}");
+    for word in said {
+        assert!(told.errors.contains(word), "{told:?}");
+    }
+}
+
+/// Commands that write some kilobytes to `place`, from rays in `folder`.
+#[cfg(unix)]
+fn writers(folder: &Path, place: &Path) -> [Vec<OsString>; 2] {
+    let ray = [0.2f32, 0.2, 5.0, 0.0, 0.0, 0.0, -1.0, 9.0].map(f32::to_le_bytes);
+    let rays = write(folder, "rays", ray.concat().repeat(5000));
+    let mesh = asset("cube.obj");
+    [
+        arguments!["render", &mesh, "-o", place, "--size", "200x150"],
+        arguments!["cast", &mesh, "--rays", rays, "--hits", place],
+    ]
+}
+
+/// A file-size limit is an error like a full disk, not the end of the process.
+#[cfg(unix)]
+#[test]
+fn a_file_size_limit_leaves_the_old_file_and_nothing_else() {
+    let (folder, inputs) = (folder(), folder());
+    let place = write(folder.path(), "a.ppm", "old");
+    for arguments in writers(inputs.path(), &place) {
+        let mut limited = std::process::Command::new("sh");
+        // 4 blocks are 2 or 4 KiB.
+        limited.args(["-c", "ulimit -f 4 && exec \"$@\"", "sh"]);
+        limited.arg(binary::path()).args(&arguments);
+        assert_refused(&run(&mut limited), &["a.ppm: cannot be written", "large"]);
+        assert_eq!(bytes(&place), b"old", "{arguments:?}");
+        assert_eq!(names(folder.path()), ["a.ppm"], "{arguments:?}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_device_is_told() {
+    let folder = folder();
+    let full = Path::new("/dev/full");
+    let [_, cast] = writers(folder.path(), full);
+    assert_refused(
+        &run(&mut command(cast)),
+        &["/dev/full: cannot be written", "No space"],
+    );
+    let picture = folder.path().join("a.png");
+    let mut render = arguments!["render", asset("cube.obj"), "-o", &picture, "--size", "4x4"];
+    render.extend(arguments!["--stats", full]);
+    assert_refused(
+        &run(&mut command(render)),
+        &["/dev/full: cannot be written"],
+    );
+    assert!(!picture.exists(), "not without its numbers");
+}
+
+/// Runs a script that may mount, with the program as its `$1`; what it said, or nothing where it may not.
+#[cfg(target_os = "linux")]
+fn with_mounts(script: &str, arguments: &[&std::ffi::OsStr]) -> Option<Told> {
+    // A mount namespace of its own: what is mounted goes with it.
+    let mut unshare = std::process::Command::new("unshare");
+    unshare.args(["--mount", "sh", "-c", script, "sh"]);
+    unshare.arg(binary::path()).args(arguments);
+    unshare.stdin(Stdio::null());
+    let output = unshare.output().ok()?;
+    let told = Told {
+        status: output.status.code(),
+        output: output.stdout,
+        errors: String::from_utf8_lossy(&output.stderr).into_owned(),
+    };
+    let may_mount = String::from_utf8_lossy(&told.output).starts_with("mounted\n");
+    may_mount.then_some(told)
+}
+
+#[cfg(target_os = "linux")]
+#[allow(clippy::print_stdout, reason = "tests tell what they skipped")]
+#[test]
+fn a_full_disk_and_a_read_only_one_leave_the_old_file_and_nothing_else() {
+    let folder = folder();
+    let mesh = asset("cube.obj");
+    let (place, mesh) = (folder.path().as_os_str(), mesh.as_os_str());
+    // $2 is the folder, $3 the mesh. The picture is of 90 KB; the disk of 32.
+    let full = r#"
+        mount -t tmpfs -o size=32k none "$2" && echo mounted && printf old > "$2/a.ppm"
+        "$1" render "$3" -o "$2/a.ppm" --size 200x150; echo status $?
+        "$1" render "$3" -o "$2/b.ppm" --size 200x150; echo status $?
+        ls -A "$2"; cat "$2/a.ppm"
+    "#;
+    let read_only = r#"
+        mount -t tmpfs none "$2" && echo mounted && printf old > "$2/a.ppm"
+        mount -o remount,ro "$2"
+        "$1" render "$3" -o "$2/a.ppm" --size 8x8; echo status $?
+        "$1" render "$3" -o "$2/b.ppm" --size 8x8; echo status $?
+        ls -A "$2"; cat "$2/a.ppm"
+    "#;
+    for (script, said) in [
+        (full, "No space left"),
+        (read_only, "Read-only file system"),
+    ] {
+        let Some(told) = with_mounts(script, &[place, mesh]) else {
+            println!("skipped: nothing can be mounted here");
+            return;
+        };
+        let text = String::from_utf8_lossy(&told.output);
+        assert_eq!(
+            text, "mounted\nstatus 1\nstatus 1\na.ppm\nold",
+            "{}",
+            told.errors
+        );
+        let lines: Vec<_> = told.errors.lines().collect();
+        assert_eq!(lines.len(), 2, "{lines:?}");
+        for (line, name) in lines.iter().zip(["a.ppm", "b.ppm"]) {
+            assert!(line.contains(name) && line.contains(said), "{line}");
+        }
+    }
+}
+
+/// The superuser may write anywhere: for others a folder that is read-only.
+#[cfg(unix)]
+#[test]
+fn a_read_only_folder_is_told_before_the_work() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder();
+    let place = write(folder.path(), "a.png", "old");
+    let set = |mode| {
+        let mode = std::fs::Permissions::from_mode(mode);
+        std::fs::set_permissions(folder.path(), mode).expect("set");
+    };
+    set(0o555);
+    let may_write = std::fs::File::create(folder.path().join("probe")).is_ok();
+    if !may_write {
+        // The mesh is not there, and is not missed: the place is checked first.
+        let line = refuse(
+            1,
+            arguments!["render", folder.path().join("none.obj"), "-o", &place],
+        );
+        assert!(line.contains("a.png: cannot be written"), "{line}");
+        assert_eq!(bytes(&place), b"old");
+    }
+    set(0o755);
+}
+
+/// The rays are counted when they are opened; they are cut while the mesh is read.
+#[cfg(unix)]
+#[test]
+fn rays_that_are_cut_while_they_are_read_are_an_error() {
+    let folder = folder();
+    let rays = write(folder.path(), "rays", [0; 32 * 10]);
+    let hits = write(folder.path(), "hits", "old");
+    let mut cast = command(arguments![
+        "cast",
+        "/dev/stdin",
+        "--rays",
+        &rays,
+        "--hits",
+        &hits
+    ]);
+    cast.stdin(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = cast.spawn().expect("the program can be started");
+    let mut mesh = child.stdin.take().expect("its input is piped");
+    let mut text = bytes(&asset("cube.obj"));
+    text.extend(b"# more than a pipe holds\n".repeat(20_000));
+    let (first, rest) = text.split_at(text.len() / 2);
+    // It is not taken in before it is read, and the rays are opened before.
+    mesh.write_all(first).expect("written");
+    write(folder.path(), "rays", [0; 32 * 4]);
+    mesh.write_all(rest).expect("written");
+    drop(mesh);
+    let output = child.wait_with_output().expect("it ends");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    assert!(errors.contains("expected 320 bytes, found 128"), "{errors}");
+    assert_eq!(bytes(&hits), b"old");
+    assert_eq!(names(folder.path()), ["hits", "rays"]);
+}
+
+/// A mesh that is written anew, again and again, while it is read: a picture or one line.
+#[test]
+fn a_mesh_that_changes_while_it_is_read_is_a_picture_or_one_line() {
+    let folder = folder();
+    let whole = bytes(&asset("monkey.obj"));
+    let mesh = write(folder.path(), "mesh.obj", &whole);
+    let place = folder.path().join("a.ppm");
+    let render = arguments![
+        "render",
+        &mesh,
+        "-o",
+        &place,
+        "--size",
+        "8x8",
+        "--threads",
+        "1"
+    ];
+    succeed(&render);
+    let length = bytes(&place).len();
+    let is_done = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let mut cut = 0;
+            while !is_done.load(Ordering::Relaxed) {
+                // Not renamed into place: this is how others write.
+                write(folder.path(), "mesh.obj", &whole[..cut]);
+                cut = (cut + 7919) % whole.len();
+            }
+        });
+        for _ in 0..40 {
+            write(folder.path(), "a.ppm", "old");
+            let told = run(&mut command(&render));
+            let left = bytes(&place);
+            match told.status {
+                Some(0) => assert_eq!(left.len(), length, "{told:?}"),
+                Some(1) => {
+                    assert_eq!(told.errors.lines().count(), 1, "{told:?}");
+                    assert_eq!(left, b"old");
+                }
+                _ => panic!("{told:?}"),
+            }
+            assert_eq!(names(folder.path()), ["a.ppm", "mesh.obj"]);
+        }
+        is_done.store(true, Ordering::Relaxed);
+    });
+}

@@ -1,0 +1,302 @@
+//! What the program writes: never over what it reads, never over what it was not told to replace,
+//! and with the mode, the owner and the links of what was there.
+
+#![allow(
+    clippy::print_stdout,
+    reason = "tests tell what they checked and what they skipped"
+)]
+
+use raycast_tests::arguments;
+use raycast_tests::binary::{command, refuse, run, succeed};
+use raycast_tests::files::{asset, bytes, folder, names, write};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// A scene of one mesh, with a library of materials and images, everything named by another file, and a
+/// ray.
+struct Inputs {
+    folder: TempDir,
+    before: Vec<(OsString, Vec<u8>)>,
+}
+
+impl Inputs {
+    fn new() -> Self {
+        let folder = folder();
+        let at = folder.path();
+        let image = bytes(&asset("leopard.png"));
+        write(at, "t.png", &image);
+        write(at, "object.png", &image);
+        // A library may have any name.
+        write(at, "lib.png", "newmtl skin\nKd 1 0 0\nmap_Kd t.png\n");
+        write(at, "lib.mtl", "newmtl other\nKd 0 1 0\n");
+        let mesh = "mtllib lib.png\nmtllib lib.mtl\nusemtl skin\n\
+             v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n";
+        write(at, "mesh.obj", mesh);
+        write(
+            at,
+            "scene.raycast.toml",
+            "[[object]]\nmesh = \"mesh.obj\"\n[[object]]\nmesh = \"mesh.obj\"\ntexture = \"object.png\"\n",
+        );
+        let ray = [0.2f32, 0.2, 5.0, 0.0, 0.0, 0.0, -1.0, 9.0];
+        write(at, "rays", ray.map(f32::to_le_bytes).concat());
+        let before = contents(at);
+        Self { folder, before }
+    }
+
+    fn at(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn assert_untouched(&self, what: &str) {
+        for (name, before) in &self.before {
+            let path = self.folder.path().join(name);
+            assert!(bytes(&path) == *before, "{what}: {name:?} was lost");
+        }
+    }
+
+    /// Every command that writes, each with one of its outputs at `place`.
+    fn assert_refused(&self, file: &str, place: &Path) {
+        let elsewhere = folder();
+        let other = |name: &str| elsewhere.path().join(name);
+        let file = self.at(file);
+        let small = ["--size", "4x4"];
+        let mut outputs = vec![
+            arguments!["render", &file, "-o", other("a.png"), "--stats", place],
+            arguments!["cast", &file, "--rays", self.at("rays"), "--hits", place],
+            arguments![
+                "cast",
+                &file,
+                "--rays",
+                self.at("rays"),
+                "--hits",
+                other("h"),
+                "--stats",
+                place
+            ],
+        ];
+        if place
+            .extension()
+            .is_some_and(|extension| extension == "png")
+        {
+            outputs.push(arguments!["render", &file, "-o", place]);
+        }
+        for mut arguments in outputs {
+            if arguments[0] == "render" {
+                arguments.extend(small.map(OsString::from));
+            }
+            let line = refuse(2, &arguments);
+            assert!(line.contains(&place.display().to_string()), "{line}");
+            assert!(line.contains("cannot be written"), "{line}");
+            self.assert_untouched(&format!("{arguments:?}"));
+            assert!(names(elsewhere.path()).is_empty(), "{arguments:?}");
+        }
+    }
+}
+
+/// Every file's name and bytes.
+fn contents(folder: &Path) -> Vec<(OsString, Vec<u8>)> {
+    let names = names(folder).into_iter();
+    names
+        .map(|name| (name.clone(), bytes(&folder.join(name))))
+        .collect()
+}
+
+#[test]
+fn what_a_scene_names_is_not_written_over() {
+    let inputs = Inputs::new();
+    for (file, named) in [
+        (
+            "scene.raycast.toml",
+            &[
+                "scene.raycast.toml",
+                "mesh.obj",
+                "lib.png",
+                "lib.mtl",
+                "object.png",
+            ][..],
+        ),
+        ("mesh.obj", &["mesh.obj", "lib.png", "lib.mtl", "t.png"]),
+    ] {
+        for name in named {
+            inputs.assert_refused(file, &inputs.at(name));
+        }
+    }
+    // What this scene does not name is anybody's.
+    let free = inputs.at("object.png");
+    succeed(arguments![
+        "render",
+        inputs.at("mesh.obj"),
+        "-o",
+        &free,
+        "--size",
+        "4x4"
+    ]);
+}
+
+#[cfg(unix)]
+#[test]
+fn what_a_scene_names_is_found_behind_links() {
+    let inputs = Inputs::new();
+    let link = |name: &str| {
+        let (soft, hard) = (
+            inputs.at(&format!("soft {name}")),
+            inputs.at(&format!("hard {name}")),
+        );
+        std::os::unix::fs::symlink(name, &soft).expect("a link");
+        std::fs::hard_link(inputs.at(name), &hard).expect("a hard link");
+        [soft, hard]
+    };
+    for name in ["mesh.obj", "lib.png", "t.png", "rays"] {
+        for place in link(name) {
+            if name == "rays" {
+                let line = refuse(
+                    2,
+                    arguments![
+                        "cast",
+                        inputs.at("mesh.obj"),
+                        "--rays",
+                        inputs.at("rays"),
+                        "--hits",
+                        &place
+                    ],
+                );
+                assert!(line.contains("cannot be written"), "{line}");
+                inputs.assert_untouched(name);
+            } else {
+                inputs.assert_refused("mesh.obj", &place);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_report_is_not_written_over_what_it_is_of() {
+    let folder = folder();
+    // One of the report's own files, as a library of materials.
+    let library = write(folder.path(), "ways.csv", "newmtl a\nKd 1 0 0\n");
+    let mesh = write(
+        folder.path(),
+        "m.obj",
+        "mtllib ways.csv\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+    );
+    let before = contents(folder.path());
+    let refused = refuse(
+        1,
+        arguments!["report", &mesh, "-o", folder.path(), "--quick"],
+    );
+    assert!(refused.contains("--force"), "{refused}");
+    let refused = refuse(
+        2,
+        arguments!["report", &mesh, "-o", folder.path(), "--quick", "--force"],
+    );
+    assert!(
+        refused.contains(&library.display().to_string()),
+        "{refused}"
+    );
+    assert_eq!(contents(folder.path()), before);
+}
+
+#[test]
+fn a_folder_is_written_over_where_it_holds_a_report() {
+    let folder = folder();
+    let letter = write(folder.path(), "letter.txt", "to somebody");
+    let report = write(folder.path(), "report.md", "of another kind");
+    let again = arguments!["report", asset("cube.obj"), "-o", folder.path(), "--quick"];
+    let line = refuse(1, &again);
+    assert!(line.contains("--force"), "{line}");
+    assert_eq!(names(folder.path()), ["letter.txt", "report.md"]);
+
+    // Now it holds one; what a killed process left is cleared away.
+    write(folder.path(), ".raycast-report", "");
+    write(folder.path(), ".raycast-1-0.part", "half");
+    succeed(&again);
+    assert_eq!(bytes(&letter), b"to somebody");
+    assert!(bytes(&report).starts_with(b"# RayCast"));
+    assert!(!folder.path().join(".raycast-1-0.part").exists());
+}
+
+#[cfg(unix)]
+mod unix {
+    use super::*;
+    use rustix::process::geteuid;
+    use std::fs::Permissions;
+    use std::os::unix::fs::{MetadataExt, PermissionsExt, chown, symlink};
+    use std::os::unix::process::CommandExt;
+
+    fn render(place: &Path) -> Vec<OsString> {
+        arguments!["render", asset("cube.obj"), "-o", place, "--size", "4x4"]
+    }
+
+    #[test]
+    fn what_is_replaced_keeps_its_mode_and_its_links() {
+        let folder = folder();
+        let at = |name: &str| folder.path().join(name);
+        succeed(render(&at("fresh.png")));
+        let whole = bytes(&at("fresh.png"));
+        for mode in [0o600, 0o640, 0o755] {
+            let path = write(folder.path(), "a.png", "old");
+            std::fs::set_permissions(&path, Permissions::from_mode(mode)).expect("set");
+            succeed(render(&path));
+            assert!(bytes(&path) == whole);
+            let found = std::fs::metadata(&path).expect("a file");
+            assert_eq!(found.permissions().mode() & 0o7777, mode, "{mode:o}");
+        }
+        std::fs::create_dir(at("there")).expect("a folder");
+        symlink("there/b.png", at("link.png")).expect("a link");
+        for name in ["dangling", "whole"] {
+            succeed(render(&at("link.png")));
+            assert!(at("link.png").is_symlink(), "{name}");
+            assert!(bytes(&at("there/b.png")) == whole, "{name}");
+            assert_eq!(names(&at("there")), ["b.png"]);
+            write(&at("there"), "b.png", "old");
+        }
+        symlink("nowhere/c.png", at("lost.png")).expect("a link");
+        refuse(1, render(&at("lost.png")));
+        symlink("circle.png", at("circle.png")).expect("a link");
+        refuse(1, render(&at("circle.png")));
+    }
+
+    /// The superuser writes others' files and leaves them theirs; others are refused.
+    #[test]
+    fn what_is_replaced_keeps_its_owner_or_is_refused() {
+        if !geteuid().is_root() {
+            println!("skipped: only the superuser can make files of several owners");
+            return;
+        }
+        let (owner, other) = (12_345, 23_456);
+        let folder = folder();
+        let path = write(folder.path(), "a.png", "old");
+        chown(&path, Some(owner), Some(owner)).expect("given away");
+        succeed(render(&path));
+        let found = std::fs::metadata(&path).expect("a file");
+        assert_eq!((found.uid(), found.gid()), (owner, owner));
+
+        // Somebody else, in a folder that anybody may write to.
+        std::fs::set_permissions(folder.path(), Permissions::from_mode(0o777)).expect("set");
+        for (mode, said) in [(0o644, "denied"), (0o666, "belongs to user 12345")] {
+            let path = write(folder.path(), "a.png", "old");
+            chown(&path, Some(owner), Some(owner)).expect("given away");
+            std::fs::set_permissions(&path, Permissions::from_mode(mode)).expect("set");
+            let mut command = command(render(&path));
+            command.uid(other).gid(other);
+            let Ok(output) = command.output() else {
+                println!("skipped: others may not start the program here");
+                return;
+            };
+            let told = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(1), "{mode:o}: {told}");
+            assert!(told.contains(said), "{mode:o}: {told}");
+            assert_eq!(bytes(&path), b"old");
+            assert_eq!(names(folder.path()), ["a.png"]);
+        }
+        // Their own they may replace.
+        let path = write(folder.path(), "a.png", "old");
+        chown(&path, Some(other), Some(other)).expect("given away");
+        let mut command = command(render(&path));
+        command.uid(other).gid(other);
+        let told = run(&mut command);
+        assert_eq!(told.status, Some(0), "{}", told.errors);
+        assert_eq!(std::fs::metadata(&path).expect("a file").uid(), other);
+    }
+}

@@ -1,0 +1,308 @@
+//! Signals and rivals: whatever happens to a command, its output is wholly old or wholly new, and what
+//! it leaves behind the next one clears away.
+//!
+//! `RAYCAST_SIGNALS=1000` sends so many of each signal at random moments, in place of a few.
+
+#![cfg(unix)]
+#![allow(
+    clippy::print_stdout,
+    reason = "tests tell what they checked and what they skipped"
+)]
+
+use raycast_oracle::random::Random;
+use raycast_tests::arguments;
+use raycast_tests::binary::{command, succeed};
+use raycast_tests::files::{asset, bytes, folder, names, write};
+use rustix::process::{Pid, Signal, kill_process};
+use std::os::unix::process::ExitStatusExt;
+use std::path::Path;
+use std::process::{Child, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+/// The signals that end a command in order, each with its exit status.
+const ENDS: [(Signal, i32); 3] = [(Signal::INT, 130), (Signal::TERM, 143), (Signal::HUP, 129)];
+
+fn send(child: &Child, signal: Signal) {
+    // A command that has ended is not waited for yet: its number is still its own.
+    let pid = Pid::from_raw(child.id() as i32).expect("a process");
+    kill_process(pid, signal).expect("the signal is sent");
+}
+
+/// Part files in a folder.
+fn parts(folder: &Path) -> usize {
+    let names = names(folder).into_iter();
+    names
+        .filter(|name| name.to_string_lossy().ends_with(".part"))
+        .count()
+}
+
+/// A command that is amid its work until its input ends: it waits for rays, with its part file there.
+struct Waiting(Child);
+
+impl Waiting {
+    fn start(output: &Path) -> Self {
+        let folder = output.parent().expect("a folder");
+        let mesh = asset("cube.obj");
+        let mut cast = command(arguments![
+            "cast",
+            mesh,
+            "--rays",
+            "/dev/stdin",
+            "--hits",
+            output
+        ]);
+        cast.stdin(Stdio::piped()).stderr(Stdio::null());
+        let child = cast.spawn().expect("the program can be started");
+        // It makes one to see whether it can, and removes it, before it reads the mesh: that one is there
+        // for a moment.
+        let own = format!(".raycast-{}-", child.id());
+        let is_there = || {
+            let mut names = names(folder).into_iter();
+            names.any(|name| name.to_string_lossy().starts_with(&own))
+        };
+        let start = Instant::now();
+        let mut seen = 0;
+        while seen < 20 {
+            seen = if is_there() { seen + 1 } else { 0 };
+            assert!(start.elapsed() < Duration::from_secs(60), "no part file");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        Self(child)
+    }
+
+    /// Waits until it ends, its input open: to wait for a child would close it.
+    fn wait(mut self) -> ExitStatus {
+        let input = self.0.stdin.take();
+        let status = self.0.wait().expect("the program ends");
+        drop(input);
+        status
+    }
+
+    /// Ends its input: no rays, no hits.
+    fn let_finish(mut self) -> ExitStatus {
+        drop(self.0.stdin.take());
+        self.wait()
+    }
+}
+
+/// Whether signals that this process was started with as ignored, and so its children, have this one.
+fn is_ignored_here(signal: Signal) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal.as_raw() - 1) & 1 == 1)
+}
+
+#[test]
+fn a_signal_ends_a_command_with_its_own_status_and_leaves_no_file() {
+    for (signal, status) in ENDS {
+        if signal == Signal::HUP && is_ignored_here(signal) {
+            println!("skipped: SIGHUP is ignored here, and stays so");
+            continue;
+        }
+        for old in [None, Some("old")] {
+            let folder = folder();
+            let output = folder.path().join("hits");
+            if let Some(old) = old {
+                write(folder.path(), "hits", old);
+            }
+            let waiting = Waiting::start(&output);
+            send(&waiting.0, signal);
+            assert_eq!(waiting.wait().code(), Some(status), "{signal:?}");
+            match old {
+                None => assert!(names(folder.path()).is_empty()),
+                Some(old) => {
+                    assert_eq!(names(folder.path()), ["hits"]);
+                    assert_eq!(bytes(&output), old.as_bytes());
+                }
+            }
+        }
+    }
+}
+
+/// `nohup raycast …` outlives its terminal.
+#[test]
+fn a_hangup_that_is_ignored_stays_ignored() {
+    if !Path::new("/proc/self/status").exists() {
+        println!("skipped: this system does not tell which signals are ignored");
+        return;
+    }
+    let folder = folder();
+    let output = folder.path().join("hits");
+    let mut cast = std::process::Command::new("sh");
+    cast.args(["-c", "trap '' HUP; exec \"$@\"", "sh"]);
+    cast.arg(raycast_tests::binary::path());
+    cast.args(arguments![
+        "cast",
+        asset("cube.obj"),
+        "--rays",
+        "/dev/stdin",
+        "--hits",
+        &output
+    ]);
+    let mut child = cast
+        .stdin(Stdio::piped())
+        .spawn()
+        .expect("sh can be started");
+    let start = Instant::now();
+    while parts(folder.path()) == 0 {
+        assert!(start.elapsed() < Duration::from_secs(60), "no part file");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    send(&child, Signal::HUP);
+    std::thread::sleep(Duration::from_millis(50));
+    drop(child.stdin.take());
+    assert!(child.wait().expect("it ends").success());
+    assert_eq!(names(folder.path()), ["hits"]);
+}
+
+#[test]
+fn what_a_killed_command_leaves_the_next_one_removes_and_nothing_else() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let killed = Waiting::start(&at("killed"));
+    send(&killed.0, Signal::KILL);
+    assert_eq!(killed.wait().signal(), Some(Signal::KILL.as_raw()));
+    assert_eq!((parts(folder.path()), names(folder.path()).len()), (1, 1));
+    write(folder.path(), ".raycast-notes.part", "somebody's own");
+
+    let waiting = Waiting::start(&at("waiting"));
+    assert_eq!(parts(folder.path()), 2, "its own, and somebody's");
+    let render = arguments![
+        "render",
+        asset("cube.obj"),
+        "-o",
+        at("a.png"),
+        "--size",
+        "4x4"
+    ];
+    succeed(render);
+    assert_eq!(parts(folder.path()), 2, "what is held is not removed");
+    assert!(waiting.let_finish().success());
+    assert_eq!(
+        names(folder.path()),
+        [".raycast-notes.part", "a.png", "waiting"]
+    );
+}
+
+#[test]
+fn of_two_writers_one_is_seen_whole() {
+    let folder = folder();
+    let place = folder.path().join("a.ppm");
+    let render = |size: &str, place: &Path| {
+        arguments![
+            "render",
+            asset("cube.obj"),
+            "-o",
+            place,
+            "--size",
+            size,
+            "--threads",
+            "1"
+        ]
+    };
+    let sizes = ["400x300", "300x400", "64x48", "500x200"];
+    let whole = sizes.map(|size| {
+        let alone = folder.path().join("alone.ppm");
+        succeed(render(size, &alone));
+        bytes(&alone)
+    });
+    for _ in 0..5 {
+        let writers = sizes.map(|size| {
+            let mut command = command(render(size, &place));
+            command.spawn().expect("the program can be started")
+        });
+        let reader_sees = |when: &str| {
+            if place.exists() {
+                assert!(
+                    whole.contains(&bytes(&place)),
+                    "{when}: a picture of two writers"
+                );
+            }
+        };
+        for mut writer in writers {
+            reader_sees("amid");
+            assert!(writer.wait().expect("it ends").success());
+        }
+        reader_sees("at the end");
+        assert_eq!(names(folder.path()), ["a.ppm", "alone.ppm"]);
+    }
+}
+
+/// How many of each signal.
+fn count() -> u32 {
+    let asked = std::env::var("RAYCAST_SIGNALS").ok();
+    asked.and_then(|count| count.parse().ok()).unwrap_or(25)
+}
+
+/// Sends `signal` at a random moment of a render, over and over. How often the output was new.
+fn interrupt(signal: Signal, status: Option<i32>, seed: u64) -> u32 {
+    let folder = folder();
+    let place = folder.path().join("a.ppm");
+    let render = || {
+        let size = ["--size", "200x150", "--threads", "1"];
+        let mut render = arguments!["render", asset("monkey.obj"), "-o", &place];
+        render.extend(size.map(std::ffi::OsString::from));
+        render
+    };
+    succeed(render());
+    let started = Instant::now();
+    succeed(render());
+    let whole_time = started.elapsed();
+    let whole = bytes(&place);
+
+    let mut random = Random::new(seed);
+    let mut new = 0;
+    for round in 0..count() {
+        std::fs::write(&place, "old").expect("written");
+        let mut command = command(render());
+        let mut child = command
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("the program can be started");
+        // A little longer than it takes: the end is what is of interest.
+        let share = f64::from(random.below(1 << 16)) / f64::from(1 << 16);
+        std::thread::sleep(whole_time.mul_f64(1.2 * share));
+        send(&child, signal);
+        let ended = child.wait().expect("the program ends");
+        let what = format!("{signal:?}, round {round}: {ended}");
+        let by_signal = ended.signal() == Some(signal.as_raw());
+        assert!(
+            by_signal || ended.code() == Some(0) || (status.is_some() && ended.code() == status),
+            "{what}"
+        );
+        let left = bytes(&place);
+        let is_new = left == whole;
+        assert!(is_new || left == b"old", "{what}: neither old nor new");
+        assert!(
+            is_new || !ended.success(),
+            "{what}: done, and nothing written"
+        );
+        new += u32::from(is_new);
+        if signal == Signal::KILL {
+            // At most what this one left: it removed what the one before did, if it came so far.
+            assert!(names(folder.path()).len() <= 3 + round as usize, "{what}");
+        } else {
+            assert_eq!(names(folder.path()), ["a.ppm"], "{what}");
+        }
+    }
+    succeed(render());
+    assert_eq!(names(folder.path()), ["a.ppm"], "{signal:?}");
+    assert!(bytes(&place) == whole);
+    println!("{signal:?}: {} at random moments, {new} too late", count());
+    new
+}
+
+#[test]
+fn signals_at_random_moments_leave_the_old_file_or_the_new_one() {
+    for (seed, (signal, status)) in ENDS.into_iter().enumerate() {
+        if signal == Signal::HUP && is_ignored_here(signal) {
+            println!("skipped: SIGHUP is ignored here, and stays so");
+            continue;
+        }
+        let new = interrupt(signal, Some(status), seed as u64);
+        assert!(new < count(), "{signal:?}: none was in time");
+    }
+    let new = interrupt(Signal::KILL, None, 99);
+    assert!(new < count(), "none was in time");
+}
