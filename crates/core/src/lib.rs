@@ -10,6 +10,7 @@
 
 pub mod accel;
 pub mod camera;
+pub mod digest;
 pub mod formats;
 pub mod image;
 pub mod intersect;

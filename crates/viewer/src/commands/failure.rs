@@ -1,6 +1,6 @@
 use raycast_core::camera::PlaneError;
 use raycast_core::formats::FormatError;
-use raycast_core::image::{FragmentError, ImageError};
+use raycast_core::image::{FragmentError, ImageError, OutOfMemory};
 use raycast_core::scene::SceneError;
 use std::fmt;
 use std::process::ExitCode;
@@ -75,6 +75,12 @@ impl From<ImageError> for Failure {
             }
             _ => Self::CouldNot(error.to_string()),
         }
+    }
+}
+
+impl From<OutOfMemory> for Failure {
+    fn from(error: OutOfMemory) -> Self {
+        Self::CouldNot(error.to_string())
     }
 }
 

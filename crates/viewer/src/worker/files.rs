@@ -7,7 +7,7 @@ use crate::app::update::{DialogAnswer, Loaded, News};
 use crate::setup;
 use raycast_core::camera::Grid;
 use raycast_core::formats::{self, SceneFile};
-use raycast_core::image::{Format, Picture};
+use raycast_core::image::{Format, Picture, Recipe};
 use raycast_core::render::{Cancel, View};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -341,12 +341,20 @@ fn save(mut view: View, grid: Grid, threads: usize, path: &Path) -> Result<(), S
     let picture = pool
         .install(|| view.render(grid, &clock, &Cancel::default(), &|_| {}))
         .ok_or("the render was cancelled")?;
-    write(&picture, format, path)
+    let recipe = Recipe::of(&view);
+    write(&picture, format, Some(&recipe), path)
 }
 
 /// Writes all of a picture, or nothing: beside its place first, then into it.
-fn write(picture: &Picture, format: Format, path: &Path) -> Result<(), String> {
-    let bytes = picture.encode(format).map_err(|error| error.to_string())?;
+fn write(
+    picture: &Picture,
+    format: Format,
+    recipe: Option<&Recipe>,
+    path: &Path,
+) -> Result<(), String> {
+    let bytes = picture
+        .encode_with(format, recipe)
+        .map_err(|error| error.to_string())?;
     let describe = |error: std::io::Error| format!("{}: {error}", path.display());
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -444,7 +452,7 @@ mod tests {
         let path = folder.path().join("missing").join("a.png");
         let picture = Picture::blank(2, 2, false);
         // Whether the encoder or the folder refuses, nothing may be left behind.
-        let outcome = std::panic::catch_unwind(|| write(&picture, Format::Png, &path));
+        let outcome = std::panic::catch_unwind(|| write(&picture, Format::Png, None, &path));
         assert!(!matches!(outcome, Ok(Ok(()))));
         assert_eq!(
             std::fs::read_dir(folder.path()).map(Iterator::count).ok(),
