@@ -9,7 +9,7 @@
 use raycast_core::camera::Ray;
 use raycast_core::formats::read_mesh;
 use raycast_core::glam::{DVec3, Vec3};
-use raycast_core::image::{Format, Picture};
+use raycast_core::image::{Format, ImageFile, Picture};
 use raycast_core::intersect::Cull;
 use raycast_oracle::random::Random;
 use raycast_tests::binary::{command, refuse, run, succeed};
@@ -176,7 +176,61 @@ fn fragments_of_other_processes_stitch_to_the_whole() {
         stitch(&["0,0", "1,0", "2,0", "0,1", "1,1", "whole"]);
         stitch(&["0,0", "0,0", "1,0", "2,0", "0,1", "1,1", "2,1"]);
         stitch(&["0,0", "1,0", "2,0", "0,1", "1,1", "other"]);
+
+        // One pixel painted over, with every checksum of the format's own made right.
+        let part = at("2,1");
+        let file = ImageFile::decode(&bytes(&part)).expect("a fragment");
+        assert_eq!(file.full_size(), (203, 151));
+        repaint(&part);
+        let parts = ["0,0", "1,0", "2,0", "0,1", "1,1", "2,1"];
+        let mut arguments = arguments!["stitch"];
+        arguments.extend(parts.map(|part| OsString::from(at(part))));
+        arguments.extend(arguments!["-o", at("bad")]);
+        let line = refuse(1, arguments);
+        assert!(
+            line.contains("its pixels are not those that were written"),
+            "{line}"
+        );
     }
+}
+
+/// Changes one pixel of an image file, as a program would that knows nothing of RayCast's own words in it
+/// but keeps them.
+fn repaint(path: &Path) {
+    if path.extension().is_some_and(|extension| extension == "exr") {
+        use exr::prelude::*;
+        let mut image = read_first_flat_layer_from_file(path).expect("an EXR");
+        for channel in &mut image.layer_data.channel_data.list {
+            if let (true, FlatSamples::F32(values)) =
+                (channel.name.eq("G"), &mut channel.sample_data)
+            {
+                values[7] += 0.25;
+            }
+        }
+        image.write().to_file(path).expect("writes");
+        return;
+    }
+    let file = bytes(path);
+    let mut reader = png::Decoder::new(std::io::Cursor::new(&file))
+        .read_info()
+        .expect("a PNG");
+    let mut samples = vec![0; reader.output_buffer_size().expect("a size")];
+    reader.next_frame(&mut samples).expect("a PNG");
+    samples[7] ^= 1;
+    let info = reader.info();
+    let mut encoder = png::Encoder::new(
+        std::fs::File::create(path).expect("writes"),
+        info.width,
+        info.height,
+    );
+    encoder.set_color(info.color_type);
+    encoder.set_depth(info.bit_depth);
+    for chunk in &info.uncompressed_latin1_text {
+        let (keyword, text) = (chunk.keyword.clone(), chunk.text.clone());
+        encoder.add_text_chunk(keyword, text).expect("text");
+    }
+    let mut writer = encoder.write_header().expect("writes");
+    writer.write_image_data(&samples).expect("writes");
 }
 
 /// Two processors that share a picture's tiles make one picture: glibc chooses its sines by processor,
@@ -644,6 +698,59 @@ fn a_wrong_pixel_is_found() {
                 "{text}"
             );
         }
+    }
+}
+
+/// The recipe is the same however a picture is split, from whatever folder, by however many threads.
+#[test]
+fn recipes_hang_on_nothing_but_the_picture() {
+    let folder = folder();
+    let copy = folder.path().join("another name.obj");
+    std::fs::write(&copy, bytes(&asset("torus.obj"))).expect("writes");
+    std::fs::write(folder.path().join("torus.mtl"), bytes(&asset("torus.mtl"))).expect("writes");
+    let mut whole = Vec::new();
+    for (mesh, more) in [
+        (&asset("torus.obj"), &["--threads", "1"][..]),
+        (&copy, &["--threads", "2", "--tiles", "3x2"]),
+    ] {
+        let path = folder.path().join("picture.png");
+        let mut arguments = arguments!["render", mesh, "-o", &path, "--size", "60x40"];
+        arguments.extend(more.iter().map(OsString::from));
+        succeed(arguments);
+        whole.push(bytes(&path));
+    }
+    assert!(whole[0] == whole[1]);
+    let recipe = ImageFile::decode(&whole[0]).expect("a PNG").recipe;
+    let text = recipe.expect("a render tells its recipe").to_string();
+    assert!(!text.contains("torus") && !text.contains("name"), "{text}");
+}
+
+/// What needs more memory than there is is refused before it is begun, with the figures; no process is
+/// ended half-way.
+#[cfg(target_os = "linux")]
+#[test]
+fn pictures_beyond_memory_are_refused() {
+    let folder = folder();
+    for (name, size) in [
+        ("a.exr", "16384x16384"),
+        ("a.ppm", "32768x32768"),
+        ("a.png", "32768x32768"),
+        ("a.jpg", "32768x32768"),
+    ] {
+        let output = folder.path().join(name);
+        let mut shell = Command::new("sh");
+        shell.arg("-c").arg("ulimit -v 1000000; exec \"$0\" \"$@\"");
+        shell.arg(raycast_tests::binary::path());
+        shell.args(arguments!["render", asset("cube.obj"), "-o", &output]);
+        shell.args(["--size", size, "--threads", "2"]);
+        let told = run(&mut shell);
+        assert_eq!(told.status, Some(1), "{name}: {}", told.errors);
+        let line = &told.errors;
+        assert_eq!(line.lines().count(), 1, "{line}");
+        for expected in [size, "GiB of memory", "ulimit -v", "would fit"] {
+            assert!(line.contains(expected), "{expected}: {line}");
+        }
+        assert!(names(folder.path()).is_empty(), "{name}: a file was left");
     }
 }
 

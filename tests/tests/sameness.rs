@@ -5,7 +5,7 @@ use raycast_core::accel::Accel;
 use raycast_core::camera::{Camera, Grid, Orbit, Projection, Ray, Rect};
 use raycast_core::formats::{read_mesh, read_scene};
 use raycast_core::glam::DVec3;
-use raycast_core::image::{Format, Fragment, Picture, stitch};
+use raycast_core::image::{Format, Fragment, Picture, Recipe, stitch};
 use raycast_core::intersect::{Cull, Detail};
 use raycast_core::render::{Cancel, Passes, Settings, TileStats, View};
 use raycast_core::scene::{Mesh, Object, Scene, Transform};
@@ -254,8 +254,11 @@ fn fragments_stitch_to_the_same_bytes() {
     let (columns, rows) = (100, 70);
     let view = stage.view(front(Projection::Perspective, (columns, rows)), Cull::None);
     let whole = render(&view, Grid::default());
+    let recipe = Recipe::of(&view);
     for format in [Format::Png, Format::Exr] {
-        let expected = whole.encode(format).expect("a picture with layers");
+        let expected = whole
+            .encode_with(format, Some(&recipe))
+            .expect("a picture with layers");
         for grid in [
             Grid::Count {
                 columns: 3,
@@ -269,9 +272,8 @@ fn fragments_stitch_to_the_same_bytes() {
                 .map(|rect| {
                     let tile = view.render_rect(rect, &|| Duration::ZERO);
                     let fragment = Fragment {
-                        full_size: (columns, rows),
                         rect,
-                        view: 7,
+                        recipe,
                         picture: Picture {
                             width: rect.width,
                             height: rect.height,
@@ -282,13 +284,14 @@ fn fragments_stitch_to_the_same_bytes() {
                     let bytes = fragment.encode(format).expect("a fragment");
                     let name = format!("{},{}", rect.x, rect.y);
                     let again = Fragment::decode(&name, &bytes).expect("what was written");
-                    assert_eq!((again.rect, again.view), (rect, 7));
+                    assert_eq!((again.rect, again.recipe), (rect, recipe));
                     (name, again)
                 })
                 .collect();
             fragments.reverse();
             let stitched = stitch(&fragments).expect("all parts are there");
-            let bytes = stitched.encode(format).expect("a picture");
+            let bytes = stitched.encode_with(format, Some(&recipe));
+            let bytes = bytes.expect("a picture");
             assert!(bytes == expected, "{format:?} {grid:?}");
         }
     }

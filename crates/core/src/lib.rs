@@ -60,6 +60,7 @@
 
 mod bvh;
 pub mod camera;
+pub mod digest;
 pub mod formats;
 mod hit;
 mod hits;

@@ -2,7 +2,7 @@
 
 use raycast_core::camera::PlaneError;
 use raycast_core::formats::FormatError;
-use raycast_core::image::{FragmentError, ImageError};
+use raycast_core::image::{FragmentError, ImageError, OutOfMemory};
 use raycast_core::scene::SceneError;
 use std::error::Error;
 use std::fmt;
@@ -123,6 +123,12 @@ impl From<ImageError> for Failure {
             }
             _ => Self::CouldNot(Reason::of(error)),
         }
+    }
+}
+
+impl From<OutOfMemory> for Failure {
+    fn from(error: OutOfMemory) -> Self {
+        Self::CouldNot(Reason::of(error))
     }
 }
 

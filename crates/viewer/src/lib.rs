@@ -5,13 +5,14 @@
 //! builds and renders away from the window's thread.
 //!
 //! What the headless commands share: [`setup`] turns files and options into a view, [`output`]
-//! writes files whole or not at all, [`progress`] shows how far they are, [`stats`] what it took.
+//! writes files whole or not at all, [`progress`] shows how far they are, [`stats`] what it took, [`memory`]
+//! refuses what it could not take.
 
 pub mod app;
 pub mod cli;
 pub mod commands;
 pub mod failure;
-pub mod identity;
+pub mod memory;
 pub mod output;
 pub mod panels;
 pub mod progress;

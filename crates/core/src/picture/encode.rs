@@ -1,4 +1,6 @@
-use super::{Picture, exr, jpeg, png, ppm};
+use super::file::Tags;
+use super::memory::{OutOfMemory, reserved};
+use super::{ImageFile, Picture, Recipe, exr, jpeg, png, ppm};
 use std::ffi::OsStr;
 use std::path::Path;
 
@@ -33,6 +35,9 @@ pub enum ImageError {
     /// A picture whose counts do not agree, or with a side that the kind of file cannot have.
     #[error("the image could not be encoded: {0}")]
     Encode(String),
+    /// A buffer that could not be had.
+    #[error(transparent)]
+    OutOfMemory(#[from] OutOfMemory),
     /// Bytes that are not the file they should be.
     #[error("the image could not be read: {0}")]
     Decode(String),
@@ -62,15 +67,32 @@ impl Picture {
     /// The bytes of an image file of this kind: the same for the same picture.
     ///
     /// # Errors
+    /// As [`Picture::encode_with`].
+    pub fn encode(&self, format: Format) -> Result<Vec<u8>, ImageError> {
+        self.encode_with(format, None)
+    }
+
+    /// The same with what the picture was made of: PNG and EXR tell it, PPM and JPEG have no place for
+    /// it.
+    ///
+    /// # Errors
     /// A side of no pixels, or more than the kind of file can hold; [`Format::Exr`] needs the
     /// picture's layers.
-    pub fn encode(&self, format: Format) -> Result<Vec<u8>, ImageError> {
+    pub fn encode_with(
+        &self,
+        format: Format,
+        recipe: Option<&Recipe>,
+    ) -> Result<Vec<u8>, ImageError> {
         self.check()?;
+        let tags = Tags {
+            recipe,
+            place: None,
+        };
         match format {
-            Format::Png => png::encode(self, None),
-            Format::Ppm => Ok(ppm::encode(self)),
+            Format::Png => png::encode(self, tags),
+            Format::Ppm => ppm::encode(self),
             Format::Jpeg => jpeg::encode(self),
-            Format::Exr => exr::encode(self, None),
+            Format::Exr => exr::encode(self, tags),
         }
     }
 
@@ -80,7 +102,7 @@ impl Picture {
     /// # Errors
     /// Bytes that are no EXR, a damaged one, or one without RayCast's channels.
     pub fn decode_exr(bytes: &[u8]) -> Result<Self, ImageError> {
-        exr::decode(bytes).map(|(picture, _)| picture)
+        exr::decode(bytes).map(|ImageFile { picture, .. }| picture)
     }
 
     /// Whether there are as many pixels as the sides say, and at least one.
@@ -103,16 +125,17 @@ impl Picture {
     }
 }
 
-/// The red, green and blue of pixels laid over black.
-pub(super) fn over_black(pixels: &[[u8; 4]]) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(pixels.len() * 3);
+/// The red, green and blue of pixels laid over black, after some other bytes.
+pub(super) fn over_black(before: &[u8], pixels: &[[u8; 4]]) -> Result<Vec<u8>, OutOfMemory> {
+    let mut bytes = reserved(before.len() + pixels.len() * 3)?;
+    bytes.extend_from_slice(before);
     for &[r, g, b, a] in pixels {
         bytes.extend(match a {
             u8::MAX => [r, g, b],
             _ => crate::shade::over_black([r, g, b, a]),
         });
     }
-    bytes
+    Ok(bytes)
 }
 
 #[cfg(test)]

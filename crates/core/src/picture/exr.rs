@@ -3,10 +3,12 @@
 //! `R G B A` are linear light with alpha multiplied in, as is the custom of EXR and of
 //! [`Layers::color`]: what a fragment holds is stitched as it is.
 
+use super::file::Tags;
 use super::fragment::Place;
+use super::memory::collected;
 use super::png::MOST_EXPANSION;
-use super::{ImageError, Layers, Picture};
-use crate::camera::{PIXEL_LIMIT, Rect};
+use super::{ImageError, ImageFile, Layers, Picture, Recipe};
+use crate::camera::PIXEL_LIMIT;
 use crate::shade;
 use ::exr::image::{Blocks, Encoding, FlatSamples, Image, Layer};
 use ::exr::meta::MetaData;
@@ -17,8 +19,11 @@ use ::exr::prelude::{
 };
 use std::io::Cursor;
 
-/// The attribute that names a fragment's view.
-const VIEW: &str = "raycast-view";
+/// The attribute that holds a fragment's place.
+const FRAGMENT: &str = "raycast-fragment";
+
+/// The attribute that holds a picture's recipe.
+const RECIPE: &str = "raycast-recipe";
 
 /// The channels of a picture.
 const FLOATS: [&str; 10] = ["R", "G", "B", "A", "Z", "N.X", "N.Y", "N.Z", "uv.U", "uv.V"];
@@ -29,27 +34,31 @@ const PIXEL_BYTES: u64 = 4 * (FLOATS.len() + INTEGERS.len()) as u64;
 
 /// The bytes of an EXR. A fragment's data window is its rectangle within the full picture, which is
 /// the display window.
-pub(super) fn encode(picture: &Picture, place: Option<&Place>) -> Result<Vec<u8>, ImageError> {
+pub(super) fn encode(picture: &Picture, tags: Tags<'_>) -> Result<Vec<u8>, ImageError> {
     let layers = picture.layers.as_ref().ok_or(ImageError::NoLayers)?;
     let float = |name, value: &dyn Fn(usize) -> f32| {
-        let values = (0..picture.pixels.len()).map(value).collect();
-        AnyChannel::new(name, FlatSamples::F32(values))
+        let count = picture.pixels.len();
+        let values = collected(count, (0..count).map(value))?;
+        Ok::<_, ImageError>(AnyChannel::new(name, FlatSamples::F32(values)))
     };
-    let integer = |name, values: &[u32]| AnyChannel::new(name, FlatSamples::U32(values.to_vec()));
+    let integer = |name, values: &[u32]| {
+        let values = collected(values.len(), values.iter().copied())?;
+        Ok::<_, ImageError>(AnyChannel::new(name, FlatSamples::U32(values)))
+    };
     let channels = AnyChannels::sort(
         [
-            float("R", &|i| layers.color[i][0]),
-            float("G", &|i| layers.color[i][1]),
-            float("B", &|i| layers.color[i][2]),
-            float("A", &|i| layers.color[i][3]),
-            float("Z", &|i| layers.depth[i]),
-            float("N.X", &|i| layers.normal[i][0]),
-            float("N.Y", &|i| layers.normal[i][1]),
-            float("N.Z", &|i| layers.normal[i][2]),
-            float("uv.U", &|i| layers.uv[i][0]),
-            float("uv.V", &|i| layers.uv[i][1]),
-            integer("id.object", &layers.object),
-            integer("id.triangle", &layers.triangle),
+            float("R", &|i| layers.color[i][0])?,
+            float("G", &|i| layers.color[i][1])?,
+            float("B", &|i| layers.color[i][2])?,
+            float("A", &|i| layers.color[i][3])?,
+            float("Z", &|i| layers.depth[i])?,
+            float("N.X", &|i| layers.normal[i][0])?,
+            float("N.Y", &|i| layers.normal[i][1])?,
+            float("N.Z", &|i| layers.normal[i][2])?,
+            float("uv.U", &|i| layers.uv[i][0])?,
+            float("uv.V", &|i| layers.uv[i][1])?,
+            integer("id.object", &layers.object)?,
+            integer("id.triangle", &layers.triangle)?,
         ]
         .into_iter()
         .collect(),
@@ -57,15 +66,19 @@ pub(super) fn encode(picture: &Picture, place: Option<&Place>) -> Result<Vec<u8>
     let size = Vec2(picture.width as usize, picture.height as usize);
     let mut attributes = LayerAttributes::default();
     let mut shared = ImageAttributes::with_size(size);
-    if let Some(place) = place {
+    let mut tell = |name: &str, text: String| {
+        let text = AttributeValue::Text(Text::from(text.as_str()));
+        shared.other.insert(Text::from(name), text);
+    };
+    if let Some(recipe) = tags.recipe {
+        tell(RECIPE, recipe.to_string());
+    }
+    if let Some(place) = tags.place {
+        tell(FRAGMENT, place.to_string());
         let (columns, rows) = place.full_size;
         shared.display_window =
             IntegerBounds::from_dimensions(Vec2(columns as usize, rows as usize));
         attributes.layer_position = Vec2(place.rect.x as i32, place.rect.y as i32);
-        shared.other.insert(
-            Text::from(VIEW),
-            AttributeValue::Text(Text::from(format!("{:016x}", place.view).as_str())),
-        );
     }
     let image = Image {
         attributes: shared,
@@ -88,14 +101,19 @@ pub(super) fn encode(picture: &Picture, place: Option<&Place>) -> Result<Vec<u8>
     Ok(bytes.into_inner())
 }
 
-/// The picture in an EXR's data window, and its place if it is a fragment.
-pub(super) fn decode(bytes: &[u8]) -> Result<(Picture, Option<Place>), ImageError> {
+/// The picture in an EXR's data window, and what else it tells.
+pub(super) fn decode(bytes: &[u8]) -> Result<ImageFile, ImageError> {
     let failed = |error: ::exr::error::Error| ImageError::Decode(error.to_string());
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(failed)?;
     let [header] = meta.headers.as_slice() else {
         return Err(ImageError::Decode("expected one part".to_owned()));
     };
-    let place = check(header, bytes.len())?;
+    check(header, bytes.len())?;
+    let recipe: Option<Recipe> = text(header, RECIPE)?
+        .as_deref()
+        .map(str::parse)
+        .transpose()?;
+    let place = place(header)?;
     let image = read()
         .no_deep_data()
         .largest_resolution_level()
@@ -118,32 +136,37 @@ pub(super) fn decode(bytes: &[u8]) -> Result<(Picture, Option<Place>), ImageErro
         Some(AnyChannel {
             sample_data: FlatSamples::U32(values),
             ..
-        }) if values.len() == width * height => Ok(values.clone()),
+        }) if values.len() == width * height => {
+            Ok(collected(values.len(), values.iter().copied())?)
+        }
         _ => Err(missing(name, "32-bit unsigned")),
     };
     let [r, g, b, a] = [floats("R")?, floats("G")?, floats("B")?, floats("A")?];
     let [x, y, z] = [floats("N.X")?, floats("N.Y")?, floats("N.Z")?];
     let [u, v] = [floats("uv.U")?, floats("uv.V")?];
-    let all = 0..width * height;
+    let count = width * height;
+    let all = 0..count;
     let layers = Layers {
-        color: all.clone().map(|i| [r[i], g[i], b[i], a[i]]).collect(),
-        depth: floats("Z")?.to_vec(),
+        color: collected(count, all.clone().map(|i| [r[i], g[i], b[i], a[i]]))?,
+        depth: collected(count, floats("Z")?.iter().copied())?,
         object: integers("id.object")?,
         triangle: integers("id.triangle")?,
-        normal: all.clone().map(|i| [x[i], y[i], z[i]]).collect(),
-        uv: all.map(|i| [u[i], v[i]]).collect(),
+        normal: collected(count, all.clone().map(|i| [x[i], y[i], z[i]]))?,
+        uv: collected(count, all.map(|i| [u[i], v[i]]))?,
     };
     let picture = Picture {
         width: width as u32,
         height: height as u32,
-        pixels: layers
-            .color
-            .iter()
-            .map(|&color| shade::encode_premultiplied(color))
-            .collect(),
+        pixels: collected(
+            count,
+            layers
+                .color
+                .iter()
+                .map(|&color| shade::encode_premultiplied(color)),
+        )?,
         layers: Some(layers),
     };
-    Ok((picture, place))
+    ImageFile::checked(picture, recipe, place)
 }
 
 fn missing(name: &str, kind: &str) -> ImageError {
@@ -151,8 +174,8 @@ fn missing(name: &str, kind: &str) -> ImageError {
 }
 
 /// Refuses a header that does not tell of RayCast's channels, or tells of more pixels than so many
-/// bytes can hold, before anything is made to hold them; answers with a fragment's place.
-fn check(header: &Header, length: usize) -> Result<Option<Place>, ImageError> {
+/// bytes can hold, before anything is made to hold them.
+fn check(header: &Header, length: usize) -> Result<(), ImageError> {
     let damaged = |reason: &str| ImageError::Decode(reason.to_owned());
     if header.deep || header.blocks.has_tiles() {
         return Err(damaged("expected scan lines"));
@@ -176,38 +199,41 @@ fn check(header: &Header, length: usize) -> Result<Option<Place>, ImageError> {
     {
         return Err(damaged("expected RayCast's twelve channels"));
     }
-    let text = Text::from(VIEW);
-    let view = header
-        .shared_attributes
-        .other
-        .get(&text)
-        .or_else(|| header.own_attributes.other.get(&text));
-    let Some(view) = view else {
+    Ok(())
+}
+
+/// The text of an attribute of RayCast's own, where it is there.
+fn text(header: &Header, name: &str) -> Result<Option<String>, ImageError> {
+    let name = Text::from(name);
+    let shared = &header.shared_attributes.other;
+    match shared
+        .get(&name)
+        .or_else(|| header.own_attributes.other.get(&name))
+    {
+        None => Ok(None),
+        Some(AttributeValue::Text(text)) => Ok(Some(text.to_string())),
+        Some(_) => Err(ImageError::Decode(format!("its {name} is not text"))),
+    }
+}
+
+/// A fragment's place, which must be that of the data window in the display window.
+fn place(header: &Header) -> Result<Option<Place>, ImageError> {
+    let Some(place) = text(header, FRAGMENT)? else {
         return Ok(None);
     };
-    let AttributeValue::Text(view) = view else {
-        return Err(damaged("its view is not text"));
-    };
-    let view = u64::from_str_radix(&view.to_string(), 16)
-        .map_err(|_| damaged("its view is not a hexadecimal number"))?;
+    let place: Place = place.parse()?;
     let window = header.shared_attributes.display_window;
+    let (columns, rows) = place.full_size;
     let Vec2(x, y) = header.own_attributes.layer_position;
-    let (Ok(x), Ok(y), Vec2(0, 0)) = (u32::try_from(x), u32::try_from(y), window.position) else {
-        return Err(damaged("its data window lies outside the picture"));
-    };
-    let side = |length: usize| {
-        u32::try_from(length).map_err(|_| damaged("its display window is too large"))
-    };
-    Ok(Some(Place {
-        full_size: (side(window.size.0)?, side(window.size.1)?),
-        rect: Rect {
-            x,
-            y,
-            width: side(width)?,
-            height: side(height)?,
-        },
-        view,
-    }))
+    let agrees = window.position == Vec2(0, 0)
+        && window.size == Vec2(columns as usize, rows as usize)
+        && (i64::from(x), i64::from(y)) == (place.rect.x.into(), place.rect.y.into());
+    if !agrees {
+        return Err(ImageError::Decode(
+            "its windows are not at the place that it tells".to_owned(),
+        ));
+    }
+    Ok(Some(place))
 }
 
 #[cfg(test)]

@@ -1,17 +1,17 @@
-use super::{Format, ImageError, Picture, exr, png};
+use super::file::Tags;
+use super::{Format, ImageError, ImageFile, OutOfMemory, Picture, Recipe, exr, png};
 use crate::camera::{PIXEL_LIMIT, Rect};
+use crate::digest::Digest;
 use std::fmt;
 use std::str::FromStr;
 
 /// A tile in a file of its own, with what is needed to stitch it back.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fragment {
-    /// Columns and rows of the full picture.
-    pub full_size: (u32, u32),
-    /// The fragment's place in it.
+    /// The fragment's place in the full picture.
     pub rect: Rect,
-    /// Names the view: fragments of different cameras or scenes do not stitch.
-    pub view: u64,
+    /// What the full picture is made of: fragments of different recipes do not stitch.
+    pub recipe: Recipe,
     /// The rectangle's own pixels, and layers if it has them.
     pub picture: Picture,
 }
@@ -29,6 +29,9 @@ pub enum FragmentError {
         /// What was found instead.
         reason: String,
     },
+    /// A picture for which there is no memory.
+    #[error(transparent)]
+    OutOfMemory(#[from] OutOfMemory),
     /// Nothing to stitch.
     #[error("there are no fragments to stitch")]
     None,
@@ -75,7 +78,8 @@ pub enum FragmentError {
 }
 
 impl Fragment {
-    /// The bytes of a PNG (a text chunk tells its place) or an EXR (its data window does) file.
+    /// The bytes of a PNG or an EXR file, which tells in text chunks or attributes its place, the
+    /// [`Recipe`] of the full picture, and a checksum of the pixels.
     ///
     /// # Errors
     /// Other kinds of file, which cannot hold a fragment; a rectangle that leaves the full picture;
@@ -83,14 +87,23 @@ impl Fragment {
     pub fn encode(&self, format: Format) -> Result<Vec<u8>, ImageError> {
         self.picture.check()?;
         let place = Place {
-            full_size: self.full_size,
+            full_size: self.full_size(),
             rect: self.rect,
-            view: self.view,
+            recipe: self.recipe.digest(),
+            // A PNG holds no layers.
+            pixels: match format {
+                Format::Png => Digest::of(self.picture.pixels.as_flattened()),
+                _ => self.picture.digest(),
+            },
         };
         place.check(&self.picture).map_err(ImageError::Encode)?;
+        let tags = Tags {
+            recipe: Some(&self.recipe),
+            place: Some(&place),
+        };
         match format {
-            Format::Png => png::encode(&self.picture, Some(&place)),
-            Format::Exr => exr::encode(&self.picture, Some(&place)),
+            Format::Png => png::encode(&self.picture, tags),
+            Format::Exr => exr::encode(&self.picture, tags),
             Format::Ppm | Format::Jpeg => Err(ImageError::NotForFragments),
         }
     }
@@ -98,37 +111,42 @@ impl Fragment {
     /// Reads what [`Fragment::encode`] made. `name` is for the error.
     ///
     /// # Errors
-    /// Bytes that are no fragment.
+    /// Bytes that are no fragment, or whose pixels, place or recipe are not as they were written.
     pub fn decode(name: &str, bytes: &[u8]) -> Result<Self, FragmentError> {
         let not_a_fragment = |reason: String| FragmentError::NotAFragment {
             name: name.to_owned(),
             reason,
         };
-        let decoded = if bytes.starts_with(b"\x89PNG") {
-            png::decode(bytes)
-        } else if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-            exr::decode(bytes)
-        } else {
-            return Err(not_a_fragment("it is neither PNG nor EXR".to_owned()));
-        };
-        let (picture, place) = decoded.map_err(|error| not_a_fragment(error.to_string()))?;
-        let place = place.ok_or_else(|| {
-            not_a_fragment("it does not tell its place in a larger picture".to_owned())
-        })?;
-        place.check(&picture).map_err(not_a_fragment)?;
-        Ok(Self {
-            full_size: place.full_size,
-            rect: place.rect,
-            view: place.view,
+        let ImageFile {
             picture,
-        })
+            recipe,
+            place,
+        } = ImageFile::decode(bytes).map_err(|error| not_a_fragment(error.to_string()))?;
+        let (Some(place), Some(recipe)) = (place, recipe) else {
+            return Err(not_a_fragment(
+                "it does not tell its place in a larger picture".to_owned(),
+            ));
+        };
+        let fragment = Self {
+            rect: place.rect,
+            recipe,
+            picture,
+        };
+        fits(&fragment).map_err(not_a_fragment)?;
+        Ok(fragment)
+    }
+
+    /// Columns and rows of the full picture.
+    pub fn full_size(&self) -> (u32, u32) {
+        let plane = self.recipe.camera.plane();
+        (plane.columns, plane.rows)
     }
 }
 
 /// Puts named fragments together into the picture that the full camera would have made.
 ///
 /// # Errors
-/// None at all, views that differ, parts that are missing, or that overlap.
+/// None at all, recipes that differ, parts that are missing, or that overlap.
 pub fn stitch(fragments: &[(String, Fragment)]) -> Result<Picture, FragmentError> {
     let Some((first_name, first)) = fragments.first() else {
         return Err(FragmentError::None);
@@ -158,14 +176,15 @@ pub fn stitch(fragments: &[(String, Fragment)]) -> Result<Picture, FragmentError
             }
         }
     }
-    let (width, height) = first.full_size;
+    let (width, height) = first.full_size();
+    // Parts lie in the picture, and no two of them overlap: together they hold no more than it has.
     let held: u64 = fragments
         .iter()
         .map(|(_, fragment)| fragment.rect.area() as u64)
         .sum();
-    let missing = u64::from(width) * u64::from(height) - held;
+    let missing = (u64::from(width) * u64::from(height)).saturating_sub(held);
     if missing > 0 {
-        let (x, y, right) = first_gap(first.full_size, fragments);
+        let (x, y, right) = first_gap((width, height), fragments);
         return Err(FragmentError::Gap {
             missing,
             width,
@@ -175,7 +194,7 @@ pub fn stitch(fragments: &[(String, Fragment)]) -> Result<Picture, FragmentError
             right,
         });
     }
-    let mut picture = Picture::blank(width, height, first.picture.layers.is_some());
+    let mut picture = Picture::try_blank(width, height, first.picture.layers.is_some())?;
     for (name, fragment) in fragments {
         let (pixels, layers) = (&fragment.picture.pixels, fragment.picture.layers.as_ref());
         if !picture.place(fragment.rect, pixels, layers) {
@@ -190,14 +209,14 @@ pub fn stitch(fragments: &[(String, Fragment)]) -> Result<Picture, FragmentError
 
 /// Why two fragments are not of one picture.
 fn difference(first: &Fragment, fragment: &Fragment) -> Option<String> {
-    let ((width, height), (columns, rows)) = (first.full_size, fragment.full_size);
+    let ((width, height), (columns, rows)) = (first.full_size(), fragment.full_size());
     if (width, height) != (columns, rows) {
         return Some(format!(
             "it is part of a picture of {columns} x {rows}, not {width} x {height}"
         ));
     }
-    if first.view != fragment.view {
-        return Some("it shows another view (camera, scene or settings)".to_owned());
+    if let Some(reason) = first.recipe.difference(&fragment.recipe) {
+        return Some(reason);
     }
     match (&first.picture.layers, &fragment.picture.layers) {
         (Some(_), None) => Some("it has no layers".to_owned()),
@@ -208,12 +227,7 @@ fn difference(first: &Fragment, fragment: &Fragment) -> Option<String> {
 
 /// Whether a fragment lies in its full picture.
 fn fits(fragment: &Fragment) -> Result<(), String> {
-    Place {
-        full_size: fragment.full_size,
-        rect: fragment.rect,
-        view: fragment.view,
-    }
-    .check(&fragment.picture)
+    check_place(fragment.full_size(), fragment.rect, &fragment.picture)
 }
 
 /// The first pixel that two rectangles share.
@@ -258,38 +272,45 @@ fn first_gap((width, height): (u32, u32), fragments: &[(String, Fragment)]) -> (
 pub(super) struct Place {
     pub(super) full_size: (u32, u32),
     pub(super) rect: Rect,
-    pub(super) view: u64,
+    /// The recipe's digest.
+    pub(super) recipe: Digest,
+    /// The pixels' digest.
+    pub(super) pixels: Digest,
 }
 
 impl Place {
     /// Whether the place is inside the full picture and has the picture's size.
-    fn check(&self, picture: &Picture) -> Result<(), String> {
-        let (columns, rows) = self.full_size;
-        let Rect {
-            x,
-            y,
-            width,
-            height,
-        } = self.rect;
-        if (width, height) != (picture.width, picture.height) {
-            return Err(format!(
-                "its place is {width} x {height}, but it has {} x {} pixels",
-                picture.width, picture.height
-            ));
-        }
-        let inside = u64::from(x) + u64::from(width) <= u64::from(columns)
-            && u64::from(y) + u64::from(height) <= u64::from(rows);
-        if !inside || u64::from(columns) * u64::from(rows) > PIXEL_LIMIT {
-            return Err(format!(
-                "{width} x {height} pixels at ({x}, {y}) are not in a picture of {columns} x {rows}"
-            ));
-        }
-        Ok(())
+    pub(super) fn check(&self, picture: &Picture) -> Result<(), String> {
+        check_place(self.full_size, self.rect, picture)
     }
 }
 
+/// Whether a rectangle is inside the full picture and has the picture's size.
+fn check_place((columns, rows): (u32, u32), rect: Rect, picture: &Picture) -> Result<(), String> {
+    let Rect {
+        x,
+        y,
+        width,
+        height,
+    } = rect;
+    if (width, height) != (picture.width, picture.height) {
+        return Err(format!(
+            "its place is {width} x {height}, but it has {} x {} pixels",
+            picture.width, picture.height
+        ));
+    }
+    let inside = u64::from(x) + u64::from(width) <= u64::from(columns)
+        && u64::from(y) + u64::from(height) <= u64::from(rows);
+    if !inside || u64::from(columns) * u64::from(rows) > PIXEL_LIMIT {
+        return Err(format!(
+            "{width} x {height} pixels at ({x}, {y}) are not in a picture of {columns} x {rows}"
+        ));
+    }
+    Ok(())
+}
+
 impl fmt::Display for Place {
-    /// `full 1280 720 rect 64 0 64 64 view 0123456789abcdef`.
+    /// `full 1280 720 rect 64 0 64 64 recipe DIGEST pixels DIGEST`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (columns, rows) = self.full_size;
         let Rect {
@@ -300,17 +321,17 @@ impl fmt::Display for Place {
         } = self.rect;
         write!(
             f,
-            "full {columns} {rows} rect {x} {y} {width} {height} view {:016x}",
-            self.view
+            "full {columns} {rows} rect {x} {y} {width} {height} recipe {} pixels {}",
+            self.recipe, self.pixels
         )
     }
 }
 
 impl FromStr for Place {
-    type Err = String;
+    type Err = ImageError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        let expected = || format!("its place reads {text:?}");
+    fn from_str(text: &str) -> Result<Self, ImageError> {
+        let expected = || ImageError::Decode(format!("its place reads {text:?}"));
         let words: Vec<&str> = text.split(' ').collect();
         let [
             "full",
@@ -321,8 +342,10 @@ impl FromStr for Place {
             y,
             width,
             height,
-            "view",
-            view,
+            "recipe",
+            recipe,
+            "pixels",
+            pixels,
         ] = words[..]
         else {
             return Err(expected());
@@ -336,7 +359,8 @@ impl FromStr for Place {
                 width: number(width)?,
                 height: number(height)?,
             },
-            view: u64::from_str_radix(view, 16).map_err(|_| expected())?,
+            recipe: recipe.parse().map_err(|_| expected())?,
+            pixels: pixels.parse().map_err(|_| expected())?,
         })
     }
 }
@@ -346,7 +370,8 @@ pub(super) mod tests {
     use super::*;
     use crate::camera::Grid;
     use crate::picture::Layers;
-    use crate::shade;
+    use crate::picture::recipe::tests::sample_recipe;
+    use crate::shade::{self, Mode};
 
     /// A picture with something of everything: every channel differs from pixel to pixel, some
     /// pixels are misses, some half transparent.
@@ -397,9 +422,8 @@ pub(super) mod tests {
             .enumerate()
             .map(|(index, rect)| {
                 let fragment = Fragment {
-                    full_size: (width, picture.height),
                     rect,
-                    view: 0xfedc_ba98_7654_3210,
+                    recipe: sample_recipe(width, picture.height),
                     picture: Picture {
                         width: rect.width,
                         height: rect.height,
@@ -439,9 +463,13 @@ pub(super) mod tests {
                 parts.reverse();
                 let stitched = stitch(&parts).expect("stitches");
                 assert_eq!(stitched, whole);
+                let encode = |picture: &Picture, recipe| {
+                    let bytes = picture.encode_with(format, Some(&recipe));
+                    bytes.expect("encodes")
+                };
                 assert_eq!(
-                    stitched.encode(format).expect("encodes"),
-                    whole.encode(format).expect("encodes")
+                    encode(&stitched, parts[0].1.recipe),
+                    encode(&whole, sample_recipe(37, 29))
                 );
             }
         }
@@ -469,14 +497,14 @@ pub(super) mod tests {
         assert_eq!(told(&twice), "again and part-5 both hold pixel (8, 5)");
 
         let mut other_view = parts.clone();
-        other_view[2].1.view = 1;
+        other_view[2].1.recipe.shading.mode = Mode::Flat;
         assert!(
             told(&other_view)
-                .starts_with("part-2 does not belong with part-0: it shows another view")
+                .starts_with("part-2 does not belong with part-0: it was made with other settings")
         );
 
         let mut other_size = parts.clone();
-        other_size[1].1.full_size = (13, 10);
+        other_size[1].1.recipe = sample_recipe(13, 10);
         assert!(told(&other_size).contains("part of a picture of 13 x 10, not 12 x 10"));
 
         let mut with_layers = parts.clone();
@@ -486,6 +514,144 @@ pub(super) mod tests {
         let mut outside = parts;
         outside[5].1.rect.x = 11;
         assert!(told(&outside).starts_with("part-5: expected a fragment"));
+    }
+
+    /// Parts that overlap by as much as is missing elsewhere hold as many pixels as the picture has.
+    #[test]
+    fn an_overlap_does_not_make_up_for_a_gap() {
+        let whole = sample_picture(12, 10, false);
+        let part = |name: &str, x: u32, width: u32| {
+            let rect = Rect {
+                x,
+                y: 0,
+                width,
+                height: 10,
+            };
+            let picture = Picture {
+                width,
+                height: 10,
+                pixels: cut(&whole.pixels, 12, rect),
+                layers: None,
+            };
+            let recipe = sample_recipe(12, 10);
+            let fragment = Fragment {
+                rect,
+                recipe,
+                picture,
+            };
+            (name.to_owned(), fragment)
+        };
+        let [left, middle, right] = [
+            part("left", 0, 5),
+            part("middle", 4, 4),
+            part("right", 9, 3),
+        ];
+        let orders = [
+            [&left, &middle, &right],
+            [&right, &middle, &left],
+            [&middle, &right, &left],
+        ];
+        for order in orders {
+            let parts = order.map(Clone::clone);
+            let error = stitch(&parts).expect_err("pixel (8, 0) is missing");
+            assert!(
+                matches!(error, FragmentError::Overlap { x: 4, y: 0, .. }),
+                "{error}"
+            );
+        }
+        // Twice the picture, and more: nothing wraps round.
+        let parts = [part("a", 0, 12), part("b", 0, 12), part("c", 0, 6)];
+        assert!(matches!(stitch(&parts), Err(FragmentError::Overlap { .. })));
+    }
+
+    /// A byte of a PNG's image changed, and every checksum of PNG's own made right again.
+    fn repainted(bytes: &[u8]) -> Vec<u8> {
+        let mut decoder = ::png::Decoder::new(std::io::Cursor::new(bytes));
+        decoder.set_transformations(::png::Transformations::IDENTITY);
+        let mut reader = decoder.read_info().expect("a PNG");
+        let mut samples = vec![0; reader.output_buffer_size().expect("a size")];
+        reader.next_frame(&mut samples).expect("a PNG");
+        let info = reader.info().clone();
+        samples[5] ^= 1;
+        let mut changed = Vec::new();
+        let mut encoder = ::png::Encoder::new(&mut changed, info.width, info.height);
+        encoder.set_color(info.color_type);
+        encoder.set_depth(info.bit_depth);
+        for chunk in &info.uncompressed_latin1_text {
+            let (keyword, text) = (chunk.keyword.clone(), chunk.text.clone());
+            encoder.add_text_chunk(keyword, text).expect("text");
+        }
+        let mut writer = encoder.write_header().expect("writes");
+        writer.write_image_data(&samples).expect("writes");
+        writer.finish().expect("writes");
+        changed
+    }
+
+    #[test]
+    fn a_pixel_that_was_changed_is_found() {
+        let whole = sample_picture(12, 10, true);
+        let expected = "its pixels are not those that were written";
+        let parts = fragments(&whole, three_by_two(), Format::Exr);
+        // As a PNG, with valid checksums of its own.
+        let png = parts[1].1.encode(Format::Png).expect("encodes");
+        assert!(Fragment::decode("part", &png).is_ok());
+        let error = Fragment::decode("part", &repainted(&png)).expect_err("it was repainted");
+        assert!(error.to_string().contains(expected), "{error}");
+        // As an EXR: each channel counts.
+        let changes: [fn(&mut Layers); 7] = [
+            |layers| layers.color[3][1] += 1e-7,
+            |layers| layers.color[3][3] *= 0.5,
+            |layers| layers.depth[3] += 1.0,
+            |layers| layers.object[3] ^= 1,
+            |layers| layers.triangle[3] ^= 1,
+            |layers| layers.normal[3][2] = -layers.normal[3][2],
+            |layers| layers.uv[3][0] += 1.0,
+        ];
+        for change in changes {
+            let fragment = &parts[1].1;
+            let place = Place {
+                full_size: fragment.full_size(),
+                rect: fragment.rect,
+                recipe: fragment.recipe.digest(),
+                pixels: fragment.picture.digest(),
+            };
+            let mut picture = fragment.picture.clone();
+            change(picture.layers.as_mut().expect("layers"));
+            let tags = Tags {
+                recipe: Some(&fragment.recipe),
+                place: Some(&place),
+            };
+            let bytes = exr::encode(&picture, tags).expect("encodes");
+            let error = Fragment::decode("part", &bytes).expect_err("it was repainted");
+            assert!(error.to_string().contains(expected), "{error}");
+        }
+    }
+
+    /// Another recipe beside the pixels is no better than other pixels.
+    #[test]
+    fn a_recipe_of_another_picture_is_found() {
+        for format in [Format::Png, Format::Exr] {
+            let whole = sample_picture(12, 10, format == Format::Exr);
+            let fragment = fragments(&whole, three_by_two(), format).remove(0).1;
+            let mut other = fragment.recipe;
+            other.shading.mode = Mode::Flat;
+            let place = Place {
+                full_size: fragment.full_size(),
+                rect: fragment.rect,
+                recipe: fragment.recipe.digest(),
+                pixels: fragment.picture.digest(),
+            };
+            let tags = Tags {
+                recipe: Some(&other),
+                place: Some(&place),
+            };
+            let bytes = match format {
+                Format::Png => png::encode(&fragment.picture, tags),
+                _ => exr::encode(&fragment.picture, tags),
+            };
+            let error = Fragment::decode("part", &bytes.expect("encodes")).expect_err("another");
+            assert!(error.to_string().contains("what it was made of"), "{error}");
+        }
     }
 
     #[test]
@@ -522,14 +688,19 @@ pub(super) mod tests {
                 width: 7,
                 height: 1,
             },
-            view: u64::MAX,
+            recipe: Digest::of(b"a recipe"),
+            pixels: Digest::of(b"pixels"),
         };
-        assert_eq!(place.to_string().parse(), Ok(place));
+        let again: Place = place.to_string().parse().expect("a place");
+        assert_eq!(again, place);
         for bad in [
             "",
             "full 1 2",
-            "full 1 2 rect 0 0 1 1 view ",
-            "full -1 2 rect 0 0 1 1 view 0",
+            "full 1 2 rect 0 0 1 1 recipe 0 pixels 0",
+            &place.to_string().replace("full ", "full -"),
+            &format!("{place} "),
+            // As it was written before fragments told what they are made of.
+            "full 1 2 rect 0 0 1 1 view 0123456789abcdef",
         ] {
             assert!(bad.parse::<Place>().is_err(), "{bad}");
         }

@@ -1,4 +1,6 @@
+use super::memory::{OutOfMemory, filled};
 use crate::camera::{Grid, Rect};
+use crate::digest::{Digest, Digester};
 
 /// What a picture knows of each pixel besides its 8-bit colour. Row by row, one value a pixel.
 ///
@@ -31,6 +33,38 @@ impl Layers {
             normal: vec![[0.0; 3]; pixels],
             uv: vec![[0.0; 2]; pixels],
         }
+    }
+
+    /// [`Layers::blank`], where there is the memory for it.
+    fn try_blank(pixels: usize) -> Result<Self, OutOfMemory> {
+        Ok(Self {
+            color: filled([0.0; 4], pixels)?,
+            depth: filled(f32::INFINITY, pixels)?,
+            object: filled(u32::MAX, pixels)?,
+            triangle: filled(u32::MAX, pixels)?,
+            normal: filled([0.0; 3], pixels)?,
+            uv: filled([0.0; 2], pixels)?,
+        })
+    }
+
+    /// A checksum of every value.
+    fn digest(&self) -> Digest {
+        let Self {
+            color,
+            depth,
+            object,
+            triangle,
+            normal,
+            uv,
+        } = self;
+        let mut hash = Digester::new();
+        hash.words(color.as_flattened().iter().map(|value| value.to_bits()));
+        hash.words(depth.iter().map(|value| value.to_bits()));
+        hash.words(object.iter().copied());
+        hash.words(triangle.iter().copied());
+        hash.words(normal.as_flattened().iter().map(|value| value.to_bits()));
+        hash.words(uv.as_flattened().iter().map(|value| value.to_bits()));
+        hash.finish()
     }
 
     /// How many values each layer has.
@@ -68,6 +102,30 @@ impl Picture {
             height,
             pixels: vec![[0; 4]; pixels],
             layers: layers.then(|| Layers::blank(pixels)),
+        }
+    }
+
+    /// [`Picture::blank`], where there is the memory for it.
+    ///
+    /// # Errors
+    /// Memory that the system does not give.
+    pub fn try_blank(width: u32, height: u32, layers: bool) -> Result<Self, OutOfMemory> {
+        let pixels = width as usize * height as usize;
+        let layers = layers.then(|| Layers::try_blank(pixels)).transpose()?;
+        Ok(Self {
+            width,
+            height,
+            pixels: filled([0; 4], pixels)?,
+            layers,
+        })
+    }
+
+    /// A checksum of the pixels: of every layer where there are layers, from which the 8-bit colours
+    /// follow, else of those.
+    pub(super) fn digest(&self) -> Digest {
+        match &self.layers {
+            Some(layers) => layers.digest(),
+            None => Digest::of(self.pixels.as_flattened()),
         }
     }
 

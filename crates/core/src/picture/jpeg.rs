@@ -20,7 +20,7 @@ pub(super) fn encode(picture: &Picture) -> Result<Vec<u8>, ImageError> {
     let mut bytes = Vec::new();
     JpegEncoder::new_with_quality(&mut bytes, QUALITY)
         .encode(
-            &over_black(&picture.pixels),
+            &over_black(&[], &picture.pixels)?,
             picture.width,
             picture.height,
             ExtendedColorType::Rgb8,

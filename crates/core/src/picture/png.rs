@@ -1,20 +1,25 @@
-//! PNG, with a fragment's place in a text chunk.
+//! PNG, with what it was made of, and a fragment's place, in text chunks.
 
+use super::file::Tags;
 use super::fragment::Place;
-use super::{ImageError, Picture};
+use super::memory::{collected, filled, reserved};
+use super::{ImageError, ImageFile, Picture, Recipe};
 use crate::camera::PIXEL_LIMIT;
 use ::png::{BitDepth, ColorType, Compression, Decoder, Encoder, Limits, SrgbRenderingIntent};
 use std::io::Cursor;
 
 /// The text chunk that holds a fragment's place.
-const KEYWORD: &str = "raycast-fragment";
+const FRAGMENT: &str = "raycast-fragment";
+
+/// The text chunk that holds a picture's recipe.
+const RECIPE: &str = "raycast-recipe";
 
 /// No deflate stream expands to more than 1032 times its length (RFC 1951: 258 bytes of a match
 /// take two bits at least).
 pub(super) const MOST_EXPANSION: u64 = 1032;
 
 /// The bytes of a PNG; opaque pictures are stored without alpha.
-pub(super) fn encode(picture: &Picture, place: Option<&Place>) -> Result<Vec<u8>, ImageError> {
+pub(super) fn encode(picture: &Picture, tags: Tags<'_>) -> Result<Vec<u8>, ImageError> {
     let failed = |error: ::png::EncodingError| ImageError::Encode(error.to_string());
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, picture.width, picture.height);
@@ -27,18 +32,21 @@ pub(super) fn encode(picture: &Picture, place: Option<&Place>) -> Result<Vec<u8>
     encoder.set_depth(BitDepth::Eight);
     encoder.set_compression(Compression::Fast);
     encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
-    if let Some(place) = place {
-        encoder
-            .add_text_chunk(KEYWORD.to_owned(), place.to_string())
-            .map_err(failed)?;
+    let texts = [
+        (RECIPE, tags.recipe.map(Recipe::to_string)),
+        (FRAGMENT, tags.place.map(Place::to_string)),
+    ];
+    for (keyword, text) in texts {
+        if let Some(text) = text {
+            encoder
+                .add_text_chunk(keyword.to_owned(), text)
+                .map_err(failed)?;
+        }
     }
     let mut writer = encoder.write_header().map_err(failed)?;
     if opaque {
-        let rgb: Vec<u8> = picture
-            .pixels
-            .iter()
-            .flat_map(|&[r, g, b, _]| [r, g, b])
-            .collect();
+        let mut rgb: Vec<u8> = reserved(picture.pixels.len() * 3)?;
+        rgb.extend(picture.pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]));
         writer.write_image_data(&rgb).map_err(failed)?;
     } else {
         writer
@@ -49,8 +57,8 @@ pub(super) fn encode(picture: &Picture, place: Option<&Place>) -> Result<Vec<u8>
     Ok(bytes)
 }
 
-/// The pixels of a PNG that [`encode`] made, and its place if it is a fragment.
-pub(super) fn decode(bytes: &[u8]) -> Result<(Picture, Option<Place>), ImageError> {
+/// What a PNG that [`encode`] made holds.
+pub(super) fn decode(bytes: &[u8]) -> Result<ImageFile, ImageError> {
     let failed = |error: ::png::DecodingError| ImageError::Decode(error.to_string());
     let damaged = |reason: &str| ImageError::Decode(reason.to_owned());
     let mut decoder = Decoder::new_with_limits(
@@ -72,25 +80,23 @@ pub(super) fn decode(bytes: &[u8]) -> Result<(Picture, Option<Place>), ImageErro
         (ColorType::Rgba, BitDepth::Eight) => 4,
         _ => return Err(damaged("expected 8-bit colour, with alpha or without")),
     };
-    let mut samples = vec![0; pixels as usize * channels];
+    let mut samples = filled(0, pixels as usize * channels)?;
     reader.next_frame(&mut samples).map_err(failed)?;
     reader.finish().map_err(failed)?;
-    let place = reader
-        .info()
-        .uncompressed_latin1_text
-        .iter()
-        .find(|chunk| chunk.keyword == KEYWORD)
-        .map(|chunk| chunk.text.parse())
-        .transpose()
-        .map_err(ImageError::Decode)?;
+    let texts = &reader.info().uncompressed_latin1_text;
+    let text = |keyword| {
+        let chunk = texts.iter().find(|chunk| chunk.keyword == keyword)?;
+        Some(chunk.text.as_str())
+    };
+    let recipe: Option<Recipe> = text(RECIPE).map(str::parse).transpose()?;
+    let place: Option<Place> = text(FRAGMENT).map(str::parse).transpose()?;
+    let count = pixels as usize;
     let pixels = match channels {
-        3 => samples
-            .as_chunks()
-            .0
-            .iter()
-            .map(|&[r, g, b]| [r, g, b, u8::MAX])
-            .collect(),
-        _ => samples.as_chunks().0.to_vec(),
+        3 => {
+            let rgb = samples.as_chunks().0.iter();
+            collected(count, rgb.map(|&[r, g, b]| [r, g, b, u8::MAX]))?
+        }
+        _ => collected(count, samples.as_chunks().0.iter().copied())?,
     };
     let picture = Picture {
         width,
@@ -98,7 +104,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<(Picture, Option<Place>), ImageErro
         pixels,
         layers: None,
     };
-    Ok((picture, place))
+    ImageFile::checked(picture, recipe, place)
 }
 
 #[cfg(test)]
@@ -120,7 +126,9 @@ mod tests {
         for picture in [noise(37, 23, false), noise(37, 23, true), noise(1, 1, true)] {
             let bytes = picture.encode(Format::Png).expect("encodes");
             assert_eq!(bytes, picture.encode(Format::Png).expect("encodes"));
-            assert_eq!(decode(&bytes).expect("decodes"), (picture.clone(), None));
+            let file = decode(&bytes).expect("decodes");
+            assert_eq!((file.recipe, file.place), (None, None));
+            assert_eq!(file.picture, picture);
             // The truth from another reader.
             let other = image::load_from_memory(&bytes).expect("decodes").to_rgba8();
             assert_eq!(other.as_raw(), picture.pixels.as_flattened());

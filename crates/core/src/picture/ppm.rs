@@ -1,12 +1,11 @@
 //! PPM: a line of text and the bytes.
 
-use super::Picture;
 use super::encode::over_black;
+use super::{ImageError, Picture};
 
-pub(super) fn encode(picture: &Picture) -> Vec<u8> {
-    let mut bytes = format!("P6\n{} {}\n255\n", picture.width, picture.height).into_bytes();
-    bytes.extend(over_black(&picture.pixels));
-    bytes
+pub(super) fn encode(picture: &Picture) -> Result<Vec<u8>, ImageError> {
+    let head = format!("P6\n{} {}\n255\n", picture.width, picture.height);
+    Ok(over_black(head.as_bytes(), &picture.pixels)?)
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 mod defaults;
 mod job;
 mod pass;
+mod recipe;
 mod sample;
 mod tile;
 mod view;

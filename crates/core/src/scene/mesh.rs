@@ -211,6 +211,21 @@ impl Mesh {
         self.uvs.is_some()
     }
 
+    /// The mesh's own normals, as stored.
+    pub(super) fn normals(&self) -> Option<&Attribute<Vec3>> {
+        self.normals.as_ref()
+    }
+
+    /// Texture coordinates, as stored.
+    pub(super) fn uvs(&self) -> Option<&Attribute<Vec2>> {
+        self.uvs.as_ref()
+    }
+
+    /// A material's number a triangle, as stored; empty where the file has none.
+    pub(super) fn material_of_triangle(&self) -> &[u32] {
+        &self.material_of_triangle
+    }
+
     /// The file's materials.
     pub fn materials(&self) -> &[Material] {
         &self.materials

@@ -2,6 +2,7 @@
 
 mod bounds;
 mod color;
+mod content;
 mod mesh;
 mod object;
 mod texture;

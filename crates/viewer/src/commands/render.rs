@@ -3,10 +3,10 @@ use crate::cli::{RenderArgs, TileArgs};
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::stats::{self, Shares, Stats, StatsTarget, milliseconds};
-use crate::{identity, setup};
+use crate::{memory, setup};
 use raycast_core::camera::{Grid, Rect};
 use raycast_core::formats::SceneFile;
-use raycast_core::image::{Format, Fragment, Picture};
+use raycast_core::image::{Format, Fragment, Picture, Recipe};
 use raycast_core::render::{Cancel, Clock, Pass, Settings, TileStats, View, from_the_middle};
 use rayon::prelude::*;
 use std::path::Path;
@@ -58,6 +58,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         ..
     } = file;
     let name = setup::name_of(&args.files);
+    memory::check_tree(&name, scene.triangle_count())?;
     let accel = pool.install(|| setup::visible_tree(&name, &scene))?;
     let build_time = building.elapsed();
     let bounds = setup::bounds(&scene, &accel);
@@ -69,6 +70,19 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         Some(cell) => Some(tile_at(grid, cell, (plane.columns, plane.rows))?),
         None => None,
     };
+
+    let size = match cell {
+        Some(rect) => (rect.width, rect.height),
+        None => (plane.columns, plane.rows),
+    };
+    let otherwise = match format {
+        Format::Png | Format::Exr => {
+            ", or its parts one by one (--tiles COLUMNSxROWS --sub-camera C,R)"
+        }
+        _ => "",
+    };
+    let memory_for = |columns, rows| format.memory_for(columns, rows);
+    memory::check_picture(&args.output, size, memory_for, otherwise)?;
     let view = View {
         scene: Arc::new(scene),
         accel: Arc::new(accel),
@@ -80,23 +94,27 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let clock = || rendering.elapsed();
     let (bytes, tiles, wall) = match cell {
         Some(rect) => {
-            let (picture, tiles) = pool.install(|| render_part(&view, rect, &clock, &progress));
+            let (picture, tiles) = pool.install(|| render_part(&view, rect, &clock, &progress))?;
             let wall = rendering.elapsed();
             let fragment = Fragment {
-                full_size: (plane.columns, plane.rows),
                 rect,
-                view: identity::of_view(&view),
+                recipe: Recipe::of(&view),
                 picture,
             };
             (fragment.encode(format)?, tiles, wall)
         }
         None => {
             let (picture, tiles) = pool.install(|| match args.tiles.unfinished {
-                Some(done) => Ok(render_unfinished(&view, grid, done, &clock)),
+                Some(done) => render_unfinished(&view, grid, done, &clock),
                 None => render_whole(&view, grid, &clock, &progress),
             })?;
             let wall = rendering.elapsed();
-            (picture.encode(format)?, tiles, wall)
+            // What is unfinished is not what its recipe makes; a file that cannot hold one needs none.
+            let is_told = matches!(format, Format::Png | Format::Exr);
+            let is_whole = args.tiles.unfinished.is_none();
+            let recipe = (is_told && is_whole).then(|| Recipe::of(&view));
+            let bytes = picture.encode_with(format, recipe.as_ref())?;
+            (bytes, tiles, wall)
         }
     };
     let file = output.write(&bytes)?;
@@ -168,14 +186,17 @@ fn render_whole(
     let (across, down) = grid.counts(plane.columns, plane.rows);
     progress.counting("rendering", u64::from(across) * u64::from(down));
     let sum = Mutex::new(TileStats::default());
-    let picture = view.render(grid, clock, &Cancel::default(), &|&stats| {
+    let mut picture = Picture::try_blank(plane.columns, plane.rows, view.settings.layers)?;
+    let sink = |&stats: &TileStats| {
         *sum.lock().unwrap_or_else(PoisonError::into_inner) += stats;
         progress.done(1);
-    });
+    };
+    let done = view.render_into(grid, clock, &Cancel::default(), &sink, &mut picture);
     let sum = sum.into_inner().unwrap_or_else(PoisonError::into_inner);
-    match picture {
-        Some(picture) => Ok((picture, sum)),
-        None => Err(Failure::could_not("the render was stopped")),
+    if done {
+        Ok((picture, sum))
+    } else {
+        Err(Failure::could_not("the render was stopped"))
     }
 }
 
@@ -185,7 +206,7 @@ fn render_unfinished(
     grid: Grid,
     done: usize,
     clock: Clock<'_>,
-) -> (Picture, TileStats) {
+) -> Result<(Picture, TileStats), Failure> {
     let plane = view.camera.plane();
     let tiles = from_the_middle(&grid.tiles(plane.columns, plane.rows), plane);
     let finished = &tiles[..done.min(tiles.len())];
@@ -197,7 +218,7 @@ fn render_unfinished(
         stride: 1,
         samples: view.settings.samples,
     };
-    let blank = Picture::blank(plane.columns, plane.rows, false);
+    let blank = Picture::try_blank(plane.columns, plane.rows, false)?;
     let made = Mutex::new((blank, TileStats::default()));
     for (tiles, pass) in [(&tiles[..], coarse), (finished, full)] {
         view.render_progressively(tiles, &[pass], clock, &Cancel::default(), &|_, tile| {
@@ -206,7 +227,7 @@ fn render_unfinished(
             made.1 += tile.stats;
         });
     }
-    made.into_inner().unwrap_or_else(PoisonError::into_inner)
+    Ok(made.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
 /// One sub-camera's picture, made in parallel, and what it took.
@@ -215,10 +236,10 @@ fn render_part(
     rect: Rect,
     clock: Clock<'_>,
     progress: &Progress,
-) -> (Picture, TileStats) {
+) -> Result<(Picture, TileStats), Failure> {
     let parts = Grid::default().tiles(rect.width, rect.height);
     progress.counting("rendering", parts.len() as u64);
-    let blank = Picture::blank(rect.width, rect.height, view.settings.layers);
+    let blank = Picture::try_blank(rect.width, rect.height, view.settings.layers)?;
     let made = Mutex::new((blank, TileStats::default()));
     parts.par_iter().for_each(|part| {
         let tile = view.render_rect(
@@ -234,7 +255,7 @@ fn render_part(
         made.1 += tile.stats;
         progress.done(1);
     });
-    made.into_inner().unwrap_or_else(PoisonError::into_inner)
+    Ok(made.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
 #[cfg(test)]

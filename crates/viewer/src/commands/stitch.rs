@@ -1,5 +1,6 @@
 use super::Failure;
 use crate::cli::StitchArgs;
+use crate::memory;
 use crate::output::Output;
 use crate::progress::Progress;
 use raycast_core::image::{self, Format, Fragment};
@@ -30,11 +31,19 @@ pub(super) fn run(args: &StitchArgs) -> Result<(), Failure> {
                 "{name}: an .exr is stitched from fragments that are .exr: this one has colours alone"
             )));
         }
+        if fragments.is_empty() {
+            let layers = fragment.picture.layers.is_some();
+            let memory_for = |columns, rows| format.memory_to_stitch(columns, rows, layers);
+            memory::check_picture(&args.output, fragment.full_size(), memory_for, "")?;
+        }
         fragments.push((name, fragment));
         progress.done(1);
     }
     let picture = image::stitch(&fragments)?;
-    output.write(&picture.encode(format)?)?.finish()
+    let recipe = fragments.first().map(|(_, first)| &first.recipe);
+    output
+        .write(&picture.encode_with(format, recipe)?)?
+        .finish()
 }
 
 /// A fragment's bytes; of a file that is none at all, no more than it takes to tell.

@@ -119,7 +119,10 @@ fn read(path: &Path) -> Result<Image, Failure> {
     let cannot = |error: &dyn std::fmt::Display| Failure::could_not(format!("{name}: {error}"));
     let bytes = std::fs::read(path).map_err(|error| cannot(&error))?;
     let (picture, place) = match Fragment::decode(&name, &bytes) {
-        Ok(fragment) => (fragment.picture, Some((fragment.full_size, fragment.rect))),
+        Ok(fragment) => {
+            let place = (fragment.full_size(), fragment.rect);
+            (fragment.picture, Some(place))
+        }
         Err(_) => (
             Picture::decode_exr(&bytes).map_err(|error| cannot(&error))?,
             None,

@@ -9,7 +9,7 @@ use crate::state::PromptKind;
 use crate::state::update::{DialogAnswer, Loaded, News};
 use raycast_core::camera::Grid;
 use raycast_core::formats::{self, SceneFile};
-use raycast_core::image::Format;
+use raycast_core::image::{Format, Recipe};
 use raycast_core::render::{Cancel, View};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
@@ -361,7 +361,8 @@ fn save(saving: Saving, path: &Path, replace: bool, shared: &Shared) -> Result<b
     let picture = pool
         .install(|| view.render(grid, &clock, &Cancel::default(), &|_| {}))
         .ok_or_else(|| Failure::could_not("the render was cancelled"))?;
-    let file = output.write(&picture.encode(format)?)?;
+    let recipe = Recipe::of(&view);
+    let file = output.write(&picture.encode_with(format, Some(&recipe))?)?;
     // Another scene may have been opened meanwhile.
     output.check_against(opened())?;
     file.finish()?;

@@ -1,0 +1,444 @@
+//! What a picture was made of, in words that a file can hold.
+
+use super::ImageError;
+use crate::camera::{Camera, ImagePlane, Placement, Projection};
+use crate::digest::Digest;
+use crate::hit::{Cull, Precision};
+use crate::scene::Color;
+use crate::shade::{Background, Filter, Mode, Shading, TextureProjection, Wireframe};
+use glam::DVec3;
+use std::fmt::{self, LowerExp};
+use std::str::FromStr;
+
+/// The version of the text. A reader refuses others.
+const VERSION: &str = "1";
+
+/// All that decides a picture's bytes, and nothing else: not how it was split, by how many threads, from
+/// files of which name, when. Fragments of one picture have the same recipe, and so has the picture
+/// stitched of them.
+///
+/// Its text is canonical: the same recipe has the same text in any process, a line for each key in a
+/// fixed order, floats in the fewest digits that read back as the same number. The last line is the
+/// [`Digest`] of those before it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Recipe {
+    /// [`Scene::content`](crate::scene::Scene::content): what was looked at.
+    pub scene: Digest,
+    /// From where.
+    pub camera: Camera,
+    /// Rays a pixel.
+    pub samples: u32,
+    /// Which faces they met.
+    pub cull: Cull,
+    /// How sure the triangles are.
+    pub precision: Precision,
+    /// In which colours.
+    pub shading: Shading,
+}
+
+impl Recipe {
+    /// A checksum of the whole recipe.
+    pub fn digest(&self) -> Digest {
+        Digest::of(self.lines().as_bytes())
+    }
+
+    /// In what another recipe differs, in words: the first that does of scene, size, camera and
+    /// settings. `None` where they are the same.
+    pub fn difference(&self, other: &Self) -> Option<String> {
+        if self.scene != other.scene {
+            return Some("it was made from another scene".to_owned());
+        }
+        let (mine, theirs) = (self.lines(), other.lines());
+        let (mine, theirs) = mine
+            .lines()
+            .zip(theirs.lines())
+            .find(|(mine, theirs)| mine != theirs)?;
+        let camera = ["size", "step", "projection", "eye", "target", "up"];
+        let key = |line: &str| line.split(' ').next().unwrap_or_default().to_owned();
+        Some(if camera.contains(&&*key(theirs)) {
+            format!("it was made with another camera ({theirs}, not {mine})")
+        } else {
+            format!("it was made with other settings ({theirs}, not {mine})")
+        })
+    }
+
+    /// All lines but the last.
+    fn lines(&self) -> String {
+        let Self {
+            scene,
+            camera,
+            samples,
+            cull,
+            precision,
+            shading,
+        } = self;
+        let ImagePlane {
+            columns,
+            rows,
+            step,
+        } = camera.plane();
+        let Placement { eye, target, up } = camera.placement();
+        let Shading {
+            mode,
+            wireframe,
+            background,
+            blend,
+            filter,
+            projection,
+        } = shading;
+        let lines = match wireframe {
+            None => "\"none\"".to_owned(),
+            Some(Wireframe { width, color }) => format!("[{}, \"{color}\"]", float(width)),
+        };
+        let background = match background {
+            Background::Transparent => "\"transparent\"".to_owned(),
+            Background::Gradient(top, bottom) => format!("[\"{top}\", \"{bottom}\"]"),
+        };
+        format!(
+            "raycast-recipe = {VERSION}\n\
+             scene = \"{scene}\"\n\
+             size = [{columns}, {rows}]\n\
+             step = {}\n\
+             projection = \"{}\"\n\
+             eye = {}\n\
+             target = {}\n\
+             up = {}\n\
+             samples = {samples}\n\
+             cull = \"{}\"\n\
+             precision = \"{}\"\n\
+             mode = \"{}\"\n\
+             wireframe = {lines}\n\
+             background = {background}\n\
+             blend = {}\n\
+             filter = \"{}\"\n\
+             texture-projection = \"{}\"\n",
+            float(&step),
+            projection_word(camera.projection()),
+            vector(eye),
+            vector(target),
+            vector(up),
+            cull_word(*cull),
+            precision_word(*precision),
+            mode_word(*mode),
+            float(blend),
+            filter_word(*filter),
+            texture_projection_word(*projection),
+        )
+    }
+}
+
+impl fmt::Display for Recipe {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let lines = self.lines();
+        let digest = Digest::of(lines.as_bytes());
+        writeln!(f, "{lines}digest = \"{digest}\"")
+    }
+}
+
+impl FromStr for Recipe {
+    type Err = ImageError;
+
+    fn from_str(text: &str) -> Result<Self, ImageError> {
+        read(text).map_err(|reason| ImageError::Decode(format!("its recipe: {reason}")))
+    }
+}
+
+fn read(text: &str) -> Result<Recipe, String> {
+    let mut lines = Lines::new(text);
+    let version = lines.value("raycast-recipe")?;
+    if version != VERSION {
+        return Err(format!(
+            "it is of version {version}, and this program knows version {VERSION}"
+        ));
+    }
+    let scene = lines.quoted("scene")?.parse()?;
+    let [columns, rows] = lines.list("size", "two whole numbers")?;
+    let step = lines.one("step", "a number")?;
+    let projection = lines.word("projection", projection_of)?;
+    let [eye, target, up] = [
+        lines.vector("eye")?,
+        lines.vector("target")?,
+        lines.vector("up")?,
+    ];
+    let samples = lines.one("samples", "a whole number")?;
+    let cull = lines.word("cull", cull_of)?;
+    let precision = lines.word("precision", precision_of)?;
+    let mode = lines.word("mode", mode_of)?;
+    let wireframe = lines.wireframe()?;
+    let background = lines.background()?;
+    let blend = lines.one("blend", "a number")?;
+    let filter = lines.word("filter", filter_of)?;
+    let texture_projection = lines.word("texture-projection", texture_projection_of)?;
+    let digest: Digest = lines.quoted("digest")?.parse()?;
+    let plane = ImagePlane::new(columns, rows, step).map_err(|error| error.to_string())?;
+    let recipe = Recipe {
+        scene,
+        camera: Camera::new(Placement { eye, target, up }, projection, plane),
+        samples,
+        cull,
+        precision,
+        shading: Shading {
+            mode,
+            wireframe,
+            background,
+            blend,
+            filter,
+            projection: texture_projection,
+        },
+    };
+    // Whatever was read must be written as it was: a damaged line is not believed.
+    if digest != recipe.digest() || recipe.to_string() != text {
+        return Err("it was changed since it was written: its digest is another".to_owned());
+    }
+    Ok(recipe)
+}
+
+/// The lines of a recipe, from the first.
+struct Lines<'t> {
+    number: usize,
+    lines: std::str::Lines<'t>,
+}
+
+impl<'t> Lines<'t> {
+    fn new(text: &'t str) -> Self {
+        Self {
+            number: 0,
+            lines: text.lines(),
+        }
+    }
+
+    fn wrong(&self, expected: &str, found: &str) -> String {
+        format!("line {}: expected {expected}, found {found:?}", self.number)
+    }
+
+    /// What stands behind the key in the next line.
+    fn value(&mut self, key: &str) -> Result<&'t str, String> {
+        self.number += 1;
+        let line = self.lines.next().unwrap_or_default();
+        line.strip_prefix(key)
+            .and_then(|rest| rest.strip_prefix(" = "))
+            .ok_or_else(|| self.wrong(&format!("`{key} = `"), line))
+    }
+
+    fn quoted(&mut self, key: &str) -> Result<&'t str, String> {
+        let value = self.value(key)?;
+        unquoted(value).ok_or_else(|| self.wrong("a word in quotes", value))
+    }
+
+    fn one<T: FromStr>(&mut self, key: &str, expected: &str) -> Result<T, String> {
+        let value = self.value(key)?;
+        value.parse().map_err(|_| self.wrong(expected, value))
+    }
+
+    fn word<T>(&mut self, key: &str, meaning: fn(&str) -> Option<T>) -> Result<T, String> {
+        let value = self.value(key)?;
+        unquoted(value)
+            .and_then(meaning)
+            .ok_or_else(|| self.wrong(&format!("a {key} that this program knows"), value))
+    }
+
+    fn list<T: FromStr, const N: usize>(
+        &mut self,
+        key: &str,
+        expected: &str,
+    ) -> Result<[T; N], String> {
+        let value = self.value(key)?;
+        items(value)
+            .and_then(|items| {
+                let items: Option<Vec<T>> = items.map(|item| item.parse().ok()).collect();
+                items?.try_into().ok()
+            })
+            .ok_or_else(|| self.wrong(expected, value))
+    }
+
+    fn vector(&mut self, key: &str) -> Result<DVec3, String> {
+        self.list(key, "three numbers").map(DVec3::from_array)
+    }
+
+    fn wireframe(&mut self) -> Result<Option<Wireframe>, String> {
+        let value = self.value("wireframe")?;
+        if value == "\"none\"" {
+            return Ok(None);
+        }
+        let read = || {
+            let mut items = items(value)?;
+            let (width, color) = (items.next()?, unquoted(items.next()?)?);
+            Some(Wireframe {
+                width: width.parse().ok()?,
+                color: color.parse().ok()?,
+            })
+        };
+        read()
+            .map(Some)
+            .ok_or_else(|| self.wrong("a width and a colour, or \"none\"", value))
+    }
+
+    fn background(&mut self) -> Result<Background, String> {
+        let value = self.value("background")?;
+        if value == "\"transparent\"" {
+            return Ok(Background::Transparent);
+        }
+        let read = || {
+            let mut colors = items(value)?.map(|item| unquoted(item)?.parse::<Color>().ok());
+            Some(Background::Gradient(colors.next()??, colors.next()??))
+        };
+        read().ok_or_else(|| self.wrong("two colours, or \"transparent\"", value))
+    }
+}
+
+/// What stands between quotes.
+fn unquoted(value: &str) -> Option<&str> {
+    value.strip_prefix('"')?.strip_suffix('"')
+}
+
+/// What stands between brackets, item by item.
+fn items(value: &str) -> Option<std::str::Split<'_, &'static str>> {
+    Some(value.strip_prefix('[')?.strip_suffix(']')?.split(", "))
+}
+
+/// The fewest digits that read back as the same number.
+fn float(number: &impl LowerExp) -> String {
+    format!("{number:e}")
+}
+
+fn vector(vector: DVec3) -> String {
+    let [x, y, z] = vector.to_array().map(|number| float(&number));
+    format!("[{x}, {y}, {z}]")
+}
+
+/// The word for each of an enum's variants, and back. A variant without a word does not compile.
+macro_rules! words {
+    ($word:ident, $of:ident: $kind:ident { $($variant:ident = $text:literal),+ $(,)? }) => {
+        fn $word(value: $kind) -> &'static str {
+            match value { $($kind::$variant => $text),+ }
+        }
+
+        fn $of(word: &str) -> Option<$kind> {
+            match word { $($text => Some($kind::$variant),)+ _ => None }
+        }
+    };
+}
+
+words!(projection_word, projection_of: Projection {
+    Perspective = "perspective",
+    Orthographic = "orthographic",
+});
+words!(cull_word, cull_of: Cull { None = "none", Back = "back" });
+words!(precision_word, precision_of: Precision { Fast = "fast", Exact = "exact" });
+words!(mode_word, mode_of: Mode {
+    Color = "color",
+    Flat = "flat",
+    Smooth = "smooth",
+    Normals = "normals",
+    Depth = "depth",
+    Barycentric = "barycentric",
+    Uv = "uv",
+    Texture = "texture",
+    Wireframe = "wireframe",
+});
+words!(filter_word, filter_of: Filter { Nearest = "nearest", Bilinear = "bilinear" });
+words!(texture_projection_word, texture_projection_of: TextureProjection {
+    Uv = "uv",
+    Triplanar = "triplanar",
+});
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    /// A recipe with nothing at its default.
+    pub(in crate::picture) fn sample_recipe(columns: u32, rows: u32) -> Recipe {
+        let plane = ImagePlane::new(columns, rows, 0.1 / 3.0).expect("a good plane");
+        let placement = Placement {
+            eye: DVec3::new(1e-300, -2.5, 1e18 / 3.0),
+            target: DVec3::new(-0.0, 1.0 / 3.0, 7.0),
+            up: DVec3::X,
+        };
+        Recipe {
+            scene: Scene::default().content(),
+            camera: Camera::new(placement, Projection::Orthographic, plane),
+            samples: 16,
+            cull: Cull::Back,
+            precision: Precision::Fast,
+            shading: Shading {
+                mode: Mode::Normals,
+                wireframe: Some(Wireframe {
+                    width: 0.1,
+                    color: Color([1, 2, 0xab]),
+                }),
+                background: Background::Transparent,
+                blend: 1.0 / 3.0,
+                filter: Filter::Nearest,
+                projection: TextureProjection::Triplanar,
+            },
+        }
+    }
+
+    #[test]
+    fn text_comes_back_and_is_this() {
+        let recipe = sample_recipe(40, 30);
+        let text = recipe.to_string();
+        assert_eq!(text.parse::<Recipe>().expect("reads"), recipe);
+        let scene = Scene::default().content();
+        let digest = recipe.digest();
+        assert_eq!(
+            text,
+            format!(
+                "raycast-recipe = 1\nscene = \"{scene}\"\nsize = [40, 30]\n\
+                 step = 3.333333333333333e-2\nprojection = \"orthographic\"\n\
+                 eye = [1e-300, -2.5e0, 3.333333333333333e17]\n\
+                 target = [-0e0, 3.333333333333333e-1, 7e0]\nup = [1e0, 0e0, 0e0]\n\
+                 samples = 16\ncull = \"back\"\nprecision = \"fast\"\nmode = \"normals\"\n\
+                 wireframe = [1e-1, \"#0102ab\"]\nbackground = \"transparent\"\n\
+                 blend = 3.3333334e-1\nfilter = \"nearest\"\n\
+                 texture-projection = \"triplanar\"\ndigest = \"{digest}\"\n"
+            )
+        );
+        let plain = Recipe {
+            shading: Shading::default(),
+            ..recipe
+        };
+        assert_eq!(plain.to_string().parse::<Recipe>().expect("reads"), plain);
+    }
+
+    #[test]
+    fn every_change_of_the_text_is_refused() {
+        let text = sample_recipe(40, 30).to_string();
+        for at in 0..text.len() {
+            for with in ["", "0", "1", "x", "\n", " "] {
+                let changed = format!("{}{with}{}", &text[..at], &text[at + 1..]);
+                if changed != text {
+                    assert!(changed.parse::<Recipe>().is_err(), "{changed}");
+                }
+            }
+        }
+        let told = |text: &str| text.parse::<Recipe>().expect_err("refused").to_string();
+        assert!(told("raycast-recipe = 2\n").contains("version 2"));
+        assert!(
+            told(&text.replace("mode = \"normals\"", "mode = \"pretty\"")).contains(
+                "line 12: expected a mode that this program knows, found \"\\\"pretty\\\"\""
+            )
+        );
+        assert!(told(&text.replace("samples = 16", "samples = 17")).contains("changed"));
+        assert!(told(&format!("{text}\n")).contains("changed"));
+    }
+
+    #[test]
+    fn differences_are_named() {
+        let recipe = sample_recipe(40, 30);
+        assert_eq!(recipe.difference(&recipe), None);
+        let mut other = recipe;
+        other.shading.mode = Mode::Flat;
+        assert_eq!(
+            recipe.difference(&other).expect("they differ"),
+            "it was made with other settings (mode = \"flat\", not mode = \"normals\")"
+        );
+        other.camera = sample_recipe(41, 30).camera;
+        let told = recipe.difference(&other).expect("they differ");
+        assert!(told.contains("another camera (size = [41, 30]"), "{told}");
+        other.scene = Digest::of(b"another");
+        let told = recipe.difference(&other).expect("they differ");
+        assert_eq!(told, "it was made from another scene");
+    }
+}

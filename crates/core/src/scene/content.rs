@@ -1,0 +1,214 @@
+use super::mesh::Attribute;
+use super::{Color, ColorRule, Mesh, Object, Scene, Texture, Transform};
+use crate::digest::{Digest, Digester};
+use glam::{DVec3, Vec2, Vec3};
+
+impl Scene {
+    /// A checksum of all that decides pictures of the scene: triangles, normals, texture coordinates,
+    /// colours, textures and places, object by object. Names and files do not count: a mesh under
+    /// another name is the same mesh.
+    pub fn content(&self) -> Digest {
+        let mut hash = Digester::new();
+        hash.number(self.objects.len() as u64);
+        for object in &self.objects {
+            add_object(&mut hash, object);
+        }
+        hash.finish()
+    }
+}
+
+fn add_object(hash: &mut Digester, object: &Object) {
+    // Field by field: what an object gets one day must be considered here.
+    let Object {
+        name: _,
+        mesh,
+        transform,
+        parent,
+        color,
+        texture,
+        source: _,
+        texture_source: _,
+    } = object;
+    let Transform {
+        translate,
+        rotate,
+        scale,
+    } = transform;
+    hash.doubles(
+        [translate, rotate, scale]
+            .into_iter()
+            .flat_map(DVec3::to_array),
+    );
+    hash.number(parent.map_or(0, |parent| parent as u64 + 1));
+    match *color {
+        ColorRule::File => hash.number(0),
+        ColorRule::Uniform(color) => {
+            hash.number(1);
+            add_color(hash, color);
+        }
+        ColorRule::PerTriangle { seed } => {
+            hash.number(2);
+            hash.number(seed.into());
+        }
+    }
+    add_mesh(hash, mesh);
+    match texture {
+        None => hash.number(0),
+        Some(texture) => add_texture(hash, texture),
+    }
+}
+
+fn add_mesh(hash: &mut Digester, mesh: &Mesh) {
+    hash.doubles(mesh.offset().to_array());
+    hash.number(mesh.positions().len() as u64);
+    hash.words(
+        mesh.positions()
+            .iter()
+            .flat_map(|p| p.to_array().map(f32::to_bits)),
+    );
+    hash.number(mesh.triangles().len() as u64);
+    hash.words(mesh.triangles().iter().flatten().copied());
+    add_attribute(hash, mesh.normals(), Vec3::to_array);
+    add_attribute(hash, mesh.uvs(), Vec2::to_array);
+    hash.number(mesh.materials().len() as u64);
+    for material in mesh.materials() {
+        add_color(hash, material.color);
+    }
+    hash.number(mesh.material_of_triangle().len() as u64);
+    hash.words(mesh.material_of_triangle().iter().copied());
+}
+
+fn add_attribute<T: Copy, const N: usize>(
+    hash: &mut Digester,
+    attribute: Option<&Attribute<T>>,
+    numbers: impl Fn(&T) -> [f32; N],
+) {
+    let Some(Attribute { values, indices }) = attribute else {
+        hash.number(0);
+        return;
+    };
+    hash.number(values.len() as u64);
+    hash.words(
+        values
+            .iter()
+            .flat_map(|value| numbers(value).map(f32::to_bits)),
+    );
+    match indices {
+        None => hash.number(0),
+        Some(indices) => {
+            hash.number(indices.len() as u64);
+            hash.words(indices.iter().flatten().copied());
+        }
+    }
+}
+
+fn add_texture(hash: &mut Digester, texture: &Texture) {
+    hash.number(texture.width().into());
+    hash.number(texture.height().into());
+    hash.bytes(texture.texels().as_flattened());
+}
+
+fn add_color(hash: &mut Digester, Color([r, g, b]): Color) {
+    hash.bytes(&[r, g, b]);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Material, MeshData};
+    use std::path::PathBuf;
+    use std::sync::Arc;
+
+    fn data() -> MeshData {
+        MeshData {
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],
+            triangles: vec![[0, 1, 2], [0, 1, 3]],
+            normals: Some(Attribute {
+                values: vec![Vec3::Z, Vec3::X],
+                indices: Some(vec![[0, 0, 1], [1, 1, 0]]),
+            }),
+            uvs: Some(Attribute {
+                values: vec![Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE],
+                indices: None,
+            }),
+            materials: vec![
+                Material {
+                    name: "a".to_owned(),
+                    color: Color([1, 2, 3]),
+                },
+                Material {
+                    name: "b".to_owned(),
+                    color: Color([4, 5, 6]),
+                },
+            ],
+            material_of_triangle: vec![0, 1],
+        }
+    }
+
+    fn scene(data: MeshData, change: impl Fn(&mut Object)) -> Scene {
+        let mut object = Object::new("object", Arc::new(Mesh::new(data)));
+        change(&mut object);
+        Scene {
+            objects: vec![
+                Object::new("first", Arc::new(Mesh::new(self::data()))),
+                object,
+            ],
+        }
+    }
+
+    fn texture(texel: u8) -> Option<Arc<Texture>> {
+        Texture::new(1, 2, vec![[texel; 4], [0; 4]]).map(Arc::new)
+    }
+
+    #[test]
+    fn all_that_decides_a_picture_counts() {
+        let mut digests = vec![scene(data(), |_| ()).content(), Scene::default().content()];
+        let changes: [fn(&mut MeshData); 10] = [
+            |data| data.positions[1].x = 1f64.next_up() as f32 as f64 + 1e-7,
+            |data| data.positions.iter_mut().for_each(|p| p.x += 1e6),
+            |data| data.triangles[1] = [1, 0, 3],
+            |data| data.triangles.truncate(1),
+            |data| data.normals = None,
+            |data| data.normals.as_mut().expect("normals").values[0] = Vec3::Y,
+            |data| data.normals.as_mut().expect("normals").indices = None,
+            |data| data.uvs.as_mut().expect("coordinates").values[0].x = 0.5,
+            |data| data.materials[1].color = Color([4, 5, 7]),
+            |data| data.material_of_triangle = vec![1, 0],
+        ];
+        for change in changes {
+            let mut data = data();
+            change(&mut data);
+            digests.push(scene(data, |_| ()).content());
+        }
+        let changes: [fn(&mut Object); 9] = [
+            |object| object.transform.translate.y = 1e-300,
+            |object| object.transform.rotate.y = 1.0,
+            |object| object.transform.scale.y = 2.0,
+            |object| object.parent = Some(0),
+            |object| object.color = ColorRule::Uniform(Color([0; 3])),
+            |object| object.color = ColorRule::PerTriangle { seed: 0 },
+            |object| object.color = ColorRule::PerTriangle { seed: 1 },
+            |object| object.texture = texture(1),
+            |object| object.texture = texture(2),
+        ];
+        for change in changes {
+            digests.push(scene(data(), change).content());
+        }
+        let count = digests.len();
+        let distinct: std::collections::HashSet<_> = digests.into_iter().collect();
+        assert_eq!(distinct.len(), count);
+    }
+
+    #[test]
+    fn names_and_files_do_not() {
+        let renamed = |object: &mut Object| {
+            object.name = "another".to_owned();
+            object.source = Some(PathBuf::from("a.obj"));
+            object.texture_source = Some(PathBuf::from("a.png"));
+        };
+        let mut data = data();
+        let plain = scene(data.clone(), |_| ()).content();
+        data.materials[0].name = "c".to_owned();
+        assert_eq!(scene(data, renamed).content(), plain);
+    }
+}

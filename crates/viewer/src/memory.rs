@@ -1,0 +1,419 @@
+//! How much memory this process may still take, and refusals of what needs more.
+//!
+//! A process that runs out of memory is ended, by the system or by its own allocator, with no word of
+//! what was too large. So what a picture will take is reckoned before it is begun, and held against the
+//! least of what the process's own limits, its control group and the machine leave.
+
+use crate::failure::Failure;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// What leaves least.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limit {
+    /// `RLIMIT_AS`: the process's addresses (`ulimit -v`).
+    AddressSpace,
+    /// `RLIMIT_DATA`: its data (`ulimit -d`).
+    Data,
+    /// The control group's memory: a container's.
+    ControlGroup,
+    /// The machine's memory.
+    Machine,
+}
+
+impl fmt::Display for Limit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::AddressSpace => "this process's limit of address space (ulimit -v)",
+            Self::Data => "this process's limit of data (ulimit -d)",
+            Self::ControlGroup => "its control group",
+            Self::Machine => "this machine",
+        })
+    }
+}
+
+/// Addresses that a thread takes at its start, whether it uses them or not: glibc's allocator reserves
+/// 64 MiB for each, and its stack some 8 MiB. Encoders start as many threads as the machine has.
+const THREAD: u64 = 72 << 20;
+
+/// Of addresses that are left, so many quarters are given to what is reckoned: lists that grow twofold ask
+/// for more than they fill, which costs addresses and no memory.
+const QUARTERS: u64 = 3;
+
+/// How much memory there is to be had.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Room {
+    /// Bytes that the process may take beside those that it has.
+    pub bytes: u64,
+    /// Who says so.
+    pub limit: Limit,
+}
+
+/// Limits of a process in bytes; `None` for none.
+#[derive(Clone, Copy, Debug, Default)]
+struct ProcessLimits {
+    /// How many more threads it may start.
+    threads: u64,
+    address_space: Option<u64>,
+    data: Option<u64>,
+}
+
+impl Room {
+    /// What there is now; `None` where the system does not tell.
+    pub fn now() -> Option<Self> {
+        Self::under(Path::new("/"), process_limits())
+    }
+
+    /// As the files of a Linux system tell it that lie in `root`.
+    fn under(root: &Path, limits: ProcessLimits) -> Option<Self> {
+        let status = read(&root.join("proc/self/status")).unwrap_or_default();
+        let has = |key: &str| kibibytes(&status, key).unwrap_or(0);
+        let left = |limit: Option<u64>, has: u64| limit.map(|limit| limit.saturating_sub(has));
+        let addresses = left(limits.address_space, has("VmSize:"));
+        let addresses = addresses.map(|left| left.saturating_sub(limits.threads * THREAD));
+        let addresses = addresses.map(|left| left / 4 * QUARTERS);
+        let meminfo = read(&root.join("proc/meminfo")).unwrap_or_default();
+        [
+            (Limit::AddressSpace, addresses),
+            (Limit::Data, left(limits.data, has("VmData:"))),
+            (Limit::ControlGroup, control_group(root)),
+            (Limit::Machine, kibibytes(&meminfo, "MemAvailable:")),
+        ]
+        .into_iter()
+        .filter_map(|(limit, bytes)| {
+            Some(Self {
+                bytes: bytes?,
+                limit,
+            })
+        })
+        .min_by_key(|room| room.bytes)
+    }
+
+    /// Refuses what needs more than there is. `what` is what needs it, `instead` what would fit.
+    ///
+    /// # Errors
+    /// Not enough, with the figures.
+    pub fn check(
+        self,
+        bytes: u64,
+        what: impl fmt::Display,
+        instead: impl fmt::Display,
+    ) -> Result<(), Failure> {
+        if bytes <= self.bytes {
+            return Ok(());
+        }
+        Err(Failure::could_not(format!(
+            "{what} needs {} of memory, and {} leaves {}: {instead}",
+            Size(bytes),
+            self.limit,
+            Size(self.bytes)
+        )))
+    }
+}
+
+/// What building the tree over a scene takes at most, in bytes a triangle: 180 were measured at the peak
+/// of reading and building a mesh of a million. More would refuse what fits; less, fail halfway.
+const TREE: u64 = 200;
+
+/// Refuses a scene for whose tree there is not the memory.
+///
+/// # Errors
+/// Too many triangles, with the figures and how many would fit.
+pub fn check_tree(name: &str, triangles: usize) -> Result<(), Failure> {
+    let Some(room) = Room::now() else {
+        return Ok(());
+    };
+    let what = format!("{name}: the tree over {triangles} triangles");
+    let fits = format!("{} triangles would fit", room.bytes / TREE);
+    room.check(triangles as u64 * TREE, what, fits)
+}
+
+/// Refuses a picture for which there is not the memory; `memory_for` says what one of so many columns and
+/// rows takes, and `otherwise` how it could be had in other ways.
+///
+/// # Errors
+/// Too large a picture, with the figures and the largest of its shape that would fit.
+pub fn check_picture(
+    name: &Path,
+    (columns, rows): (u32, u32),
+    memory_for: impl Fn(u32, u32) -> u64,
+    otherwise: &str,
+) -> Result<(), Failure> {
+    let Some(room) = Room::now() else {
+        return Ok(());
+    };
+    let what = format!("{}: a picture of {columns}x{rows}", name.display());
+    let fits = match largest((columns, rows), room.bytes, &memory_for) {
+        Some((columns, rows)) => format!("{columns}x{rows} would fit{otherwise}"),
+        None => format!("no picture would fit{otherwise}"),
+    };
+    room.check(memory_for(columns, rows), what, fits)
+}
+
+/// The largest picture of a shape that takes no more than so many bytes.
+fn largest(
+    (columns, rows): (u32, u32),
+    bytes: u64,
+    memory_for: impl Fn(u32, u32) -> u64,
+) -> Option<(u32, u32)> {
+    // In 4096ths of the sides: more is not told apart in words.
+    let scaled = |share: u32| {
+        let side = |side: u32| (u64::from(side) * u64::from(share) / 4096) as u32;
+        (side(columns), side(rows))
+    };
+    (1..=4096)
+        .rev()
+        .map(scaled)
+        .find(|&(columns, rows)| columns > 0 && rows > 0 && memory_for(columns, rows) <= bytes)
+}
+
+/// Bytes as people say them.
+struct Size(u64);
+
+impl fmt::Display for Size {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mebibytes = self.0 as f64 / f64::from(1 << 20);
+        if mebibytes < 1024.0 {
+            write!(f, "{mebibytes:.0} MiB")
+        } else {
+            write!(f, "{:.1} GiB", mebibytes / 1024.0)
+        }
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn process_limits() -> ProcessLimits {
+    use rustix::process::{Resource, getrlimit};
+    ProcessLimits {
+        threads: std::thread::available_parallelism().map_or(1, |count| count.get() as u64),
+        address_space: getrlimit(Resource::As).current,
+        data: getrlimit(Resource::Data).current,
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn process_limits() -> ProcessLimits {
+    ProcessLimits::default()
+}
+
+/// What the process's control group leaves, and those that it is in: the least of them.
+fn control_group(root: &Path) -> Option<u64> {
+    let groups = read(&root.join("proc/self/cgroup"))?;
+    let cgroups = root.join("sys/fs/cgroup");
+    let mut least: Option<u64> = None;
+    for line in groups.lines() {
+        // `4:memory:/path` of the first version, `0::/path` of the second.
+        let mut fields = line.splitn(3, ':').skip(1);
+        let (controllers, path) = (fields.next()?, fields.next()?);
+        let files = if controllers.is_empty() {
+            let names = ["memory.max", "memory.current", "inactive_file "];
+            Some((cgroups.clone(), names))
+        } else if controllers.split(',').any(|name| name == "memory") {
+            let names = [
+                "memory.limit_in_bytes",
+                "memory.usage_in_bytes",
+                "total_inactive_file ",
+            ];
+            Some((cgroups.join("memory"), names))
+        } else {
+            None
+        };
+        let Some((mount, names)) = files else {
+            continue;
+        };
+        for group in from_leaf(&mount, path) {
+            if let Some(left) = left_in(&group, names) {
+                least = Some(least.map_or(left, |least| least.min(left)));
+            }
+        }
+    }
+    least
+}
+
+/// A group's folder and those of the groups that it is in. In a container the path is often one that
+/// only its host has; the mount itself is then the group's own folder.
+fn from_leaf(mount: &Path, path: &str) -> Vec<PathBuf> {
+    let leaf = mount.join(path.trim_start_matches('/'));
+    let mut folders: Vec<PathBuf> = leaf
+        .ancestors()
+        .take_while(|folder| folder.starts_with(mount))
+        .map(Path::to_owned)
+        .collect();
+    if folders.is_empty() {
+        folders.push(mount.to_owned());
+    }
+    folders
+}
+
+/// What a group leaves: its limit but what it uses, of which files that nobody reads are given back.
+fn left_in(group: &Path, [limit, usage, unread]: [&str; 3]) -> Option<u64> {
+    let number = |name: &str| read(&group.join(name))?.trim().parse::<u64>().ok();
+    // `max`, which is no number, is no limit; nor is the first version's 2⁶³, less a page.
+    let limit = number(limit).filter(|&limit| limit < 1 << 62)?;
+    let stat = read(&group.join("memory.stat")).unwrap_or_default();
+    let unread = stat.lines().find_map(|line| line.strip_prefix(unread));
+    let unread: u64 = unread.and_then(|n| n.trim().parse().ok()).unwrap_or(0);
+    let used = number(usage)?.saturating_sub(unread);
+    Some(limit.saturating_sub(used))
+}
+
+/// The number of a line `Key:   123 kB`, in bytes.
+fn kibibytes(text: &str, key: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(key))?;
+    let number: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    number.checked_mul(1024)
+}
+
+fn read(path: &Path) -> Option<String> {
+    std::fs::read_to_string(path).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    const MIB: u64 = 1 << 20;
+
+    /// A system's files, made for a test.
+    fn system(files: &[(&str, &str)]) -> tempfile::TempDir {
+        let root = tempfile::tempdir().expect("a folder");
+        for (path, text) in files {
+            let path = root.path().join(path);
+            fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+            fs::write(path, text).expect("a file");
+        }
+        root
+    }
+
+    const STATUS: (&str, &str) = (
+        "proc/self/status",
+        "Name:\traycast\nVmSize:\t  204800 kB\nVmData:\t  102400 kB\n",
+    );
+    const MEMINFO: (&str, &str) = (
+        "proc/meminfo",
+        "MemTotal:  4194304 kB\nMemFree:  1024 kB\nMemAvailable:  2097152 kB\n",
+    );
+
+    fn room(files: &[(&str, &str)], limits: ProcessLimits) -> Option<(u64, Limit)> {
+        let root = system(files);
+        let room = Room::under(root.path(), limits)?;
+        Some((room.bytes / MIB, room.limit))
+    }
+
+    #[test]
+    fn the_least_counts() {
+        let none = ProcessLimits::default();
+        assert_eq!(room(&[], none), None);
+        assert_eq!(room(&[STATUS, MEMINFO], none), Some((2048, Limit::Machine)));
+        // 200 MiB in use and two threads to come, of which a quarter is left free.
+        let limits = ProcessLimits {
+            threads: 2,
+            address_space: Some((200 + 2 * 72 + 800) * MIB),
+            data: Some(3000 * MIB),
+        };
+        assert_eq!(
+            room(&[STATUS, MEMINFO], limits),
+            Some((600, Limit::AddressSpace))
+        );
+        let limits = ProcessLimits {
+            data: Some(150 * MIB),
+            ..none
+        };
+        assert_eq!(room(&[STATUS, MEMINFO], limits), Some((50, Limit::Data)));
+        let used_up = ProcessLimits {
+            address_space: Some(1),
+            ..none
+        };
+        assert_eq!(room(&[STATUS], used_up), Some((0, Limit::AddressSpace)));
+    }
+
+    #[test]
+    fn control_groups_of_both_versions_count() {
+        let none = ProcessLimits::default();
+        let second = [
+            MEMINFO,
+            ("proc/self/cgroup", "0::/a/b\n"),
+            ("sys/fs/cgroup/a/memory.max", "524288000\n"),
+            ("sys/fs/cgroup/a/memory.current", "314572800\n"),
+            (
+                "sys/fs/cgroup/a/memory.stat",
+                "anon 5\ninactive_file 104857600\n",
+            ),
+            ("sys/fs/cgroup/a/b/memory.max", "max\n"),
+            ("sys/fs/cgroup/a/b/memory.current", "314572800\n"),
+        ];
+        assert_eq!(room(&second, none), Some((300, Limit::ControlGroup)));
+        let first = [
+            MEMINFO,
+            (
+                "proc/self/cgroup",
+                "9:name=systemd:/\n4:cpu,memory:/x\n0::/\n",
+            ),
+            (
+                "sys/fs/cgroup/memory/memory.limit_in_bytes",
+                "9223372036854771712\n",
+            ),
+            ("sys/fs/cgroup/memory/memory.usage_in_bytes", "1\n"),
+            (
+                "sys/fs/cgroup/memory/x/memory.limit_in_bytes",
+                "209715200\n",
+            ),
+            (
+                "sys/fs/cgroup/memory/x/memory.usage_in_bytes",
+                "104857600\n",
+            ),
+            (
+                "sys/fs/cgroup/memory/x/memory.stat",
+                "inactive_file 7\ntotal_inactive_file 52428800\n",
+            ),
+        ];
+        assert_eq!(room(&first, none), Some((150, Limit::ControlGroup)));
+        // In a container: a path that is not there, and the limit at the mount.
+        let inside = [
+            MEMINFO,
+            ("proc/self/cgroup", "0::/../../host/path\n"),
+            ("sys/fs/cgroup/memory.max", "104857600\n"),
+            ("sys/fs/cgroup/memory.current", "0\n"),
+        ];
+        assert_eq!(room(&inside, none), Some((100, Limit::ControlGroup)));
+    }
+
+    #[test]
+    fn refusals_tell_the_figures() {
+        let room = Room {
+            bytes: 3 << 30,
+            limit: Limit::ControlGroup,
+        };
+        assert_eq!(room.check(3 << 30, "a", "b"), Ok(()));
+        let refused = room.check(5 << 30, "a picture", "a smaller one would fit");
+        assert_eq!(
+            refused.expect_err("too large").to_string(),
+            "a picture needs 5.0 GiB of memory, and its control group leaves 3.0 GiB: a smaller one would fit"
+        );
+        let small = Room {
+            bytes: 10 * MIB,
+            ..room
+        };
+        let refused = small.check(11 * MIB, "a", "b").expect_err("too large");
+        assert!(refused.to_string().contains("11 MiB"), "{refused}");
+    }
+
+    #[test]
+    fn the_largest_that_fits_is_of_the_same_shape() {
+        let four_a_pixel = |columns: u32, rows: u32| 4 * u64::from(columns) * u64::from(rows);
+        assert_eq!(
+            largest((4096, 2048), 4 * 2048 * 1024, four_a_pixel),
+            Some((2048, 1024))
+        );
+        assert_eq!(largest((4096, 2048), 3, four_a_pixel), None);
+        assert_eq!(largest((100, 100), 1 << 40, four_a_pixel), Some((100, 100)));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn this_machine_tells() {
+        let room = Room::now().expect("Linux tells");
+        assert!(room.bytes > MIB, "{room:?}");
+    }
+}
