@@ -13,8 +13,10 @@ pub mod camera;
 pub mod formats;
 pub mod image;
 pub mod intersect;
+mod quote;
 #[cfg(test)]
 mod random;
+pub mod ranges;
 pub mod render;
 pub mod scene;
 pub mod shade;

@@ -1,7 +1,9 @@
 //! What a command line may hold.
 
+mod reading;
 mod values;
 
+pub use reading::{LimitArg, ReadingArgs};
 pub use values::{OrbitArg, SceneColor};
 
 use clap::{Args, Parser, Subcommand};
@@ -39,6 +41,9 @@ pub struct Cli {
     pub command: Option<Command>,
     /// Meshes or scene files to open in the window [default: the demo scene]
     pub files: Vec<PathBuf>,
+    /// How files are read.
+    #[command(flatten)]
+    pub reading: ReadingArgs,
 }
 
 /// The commands.
@@ -51,6 +56,9 @@ pub enum Command {
         /// Write a line of JSON a frame, for measuring; such a window remembers nothing
         #[arg(long, value_name = "FILE")]
         log: Option<PathBuf>,
+        /// How files are read.
+        #[command(flatten)]
+        reading: ReadingArgs,
     },
     /// Render a picture, or one fragment of it, to an image file
     Render(Box<RenderArgs>),
@@ -103,12 +111,15 @@ pub struct RenderArgs {
         long,
         value_name = "N",
         help_heading = "Casting",
-        value_parser = clap::value_parser!(u32).range(1..=4096)
+        value_parser = values::samples
     )]
     pub samples: Option<u32>,
     /// How rays meet triangles.
     #[command(flatten)]
     pub casting: CastingArgs,
+    /// How files are read.
+    #[command(flatten)]
+    pub reading: ReadingArgs,
     /// Write what it took to this file as JSON; `-` is standard output
     #[arg(long, value_name = "FILE", help_heading = None)]
     pub stats: Option<PathBuf>,
@@ -122,7 +133,7 @@ pub struct CameraArgs {
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     pub size: Option<(u32, u32)>,
     /// Distance between neighbouring rays at the target, in scene units
-    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = values::positive)]
+    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = values::step)]
     pub step: Option<f64>,
     /// Vertical field of view in degrees [default: 45]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = values::fov)]
@@ -266,6 +277,9 @@ pub struct CastArgs {
     /// Write what it took to this file as JSON; `-` is standard output
     #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
+    /// How files are read.
+    #[command(flatten)]
+    pub reading: ReadingArgs,
 }
 
 /// `raycast stitch`.
@@ -293,6 +307,9 @@ pub struct InfoArgs {
     /// Print a JSON array, an element a file
     #[arg(long)]
     pub json: bool,
+    /// How files are read.
+    #[command(flatten)]
+    pub reading: ReadingArgs,
 }
 
 /// `raycast bench`.
@@ -346,6 +363,9 @@ pub struct BenchArgs {
     /// times each
     #[arg(long)]
     pub baselines: bool,
+    /// How files are read.
+    #[command(flatten)]
+    pub reading: ReadingArgs,
 }
 
 /// `raycast report`.
@@ -370,6 +390,9 @@ pub struct ReportArgs {
     /// Workers, 0 to 256; 0 is one for each of the machine's
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::threads())]
     pub threads: u16,
+    /// How files are read.
+    #[command(flatten)]
+    pub reading: ReadingArgs,
 }
 
 /// `raycast verify`.
@@ -403,6 +426,9 @@ pub struct VerifyArgs {
     /// How rays meet triangles.
     #[command(flatten)]
     pub casting: CastingArgs,
+    /// How files are read.
+    #[command(flatten)]
+    pub reading: ReadingArgs,
 }
 
 /// Says on standard error what is wrong with a command line, in one line; help and version go to
@@ -516,6 +542,10 @@ mod tests {
             "render a.obj -o a.png --fov -1",
             "render a.obj -o a.png --step 0",
             "render a.obj -o a.png --step nan",
+            "render a.obj -o a.png --step 1e-320",
+            "render a.obj -o a.png --wireframe=101",
+            "render a.obj -o a.png --limit rows=3",
+            "info a.obj --limit bytes=x",
             "render a.obj -o a.png --eye 1,2",
             "render a.obj -o a.png --eye 1,2,inf",
             "render a.obj -o a.png --eye 0,0,1 --orbit 0,0",

@@ -41,6 +41,10 @@ fn add_mesh(hash: &mut Fnv, mesh: &Mesh) {
             hash.word(coordinate.to_bits());
         }
     }
+    for color in mesh.vertex_colors() {
+        let [r, g, b] = color.map_or([0; 3], |color| color.0);
+        hash.word(u32::from_le_bytes([r, g, b, color.is_some().into()]));
+    }
     for index in mesh.triangles().iter().flatten() {
         hash.word(*index);
     }

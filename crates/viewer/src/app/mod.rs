@@ -26,6 +26,7 @@ use crate::worker::{Clock, Wake};
 use canvas::Canvas;
 use log::{FrameLine, FrameLog};
 use raycast_core::camera::{Camera, Grid};
+use raycast_core::formats::Limits;
 use raycast_core::render::Settings;
 use settings::Remembered;
 use state::State;
@@ -53,6 +54,8 @@ pub struct Link {
     pub clock: Clock,
     /// What makes the loop look.
     pub nudge: Wake,
+    /// How much reading files may take.
+    pub limits: Limits,
 }
 
 /// The window.
@@ -87,6 +90,7 @@ impl App {
             outbox,
             clock,
             nudge,
+            limits,
         } = link;
         let context = &creation.egui_ctx;
         theme::apply(context);
@@ -105,7 +109,7 @@ impl App {
         {
             remembered.restore(&mut state);
         }
-        let tasks = Files::new(Arc::clone(&wake));
+        let tasks = Files::new(Arc::clone(&wake)).within(limits);
         let renderer = Renderer::start(Arc::clone(&clock), wake, outbox, tasks.fault())?;
         tasks.open(files);
         Ok(Self {

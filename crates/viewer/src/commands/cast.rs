@@ -62,7 +62,7 @@ pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
     progress.loading();
     let SceneFile {
         scene, warnings, ..
-    } = setup::load(&args.files, &|share| progress.loaded(share))?;
+    } = setup::load(&args.files, &args.reading, &|share| progress.loaded(share))?;
     output.check_against(setup::sources(&scene))?;
     let load_time = started.elapsed();
     progress.building();

@@ -1,4 +1,4 @@
-use raycast_core::camera::PlaneError;
+use raycast_core::camera::{PlacementError, PlaneError};
 use raycast_core::formats::FormatError;
 use raycast_core::image::{FragmentError, ImageError};
 use raycast_core::scene::SceneError;
@@ -51,6 +51,12 @@ impl std::error::Error for Failure {}
 
 impl From<PlaneError> for Failure {
     fn from(error: PlaneError) -> Self {
+        Self::Usage(error.to_string())
+    }
+}
+
+impl From<PlacementError> for Failure {
+    fn from(error: PlacementError) -> Self {
         Self::Usage(error.to_string())
     }
 }

@@ -71,7 +71,9 @@ fn read_scenes(args: &ReportArgs, progress: &Progress) -> Result<Vec<Input>, Fai
     let read = |path: &std::path::PathBuf| {
         progress.loading();
         let started = Instant::now();
-        let file = formats::read_scene(path, &|share| progress.loaded(share))?;
+        let file = formats::read_scene_within(path, &args.reading.budget(), &|share| {
+            progress.loaded(share)
+        })?;
         let parsing = started.elapsed();
         warn_of_reading(&file.warnings, &file.scene, &setup::tree(&file.scene)?);
         let name = path.file_stem().unwrap_or(path.as_os_str());
