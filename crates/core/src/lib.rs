@@ -68,8 +68,10 @@ pub mod math;
 mod num;
 pub mod packet;
 pub mod picture;
+mod quote;
 #[cfg(test)]
 mod random;
+pub mod ranges;
 mod ray;
 pub mod render;
 pub mod scene;

@@ -1,9 +1,11 @@
 //! What a command line may hold.
 
 mod mistyped;
+mod reading;
 mod values;
 
 pub use mistyped::mistyped;
+pub use reading::{LimitArg, ReadingArgs};
 pub use values::{OrbitArg, SceneColor};
 
 use crate::failure::Failure;
@@ -44,6 +46,9 @@ pub struct Cli {
     pub command: Option<Command>,
     /// Meshes or scene files to open in the window [default: the demo scene]
     pub files: Vec<PathBuf>,
+    /// How files are read.
+    #[command(flatten)]
+    pub reading: ReadingArgs,
 }
 
 /// The commands.
@@ -56,6 +61,9 @@ pub enum Command {
         /// Write a line of JSON a frame, for measuring; such a window remembers nothing
         #[arg(long, value_name = "FILE")]
         log: Option<PathBuf>,
+        /// How files are read.
+        #[command(flatten)]
+        reading: ReadingArgs,
     },
     /// Render a picture, or one fragment of it, to an image file
     Render(Box<RenderArgs>),
@@ -108,12 +116,15 @@ pub struct RenderArgs {
         long,
         value_name = "N",
         help_heading = "Casting",
-        value_parser = clap::value_parser!(u32).range(1..=4096)
+        value_parser = values::samples
     )]
     pub samples: Option<u32>,
     /// How rays meet triangles.
     #[command(flatten)]
     pub casting: CastingArgs,
+    /// How files are read.
+    #[command(flatten)]
+    pub reading: ReadingArgs,
     /// Write what it took to this file as JSON; `-` is standard output
     #[arg(long, value_name = "FILE", help_heading = None)]
     pub stats: Option<PathBuf>,
@@ -127,7 +138,7 @@ pub struct CameraArgs {
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     pub size: Option<(u32, u32)>,
     /// Distance between neighbouring rays at the target, in scene units
-    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = values::positive)]
+    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = values::step)]
     pub step: Option<f64>,
     /// Vertical field of view in degrees [default: 45]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = values::fov)]
@@ -272,6 +283,9 @@ pub struct CastArgs {
     /// Write what it took to this file as JSON; `-` is standard output
     #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
+    /// How files are read.
+    #[command(flatten)]
+    pub reading: ReadingArgs,
 }
 
 /// `raycast stitch`.
@@ -299,6 +313,9 @@ pub struct InfoArgs {
     /// Print a JSON array, an element a file
     #[arg(long)]
     pub json: bool,
+    /// How files are read.
+    #[command(flatten)]
+    pub reading: ReadingArgs,
 }
 
 /// `raycast bench`.
@@ -352,6 +369,9 @@ pub struct BenchArgs {
     /// times each
     #[arg(long)]
     pub baselines: bool,
+    /// How files are read.
+    #[command(flatten)]
+    pub reading: ReadingArgs,
 }
 
 /// `raycast report`.
@@ -379,6 +399,9 @@ pub struct ReportArgs {
     /// Workers, 0 to 256; 0 is one for each of the machine's
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::threads())]
     pub threads: u16,
+    /// How files are read.
+    #[command(flatten)]
+    pub reading: ReadingArgs,
 }
 
 /// `raycast verify`.
@@ -412,6 +435,9 @@ pub struct VerifyArgs {
     /// How rays meet triangles.
     #[command(flatten)]
     pub casting: CastingArgs,
+    /// How files are read.
+    #[command(flatten)]
+    pub reading: ReadingArgs,
 }
 
 /// Says on standard error what is wrong with a command line, in one line; help and version go to
@@ -526,6 +552,10 @@ mod tests {
             "render a.obj -o a.png --fov -1",
             "render a.obj -o a.png --step 0",
             "render a.obj -o a.png --step nan",
+            "render a.obj -o a.png --step 1e-320",
+            "render a.obj -o a.png --wireframe=101",
+            "render a.obj -o a.png --limit rows=3",
+            "info a.obj --limit bytes=x",
             "render a.obj -o a.png --eye 1,2",
             "render a.obj -o a.png --eye 1,2,inf",
             "render a.obj -o a.png --eye 0,0,1 --orbit 0,0",

@@ -1,6 +1,6 @@
 //! Why a command was not done.
 
-use raycast_core::camera::PlaneError;
+use raycast_core::camera::{PlacementError, PlaneError};
 use raycast_core::formats::FormatError;
 use raycast_core::image::{FragmentError, ImageError, OutOfMemory};
 use raycast_core::scene::SceneError;
@@ -99,6 +99,12 @@ impl Error for Failure {
 
 impl From<PlaneError> for Failure {
     fn from(error: PlaneError) -> Self {
+        Self::Usage(Reason::of(error))
+    }
+}
+
+impl From<PlacementError> for Failure {
+    fn from(error: PlacementError) -> Self {
         Self::Usage(Reason::of(error))
     }
 }

@@ -4,15 +4,13 @@ mod nothing_to_see;
 
 pub use nothing_to_see::NothingToSee;
 
-use crate::cli::{CameraArgs, ShadingArgs};
+use crate::cli::{CameraArgs, ReadingArgs, ShadingArgs};
 use crate::failure::Failure;
 use raycast_core::accel::{Accel, Simd};
 use raycast_core::camera::{
-    Camera, Orbit, Placement, PlaneError, PlaneRequest, Projection, fit_distance, fov_to_frame,
-    frame_to_fov,
+    Camera, Orbit, Placement, PlaneRequest, Projection, fit_distance, fov_to_frame, frame_to_fov,
 };
 use raycast_core::formats::{self, CameraFile, FormatError, Progress, SceneFile};
-use raycast_core::glam::DVec3;
 use raycast_core::scene::{Bounds, Dropped, Scene};
 use raycast_core::shade::{Shading, Wireframe};
 use std::path::PathBuf;
@@ -29,11 +27,16 @@ pub const DEFAULT_FOV: f64 = 45.0;
 ///
 /// # Errors
 /// The first file that cannot be read.
-pub fn load(files: &[PathBuf], progress: Progress<'_>) -> Result<SceneFile, FormatError> {
+pub fn load(
+    files: &[PathBuf],
+    reading: &ReadingArgs,
+    progress: Progress<'_>,
+) -> Result<SceneFile, FormatError> {
+    let budget = reading.budget();
     let mut all = SceneFile::default();
     for (index, file) in files.iter().enumerate() {
         let share = |share: f32| progress((index as f32 + share) / files.len() as f32);
-        all.append(formats::read_scene(file, &share)?);
+        all.append(formats::read_scene_within(file, &budget, &share)?);
     }
     Ok(all)
 }
@@ -110,9 +113,9 @@ pub fn name_of(files: &[PathBuf]) -> String {
 ///
 /// # Errors
 /// A texture that cannot be read, a crop that leaves it.
-pub fn paint(scene: &mut Scene, args: &ShadingArgs) -> Result<(), Failure> {
+pub fn paint(scene: &mut Scene, args: &ShadingArgs, reading: &ReadingArgs) -> Result<(), Failure> {
     if let Some(path) = &args.texture {
-        let mut texture = formats::read_texture(path)?;
+        let mut texture = formats::read_texture_within(path, &reading.budget())?;
         if let Some(crop) = args.crop {
             texture = texture.cropped(crop).ok_or_else(|| {
                 Failure::usage(format!(
@@ -160,13 +163,14 @@ pub fn shading(args: &ShadingArgs, file: Option<Shading>) -> Shading {
 /// The camera that was asked for, over the scene file's, over one that has all of `bounds` in view.
 ///
 /// # Errors
-/// Size, step and field of view out of range or at odds.
+/// A placement that says no direction or no up; size, step and field of view out of range or at
+/// odds.
 pub fn camera(
     args: &CameraArgs,
     file: Option<&CameraFile>,
     file_size: Option<(u32, u32)>,
     bounds: &Bounds,
-) -> Result<Camera, PlaneError> {
+) -> Result<Camera, Failure> {
     let default_size = file_size.unwrap_or(DEFAULT_SIZE);
     let projection = args
         .projection
@@ -179,9 +183,8 @@ pub fn camera(
     let placement = placement(args, file, bounds, |orbit| {
         fit_distance(bounds, orbit, projection, fov, aspect)
     });
-    let sight = placement.eye.distance(placement.target);
-    // A camera in its own target looks from one unit away.
-    let distance = if sight > 0.0 { sight } else { 1.0 };
+    placement.check()?;
+    let distance = placement.eye.distance(placement.target);
     let frame = match file {
         // As the file says it: through an angle and back it would be rounded.
         Some(file)
@@ -204,17 +207,18 @@ pub fn camera(
 }
 
 /// Why there is no camera: bad usage, if anything was asked of it; else the fault of the files.
-pub fn no_camera(args: &CameraArgs, name: &str, error: PlaneError) -> Failure {
+pub fn no_camera(args: &CameraArgs, name: &str, failure: Failure) -> Failure {
     let was_asked = args.size.is_some()
         || args.step.is_some()
         || args.fov.is_some()
         || args.eye.is_some()
         || args.target.is_some()
+        || args.up.is_some()
         || args.orbit.is_some();
     if was_asked {
-        error.into()
+        failure
     } else {
-        Failure::could_not(format!("{name}: its camera cannot be used: {error}"))
+        Failure::could_not(format!("{name}: its camera cannot be used: {failure}"))
     }
 }
 
@@ -224,7 +228,7 @@ fn fov_of(file: &CameraFile) -> f64 {
         Projection::Perspective => file.frame,
         Projection::Orthographic => {
             let distance = file.placement.eye.distance(file.placement.target);
-            frame_to_fov(file.frame, if distance > 0.0 { distance } else { 1.0 })
+            frame_to_fov(file.frame, distance)
         }
     }
 }
@@ -254,13 +258,14 @@ fn placement(
     if let Some(asked) = args.orbit {
         orbit(asked.yaw, asked.pitch, asked.distance)
     } else if let Some(eye) = args.eye.or(file.map(|file| file.eye)) {
+        let target = args
+            .target
+            .or(file.map(|file| file.target))
+            .unwrap_or(bounds.center());
+        let towards = Placement::towards(eye, target);
         Placement {
-            eye,
-            target: args
-                .target
-                .or(file.map(|file| file.target))
-                .unwrap_or(bounds.center()),
-            up: args.up.or(file.map(|file| file.up)).unwrap_or(DVec3::Y),
+            up: args.up.or(file.map(|file| file.up)).unwrap_or(towards.up),
+            ..towards
         }
     } else {
         let (yaw, pitch) = Orbit::DEFAULT_ANGLES;
@@ -280,6 +285,7 @@ pub fn dropped(scene: &Scene, accel: &Accel) -> Dropped {
         sum.too_far += dropped.too_far;
         sum.bad_index += dropped.bad_index;
         sum.zero_area += dropped.zero_area;
+        sum.rounded_away += dropped.rounded_away;
     }
     sum
 }
@@ -288,6 +294,7 @@ pub fn dropped(scene: &Scene, accel: &Accel) -> Dropped {
 pub fn reasons(dropped: &Dropped) -> String {
     let counts = [
         (dropped.zero_area, "without area"),
+        (dropped.rounded_away, "rounded away by single precision"),
         (dropped.not_finite, "not finite"),
         (dropped.too_far, "too far away"),
         (dropped.bad_index, "with a vertex that is not there"),
@@ -304,6 +311,7 @@ pub fn reasons(dropped: &Dropped) -> String {
 mod tests {
     use super::*;
     use crate::cli::OrbitArg;
+    use raycast_core::glam::DVec3;
     use raycast_core::shade::Mode;
 
     const UNIT: Bounds = Bounds {
@@ -360,7 +368,7 @@ mod tests {
             ..base.clone()
         };
         let refused = camera(&at_odds, None, None, &UNIT);
-        assert!(matches!(refused, Err(PlaneError::AtOdds { .. })));
+        assert!(refused.is_err_and(|failure| failure.to_string().contains("at odds")));
         let agreed = CameraArgs {
             fov: Some(fov),
             ..at_odds
@@ -384,6 +392,34 @@ mod tests {
         };
         let placement = made(&args).placement();
         assert_eq!((placement.target, placement.up), (DVec3::X, DVec3::Z));
+    }
+
+    #[test]
+    fn a_camera_that_looks_nowhere_is_refused() {
+        let center = UNIT.center();
+        let above = CameraArgs {
+            eye: Some(center + DVec3::Y * 3.0),
+            ..CameraArgs::default()
+        };
+        // Nobody said what is up: it gives way.
+        assert_eq!(made(&above).placement().up, DVec3::NEG_Z);
+        let with_up = |up: DVec3| CameraArgs {
+            up: Some(up),
+            ..above.clone()
+        };
+        let in_target = CameraArgs {
+            eye: Some(center),
+            ..above.clone()
+        };
+        for (args, why) in [
+            (with_up(DVec3::ZERO), "expected a direction"),
+            (with_up(DVec3::NEG_Y), "lies along the view"),
+            (in_target, "expected a target away from the eye"),
+        ] {
+            let failure = camera(&args, None, None, &UNIT).expect_err(why);
+            assert!(failure.to_string().contains(why), "{failure}");
+            assert!(matches!(failure, Failure::Usage(_)));
+        }
     }
 
     #[test]

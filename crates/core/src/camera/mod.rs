@@ -2,6 +2,7 @@
 
 mod lattice;
 mod orbit;
+mod placement;
 mod plane;
 mod projection;
 mod sub_camera;
@@ -10,7 +11,10 @@ mod view;
 pub use crate::ray::Ray;
 pub use lattice::Lattice;
 pub use orbit::Orbit;
-pub use plane::{FrameLock, ImagePlane, PIXEL_LIMIT, PlaneError, PlaneRequest, SIDE_LIMIT};
-pub use projection::{Camera, Placement, Projection, fov_to_frame, frame_to_fov};
+pub use placement::{Placement, PlacementError};
+pub use plane::{
+    FrameLock, ImagePlane, PIXEL_LIMIT, PlaneError, PlaneRequest, SIDE_LIMIT, check_step,
+};
+pub use projection::{Camera, Projection, fov_to_frame, frame_to_fov};
 pub use sub_camera::{Grid, Rect, SubCamera};
 pub use view::fit_distance;

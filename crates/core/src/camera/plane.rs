@@ -50,8 +50,10 @@ pub enum PlaneError {
         /// The rows asked for.
         rows: u64,
     },
-    /// A step that is not a positive number.
-    #[error("a step of {step} cannot be used: expected a positive number")]
+    /// A step that is no positive number of single precision.
+    #[error(
+        "a step of {step:e} cannot be used: expected a positive number, from 1.2e-38 to 3.4e38"
+    )]
     BadStep {
         /// The step asked for.
         step: f64,
@@ -84,7 +86,7 @@ impl ImagePlane {
     /// A plane, checked.
     ///
     /// # Errors
-    /// A side outside 1 to 65536, more than 2³⁰ pixels, a step that is not a positive number.
+    /// A side outside 1 to 65536, more than 2³⁰ pixels, a step that [`check_step`] refuses.
     pub fn new(columns: u32, rows: u32, step: f64) -> Result<Self, PlaneError> {
         let pixels = u64::from(columns) * u64::from(rows);
         if pixels == 0 || columns.max(rows) > SIDE_LIMIT || pixels > PIXEL_LIMIT {
@@ -93,9 +95,7 @@ impl ImagePlane {
                 rows: rows.into(),
             });
         }
-        if !(step.is_finite() && step > 0.0) {
-            return Err(PlaneError::BadStep { step });
-        }
+        check_step(step)?;
         Ok(Self {
             columns,
             rows,
@@ -125,6 +125,19 @@ impl ImagePlane {
     }
 }
 
+/// Whether a step can be used: a positive normal number of single precision, which rays are cast
+/// in first. Below those, precision fails by and by; above, there is none.
+///
+/// # Errors
+/// Any other number.
+pub fn check_step(step: f64) -> Result<(), PlaneError> {
+    if (f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX)).contains(&step) {
+        Ok(())
+    } else {
+        Err(PlaneError::BadStep { step })
+    }
+}
+
 impl PlaneRequest {
     /// The plane that the request makes: two of three decide it; `default_size` and
     /// `default_frame` stand in for what was not given.
@@ -139,10 +152,8 @@ impl PlaneRequest {
         default_size: (u32, u32),
         default_frame: f64,
     ) -> Result<ImagePlane, PlaneError> {
-        if let Some(step) = self.step
-            && !(step.is_finite() && step > 0.0)
-        {
-            return Err(PlaneError::BadStep { step });
+        if let Some(step) = self.step {
+            check_step(step)?;
         }
         let height = self.frame_height.unwrap_or(default_frame);
         if !(height.is_finite() && height > 0.0) {
@@ -222,6 +233,14 @@ mod tests {
             resolve(request(None, Some(f64::NAN), None)),
             Err(PlaneError::BadStep { .. })
         ));
+        for step in [1e-320, 1e-39, 1e39, -1.0, f64::INFINITY] {
+            let refused = resolve(request(Some((4, 4)), Some(step), None));
+            assert_eq!(refused, Err(PlaneError::BadStep { step }));
+        }
+        assert_eq!(
+            PlaneError::BadStep { step: 1e-320 }.to_string(),
+            "a step of 1e-320 cannot be used: expected a positive number, from 1.2e-38 to 3.4e38"
+        );
         assert!(matches!(
             resolve(request(None, Some(1e-9), None)),
             Err(PlaneError::BadSize { .. })

@@ -1,4 +1,4 @@
-use super::{ImagePlane, Ray};
+use super::{ImagePlane, Placement, Ray};
 use crate::math;
 use glam::DVec3;
 
@@ -10,17 +10,6 @@ pub enum Projection {
     Perspective,
     /// Side by side along the view axis, from the plane through the eye.
     Orthographic,
-}
-
-/// Where a camera stands and what it looks at, in world space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placement {
-    /// The eye.
-    pub eye: DVec3,
-    /// The point on the view axis at which the step is measured.
-    pub target: DVec3,
-    /// Which way is up in the picture; need not be perpendicular to the view axis.
-    pub up: DVec3,
 }
 
 /// An eye, an orientation and an image plane.
@@ -39,7 +28,7 @@ impl Camera {
     /// A camera at `placement`.
     ///
     /// An eye in its target looks along −Z from one unit away; an `up` along the view axis, or
-    /// zero, gives way to the axis least along it.
+    /// zero, gives way to −Z or +Y. [`Placement::check`] says whether either is the case.
     pub fn new(placement: Placement, projection: Projection, plane: ImagePlane) -> Self {
         let sight = placement.target - placement.eye;
         let length = sight.length();
@@ -49,11 +38,10 @@ impl Camera {
             (DVec3::NEG_Z, 1.0)
         };
         let sideways = |up: DVec3| forward.cross(up.normalize_or_zero());
-        // Below a sine of 1e-9 the direction of `up` across the view axis is mostly rounding.
         let right = [placement.up, DVec3::NEG_Z, DVec3::Y]
             .into_iter()
             .map(sideways)
-            .find(|right| right.length() > 1e-9)
+            .find(|right| right.length() > Placement::LEAST_SINE)
             .unwrap_or(DVec3::X)
             .normalize();
         Self {

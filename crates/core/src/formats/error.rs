@@ -1,3 +1,5 @@
+use crate::quote;
+pub(super) use crate::quote::{quote, shorten};
 use std::path::{Path, PathBuf};
 
 /// A place in a file.
@@ -11,14 +13,16 @@ pub struct Place {
 
 impl std::fmt::Display for Place {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let file = quote::path(&self.file);
         match self.line {
-            Some(line) => write!(f, "{}:{line}", self.file.display()),
-            None => write!(f, "{}", self.file.display()),
+            Some(line) => write!(f, "{file}:{line}"),
+            None => write!(f, "{file}"),
         }
     }
 }
 
-/// Why a file was not read. Every message is one line: place, what was expected, what was found.
+/// Why a file was not read. Every message is one line: place, what was expected, what was found. It
+/// shows at most 200 characters of what a file holds.
 #[derive(Debug, thiserror::Error)]
 pub enum FormatError {
     /// The file system's own refusal.
@@ -46,6 +50,18 @@ pub enum FormatError {
         place: Place,
         /// Why, in one line.
         reason: String,
+    },
+    /// More than the [`super::Limits`] of the reading allow.
+    #[error("{place}: {what}; at most {most} are allowed (limit `{limit}`)")]
+    TooMuch {
+        /// Where.
+        place: Place,
+        /// What there is too much of.
+        what: String,
+        /// The limit's name.
+        limit: &'static str,
+        /// How much it allows.
+        most: u64,
     },
 }
 
@@ -82,24 +98,33 @@ impl FormatError {
             reason: lines.join("; "),
         }
     }
+
+    /// What is wrong, without the place.
+    pub(super) fn reason(&self) -> String {
+        let (Self::Io { place, .. }
+        | Self::Unexpected { place, .. }
+        | Self::Refused { place, .. }
+        | Self::TooMuch { place, .. }) = self;
+        let text = self.to_string();
+        match text.strip_prefix(&format!("{place}: ")) {
+            Some(reason) => reason.to_owned(),
+            None => text,
+        }
+    }
+
+    pub(super) fn too_much(file: &Path, what: String, limit: &'static str, most: u64) -> Self {
+        Self::TooMuch {
+            place: place(file, None),
+            what,
+            limit,
+            most,
+        }
+    }
 }
 
 fn place(file: &Path, line: Option<usize>) -> Place {
     Place {
         file: file.to_owned(),
         line,
-    }
-}
-
-/// A file's own text as a message may show it: on one line, quoted, its length bounded.
-pub(super) fn quote(text: &str) -> String {
-    const LIMIT: usize = 48;
-    let text = text.trim();
-    if text.is_empty() {
-        return "nothing".to_owned();
-    }
-    match text.char_indices().nth(LIMIT) {
-        Some((end, _)) => format!("{:?}…", &text[..end]),
-        None => format!("{text:?}"),
     }
 }

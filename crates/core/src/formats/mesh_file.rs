@@ -1,13 +1,19 @@
 use super::error::FormatError;
 use super::files::Files;
 use super::kind::{MeshKind, mesh_kind};
+use super::scene_file::FileKind;
 use super::{Progress, obj, triangle_text};
-use crate::scene::Mesh;
+use crate::quote;
+use crate::scene::{BENT, Mesh};
 use std::path::{Path, PathBuf};
+
+/// The most warnings of one file that are told one by one.
+const WARNING_LIMIT: usize = 32;
 
 /// What a mesh file holds.
 #[derive(Debug)]
 pub(super) struct MeshFile {
+    pub(super) kind: FileKind,
     pub(super) mesh: Mesh,
     /// The image that its materials name for all of it.
     pub(super) texture: Option<PathBuf>,
@@ -21,23 +27,53 @@ pub(super) fn read(
     files: &dyn Files,
     progress: Progress<'_>,
 ) -> Result<MeshFile, FormatError> {
-    let (data, texture, warnings) = match mesh_kind(path, bytes)? {
+    let budget = files.budget();
+    let (kind, data, texture, mut warnings) = match mesh_kind(path, bytes)? {
         MeshKind::Obj => {
             let obj = obj::read(path, bytes, files, progress)?;
-            (obj.mesh, obj.texture, obj.warnings)
+            (FileKind::Obj, obj.mesh, obj.texture, obj.warnings)
         }
-        MeshKind::TriangleText => (
-            triangle_text::read(path, bytes, progress)?,
-            None,
-            Vec::new(),
-        ),
+        MeshKind::TriangleText => {
+            let (mesh, warnings) = triangle_text::read(path, bytes, budget, progress)?;
+            (FileKind::TriangleText, mesh, None, warnings)
+        }
     };
+    let kept = data.stored_bytes();
+    let share = budget.share(path, "the mesh", data.bytes() + kept)?;
     let mesh = Mesh::new(data);
+    share.keep(kept);
+    warnings.extend(rounding(path, &mesh));
+    limit_warnings(path, &mut warnings);
     progress(1.0);
     Ok(MeshFile {
+        kind,
         mesh,
         texture,
         warnings,
+    })
+}
+
+/// Keeps the first warnings, and counts the rest.
+pub(super) fn limit_warnings(path: &Path, warnings: &mut Vec<String>) {
+    if warnings.len() > WARNING_LIMIT {
+        let more = warnings.len() - WARNING_LIMIT;
+        warnings.truncate(WARNING_LIMIT);
+        warnings.push(format!("{}: {more} more warnings", quote::path(path)));
+    }
+}
+
+/// A warning where single precision moved corners by more than a small part of an edge.
+fn rounding(path: &Path, mesh: &Mesh) -> Option<String> {
+    let rounding = mesh.rounding();
+    (rounding.bent > 0).then(|| {
+        format!(
+            "{}: in {} triangles rounding to single precision moves a corner by more than {} % of \
+             an edge, at most by {:.3} %",
+            quote::path(path),
+            rounding.bent,
+            BENT * 100.0,
+            rounding.share_of_edge * 100.0,
+        )
     })
 }
 

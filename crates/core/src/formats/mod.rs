@@ -2,11 +2,16 @@
 
 mod error;
 mod files;
+mod guard;
+mod jpeg;
 mod kind;
+mod limits;
+mod lines;
 mod mesh_file;
 mod mtl;
 mod obj;
 mod obj_text;
+mod polygon;
 mod scene_file;
 mod scene_read;
 mod scene_toml;
@@ -15,11 +20,13 @@ mod texture;
 mod triangle_text;
 
 pub use error::{FormatError, Place};
-pub use scene_file::{CameraFile, ImageFile, SceneFile, ShadingFile};
+pub use guard::panic_is_caught;
+pub use limits::{Budget, Limits};
+pub use scene_file::{CameraFile, FileKind, ImageFile, SceneFile, ShadingFile};
 pub use scene_write::SaveError;
 
 use crate::scene::{Mesh, Object, Scene, Texture};
-use files::{Disk, Files, Held};
+use files::{By, Disk, Files, Held};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -35,11 +42,12 @@ const READING: f32 = 0.2;
 ///
 /// # Errors
 /// A file that cannot be read, or is not a mesh of a kind we know: with file, line and what was
-/// expected.
+/// expected; more than the default [`Limits`].
 pub fn read_mesh(path: &Path, progress: Progress<'_>) -> Result<Mesh, FormatError> {
-    let disk = Disk::default();
-    let bytes = read_bytes(&disk, path, &|share| progress(share * READING))?;
-    let read = mesh_file::read(path, &bytes, &disk, &|share| {
+    let budget = Budget::default();
+    let disk = Disk::new(&budget);
+    let contents = disk.read(path, By::Person, &|share| progress(share * READING))?;
+    let read = mesh_file::read(path, &contents, &disk, &|share| {
         progress(READING + share * (1.0 - READING));
     })?;
     Ok(read.mesh)
@@ -48,10 +56,18 @@ pub fn read_mesh(path: &Path, progress: Progress<'_>) -> Result<Mesh, FormatErro
 /// Reads an image file as a texture: PNG, JPEG or PNM, known by its content.
 ///
 /// # Errors
-/// A file that cannot be read, is not an image of a kind we know, or has a side longer than
-/// 32768 texels.
+/// A file that cannot be read, is not an image of a kind we know, is damaged or ends early, has a
+/// side longer than 32768 texels, or needs more than the default [`Limits`].
 pub fn read_texture(path: &Path) -> Result<Texture, FormatError> {
-    decode_texture(&Disk::default(), path)
+    read_texture_within(path, &Budget::default())
+}
+
+/// [`read_texture`] within a budget of the caller's.
+///
+/// # Errors
+/// As [`read_texture`]; more than the budget has left.
+pub fn read_texture_within(path: &Path, budget: &Budget) -> Result<Texture, FormatError> {
+    decode_texture(&Disk::new(budget), path, By::Person)
 }
 
 /// Reads a scene file (`.raycast.toml`) and every mesh and texture that it names, or a mesh file as
@@ -61,18 +77,32 @@ pub fn read_texture(path: &Path) -> Result<Texture, FormatError> {
 /// # Errors
 /// As [`read_mesh`]; a scene file that does not parse, with its line.
 pub fn read_scene(path: &Path, progress: Progress<'_>) -> Result<SceneFile, FormatError> {
-    let disk = Disk::default();
-    let bytes = read_bytes(&disk, path, &|share| progress(share * READING))?;
+    read_scene_within(path, &Budget::default(), progress)
+}
+
+/// [`read_scene`] within a budget of the caller's, which may be that of other files too.
+///
+/// # Errors
+/// As [`read_scene`]; more than the budget has left.
+pub fn read_scene_within(
+    path: &Path,
+    budget: &Budget,
+    progress: Progress<'_>,
+) -> Result<SceneFile, FormatError> {
+    let disk = Disk::new(budget);
+    let contents = disk.read(path, By::Person, &|share| progress(share * READING))?;
     let rest = |share: f32| progress(READING + share * (1.0 - READING));
-    if kind::is_scene(path, &bytes) {
-        return scene_read::read(path, &bytes, &disk, &rest);
+    if kind::is_scene(path, &contents) {
+        return scene_read::read(path, &contents, &disk, &rest);
     }
-    let read = mesh_file::read(path, &bytes, &disk, &rest)?;
+    let read = mesh_file::read(path, &contents, &disk, &rest)?;
+    drop(contents);
+    budget.add_triangles(path, read.mesh.triangles().len() as u64)?;
     let mut warnings = read.warnings;
     let mut object = Object::new(mesh_file::name(path), Arc::new(read.mesh));
     object.source = Some(disk.source(path));
     if let Some(image) = read.texture {
-        match decode_texture(&disk, &image) {
+        match decode_texture(&disk, &image, By::Mesh(path)) {
             Ok(texture) => {
                 object.texture = Some(Arc::new(texture));
                 object.texture_source = Some(disk.source(&image));
@@ -81,6 +111,7 @@ pub fn read_scene(path: &Path, progress: Progress<'_>) -> Result<SceneFile, Form
         }
     }
     Ok(SceneFile {
+        kind: read.kind,
         scene: Scene {
             objects: vec![object],
         },
@@ -104,18 +135,14 @@ pub fn read_scene_from(
     scene_read::read(
         Path::new("scene"),
         toml_text.as_bytes(),
-        &Held::new(resolve),
+        &Held::new(resolve, &Budget::default()),
         &|_| (),
     )
 }
 
-fn decode_texture(disk: &Disk, path: &Path) -> Result<Texture, FormatError> {
-    texture::decode(path, &read_bytes(disk, path, &|_| ())?)
-}
-
-fn read_bytes(disk: &Disk, path: &Path, progress: Progress<'_>) -> Result<Vec<u8>, FormatError> {
-    disk.read(path, progress)
-        .map_err(|error| FormatError::io(path, error))
+fn decode_texture(disk: &Disk<'_>, path: &Path, by: By<'_>) -> Result<Texture, FormatError> {
+    let contents = disk.read(path, by, &|_| ())?;
+    texture::decode(path, &contents, disk.budget())
 }
 
 #[cfg(test)]

@@ -1,14 +1,14 @@
 use super::Progress;
-use super::error::{FormatError, quote};
-use super::files::{Files, beside};
+use super::error::FormatError;
+use super::files::{By, Contents, Files, beside};
 use super::mtl::{self, MtlMaterial};
-use super::obj_text::{self, Face, ObjText};
+use super::obj_text::{self, NONE, ObjText, Oddities};
+use super::polygon;
+use crate::quote::{self, quote};
 use crate::scene::{Attribute, MeshData};
-use glam::{DVec3, Vec2, Vec3};
+use glam::Vec3;
 use std::collections::HashMap;
-use std::io::{self, BufRead, Read};
 use std::path::{Path, PathBuf};
-use tobj::LoadError;
 
 /// What an OBJ file holds.
 #[derive(Debug)]
@@ -22,32 +22,16 @@ pub(super) struct Obj {
 
 /// Reads an OBJ file, and through `files` its material libraries.
 ///
-/// Triangles are in the file's order of faces, polygons cut into fans; groups and materials do not
-/// change that. Positions keep their own indices.
+/// Triangles are in the file's order of faces; groups and materials do not change that. Positions
+/// are the file's, those of no face too, and keep their own indices.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
     files: &dyn Files,
     progress: Progress<'_>,
 ) -> Result<Obj, FormatError> {
-    let obj_text = obj_text::read(path, bytes, &|share| progress(share * 0.4))?;
-    let mut lines = Lines {
-        rest: obj_text.text.as_bytes(),
-        length: obj_text.text.len(),
-        line: 0,
-        progress: &|share| progress(0.4 + share * 0.5),
-    };
-    let options = tobj::LoadOptions {
-        triangulate: true,
-        single_index: false,
-        ignore_points: true,
-        ignore_lines: true,
-    };
-    // The text names no library: materials are this module's own affair.
-    let no_library = |_: &Path| Err(LoadError::OpenFileFailed);
-    let (models, _) = tobj::load_obj_buf(&mut lines, &options, no_library)
-        .map_err(|error| line_error(path, &obj_text.text, lines.line, error))?;
-    if obj_text.faces.is_empty() {
+    let mut text = obj_text::read(path, bytes, files.budget(), &|share| progress(share * 0.9))?;
+    if text.triangles.is_empty() {
         return Err(FormatError::unexpected(
             path,
             None,
@@ -55,58 +39,50 @@ pub(super) fn read(
             "none",
         ));
     }
-
-    let mut mesh = MeshData::default();
-    for model in models {
-        let raw = model.mesh;
-        let shift = mesh.positions.len() as u32;
-        mesh.positions
-            .extend(raw.positions.chunks_exact(3).map(DVec3::from_slice));
-        mesh.triangles
-            .extend(triples(&raw.indices).map(|triangle| triangle.map(|i| i + shift)));
-        let single = |value: f64| value as f32;
-        let uvs = raw.texcoords.chunks_exact(2);
-        let uvs = uvs.map(|uv| Vec2::new(single(uv[0]), single(uv[1])));
-        mesh.uvs = attribute(
-            uvs.collect(),
-            &raw.texcoord_indices,
-            &obj_text.faces,
-            |face| face.has_uvs,
-            |uv| uv.is_finite(),
-        );
-        let normals = raw.normals.chunks_exact(3);
-        let normals = normals.map(|n| DVec3::from_slice(n).normalize_or_zero().as_vec3());
-        mesh.normals = attribute(
-            normals.collect(),
-            &raw.normal_indices,
-            &obj_text.faces,
-            |face| face.has_normals,
-            |normal| *normal != Vec3::ZERO,
-        );
-    }
-    let expected: usize = obj_text
-        .faces
-        .iter()
-        .map(|face| face.triangles as usize)
-        .sum();
-    if mesh.triangles.len() != expected || expected > u32::MAX as usize {
-        return Err(FormatError::unexpected(
-            path,
-            None,
-            format!("{expected} triangles, at most {}", u32::MAX),
-            mesh.triangles.len().to_string(),
-        ));
-    }
     let mut warnings = Vec::new();
-    warnings.extend(loose_vertices(path, &obj_text, mesh.positions.len())?);
-    if obj_text.dangling > 0 {
-        warnings.push(format!(
-            "{}: {} faces name texture coordinates or normals that the file does not have",
-            path.display(),
-            obj_text.dangling
-        ));
+    warnings.extend(loose_vertices(path, &text)?);
+    warnings.extend(odd_lines(path, &text.oddities));
+    let (materials, texture) = materials(path, &text, files, &mut warnings);
+    let material_of_triangle = if materials.is_empty() {
+        Vec::new()
+    } else {
+        spread(&text)
+    };
+    let mut mesh = MeshData {
+        uvs: attribute(
+            std::mem::take(&mut text.uvs),
+            std::mem::take(&mut text.uv_triangles),
+            text.triangles.len(),
+            |uv| uv.is_finite(),
+        ),
+        normals: attribute(
+            std::mem::take(&mut text.normals),
+            std::mem::take(&mut text.normal_triangles),
+            text.triangles.len(),
+            |normal| *normal != Vec3::ZERO,
+        ),
+        positions: text.positions,
+        triangles: text.triangles,
+        colors: text.colors,
+        material_of_triangle,
+        materials: Vec::new(),
+    };
+    progress(0.95);
+    let uncut = polygon::cut(&mut mesh, &text.polygons);
+    warnings.extend(uncut.warnings(path));
+    let numbers = number_of(&materials);
+    let named: Vec<u32> = text
+        .materials
+        .iter()
+        .map(|name| numbers.get(name.as_str()).copied().unwrap_or(NONE))
+        .collect();
+    for material in &mut mesh.material_of_triangle {
+        *material = named.get(*material as usize).copied().unwrap_or(NONE);
     }
-    let texture = add_materials(path, &obj_text, files, &mut mesh, &mut warnings);
+    mesh.materials = materials
+        .into_iter()
+        .map(|(material, _)| material.material)
+        .collect();
     progress(1.0);
     Ok(Obj {
         mesh,
@@ -115,110 +91,158 @@ pub(super) fn read(
     })
 }
 
-/// A warning where many vertices are in no face (`used` are): the file may have lost its end.
+/// The materials of a file's libraries, each with the library that has it.
+type Materials = Vec<(MtlMaterial, PathBuf)>;
+
+/// The number of each name. Of materials with one name the last one counts.
+fn number_of(materials: &Materials) -> HashMap<&str, u32> {
+    materials
+        .iter()
+        .zip(0..)
+        .map(|((material, _), number)| (material.material.name.as_str(), number))
+        .collect()
+}
+
+/// A warning where many vertices are in no face: the file may have lost its end.
 ///
 /// # Errors
-/// The same where the file ends in a face with no newline behind it too: then it has.
-fn loose_vertices(
-    path: &Path,
-    obj_text: &ObjText,
-    used: usize,
-) -> Result<Option<String>, FormatError> {
+/// The same where the file ends in a face with no line end behind it too: then it has.
+fn loose_vertices(path: &Path, text: &ObjText) -> Result<Option<String>, FormatError> {
     // Whole files have loose vertices too, the Stanford bunny 3 in 100; but hardly 5.
     const FEWEST: usize = 16;
-    let loose = obj_text.vertices.saturating_sub(used);
-    if loose < FEWEST || loose * 20 < obj_text.vertices {
+    let vertices = text.positions.len();
+    let mut is_used = vec![false; vertices];
+    for &vertex in text.triangles.iter().flatten() {
+        if let Some(is_used) = is_used.get_mut(vertex as usize) {
+            *is_used = true;
+        }
+    }
+    let loose = is_used.iter().filter(|is_used| !**is_used).count();
+    if loose < FEWEST || loose * 20 < vertices {
         return Ok(None);
     }
-    let what = format!("{loose} of {} vertices are in no face", obj_text.vertices);
-    if obj_text.open_end.is_some() {
+    let what = format!("{loose} of {vertices} vertices are in no face");
+    if text.open_end.is_some() {
         let found = format!("the file's end, and {what}: it is cut short");
         let expected = "a newline behind the last face";
         return Err(FormatError::unexpected(
             path,
-            obj_text.open_end,
+            text.open_end,
             expected,
             found,
         ));
     }
-    Ok(Some(format!(
-        "{}: {what}: is it cut short?",
-        path.display()
-    )))
+    let path = quote::path(path);
+    Ok(Some(format!("{path}: {what}: is it cut short?")))
 }
 
-/// Gives every triangle its material; the image that all of them name.
-fn add_materials(
+/// A warning for each kind of oddity that the file has.
+fn odd_lines(path: &Path, oddities: &Oddities) -> Vec<String> {
+    let Oddities {
+        dangling,
+        weights,
+        extra_values,
+        colors_out_of_range,
+    } = *oddities;
+    let counts = [
+        (
+            dangling,
+            "faces name texture coordinates or normals that the file does not have",
+        ),
+        (
+            weights,
+            "vertices have a fourth value that is not 1: in OBJ a weight, for rational curves and \
+             surfaces alone; it is passed over",
+        ),
+        (
+            extra_values,
+            "vertices have values behind their colour, which are passed over",
+        ),
+        (
+            colors_out_of_range,
+            "vertices have a colour that is not from 0 to 1, which is clamped",
+        ),
+    ];
+    let path = quote::path(path);
+    let odd = counts.iter().filter(|(count, _)| *count > 0);
+    odd.map(|(count, what)| format!("{path}: {count} {what}"))
+        .collect()
+}
+
+/// The materials that the file's libraries have; the image that those of all its faces name.
+fn materials(
     path: &Path,
-    obj_text: &ObjText,
+    text: &ObjText,
     files: &dyn Files,
-    mesh: &mut MeshData,
     warnings: &mut Vec<String>,
-) -> Option<PathBuf> {
-    let mut materials: Vec<(MtlMaterial, PathBuf)> = Vec::new();
-    for (library, bytes) in libraries(path, &obj_text.libraries, files, warnings) {
+) -> (Materials, Option<PathBuf>) {
+    let mut materials = Materials::new();
+    for (library, bytes) in libraries(path, &text.libraries, files, warnings) {
         let read = mtl::read(&library, &bytes, warnings);
         materials.extend(read.into_iter().map(|material| (material, library.clone())));
     }
-    // Of materials with one name the last one counts.
-    let number_of: HashMap<&str, u32> = materials
-        .iter()
-        .zip(0..)
-        .map(|((material, _), number)| (material.material.name.as_str(), number))
-        .collect();
-    let numbers: Vec<Option<u32>> = obj_text
-        .materials
-        .iter()
-        .map(|name| number_of.get(name.as_str()).copied())
-        .collect();
-    let number_of_face = |face: &Face| *numbers.get(face.material as usize)?;
-    if !materials.is_empty() {
-        let unknown = numbers.iter().filter(|number| number.is_none()).count();
-        if unknown > 0 {
-            warnings.push(format!(
-                "{}: {unknown} materials are in none of its libraries",
-                path.display()
-            ));
-        }
-        mesh.material_of_triangle = obj_text
-            .faces
-            .iter()
-            .flat_map(|face| {
-                let number = number_of_face(face).unwrap_or(u32::MAX);
-                std::iter::repeat_n(number, face.triangles as usize)
-            })
-            .collect();
+    let numbers = number_of(&materials);
+    let material = |name: u32| {
+        let name = text.materials.get(name as usize)?;
+        materials.get(*numbers.get(name.as_str())? as usize)
+    };
+    let unknown = (0..text.materials.len() as u32)
+        .filter(|&name| material(name).is_none())
+        .count();
+    if !materials.is_empty() && unknown > 0 {
+        warnings.push(format!(
+            "{}: {unknown} materials are in none of its libraries",
+            quote::path(path)
+        ));
     }
-    let image_of_face = |face: &Face| {
-        let (material, library) = materials.get(number_of_face(face)? as usize)?;
+    let image = |name: u32| {
+        let (material, library) = material(name)?;
         Some(beside(library, material.texture.as_deref()?))
     };
-    // Faces of one material follow one another mostly: look at each material once.
-    let mut used: Vec<&Face> = obj_text.faces.iter().collect();
-    used.dedup_by_key(|face| face.material);
-    let mut images = used.into_iter().map(image_of_face);
+    let has_bare_start = text.material_runs.first().is_none_or(|run| run.0 > 0);
+    let mut names: Vec<u32> = text.material_runs.iter().map(|run| run.1).collect();
+    names.extend(has_bare_start.then_some(NONE));
+    names.sort_unstable();
+    names.dedup();
+    let mut images = names.into_iter().map(image);
     let first = images.next().flatten();
     let texture = first.filter(|first| images.all(|image| image.as_ref() == Some(first)));
-    mesh.materials = materials
-        .into_iter()
-        .map(|(material, _)| material.material)
-        .collect();
-    texture
+    (materials, texture)
 }
+
+/// The index of a material's name for every triangle.
+fn spread(text: &ObjText) -> Vec<u32> {
+    let mut names = vec![NONE; text.triangles.len()];
+    for (index, &(first, name)) in text.material_runs.iter().enumerate() {
+        let next = text.material_runs.get(index + 1);
+        let end = next.map_or(names.len(), |next| next.0 as usize);
+        names[first as usize..end].fill(name);
+    }
+    names
+}
+
+/// The most material libraries that a mesh's lines may name: each costs a look at the disk.
+const LIBRARY_LIMIT: usize = 1000;
 
 /// The bytes of the libraries behind `mtllib`: each line is one name, which may hold spaces, or
 /// several.
-fn libraries(
+fn libraries<'f>(
     path: &Path,
     lines: &[String],
-    files: &dyn Files,
+    files: &'f dyn Files,
     warnings: &mut Vec<String>,
-) -> Vec<(PathBuf, Vec<u8>)> {
-    let mut found: Vec<(PathBuf, Vec<u8>)> = Vec::new();
-    let mut add = |name: &str| -> io::Result<()> {
+) -> Vec<(PathBuf, Contents<'f>)> {
+    let mut found: Vec<(PathBuf, Contents<'f>)> = Vec::new();
+    let mut tried = 0;
+    let mut add = |name: &str| -> Result<(), FormatError> {
+        tried += 1;
+        if tried > LIBRARY_LIMIT {
+            let reason = format!("a mesh has at most {LIBRARY_LIMIT} material libraries");
+            return Err(FormatError::refused(path, None, &reason));
+        }
         let library = beside(path, name);
         if found.iter().all(|(known, _)| *known != library) {
-            let bytes = files.read(&library, &|_| ())?;
+            let bytes = files.read(&library, By::Mesh(path), &|_| ())?;
             found.push((library, bytes));
         }
         Ok(())
@@ -235,109 +259,57 @@ fn libraries(
             vec![(line.as_str(), error)]
         };
         for (name, error) in missing {
+            let path = quote::path(path);
+            let (name, why) = (quote(name), error.reason());
             warnings.push(format!(
-                "{}: its materials in {} cannot be read: {error}",
-                path.display(),
-                quote(name)
+                "{path}: its materials in {name} cannot be read: {why}"
             ));
         }
     }
     found
 }
 
-/// Values at corners. A triangle of a face that has none, or with a value that is not good, has
-/// no indices; `None` where that is every triangle.
+/// Values at corners. A triangle that has none, or one that is not good, has no indices; `None`
+/// where that is every triangle.
 fn attribute<T>(
     values: Vec<T>,
-    indices: &[u32],
-    faces: &[Face],
-    has: impl Fn(&Face) -> bool,
+    mut indices: Vec<[u32; 3]>,
+    triangles: usize,
     is_good: impl Fn(&T) -> bool,
 ) -> Option<Attribute<T>> {
-    let whole = faces
-        .iter()
-        .flat_map(|face| std::iter::repeat_n(has(face), face.triangles as usize));
     let mut any = false;
-    let indices = triples(indices)
-        .zip(whole)
-        .map(|(triangle, whole)| {
-            let good = whole
-                && triangle
-                    .iter()
-                    .all(|&i| values.get(i as usize).is_some_and(&is_good));
-            any |= good;
-            if good { triangle } else { [u32::MAX; 3] }
-        })
-        .collect();
-    any.then_some(Attribute {
-        values,
-        indices: Some(indices),
-    })
-}
-
-fn triples(indices: &[u32]) -> impl Iterator<Item = [u32; 3]> {
-    indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]])
-}
-
-/// What `tobj` did not like, with the line at which it stopped.
-fn line_error(path: &Path, text: &str, line: usize, error: LoadError) -> FormatError {
-    let expected = match error {
-        LoadError::PositionParseError => "three numbers behind `v`",
-        LoadError::ScalingByZeroError => "a weight other than zero behind a vertex",
-        LoadError::ColorParseError => "three numbers, a weight or three of a colour behind `v`",
-        LoadError::TexcoordParseError => "numbers behind `vt`",
-        LoadError::NormalParseError => "three numbers behind `vn`",
-        LoadError::FaceParseError => "corners as `v`, `v/vt`, `v//vn` or `v/vt/vn`",
-        error => return FormatError::refused(path, None, &error.to_string()),
-    };
-    let found = text.lines().nth(line.saturating_sub(1)).unwrap_or_default();
-    FormatError::unexpected(path, Some(line), expected, quote(found))
-}
-
-/// Text that hands out a line at a time and counts them.
-struct Lines<'a> {
-    rest: &'a [u8],
-    length: usize,
-    /// Lines handed out.
-    line: usize,
-    progress: &'a dyn Fn(f32),
-}
-
-impl Read for Lines<'_> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let count = self.fill_buf()?.read(buffer)?;
-        self.consume(count);
-        Ok(count)
-    }
-}
-
-impl BufRead for Lines<'_> {
-    fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        let newline = self.rest.iter().position(|&b| b == b'\n');
-        Ok(&self.rest[..newline.map_or(self.rest.len(), |index| index + 1)])
-    }
-
-    fn consume(&mut self, count: usize) {
-        let (taken, rest) = self.rest.split_at(count.min(self.rest.len()));
-        self.rest = rest;
-        self.line += usize::from(taken.ends_with(b"\n"));
-        if self.line.is_multiple_of(16_384) {
-            (self.progress)(1.0 - rest.len() as f32 / self.length.max(1) as f32);
+    for triangle in &mut indices {
+        let is_good = |&i: &u32| values.get(i as usize).is_some_and(&is_good);
+        if triangle.iter().all(is_good) {
+            any = true;
+        } else {
+            *triangle = [NONE; 3];
         }
     }
+    any.then(|| {
+        indices.resize(triangles, [NONE; 3]);
+        Attribute {
+            values,
+            indices: Some(indices),
+        }
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::files::Held;
+    use super::super::limits::Budget;
     use super::*;
     use crate::scene::Color;
+    use glam::{DVec3, Vec2};
 
     const LIBRARY: &str =
         "newmtl red\nKd 1 0 0\nmap_Kd skin.png\nnewmtl blue\nKd 0 0 1\nmap_Kd skin.png\n";
 
     fn parse_bytes(bytes: &[u8]) -> Result<Obj, FormatError> {
-        let files = Held::new(&|name| (name == "parts/a.mtl").then(|| LIBRARY.into()));
+        let budget = Budget::default();
+        let resolve = |name: &str| (name == "parts/a.mtl").then(|| LIBRARY.into());
+        let files = Held::new(&resolve, &budget);
         read(Path::new("parts/a.obj"), bytes, &files, &|_| ())
     }
 
@@ -356,7 +328,7 @@ mod tests {
     #[test]
     fn triangles_are_in_the_order_of_faces() {
         let obj = parse(
-            "mtllib a.mtl\no one\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\n\
+            "mtllib a.mtl\no one\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv -1 0.5 0\n\
              usemtl blue\nf 1 2 3 4 5\no two\nusemtl red\nf -1 -2 -3\nusemtl blue\nf 1 2 3 4\n",
         );
         let corners: Vec<_> = (obj.mesh.triangles.iter())
@@ -367,7 +339,7 @@ mod tests {
             [1., 0., 0.],
             [1., 1., 0.],
             [0., 1., 0.],
-            [0., 0., 1.],
+            [-1., 0.5, 0.],
         ];
         assert_eq!(
             corners,
@@ -428,6 +400,35 @@ mod tests {
     }
 
     #[test]
+    fn of_materials_with_one_name_the_last_counts() {
+        let library = "newmtl x\nKd 1 0 0\nnewmtl y\nKd 1 1 1\nnewmtl x\nKd 0 0 1\nmap_Kd b.png\n";
+        let budget = Budget::default();
+        let resolve = |name: &str| (name == "a.mtl").then(|| library.into());
+        let files = Held::new(&resolve, &budget);
+        let text = b"mtllib a.mtl\nusemtl x\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        let obj = read(Path::new("a.obj"), text, &files, &|_| ()).expect("a good file");
+        let number = obj.mesh.material_of_triangle[0] as usize;
+        assert_eq!(obj.mesh.materials[number].color, Color([0, 0, 255]));
+        assert_eq!(obj.texture.as_deref(), Some(Path::new("b.png")));
+    }
+
+    #[test]
+    fn oddities_are_counted() {
+        let obj = parse("v 0 0 0 2\nv 2 0 0 1 1 1\nv 0 2 0 2 2 2 2\nf 1 2 3\n");
+        let told: Vec<_> = obj.warnings.iter().map(|w| &w[..w.len().min(40)]).collect();
+        assert_eq!(
+            told,
+            [
+                "parts/a.obj: 1 vertices have a fourth va",
+                "parts/a.obj: 1 vertices have values behi",
+                "parts/a.obj: 1 vertices have a colour th",
+            ]
+        );
+        assert_eq!(obj.mesh.colors[2], Some(Color([255; 3])));
+        assert_eq!(obj.mesh.positions[0], DVec3::ZERO);
+    }
+
+    #[test]
     fn says_where_and_what() {
         let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
         let check = |tail: &str, expected: &str| {
@@ -461,10 +462,6 @@ mod tests {
         check(
             "f 1 2 3\nv 1 2 x\n",
             "a.obj:5: expected three numbers behind `v`, found \"v 1 2 x\"",
-        );
-        check(
-            "f 1 2 3\nv 1 2 3 0\n",
-            "a.obj:5: expected a weight other than zero behind a vertex, found \"v 1 2 3 0\"",
         );
         check(
             "f 1 2 3x\n",

@@ -1,12 +1,37 @@
 use crate::camera::{Placement, Projection};
 use crate::scene::Scene;
 use crate::shade::Shading;
+use std::collections::HashSet;
 use std::path::PathBuf;
+
+/// What kind of file a scene was read from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FileKind {
+    /// A scene file, `.raycast.toml`.
+    #[default]
+    Scene,
+    /// A Wavefront OBJ.
+    Obj,
+    /// The triangle text of the original RayCast.
+    TriangleText,
+}
+
+impl std::fmt::Display for FileKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Scene => "scene file",
+            Self::Obj => "OBJ",
+            Self::TriangleText => "triangle text",
+        })
+    }
+}
 
 /// A scene as a `.raycast.toml` holds it, read with everything that it names. What the file leaves
 /// out is `None`: the caller's defaults stand.
 #[derive(Clone, Debug, Default)]
 pub struct SceneFile {
+    /// What kind of file it was read from; of several, the first.
+    pub kind: FileKind,
     /// The objects.
     pub scene: Scene,
     /// `[camera]`.
@@ -62,10 +87,11 @@ impl SceneFile {
         self.image.samples = self.image.samples.or(other.image.samples);
         self.shading = self.shading.or(other.shading);
         self.warnings.extend(other.warnings);
-        for path in other.opened {
-            if !self.opened.contains(&path) {
-                self.opened.push(path);
-            }
-        }
+        let known: HashSet<PathBuf> = self.opened.iter().cloned().collect();
+        let new = other
+            .opened
+            .into_iter()
+            .filter(|path| !known.contains(path));
+        self.opened.extend(new);
     }
 }

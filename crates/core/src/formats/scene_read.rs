@@ -1,14 +1,17 @@
-use super::error::{FormatError, quote};
-use super::files::{Files, beside};
+use super::error::{FormatError, shorten};
+use super::files::{By, Contents, Files, beside};
+use super::guard::guarded;
 use super::kind::without_mark;
 use super::mesh_file;
-use super::scene_file::{CameraFile, ImageFile, SceneFile};
+use super::scene_file::{CameraFile, FileKind, ImageFile, SceneFile};
 use super::scene_toml::{
     BackgroundToml, CameraToml, ImageToml, ObjectToml, SceneToml, ShadingToml,
 };
 use super::{Progress, texture};
-use crate::camera::{ImagePlane, Placement, Projection};
-use crate::scene::{Mesh, Object, Scene, Texture, Transform};
+use crate::camera::{ImagePlane, Placement, PlacementError, Projection};
+use crate::quote::{self, quote};
+use crate::ranges::{self, OutOfRange};
+use crate::scene::{Bounds, COORDINATE_LIMIT, Mesh, Object, Scene, Texture, Transform};
 use crate::shade::{Background, Shading, Wireframe};
 use glam::DVec3;
 use std::collections::HashMap;
@@ -19,8 +22,8 @@ use toml::Spanned;
 /// The vertical field of view, in degrees, of a perspective camera that names none.
 const DEFAULT_FOV: f64 = 45.0;
 
-/// The most rays a pixel, as on the command line.
-const SAMPLE_LIMIT: u32 = 4096;
+/// The most ancestors of an object: each is looked at for each object below it.
+const ANCESTOR_LIMIT: usize = 1000;
 
 /// Reads a scene file's text, and through `files` what it names.
 pub(super) fn read(
@@ -35,23 +38,72 @@ pub(super) fn read(
         FormatError::unexpected(path, Some(line), "UTF-8 text", "other bytes")
     })?;
     let reader = Reader { path, text, files };
-    let parsed: SceneToml = toml::from_str(text).map_err(|error| {
+    let parsed: SceneToml = guarded(path, || toml::from_str(text))?.map_err(|error| {
         let line = error.span().map(|span| line_at(bytes, span.start));
-        FormatError::refused(path, line, error.message())
+        FormatError::refused(path, line, &shorten(error.message()))
     })?;
     let mut warnings = Vec::new();
     let camera = parsed.camera.map(|camera| reader.camera(&camera));
     let image = reader.image(&parsed.image)?;
     let shading = reader.shading(parsed.shading.as_ref(), &parsed.image)?;
     let objects = reader.objects(&parsed.objects, progress, &mut warnings)?;
+    let scene = Scene { objects };
+    let mut unseen = unseen(path, &scene);
+    mesh_file::limit_warnings(path, &mut unseen);
+    warnings.append(&mut unseen);
+    mesh_file::limit_warnings(path, &mut warnings);
     Ok(SceneFile {
-        scene: Scene { objects },
+        kind: FileKind::Scene,
+        scene,
         camera: camera.transpose()?,
         image,
         shading,
         warnings,
         opened: files.opened(),
     })
+}
+
+/// A warning for each object of which its place leaves nothing to see, and for a scene without any.
+fn unseen(path: &Path, scene: &Scene) -> Vec<String> {
+    let path = quote::path(path);
+    if scene.objects.is_empty() {
+        return vec![format!(
+            "{path}: the scene has no objects: there is nothing to see"
+        )];
+    }
+    let Ok(transforms) = scene.world_from_objects() else {
+        return Vec::new();
+    };
+    let told = scene.objects.iter().zip(transforms);
+    let told = told.filter_map(|(object, world_from_object)| {
+        let count = object.mesh.kept().len();
+        if count == 0 {
+            return None;
+        }
+        let bounds = object.mesh.bounds();
+        let corners = bounds
+            .corners()
+            .map(|corner| world_from_object.transform_point3(corner));
+        let placed = Bounds::around(corners);
+        // Of a box beyond the limit along an axis, or one that is a line, nothing can be met.
+        let nearest = DVec3::ZERO.clamp(placed.min, placed.max);
+        let is_far = nearest.abs().max_element() > COORDINATE_LIMIT;
+        let [x, y, z] = world_from_object
+            .matrix3
+            .to_cols_array_2d()
+            .map(DVec3::from_array);
+        let is_line = [x.cross(y), y.cross(z), z.cross(x)] == [DVec3::ZERO; 3];
+        let why = match (is_far, is_line) {
+            (true, _) => format!("it lies further than {COORDINATE_LIMIT:e} from zero"),
+            (_, true) => "it is scaled to nothing".to_owned(),
+            _ => return None,
+        };
+        let name = quote(&object.name);
+        Some(format!(
+            "{path}: none of the {count} triangles of object {name} is seen: {why}"
+        ))
+    });
+    told.collect()
 }
 
 /// The line, from 1, that holds the byte at `offset`.
@@ -76,6 +128,16 @@ impl Reader<'_> {
 
     fn fault<T>(&self, value: &Spanned<T>, expected: &str, found: &str) -> FormatError {
         FormatError::unexpected(self.path, self.line(value), expected, found)
+    }
+
+    /// A number that was held against its range.
+    fn in_range<T, N>(
+        &self,
+        place: &Spanned<T>,
+        number: Result<N, OutOfRange>,
+    ) -> Result<N, FormatError> {
+        number
+            .map_err(|error| FormatError::refused(self.path, self.line(place), &error.to_string()))
     }
 
     /// Three finite numbers.
@@ -105,12 +167,7 @@ impl Reader<'_> {
             }
             (Projection::Perspective, None, None) => DEFAULT_FOV,
             (Projection::Perspective, Some(fov), None) => {
-                let degrees = *fov.get_ref();
-                if !(degrees > 0.0 && degrees < 180.0) {
-                    let expected = "a field of view above 0 and below 180 degrees";
-                    return Err(self.fault(fov, expected, &degrees.to_string()));
-                }
-                degrees
+                self.in_range(fov, ranges::fov(*fov.get_ref()))?
             }
             (Projection::Orthographic, None, Some(frame)) => {
                 let height = *frame.get_ref();
@@ -125,20 +182,23 @@ impl Reader<'_> {
                 return Err(FormatError::unexpected(self.path, line, expected, "none"));
             }
         };
-        let placement = Placement {
-            eye: self.vector(&camera.eye)?,
-            target: self.vector(&camera.target)?,
-            up: camera
-                .up
-                .as_ref()
-                .map_or(Ok(DVec3::Y), |up| self.vector(up))?,
+        let (eye, target) = (self.vector(&camera.eye)?, self.vector(&camera.target)?);
+        let placement = match &camera.up {
+            Some(up) => Placement {
+                eye,
+                target,
+                up: self.vector(up)?,
+            },
+            None => Placement::towards(eye, target),
         };
-        if placement.eye == placement.target {
-            return Err(self.fault(
-                &camera.target,
-                "a target away from the eye",
-                "the eye itself",
-            ));
+        if let Err(error) = placement.check() {
+            let line = match (error, &camera.up) {
+                (PlacementError::NoUp { .. } | PlacementError::UpAlongView { .. }, Some(up)) => {
+                    self.line(up)
+                }
+                _ => self.line(&camera.target),
+            };
+            return Err(FormatError::refused(self.path, line, &error.to_string()));
         }
         Ok(CameraFile {
             placement,
@@ -156,15 +216,10 @@ impl Reader<'_> {
                     FormatError::refused(self.path, self.line(size), &error.to_string())
                 })
         });
-        let samples = image.samples.as_ref().map(|samples| {
-            let count = *samples.get_ref();
-            if (1..=SAMPLE_LIMIT).contains(&count) {
-                Ok(count)
-            } else {
-                let expected = format!("1 to {SAMPLE_LIMIT} samples");
-                Err(self.fault(samples, &expected, &count.to_string()))
-            }
-        });
+        let samples = image
+            .samples
+            .as_ref()
+            .map(|samples| self.in_range(samples, ranges::samples(*samples.get_ref())));
         Ok(ImageFile {
             size: size.transpose()?,
             samples: samples.transpose()?,
@@ -183,20 +238,12 @@ impl Reader<'_> {
         let defaults = Shading::default();
         let empty = ShadingToml::default();
         let file = shading.unwrap_or(&empty);
-        let ranged = |value: &Option<Spanned<f32>>, default, most: f32, expected: &str| match value
-        {
-            None => Ok(default),
-            Some(value) if (0.0..=most).contains(value.get_ref()) => Ok(*value.get_ref()),
-            Some(value) => Err(self.fault(value, expected, &value.get_ref().to_string())),
-        };
         let lines = Wireframe::default();
         let lines = Wireframe {
-            width: ranged(
-                &file.wireframe_width,
-                lines.width,
-                1000.0,
-                "a width from 0 to 1000 pixels",
-            )?,
+            width: match &file.wireframe_width {
+                Some(width) => self.in_range(width, ranges::line_width(*width.get_ref()))?,
+                None => lines.width,
+            },
             color: file.wireframe_color.map_or(lines.color, |color| color.0),
         };
         Ok(Some(Shading {
@@ -209,7 +256,10 @@ impl Reader<'_> {
                     Background::Gradient(top.0, bottom.0)
                 }
             },
-            blend: ranged(&file.blend, defaults.blend, 1.0, "a blend from 0 to 1")?,
+            blend: match &file.blend {
+                Some(blend) => self.in_range(blend, ranges::blend(*blend.get_ref()))?,
+                None => defaults.blend,
+            },
             filter: file.filter.map_or(defaults.filter, Into::into),
             projection: file
                 .texture_projection
@@ -247,6 +297,8 @@ impl Reader<'_> {
                     mesh
                 }
             };
+            let triangles = mesh.triangles().len() as u64;
+            self.files.budget().add_triangles(self.path, triangles)?;
             let name = match &table.name {
                 Some(name) => name.clone(),
                 None => mesh_file::name(&mesh_path),
@@ -264,7 +316,8 @@ impl Reader<'_> {
                     Some(texture) => Arc::clone(texture),
                     None => {
                         let bytes = self.bytes(named, &path, &|_| ())?;
-                        let texture = Arc::new(texture::decode(&path, &bytes)?);
+                        let texture =
+                            Arc::new(texture::decode(&path, &bytes, self.files.budget())?);
                         textures.insert(source.clone(), Arc::clone(&texture));
                         texture
                     }
@@ -293,9 +346,12 @@ impl Reader<'_> {
         named: &Spanned<String>,
         path: &Path,
         progress: Progress<'_>,
-    ) -> Result<Vec<u8>, FormatError> {
-        self.files.read(path, progress).map_err(|error| {
-            let reason = format!("{} cannot be read: {error}", path.display());
+    ) -> Result<Contents<'_>, FormatError> {
+        self.files.read(path, By::Scene, progress).map_err(|error| {
+            let reason = match error {
+                FormatError::Io { place, source } => format!("{place} cannot be read: {source}"),
+                error => error.to_string(),
+            };
             FormatError::refused(self.path, self.line(named), &reason)
         })
     }
@@ -326,13 +382,21 @@ impl Reader<'_> {
         };
         let parents: Vec<Option<usize>> = tables.iter().map(parent_of).collect::<Result<_, _>>()?;
         for (start, table) in tables.iter().enumerate() {
-            let ancestors = std::iter::successors(parents[start], |&index| parents[index]);
-            // A walk up that comes back has done so after as many steps as there are objects.
-            if let Some(parent) = &table.get_ref().parent
-                && ancestors.take(tables.len()).any(|index| index == start)
+            let Some(parent) = &table.get_ref().parent else {
+                continue;
+            };
+            let mut ancestors = std::iter::successors(parents[start], |&index| parents[index]);
+            if ancestors
+                .by_ref()
+                .take(ANCESTOR_LIMIT)
+                .any(|index| index == start)
             {
                 let found = format!("{}, its own descendant", quote(parent.get_ref()));
                 return Err(self.fault(parent, "a parent that is no descendant", &found));
+            }
+            if ancestors.next().is_some() {
+                let expected = format!("at most {ANCESTOR_LIMIT} ancestors");
+                return Err(self.fault(parent, &expected, "more"));
             }
         }
         Ok(parents)
@@ -447,6 +511,8 @@ texture = "t.ppm"
     #[test]
     fn what_is_left_out_is_left_to_the_caller() {
         let file = parse("");
+        let nothing = "scene: the scene has no objects: there is nothing to see";
+        assert_eq!(file.warnings, [nothing]);
         assert!(file.camera.is_none() && file.shading.is_none() && file.scene.objects.is_empty());
         assert_eq!(file.image, ImageFile::default());
         let file = parse("[image]\nbackground = \"transparent\"\n");
@@ -492,6 +558,24 @@ texture = "t.ppm"
             &edit("[3, 2.5, 5]", "[0, 0, 0.1]"),
             "scene:5",
             "away from the eye",
+        );
+        let with_up = |up: &str| edit("[0.0, 1.0, 0.0]", up);
+        check(&with_up("[0, 0, 0]"), "scene:6", "expected a direction");
+        check(
+            &with_up("[-3, -2.5, -4.9]"),
+            "scene:6",
+            "lies along the view",
+        );
+        check(&edit("= 1.3", "= 0"), "scene:17", "above 0 and at most 100");
+        check(
+            &edit("= 1.3", "= 101"),
+            "scene:17",
+            "above 0 and at most 100",
+        );
+        check(
+            &edit("samples = 4", "samples = 4097"),
+            "scene:11",
+            "expected 1 to 4096 samples, found 4097",
         );
         check(&edit("fov = 40.0", "fov = 180"), "scene:7", "found 180");
         check(&edit("fov = 40.0", "frame = 2"), "scene:7", "orthographic");
@@ -587,5 +671,57 @@ texture = "t.ppm"
         assert_eq!(file.scene.objects[1].parent, Some(2));
         assert_eq!(file.image.samples, Some(2));
         assert_eq!(file.image.size, Some((1280, 720)));
+    }
+
+    #[test]
+    fn chains_of_parents_have_an_end() {
+        let chain = |count: usize| {
+            let object = |i: usize| {
+                let parent = format!("parent = \"{}\"\n", i + 1);
+                let parent = if i + 1 < count { parent.as_str() } else { "" };
+                format!("[[object]]\nname = \"{i}\"\nmesh = \"b.txt\"\n{parent}")
+            };
+            let text: String = (0..count).map(object).collect();
+            read_scene_from(&text, &files).map_err(|error| error.to_string())
+        };
+        assert!(chain(ANCESTOR_LIMIT + 1).is_ok());
+        let told = chain(ANCESTOR_LIMIT + 2).expect_err("too long");
+        assert_eq!(told, "scene:4: expected at most 1000 ancestors, found more");
+    }
+
+    #[test]
+    fn objects_that_nobody_will_see_are_told() {
+        let object = |more: &str| format!("[[object]]\nmesh = \"b.txt\"\n{more}\n");
+        for (place, why) in [
+            ("scale = [0, 0, 0]", "scaled to nothing"),
+            ("scale = [0, 2, 0]", "scaled to nothing"),
+            ("translate = [0, -2e18, 0]", "further than 1e18 from zero"),
+        ] {
+            let warnings = parse(&object(place)).warnings;
+            assert_eq!(warnings.len(), 1, "{place}: {warnings:?}");
+            let start = "scene: none of the 1 triangles of object \"b\" is seen: it ";
+            assert!(warnings[0].starts_with(start), "{warnings:?}");
+            assert!(warnings[0].ends_with(why), "{warnings:?}");
+        }
+        for place in ["", "scale = [1, 0, 1]", "scale = [1e-30, 1e-30, 1e-30]"] {
+            assert!(parse(&object(place)).warnings.is_empty(), "{place}");
+        }
+    }
+
+    #[test]
+    fn messages_show_no_more_of_a_file_than_they_should() {
+        let long = "x".repeat(100_000);
+        for text in [
+            format!("[camera]\n{long} = 1\n"),
+            format!("[shading]\nmode = \"{long}\"\n"),
+            format!("[image]\nbackground = [\"{long}\", \"#000000\"]\n"),
+            format!("[[object]]\nmesh = \"{long}\"\n"),
+            format!("[[object]]\nmesh = \"b.txt\"\ncolor = \"{long}\"\n"),
+            format!("[[object]]\nmesh = \"b.txt\"\nparent = \"{long}\"\n"),
+        ] {
+            let error = read_scene_from(&text, &files).expect_err("a bad scene");
+            let told = error.to_string();
+            assert!(told.len() < 500, "{} characters", told.len());
+        }
     }
 }

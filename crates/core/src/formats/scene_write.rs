@@ -5,6 +5,7 @@ use super::scene_toml::{
     ShadingToml, Transparent,
 };
 use crate::camera::Projection;
+use crate::quote::shorten;
 use crate::scene::{Scene, SceneError, Transform};
 use crate::shade::{Background, Shading};
 use std::path::Path;
@@ -146,21 +147,21 @@ fn object(
         relative(path, base_dir)
             .map(spanned)
             .ok_or_else(|| SaveError::NotUnicode {
-                object: object.name.clone(),
+                object: shorten(&object.name),
             })
     };
     let source = object
         .source
         .as_deref()
         .ok_or_else(|| SaveError::NoSource {
-            object: object.name.clone(),
+            object: shorten(&object.name),
         })?;
     let texture = match (&object.texture, &object.texture_source) {
         (None, _) => None,
         (Some(_), Some(path)) => Some(named(path)?),
         (Some(_), None) => {
             return Err(SaveError::NoTextureSource {
-                object: object.name.clone(),
+                object: shorten(&object.name),
             });
         }
     };

@@ -1,18 +1,29 @@
-use super::error::FormatError;
+use super::error::{FormatError, shorten};
+use super::guard::guarded;
+use super::jpeg;
 use super::kind::foreign_kind;
+use super::limits::Budget;
 use crate::scene::Texture;
-use image::{ImageError, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
 
 /// The most columns or rows of a texture.
 const SIDE_LIMIT: u32 = 32_768;
 
-/// The most bytes that decoding a texture may take.
-const MEMORY_LIMIT: u64 = 1 << 30;
+/// Bytes that a JPEG decoder holds a pixel beside the picture, at most: coefficients of 16 bits, of
+/// up to four components, where they come in several scans.
+const JPEG_COEFFICIENTS: u64 = 8;
 
 /// Decodes an image file: PNG, JPEG or PNM, known by its content.
-pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<Texture, FormatError> {
+///
+/// Nothing is allocated for its pixels before they are counted against the budget, with every copy
+/// that is made of them on the way.
+pub(super) fn decode(path: &Path, bytes: &[u8], budget: &Budget) -> Result<Texture, FormatError> {
+    guarded(path, || decode_within(path, bytes, budget))?
+}
+
+fn decode_within(path: &Path, bytes: &[u8], budget: &Budget) -> Result<Texture, FormatError> {
     let unknown = || {
         let found = match foreign_kind(bytes) {
             _ if bytes.is_empty() => "an empty file",
@@ -21,36 +32,76 @@ pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<Texture, FormatError> 
         };
         FormatError::unexpected(path, None, "an image (PNG, JPEG or PNM)", found)
     };
+    let fault = |error: ImageError| match error {
+        ImageError::Unsupported(_) => unknown(),
+        error => {
+            let reason = format!("the image is damaged: {}", shorten(&error.to_string()));
+            FormatError::refused(path, None, &reason)
+        }
+    };
     let mut reader = ImageReader::new(Cursor::new(bytes))
         .with_guessed_format()
         .map_err(|error| FormatError::io(path, error))?;
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(SIDE_LIMIT);
-    limits.max_image_height = Some(SIDE_LIMIT);
-    limits.max_alloc = Some(MEMORY_LIMIT);
-    reader.limits(limits);
-    if reader.format().is_none() {
+    let Some(format) = reader.format() else {
         return Err(unknown());
+    };
+    let mut limits = Limits::no_limits();
+    // What the decoder holds beside the picture: profiles, texts.
+    limits.max_alloc = Some(budget.bytes_left());
+    reader.limits(limits);
+    let decoder = reader.into_decoder().map_err(fault)?;
+
+    let (width, height) = decoder.dimensions();
+    if width.max(height) > SIDE_LIMIT {
+        let expected = format!("an image with sides of at most {SIDE_LIMIT} pixels");
+        let found = format!("one of {width}x{height}");
+        return Err(FormatError::unexpected(path, None, expected, found));
     }
-    let decoded = reader.decode().map_err(|error| match error {
-        ImageError::Unsupported(_) => unknown(),
-        error => FormatError::refused(path, None, &format!("the image is damaged: {error}")),
-    })?;
-    let pixels = decoded.into_rgba8();
-    let (width, height) = pixels.dimensions();
-    let texels = pixels.pixels().map(|pixel| pixel.0).collect();
+    budget.check_pixels(path, width, height)?;
+    if let Some(reason) = (format == ImageFormat::Jpeg)
+        .then(|| jpeg::fault(bytes))
+        .flatten()
+    {
+        return Err(FormatError::refused(path, None, &reason));
+    }
+    let pixels = u64::from(width) * u64::from(height);
+    let texels = 4 * pixels;
+    let decoded = decoder.total_bytes();
+    let beside = match format {
+        // It keeps a copy of the file too.
+        ImageFormat::Jpeg => JPEG_COEFFICIENTS * pixels + bytes.len() as u64,
+        _ => 0,
+    };
+    // The picture as the file has it is there together with the decoder's own and then with the
+    // texels.
+    let peak = decoded.saturating_add(beside.max(texels));
+    let share = budget.share(path, "the image", peak)?;
+    let pixels = DynamicImage::from_decoder(decoder)
+        .map_err(fault)?
+        .into_rgba8()
+        .into_raw();
+    share.keep(texels);
+    let texels = match bytemuck::try_cast_vec(pixels) {
+        Ok(texels) => texels,
+        // A buffer with room to spare, of a length that is no multiple of a texel.
+        Err((_, pixels)) => bytemuck::cast_slice(&pixels).to_vec(),
+    };
     Texture::new(width, height, texels)
         .ok_or_else(|| FormatError::unexpected(path, None, "an image with pixels", "none"))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::limits;
     use super::*;
+
+    fn read(name: &str, bytes: &[u8]) -> Result<Texture, FormatError> {
+        decode(Path::new(name), bytes, &Budget::default())
+    }
 
     #[test]
     fn reads_rows_from_the_top() {
-        let texture = decode(Path::new("a.ppm"), b"P3\n1 2\n255\n255 0 0\n0 128 255\n")
-            .expect("a good image");
+        let texture = read("a.ppm", b"P3\n1 2\n255\n255 0 0\n0 128 255\n").expect("a good image");
         assert_eq!((texture.width(), texture.height()), (1, 2));
         assert_eq!(texture.texels(), [[255, 0, 0, 255], [0, 128, 255, 255]]);
     }
@@ -58,9 +109,7 @@ mod tests {
     #[test]
     fn refuses_what_is_no_image() {
         let check = |bytes: &[u8], expected: &str| {
-            let message = decode(Path::new("a.png"), bytes)
-                .expect_err("no image")
-                .to_string();
+            let message = read("a.png", bytes).expect_err("no image").to_string();
             assert!(message.starts_with("a.png: "), "{message}");
             assert!(message.contains(expected), "{message}");
             assert_eq!(message.lines().count(), 1);
@@ -70,6 +119,69 @@ mod tests {
         check(b"ply\nformat ascii 1.0\n", "PLY");
         check(b"GIF89a", "GIF");
         check(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0", "damaged");
-        check(b"P6\n100000 1\n255\n", "damaged");
+        check(b"P6\n30000 1\n255\n", "damaged");
+        check(b"P6\n100000 1\n255\n", "at most 32768 pixels");
+        check(b"P6\n32768 30000\n255\n", "(limit `pixels`)");
+    }
+
+    /// A PNG of one grey.
+    fn png(width: u32, height: u32) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, width, height);
+        encoder.set_color(png::ColorType::Grayscale);
+        encoder.set_depth(png::BitDepth::One);
+        let mut writer = encoder.write_header().expect("a header");
+        let row = width.div_ceil(8) as usize;
+        writer
+            .write_image_data(&vec![0; row * height as usize])
+            .expect("rows");
+        writer.finish().expect("an end");
+        bytes
+    }
+
+    #[test]
+    fn pixels_are_counted_before_they_are_there() {
+        let bytes = png(32_768, 32_768);
+        assert!(bytes.len() < 2_000_000);
+        let error = read("bomb.png", &bytes).expect_err("too many pixels");
+        assert_eq!(
+            error.to_string(),
+            "bomb.png: an image of 32768x32768 has 1073741824 pixels; at most 268435456 are \
+             allowed (limit `pixels`)"
+        );
+        // A grey byte and a texel each.
+        let within = |bytes: u64| {
+            let limits = limits::Limits {
+                bytes,
+                ..limits::Limits::default()
+            };
+            decode(Path::new("a.png"), &png(100, 10), &Budget::new(limits))
+        };
+        assert!(within(5000).is_ok());
+        let error = within(4999).expect_err("too many bytes").to_string();
+        assert!(
+            error.ends_with("at most 4999 are allowed (limit `bytes`)"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn half_an_image_is_an_error() {
+        let whole = png(64, 64);
+        assert!(read("a.png", &whole).is_ok());
+        for end in [whole.len() / 2, whole.len() - 20] {
+            let error = read("a.png", &whole[..end]).expect_err("half an image");
+            assert!(error.to_string().contains("damaged"), "{error}");
+        }
+        let mut jpeg = Vec::new();
+        image::codecs::jpeg::JpegEncoder::new(&mut jpeg)
+            .encode(&[90; 3 * 64 * 64], 64, 64, image::ExtendedColorType::Rgb8)
+            .expect("an image can be encoded");
+        assert!(read("a.jpg", &jpeg).is_ok());
+        let error = read("a.jpg", &jpeg[..jpeg.len() - 30]).expect_err("half an image");
+        assert_eq!(
+            error.to_string(),
+            "a.jpg: the image is damaged: the file ends before the image does"
+        );
     }
 }

@@ -2,40 +2,60 @@
 
 use super::Progress;
 use super::error::{FormatError, quote};
-use super::kind::without_mark;
+use super::limits::Budget;
+use super::lines::{Lines, text};
+use super::polygon::{self, Polygon};
 use crate::scene::MeshData;
 use glam::DVec3;
 use std::collections::HashMap;
+use std::mem::size_of;
 use std::path::Path;
 
-/// Reads triangle text: three or more vertices a line, polygons cut into fans. Space may stand
-/// around every number and vertex; blank lines and lines that start with `#` are passed over.
-/// Equal vertices become one.
+/// Reads triangle text: three or more vertices a line. Space may stand around every number and
+/// vertex; blank lines and lines that start with `#` are passed over. Equal vertices become one.
+/// With it, what is to be warned of.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
+    budget: &Budget,
     progress: Progress<'_>,
-) -> Result<MeshData, FormatError> {
-    let bytes = without_mark(bytes);
+) -> Result<(MeshData, Vec<String>), FormatError> {
+    // A vertex, and its place in the map, whose entries are a third of its room at worst; all
+    // doubled when they grow.
+    const VERTEX: usize = 3 * (size_of::<DVec3>() + 3 * size_of::<([u64; 3], u32)>());
+    let text = text(bytes);
     let mut mesh = MeshData::default();
+    let mut polygons = Vec::new();
     let mut index_of: HashMap<[u64; 3], u32> = HashMap::new();
     let mut face = Vec::new();
-    let mut done = 0;
-    for (index, line) in bytes.split(|&b| b == b'\n').enumerate() {
-        done += line.len() + 1;
-        if index % 16_384 == 0 {
-            progress(done as f32 / bytes.len().max(1) as f32);
+    let mut share = budget.share(path, "the mesh", 0)?;
+    let mut lines = Lines::of(&text);
+    while let Some(line) = lines.next() {
+        if line.number % 16_384 == 0 {
+            let held =
+                VERTEX * mesh.positions.len() + 3 * size_of::<[u32; 3]>() * mesh.triangles.len();
+            share.grow(path, "the mesh", held as u64)?;
+            progress(0.9 * (1.0 - lines.left() as f32 / text.len().max(1) as f32));
         }
-        let line = String::from_utf8_lossy(line);
-        let line = line.trim();
-        if line.is_empty() || line.starts_with('#') {
+        let words = line.text.trim();
+        if words.is_empty() || words.starts_with('#') {
             continue;
         }
         let fault = |(expected, found): (&str, String)| {
-            FormatError::unexpected(path, Some(index + 1), expected, found)
+            FormatError::unexpected(path, Some(line.number), expected, found)
         };
         face.clear();
-        read_face(line, &mut face).map_err(fault)?;
+        read_face(words, &mut face).map_err(fault)?;
+        if line.is_cut && words.ends_with(';') {
+            let found = "the file's end: it is cut short".to_owned();
+            return Err(fault(("a vertex behind `;`", found)));
+        }
+        let first = mesh.triangles.len();
+        let triangles = face.len() - 2;
+        let sum = first as u64 + triangles as u64;
+        if sum > budget.triangles_left() {
+            budget.add_triangles(path, sum)?;
+        }
         let mut corners = face.iter().map(|&position| {
             // Adding zero makes one zero of the two.
             let key = (position + DVec3::ZERO).to_array().map(f64::to_bits);
@@ -50,6 +70,12 @@ pub(super) fn read(
                 last = corner;
             }
         }
+        if triangles > 1 {
+            polygons.push(Polygon {
+                first: first as u32,
+                triangles: triangles as u32,
+            });
+        }
     }
     if mesh.triangles.is_empty() {
         return Err(FormatError::unexpected(
@@ -59,7 +85,8 @@ pub(super) fn read(
             "none",
         ));
     }
-    Ok(mesh)
+    let uncut = polygon::cut(&mut mesh, &polygons);
+    Ok((mesh, uncut.warnings(path)))
 }
 
 /// Reads the vertices of one line; what was expected and what was found where it is not one.
@@ -105,18 +132,56 @@ mod tests {
     use super::*;
 
     fn parse(text: &str) -> Result<MeshData, String> {
-        read(Path::new("a.txt"), text.as_bytes(), &|_| ()).map_err(|error| error.to_string())
+        let budget = Budget::default();
+        read(Path::new("a.txt"), text.as_bytes(), &budget, &|_| ())
+            .map(|(mesh, _)| mesh)
+            .map_err(|error| error.to_string())
     }
 
     #[test]
     fn reads_faces_and_shares_vertices() {
         let mesh = parse(
-            "(0,0,0);(1,0,0);(0,1,0)\r\n\r\n ( 0.1 , -2.5e3 ,0) ; (1,0,0);(-0,0,0);(0,1,0);(7,7,7);\n",
+            "(0,0,0);(1,0,0);(0,1,0)\r\n\r\n ( 0.1 , -2.5e3 ,0) ; (1,0,0);(0,1,0);(-0,0,0);\n",
         )
         .expect("good text");
-        assert_eq!(mesh.triangles, [[0, 1, 2], [3, 1, 0], [3, 0, 2], [3, 2, 4]]);
+        assert_eq!(mesh.triangles, [[0, 1, 2], [3, 1, 2], [3, 2, 0]]);
         assert_eq!(mesh.positions[3], DVec3::new(0.1, -2500.0, 0.0));
-        assert_eq!(mesh.positions.len(), 5);
+        assert_eq!(mesh.positions.len(), 4);
+    }
+
+    #[test]
+    fn lines_end_as_they_like() {
+        let mesh =
+            parse("(0,0,0);(1,0,0);(0,1,0)\r(0,0,0);(5,0,0);(0,1,0);\r\n").expect("good text");
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 3, 2]]);
+    }
+
+    #[test]
+    fn an_l_is_cut_into_ears() {
+        let l = "(0,0,0);(2,0,0);(2,1,0);(1,1,0);(1,3,0);(0,3,0)\n";
+        let mesh = parse(l).expect("good text");
+        assert_eq!(mesh.triangles.len(), 4);
+        let area: f64 = mesh
+            .triangles
+            .iter()
+            .map(|triangle| {
+                let [a, b, c] = triangle.map(|i| mesh.positions[i as usize]);
+                (b - a).cross(c - a).z / 2.0
+            })
+            .inspect(|area| assert!(*area > 0.0))
+            .sum();
+        assert_eq!(area, 4.0);
+        let (_, warnings) = read(
+            Path::new("a.txt"),
+            b"(0,0,0);(2,2,0);(2,0,0);(0,2,0)\n",
+            &Budget::default(),
+            &|_| (),
+        )
+        .expect("good text");
+        assert_eq!(
+            warnings,
+            ["a.txt: 1 faces cross or touch themselves and are cut as fans"]
+        );
     }
 
     #[test]
@@ -148,6 +213,10 @@ mod tests {
         check(
             "(0,0,0) (1,0,0);(0,1,0)",
             "a.txt:1: expected `;` between vertices, found \"(1,0,0);(0,1,0)\"",
+        );
+        check(
+            &format!("{good}(0,0,0);(1,0,0);(0,1,0);"),
+            "a.txt:2: expected a vertex behind `;`, found the file's end: it is cut short",
         );
         check(
             "# nothing",

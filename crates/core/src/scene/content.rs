@@ -70,6 +70,13 @@ fn add_mesh(hash: &mut Digester, mesh: &Mesh) {
     hash.words(mesh.triangles().iter().flatten().copied());
     add_attribute(hash, mesh.normals(), Vec3::to_array);
     add_attribute(hash, mesh.uvs(), Vec2::to_array);
+    hash.number(mesh.vertex_colors().len() as u64);
+    for color in mesh.vertex_colors() {
+        hash.number(color.is_some().into());
+        if let Some(color) = *color {
+            add_color(hash, color);
+        }
+    }
     hash.number(mesh.materials().len() as u64);
     for material in mesh.materials() {
         add_color(hash, material.color);

@@ -1,5 +1,7 @@
 use super::{Bounds, Color};
 use glam::{DVec3, Vec2, Vec3};
+use robust::{Coord, orient2d};
+use std::mem::size_of;
 
 /// The largest distance from zero along an axis at which a vertex is kept: beyond it, products
 /// of single-precision coordinates would near the end of their range.
@@ -12,6 +14,13 @@ pub struct Attribute<T> {
     pub values: Vec<T>,
     /// Three indices into `values` a triangle; `None` when positions and values share indices.
     pub indices: Option<Vec<[u32; 3]>>,
+}
+
+impl<T> Attribute<T> {
+    fn bytes(&self) -> usize {
+        let indices = self.indices.as_ref().map_or(0, Vec::len);
+        self.values.len() * size_of::<T>() + indices * size_of::<[u32; 3]>()
+    }
 }
 
 impl<T: Copy> Attribute<T> {
@@ -46,16 +55,33 @@ pub struct Dropped {
     pub too_far: u32,
     /// A vertex index that the mesh does not have.
     pub bad_index: u32,
-    /// No area: two corners in one place, or all three on a line.
+    /// No area in the file: two corners in one place, or all three on a line.
     pub zero_area: u32,
+    /// An area in the file, and none left when its corners are rounded to single precision.
+    pub rounded_away: u32,
 }
 
 impl Dropped {
     /// All of them.
     pub fn total(&self) -> u32 {
-        self.not_finite + self.too_far + self.bad_index + self.zero_area
+        self.not_finite + self.too_far + self.bad_index + self.zero_area + self.rounded_away
     }
 }
+
+/// How far storing a mesh in single precision has moved its corners: those of kept triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rounding {
+    /// The furthest, in the file's units; to some 15 digits.
+    pub distance: f64,
+    /// The furthest as a share of the shortest edge, in the file, of a triangle that has the corner.
+    pub share_of_edge: f64,
+    /// How many triangles have a corner that was moved by more than [`BENT`] of their shortest edge.
+    pub bent: u32,
+}
+
+/// The share of an edge by which rounding may move a corner before that is worth a warning: at 2 % a
+/// right angle is off by a degree or so, which shading shows.
+pub const BENT: f64 = 0.02;
 
 /// A mesh as read, before anything is checked.
 #[derive(Clone, Debug, Default)]
@@ -72,6 +98,52 @@ pub struct MeshData {
     pub materials: Vec<Material>,
     /// A material a triangle (`u32::MAX`: none); empty when the file has none.
     pub material_of_triangle: Vec<u32>,
+    /// A colour a vertex, as far as there are any: none behind the last.
+    pub colors: Vec<Option<Color>>,
+}
+
+impl MeshData {
+    /// What [`Mesh::offset`] will be.
+    pub(crate) fn offset(&self) -> DVec3 {
+        let usable = self.triangles.iter().filter_map(|triangle| {
+            let corners = self.corners(*triangle)?;
+            corners.iter().all(|c| is_storable(*c)).then_some(corners)
+        });
+        recentring_offset(&Bounds::around(usable.flatten()))
+    }
+
+    /// Bytes that it holds, at least.
+    pub(crate) fn bytes(&self) -> u64 {
+        let bytes = self.positions.len() * size_of::<DVec3>() + self.shared_bytes();
+        bytes as u64
+    }
+
+    /// Bytes that a [`Mesh`] of it holds.
+    pub(crate) fn stored_bytes(&self) -> u64 {
+        let bytes = self.positions.len() * size_of::<Vec3>()
+            + self.triangles.len() * size_of::<u32>()
+            + self.shared_bytes();
+        bytes as u64
+    }
+
+    /// Bytes of what a [`Mesh`] takes over as it is.
+    fn shared_bytes(&self) -> usize {
+        self.triangles.len() * size_of::<[u32; 3]>()
+            + self.normals.as_ref().map_or(0, Attribute::bytes)
+            + self.uvs.as_ref().map_or(0, Attribute::bytes)
+            + self.material_of_triangle.len() * size_of::<u32>()
+            + self.colors.len() * size_of::<Option<Color>>()
+    }
+
+    fn corners(&self, triangle: [u32; 3]) -> Option<[DVec3; 3]> {
+        let [a, b, c] = triangle.map(|i| self.positions.get(i as usize).copied());
+        Some([a?, b?, c?])
+    }
+}
+
+/// Whether a vertex can be kept.
+pub(crate) fn is_storable(position: DVec3) -> bool {
+    position.is_finite() && position.abs().max_element() <= COORDINATE_LIMIT
 }
 
 /// Triangles, checked and stored for casting.
@@ -89,6 +161,8 @@ pub struct Mesh {
     uvs: Option<Attribute<Vec2>>,
     materials: Vec<Material>,
     material_of_triangle: Vec<u32>,
+    colors: Vec<Option<Color>>,
+    rounding: Rounding,
 }
 
 impl Mesh {
@@ -126,15 +200,26 @@ impl Mesh {
             .map(|p| (*p - offset).as_vec3())
             .collect();
 
+        let mut rounding = Measure::new(&data.positions, &positions, offset);
         let kept: Vec<u32> = usable
             .into_iter()
             .filter(|&number| {
-                let [a, b, c] = data.triangles[number as usize].map(|i| positions[i as usize]);
-                let flat = has_no_area(a, b, c);
-                dropped.zero_area += u32::from(flat);
-                !flat
+                let triangle = data.triangles[number as usize];
+                let [a, b, c] = triangle.map(|i| positions[i as usize]);
+                if !has_no_area(a, b, c) {
+                    rounding.add(triangle);
+                    return true;
+                }
+                let [a, b, c] = triangle.map(|i| data.positions[i as usize]);
+                if has_no_area_in_doubles(a, b, c) {
+                    dropped.zero_area += 1;
+                } else {
+                    dropped.rounded_away += 1;
+                }
+                false
             })
             .collect();
+        let rounding = rounding.rounding;
 
         let material_of_triangle = if data.materials.is_empty() {
             Vec::new()
@@ -151,6 +236,8 @@ impl Mesh {
             uvs: data.uvs.filter(|uv| !uv.values.is_empty()),
             materials: data.materials,
             material_of_triangle,
+            colors: data.colors,
+            rounding,
         }
     }
 
@@ -237,6 +324,23 @@ impl Mesh {
         self.materials.get(index as usize)
     }
 
+    /// The file's colours of vertices, by index of position; empty where it gives none any.
+    pub fn vertex_colors(&self) -> &[Option<Color>] {
+        &self.colors
+    }
+
+    /// The colours of a triangle's corners, where the file gives all three one.
+    pub fn corner_colors(&self, triangle: u32) -> Option<[Color; 3]> {
+        let corners = self.triangles.get(triangle as usize)?;
+        let [a, b, c] = corners.map(|i| self.colors.get(i as usize).copied().flatten());
+        Some([a?, b?, c?])
+    }
+
+    /// How far storing it has moved its corners.
+    pub fn rounding(&self) -> Rounding {
+        self.rounding
+    }
+
     /// The box around the kept triangles, in the file's coordinates.
     pub fn bounds(&self) -> Bounds {
         Bounds::around(
@@ -299,6 +403,68 @@ fn has_no_area(a: Vec3, b: Vec3, c: Vec3) -> bool {
     crate::num::exact::is_collinear(a, b, c)
 }
 
+/// The same of a triangle as the file has it.
+///
+/// Exact but where products of differences underflow: edges shorter than some 1e-150.
+fn has_no_area_in_doubles(a: DVec3, b: DVec3, c: DVec3) -> bool {
+    let is_flat = |x: usize, y: usize| {
+        let [a, b, c] = [a, b, c].map(|point| Coord {
+            x: point[x],
+            y: point[y],
+        });
+        orient2d(a, b, c) == 0.0
+    };
+    is_flat(0, 1) && is_flat(1, 2) && is_flat(2, 0)
+}
+
+/// Measures how far corners were moved.
+struct Measure<'m> {
+    positions: &'m [DVec3],
+    /// By how much each was moved, squared; empty if none was.
+    moves: Vec<f64>,
+    rounding: Rounding,
+}
+
+impl<'m> Measure<'m> {
+    fn new(positions: &'m [DVec3], stored: &[Vec3], offset: DVec3) -> Self {
+        let moved = |(from, to): (&DVec3, &Vec3)| {
+            // Both differences are exact or nearly: of numbers that are close.
+            ((*from - offset) - to.as_dvec3()).length_squared()
+        };
+        let mut moves: Vec<f64> = positions.iter().zip(stored).map(moved).collect();
+        if moves.iter().all(|squared| *squared == 0.0) {
+            moves.clear();
+        }
+        Self {
+            positions,
+            moves,
+            rounding: Rounding::default(),
+        }
+    }
+
+    /// Takes note of a kept triangle.
+    #[inline]
+    fn add(&mut self, triangle: [u32; 3]) {
+        if self.moves.is_empty() {
+            return;
+        }
+        let [a, b, c] = triangle.map(|i| self.positions[i as usize]);
+        let [i, j, k] = triangle.map(|i| self.moves[i as usize]);
+        let moved = i.max(j).max(k);
+        let edge = |from: DVec3, to: DVec3| from.distance_squared(to);
+        let edge = edge(a, b).min(edge(b, c)).min(edge(c, a));
+        let rounding = &mut self.rounding;
+        // Squares spare the roots, but for those that count.
+        if moved > rounding.distance * rounding.distance {
+            rounding.distance = moved.sqrt();
+        }
+        if moved > rounding.share_of_edge * rounding.share_of_edge * edge {
+            rounding.share_of_edge = (moved / edge).sqrt();
+        }
+        rounding.bent += u32::from(moved > BENT * BENT * edge);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -340,6 +506,7 @@ mod tests {
             too_far: 1,
             bad_index: 1,
             zero_area: 2,
+            rounded_away: 0,
         };
         assert_eq!(mesh.dropped(), dropped);
         assert_eq!(mesh.dropped().total(), 5);
@@ -380,5 +547,66 @@ mod tests {
         // Single precision near 1 has steps of 6e-8; near 1e7 it would have steps of 1.
         let stored = mesh.offset().x + f64::from(mesh.positions()[0].x);
         assert!((stored - (base + 0.123456789)).abs() < 3e-8, "{stored}");
+    }
+
+    #[test]
+    fn what_rounding_takes_away_is_told() {
+        let small = 1e-10;
+        let mesh = Mesh::new(MeshData {
+            positions: vec![
+                DVec3::ZERO,
+                DVec3::X * 2.0,
+                DVec3::Y * 2.0,
+                DVec3::ONE,
+                DVec3::ONE + DVec3::X * small,
+                DVec3::ONE + DVec3::Y * small,
+                // On a line, in decimals that are none in binary.
+                DVec3::ZERO,
+                DVec3::new(0.1, 0.2, 0.3),
+                DVec3::new(0.2, 0.4, 0.6),
+            ],
+            triangles: vec![[0, 1, 2], [3, 4, 5], [6, 7, 8], [0, 0, 1]],
+            ..MeshData::default()
+        });
+        let dropped = mesh.dropped();
+        assert_eq!((dropped.rounded_away, dropped.zero_area), (1, 2));
+        assert_eq!(dropped.total(), 3);
+        assert_eq!(mesh.rounding(), Rounding::default());
+    }
+
+    #[test]
+    fn what_rounding_moves_is_measured() {
+        // A unit in the last place of 1 is 2^-23.
+        let half = 2f64.powi(-25);
+        let mesh = |edge: f64| {
+            single([
+                [1.0 + half, 0.0, 0.0],
+                [1.0 + edge, 0.0, 0.0],
+                [-1.0, 1.0, 0.0],
+            ])
+        };
+        let coarse = mesh(2f64.powi(-10)).rounding();
+        assert_eq!(coarse.distance, half);
+        let edge = 2f64.powi(-10) - half;
+        assert!((coarse.share_of_edge - half / edge).abs() < 1e-12);
+        assert_eq!(coarse.bent, 0);
+        // 2^-25 of an edge of 2^-20 less 2^-25 is a 31st: 3 %.
+        let fine = mesh(2f64.powi(-20)).rounding();
+        assert!((fine.share_of_edge - 1.0 / 31.0).abs() < 1e-9, "{fine:?}");
+        assert_eq!(fine.bent, 1);
+    }
+
+    #[test]
+    fn colours_are_those_of_three_corners() {
+        let color = Some(Color([1, 2, 3]));
+        let mesh = Mesh::new(MeshData {
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],
+            triangles: vec![[0, 1, 2], [1, 2, 3]],
+            colors: vec![color; 3],
+            ..MeshData::default()
+        });
+        assert_eq!(mesh.corner_colors(0), Some([Color([1, 2, 3]); 3]));
+        assert_eq!(mesh.corner_colors(1), None);
+        assert_eq!(mesh.corner_colors(2), None);
     }
 }

@@ -10,7 +10,8 @@ mod transform;
 
 pub use bounds::Bounds;
 pub use color::{Color, ColorRule};
-pub use mesh::{Attribute, COORDINATE_LIMIT, Dropped, Material, Mesh, MeshData};
+pub(crate) use mesh::is_storable;
+pub use mesh::{Attribute, BENT, COORDINATE_LIMIT, Dropped, Material, Mesh, MeshData, Rounding};
 pub use object::{Object, Scene, SceneError};
 pub use texture::{Crop, Texture};
 pub use transform::Transform;

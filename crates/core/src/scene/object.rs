@@ -1,4 +1,5 @@
 use super::{Bounds, Color, ColorRule, Mesh, Texture, Transform};
+use crate::quote::shorten;
 use glam::{DAffine3, DVec3};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -38,6 +39,15 @@ impl Object {
             source: None,
             texture_source: None,
         }
+    }
+
+    /// The sRGB colours that the file gives a triangle's corners, where they are its own: no rule
+    /// and no material goes before them.
+    pub fn corner_colors(&self, triangle: u32) -> Option<[Color; 3]> {
+        if self.color != ColorRule::File || self.mesh.material(triangle).is_some() {
+            return None;
+        }
+        self.mesh.corner_colors(triangle)
     }
 
     /// The sRGB colour of one of its triangles.
@@ -117,20 +127,20 @@ impl Scene {
                     Ok(world_from_object)
                 } else {
                     Err(SceneError::BadTransform {
-                        object: self.objects[index].name.clone(),
+                        object: shorten(&self.objects[index].name),
                     })
                 };
             };
             let Some(object) = self.objects.get(ancestor) else {
                 return Err(SceneError::NoSuchParent {
-                    object: self.objects[index].name.clone(),
+                    object: shorten(&self.objects[index].name),
                 });
             };
             world_from_object = object.transform.parent_from_object() * world_from_object;
             next = object.parent;
         }
         Err(SceneError::ParentCycle {
-            object: self.objects[index].name.clone(),
+            object: shorten(&self.objects[index].name),
         })
     }
 

@@ -14,6 +14,8 @@ pub(super) struct Needs {
     pub(super) smooth: bool,
     /// The triangle's colour.
     pub(super) color: bool,
+    /// The file's colours at its corners.
+    pub(super) corner_colors: bool,
     /// The object's texture.
     pub(super) texture: bool,
     /// Texture coordinates themselves.
@@ -32,6 +34,8 @@ pub(super) struct Facet {
     pub(super) normals: Option<[Vec3; 3]>,
     /// The triangle's colour, linear light.
     pub(super) color: Vec3,
+    /// The file's colours at its corners, where they are its own; linear light.
+    pub(super) corner_colors: Option<[Vec3; 3]>,
     /// From its middle to the eye, unit length.
     pub(super) to_eye: Vec3,
     /// How its texture lies on it.
@@ -57,11 +61,20 @@ impl Facet {
         normal: Vec3::ZERO,
         normals: None,
         color: Vec3::ZERO,
+        corner_colors: None,
         to_eye: Vec3::ZERO,
         texture: None,
         uvs: None,
         edges: None,
     };
+
+    /// Its own colour at barycentrics (u, v): linear light.
+    pub(super) fn color_at(&self, u: f32, v: f32) -> Vec3 {
+        match self.corner_colors {
+            Some(colors) => blend(colors, u, v),
+            None => self.color,
+        }
+    }
 
     /// The unit normal at barycentrics (u, v): the mesh's own where it has them, on the side that
     /// the triangle shows.

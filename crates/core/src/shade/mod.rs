@@ -12,6 +12,8 @@ pub(crate) mod srgb;
 mod tests;
 mod tile;
 mod triplanar;
+#[cfg(test)]
+mod vertex_color_tests;
 
 pub use mode::{Background, Filter, Mode, Shading, TextureProjection, Wireframe};
 pub use shader::Shader;

@@ -152,7 +152,7 @@ impl<'a> Shader<'a> {
     /// How much the picture asks of hits: colours of triangles alone need no weights.
     pub fn detail(&self) -> Detail {
         let needs = self.needs;
-        let weighs = needs.smooth || needs.texture || needs.uvs;
+        let weighs = needs.smooth || needs.texture || needs.uvs || needs.corner_colors;
         if weighs || matches!(self.shading.mode, Mode::Barycentric | Mode::Depth) {
             Detail::Full
         } else {
@@ -229,6 +229,7 @@ impl<'a> Shader<'a> {
     pub(super) fn is_constant(&self) -> bool {
         matches!(self.shading.mode, Mode::Color | Mode::Flat)
             && !self.needs.texture
+            && !self.needs.corner_colors
             && !self.needs.edges
     }
 
@@ -299,6 +300,10 @@ impl<'a> Shader<'a> {
         if needs.color {
             facet.color = srgb::linear(self.triangle_color(object, triangle));
         }
+        if needs.corner_colors {
+            let colors = object.corner_colors(triangle);
+            facet.corner_colors = colors.map(|colors| colors.map(srgb::linear));
+        }
         if needs.texture {
             facet.texture = object
                 .texture
@@ -320,7 +325,10 @@ impl<'a> Shader<'a> {
     /// A triangle's own colour. Unlit, a file without materials would be one flat patch: there
     /// each triangle has its own.
     fn triangle_color(&self, object: &Object, triangle: u32) -> Color {
-        let colorless = object.color == ColorRule::File && object.mesh.materials().is_empty();
+        let mesh = &object.mesh;
+        let colorless = object.color == ColorRule::File
+            && mesh.materials().is_empty()
+            && mesh.vertex_colors().is_empty();
         if colorless && self.shading.mode == Mode::Color {
             ColorRule::PerTriangle { seed: 0 }
                 .color(triangle)
@@ -403,7 +411,7 @@ impl<'a> Shader<'a> {
     fn inside(&self, facet: &Facet, x: f64, y: f64, hit: &SlotHit) -> [f32; 4] {
         let display = |value: Vec3| opaque(value.to_array().map(|v| self.tables.display(v)).into());
         match self.shading.mode {
-            Mode::Color => opaque(facet.color),
+            Mode::Color => opaque(facet.color_at(hit.u, hit.v)),
             Mode::Texture => opaque(self.surface_color(facet, hit)),
             Mode::Flat => {
                 let light = self.lights.on(facet.normal, facet.to_eye);
@@ -436,15 +444,16 @@ impl<'a> Shader<'a> {
     /// The triangle's colour and its object's texture, mixed in linear light.
     #[inline]
     pub(super) fn surface_color(&self, facet: &Facet, hit: &SlotHit) -> Vec3 {
+        let color = facet.color_at(hit.u, hit.v);
         let Some(mapping) = &facet.texture else {
-            return facet.color;
+            return color;
         };
         let Some(texture) = &self.scene.objects[facet.object as usize].texture else {
-            return facet.color;
+            return color;
         };
         let [r, g, b, a] = self.texture_color(facet, mapping, texture, hit);
         let blend = self.shading.blend;
-        facet.color * (1.0 - a * blend) + Vec3::new(r, g, b) * blend
+        color * (1.0 - a * blend) + Vec3::new(r, g, b) * blend
     }
 
     /// The texture's colour at a hit: linear light, alpha multiplied in.
@@ -491,6 +500,10 @@ fn needs(scene: &Scene, shading: &Shading) -> Needs {
         shading.mode,
         Mode::Color | Mode::Flat | Mode::Smooth | Mode::Texture
     );
+    let has_corner_colors = || {
+        let mut objects = scene.objects.iter();
+        objects.any(|o| o.color == ColorRule::File && !o.mesh.vertex_colors().is_empty())
+    };
     let has_normals = || scene.objects.iter().any(|object| object.mesh.has_normals());
     let has_texture = || scene.objects.iter().any(|object| object.texture.is_some());
     Needs {
@@ -498,6 +511,7 @@ fn needs(scene: &Scene, shading: &Shading) -> Needs {
         middle: shading.mode == Mode::Flat,
         smooth: matches!(shading.mode, Mode::Smooth | Mode::Normals) && has_normals(),
         color: colored,
+        corner_colors: colored && has_corner_colors(),
         texture: colored && shading.mode != Mode::Color && shading.blend > 0.0 && has_texture(),
         uvs: shading.mode == Mode::Uv,
         edges: shading.wireframe.is_some() || shading.mode == Mode::Wireframe,

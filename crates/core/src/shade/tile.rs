@@ -138,8 +138,9 @@ impl<'s> TileShader<'s> {
         // lanes stored one by one would have to reach memory before eight could be loaded as one.
         let mut facets = Facets::none(lanes);
         let mut colors = Vectors::splat(lanes, Vec3::ZERO);
-        let mut textured = Rows::ZERO;
-        let textures = shader.needs().texture;
+        let mut each = Rows::ZERO;
+        let needs = shader.needs();
+        let varied = needs.texture || needs.corner_colors;
         let mut lane = 0;
         while lane < LANES {
             let slot = slots[lane];
@@ -152,17 +153,17 @@ impl<'s> TileShader<'s> {
             }
             let facet = self.facet(slot);
             let from = lanes.mask_from(first);
-            if textures {
+            if varied {
                 for lane in first..lane {
-                    textured.set(lane, shader.surface_color(facet, &hit(lane)));
+                    each.set(lane, shader.surface_color(facet, &hit(lane)));
                 }
             } else {
                 colors = colors.replaced(from, Vectors::splat(lanes, facet.color));
             }
             facets = facets.replaced(from, Facets::one(lanes, facet));
         }
-        if textures {
-            colors = Vectors::load(lanes, &textured);
+        if varied {
+            colors = Vectors::load(lanes, &each);
         }
         let x = std::array::from_fn(|lane| left as f32 + lane as f32 + 0.5);
         let light = shader.light(lanes, &facets, weights, (&x, y as f32 + 0.5));

@@ -22,6 +22,7 @@ use crate::worker::render::{Renderer, Request};
 use crate::worker::{Clock, Wake};
 use log::{FrameLine, FrameLog};
 use raycast_core::camera::{Camera, Grid};
+use raycast_core::formats::Limits;
 use raycast_core::render::Settings;
 use settings::Remembered;
 use std::path::{Path, PathBuf};
@@ -47,6 +48,8 @@ pub struct Link {
     pub clock: Clock,
     /// What makes the loop look.
     pub nudge: Wake,
+    /// How much reading files may take.
+    pub limits: Limits,
 }
 
 /// The window.
@@ -81,6 +84,7 @@ impl App {
             outbox,
             clock,
             nudge,
+            limits,
         } = link;
         let context = &creation.egui_ctx;
         theme::apply(context);
@@ -99,7 +103,7 @@ impl App {
         {
             remembered.restore(&mut state);
         }
-        let tasks = Files::new(Arc::clone(&wake));
+        let tasks = Files::new(Arc::clone(&wake)).within(limits);
         let renderer = Renderer::start(Arc::clone(&clock), wake, outbox, tasks.fault())?;
         tasks.open(files);
         Ok(Self {

@@ -6,6 +6,7 @@ use super::{App, Link};
 use crate::output::say;
 use crate::worker::Clock;
 use crate::worker::outbox::Outbox;
+use raycast_core::formats::Limits;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,6 +22,8 @@ pub struct Options {
     /// Where to write the window's [frame log](super::log). Such a window starts from the default
     /// settings and remembers nothing, so that two logs can be compared.
     pub log: Option<PathBuf>,
+    /// How much reading files may take.
+    pub limits: Limits,
 }
 
 /// Opens the window; on the demo scene if there are no files. Returns when it is closed.
@@ -53,6 +56,7 @@ pub fn run(options: Options) -> ExitCode {
             outbox: Arc::clone(&outbox),
             clock: Arc::clone(&clock),
             nudge: frames::nudge(&event_loop),
+            limits: options.limits,
         };
         let create: eframe::AppCreator<'_> = Box::new(|context| {
             std::panic::set_hook(hook);

@@ -1,9 +1,10 @@
 //! From the words of a command line to values.
 
 use clap::builder::{PossibleValuesParser, RangedI64ValueParser, TypedValueParser};
-use raycast_core::camera::{ImagePlane, Projection};
+use raycast_core::camera::{ImagePlane, Projection, check_step};
 use raycast_core::glam::DVec3;
 use raycast_core::intersect::Cull;
+use raycast_core::ranges;
 use raycast_core::render::Precision;
 use raycast_core::scene::{Color, ColorRule, Crop};
 use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
@@ -105,20 +106,26 @@ pub(super) fn point(text: &str) -> Result<DVec3, String> {
     }
 }
 
-/// Reads a length.
-pub(super) fn positive(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|value: &f64| value.is_finite() && *value > 0.0)
-        .ok_or_else(|| "expected a positive number".to_owned())
+/// Reads the distance between rays.
+pub(super) fn step(text: &str) -> Result<f64, String> {
+    let step = number(text)?;
+    check_step(step).map_err(|error| error.to_string())?;
+    Ok(step)
 }
 
 /// Reads a field of view in degrees.
 pub(super) fn fov(text: &str) -> Result<f64, String> {
-    positive(text)
-        .ok()
-        .filter(|degrees| *degrees < 180.0)
-        .ok_or_else(|| "expected degrees, above 0 and below 180".to_owned())
+    ranges::fov(number(text)?).map_err(|error| error.to_string())
+}
+
+/// Reads a count of samples.
+pub(super) fn samples(text: &str) -> Result<u32, String> {
+    ranges::samples(number(text)?).map_err(|error| error.to_string())
+}
+
+/// Reads a number of any size.
+fn number<T: FromStr>(text: &str) -> Result<T, String> {
+    text.parse().map_err(|_| "expected a number".to_owned())
 }
 
 /// Reads yaw, pitch and perhaps a distance.
@@ -149,18 +156,12 @@ pub(super) fn orbit(text: &str) -> Result<OrbitArg, String> {
 
 /// Reads a line's width in pixels.
 pub(super) fn line_width(text: &str) -> Result<f32, String> {
-    text.parse()
-        .ok()
-        .filter(|width: &f32| *width > 0.0 && *width <= 100.0)
-        .ok_or_else(|| "expected a width in pixels, above 0 and at most 100".to_owned())
+    ranges::line_width(number(text)?).map_err(|error| error.to_string())
 }
 
 /// Reads a share.
 pub(super) fn blend(text: &str) -> Result<f32, String> {
-    text.parse()
-        .ok()
-        .filter(|share: &f32| (0.0..=1.0).contains(share))
-        .ok_or_else(|| "expected a number from 0 to 1".to_owned())
+    ranges::blend(number(text)?).map_err(|error| error.to_string())
 }
 
 /// Reads a part of an image.

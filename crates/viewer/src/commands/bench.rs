@@ -8,7 +8,6 @@ use raycast_core::Detail;
 use raycast_core::accel::Accel;
 use raycast_core::camera::{Camera, Grid, Lattice, Placement, PlaneRequest, fov_to_frame};
 use raycast_core::formats;
-use raycast_core::glam::DVec3;
 use raycast_core::image::Picture;
 use raycast_core::render::{Cancel, Precision, Settings, TileStats, View};
 use raycast_core::scene::Scene;
@@ -109,7 +108,9 @@ pub(super) fn run(args: &BenchArgs) -> Result<(), Failure> {
     for file in &args.files {
         let progress = Progress::new();
         progress.loading();
-        let scene = formats::read_scene(file, &|share| progress.loaded(share))?.scene;
+        let budget = args.reading.budget();
+        let scene =
+            formats::read_scene_within(file, &budget, &|share| progress.loaded(share))?.scene;
         let cameras = cameras(args, &scene)?;
         let name = file.display().to_string();
         figures.push(measure(args, name, scene, cameras, &pool, &progress)?);
@@ -252,9 +253,8 @@ fn inside(args: &BenchArgs) -> Result<Vec<(&'static str, Camera)>, Failure> {
 /// The views to measure, by name.
 fn cameras(args: &BenchArgs, scene: &Scene) -> Result<Vec<(&'static str, Camera)>, Failure> {
     let camera = |placement: Placement| -> Result<Camera, Failure> {
-        let sight = placement.eye.distance(placement.target);
-        // A camera in its own target looks from one unit away.
-        let distance = if sight > 0.0 { sight } else { 1.0 };
+        placement.check()?;
+        let distance = placement.eye.distance(placement.target);
         let plane = PlaneRequest {
             size: Some(args.size),
             ..PlaneRequest::default()
@@ -263,10 +263,11 @@ fn cameras(args: &BenchArgs, scene: &Scene) -> Result<Vec<(&'static str, Camera)
         Ok(Camera::new(placement, args.projection, plane))
     };
     if let Some(eye) = args.eye {
+        let target = args.target.unwrap_or(scene.bounding_sphere().0);
+        let towards = Placement::towards(eye, target);
         let given = Placement {
-            eye,
-            target: args.target.unwrap_or(scene.bounding_sphere().0),
-            up: args.up.unwrap_or(DVec3::Y),
+            up: args.up.unwrap_or(towards.up),
+            ..towards
         };
         return Ok(vec![("given", camera(given)?)]);
     }

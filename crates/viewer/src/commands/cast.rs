@@ -65,7 +65,7 @@ pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
         warnings,
         opened,
         ..
-    } = setup::load(&args.files, &|share| progress.loaded(share))?;
+    } = setup::load(&args.files, &args.reading, &|share| progress.loaded(share))?;
     output.check_against(&opened)?;
     stats_target.check_against(&opened)?;
     let load_time = started.elapsed();

@@ -1,5 +1,5 @@
 use super::Failure;
-use crate::cli::{CameraArgs, InfoArgs};
+use crate::cli::{CameraArgs, InfoArgs, ReadingArgs};
 use crate::output::print;
 use crate::progress::Progress;
 use crate::setup;
@@ -8,8 +8,6 @@ use raycast_core::formats::{self, SceneFile};
 use raycast_core::scene::{Bounds, Dropped, Object};
 use serde::Serialize;
 use std::fmt::Write;
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 use std::time::Instant;
 
@@ -17,7 +15,7 @@ use std::time::Instant;
 #[derive(Debug, Serialize)]
 struct FileInfo {
     file: String,
-    kind: &'static str,
+    kind: String,
     triangles: u64,
     dropped: DroppedInfo,
     /// `null` where there is nothing.
@@ -46,6 +44,19 @@ struct ObjectInfo {
     texture: Option<[u32; 2]>,
     /// What the mesh was recentred by.
     offset: [f64; 3],
+    rounding: RoundingInfo,
+    vertex_colors: bool,
+}
+
+/// How far single precision has moved the corners of triangles.
+#[derive(Debug, Serialize)]
+struct RoundingInfo {
+    /// In the file's units.
+    distance: f64,
+    /// Of a triangle's shortest edge.
+    share_of_edge: f64,
+    /// Triangles of which a corner was moved by more than is well.
+    bent: u32,
 }
 
 /// Dropped triangles, by reason.
@@ -56,6 +67,7 @@ struct DroppedInfo {
     too_far: u32,
     bad_index: u32,
     zero_area: u32,
+    rounded_away: u32,
     #[serde(skip)]
     reasons: String,
 }
@@ -76,6 +88,7 @@ impl From<&Dropped> for DroppedInfo {
             too_far: dropped.too_far,
             bad_index: dropped.bad_index,
             zero_area: dropped.zero_area,
+            rounded_away: dropped.rounded_away,
             reasons: setup::reasons(dropped),
         }
     }
@@ -95,6 +108,7 @@ impl From<&Object> for ObjectInfo {
     fn from(object: &Object) -> Self {
         let mesh = &object.mesh;
         let texture = object.texture.as_ref();
+        let rounding = mesh.rounding();
         Self {
             name: object.name.clone(),
             triangles: mesh.triangles().len(),
@@ -106,6 +120,12 @@ impl From<&Object> for ObjectInfo {
             materials: mesh.materials().iter().map(|m| m.name.clone()).collect(),
             texture: texture.map(|texture| [texture.width(), texture.height()]),
             offset: mesh.offset().to_array(),
+            rounding: RoundingInfo {
+                distance: rounding.distance,
+                share_of_edge: rounding.share_of_edge,
+                bent: rounding.bent,
+            },
+            vertex_colors: !mesh.vertex_colors().is_empty(),
         }
     }
 }
@@ -114,7 +134,7 @@ impl From<&Object> for ObjectInfo {
 pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let mut infos = Vec::with_capacity(args.files.len());
     for file in &args.files {
-        infos.push(inspect(file)?);
+        infos.push(inspect(file, &args.reading)?);
     }
     if args.json {
         return print(&json(&infos)?);
@@ -124,17 +144,19 @@ pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
 }
 
 /// Reads a file and builds its tree.
-fn inspect(path: &Path) -> Result<FileInfo, Failure> {
+fn inspect(path: &Path, reading: &ReadingArgs) -> Result<FileInfo, Failure> {
     let progress = Progress::new();
     progress.loading();
     let loading = Instant::now();
+    let budget = reading.budget();
     let SceneFile {
+        kind,
         scene,
         warnings,
         camera,
         image,
         ..
-    } = formats::read_scene(path, &|share| progress.loaded(share))?;
+    } = formats::read_scene_within(path, &budget, &|share| progress.loaded(share))?;
     let load_time = loading.elapsed();
     progress.building();
     let building = Instant::now();
@@ -150,7 +172,7 @@ fn inspect(path: &Path) -> Result<FileInfo, Failure> {
     let tree_bytes = accel.retained_bytes();
     Ok(FileInfo {
         file: path.display().to_string(),
-        kind: kind(path, &first_bytes(path)),
+        kind: kind.to_string(),
         triangles: scene.triangle_count() as u64,
         dropped: (&setup::dropped(&scene, &accel)).into(),
         bounds: BoundsInfo::new(&bounds),
@@ -161,37 +183,6 @@ fn inspect(path: &Path) -> Result<FileInfo, Failure> {
         objects: scene.objects.iter().map(ObjectInfo::from).collect(),
         warnings,
     })
-}
-
-/// What kind of file it is, of those that can be read: its own first words tell.
-fn kind(path: &Path, first_bytes: &[u8]) -> &'static str {
-    let text = String::from_utf8_lossy(first_bytes);
-    let first = text
-        .trim_start_matches('\u{feff}')
-        .lines()
-        .map(str::trim)
-        .find(|line| !line.is_empty() && !line.starts_with('#'))
-        .unwrap_or_default();
-    let is_toml = path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("toml"));
-    if is_toml || first.starts_with('[') {
-        "scene file"
-    } else if first.starts_with('(') {
-        "triangle text"
-    } else {
-        "OBJ"
-    }
-}
-
-/// Enough of a file to tell its kind; nothing where it cannot be read.
-fn first_bytes(path: &Path) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    if let Ok(file) = File::open(path) {
-        // What could not be read cannot be told.
-        let _ = file.take(1 << 16).read_to_end(&mut bytes);
-    }
-    bytes
 }
 
 /// The same for people.
@@ -229,6 +220,9 @@ fn describe(info: &FileInfo) -> String {
         }
         line("normals", yes_no(object.normals));
         line("uvs", yes_no(object.uvs));
+        if object.vertex_colors {
+            line("colors", "at vertices".to_owned());
+        }
         if !object.materials.is_empty() {
             line("materials", object.materials.join(", "));
         }
@@ -237,6 +231,18 @@ fn describe(info: &FileInfo) -> String {
         }
         if object.offset != [0.0; 3] {
             line("recentred", format!("by {}", vector(object.offset)));
+        }
+        let RoundingInfo {
+            distance,
+            share_of_edge,
+            ..
+        } = object.rounding;
+        if distance > 0.0 {
+            let share = 100.0 * share_of_edge;
+            line(
+                "rounded",
+                format!("by at most {distance:.2e}, and {share:.2e} % of an edge"),
+            );
         }
     }
     text
@@ -277,7 +283,7 @@ mod tests {
 
     fn info() -> FileInfo {
         let mesh = Mesh::new(MeshData {
-            positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::new(0.0, 1.0, 0.1)],
             triangles: vec![[0, 1, 2], [0, 1, 7]],
             ..MeshData::default()
         });
@@ -286,7 +292,7 @@ mod tests {
         };
         FileInfo {
             file: "part.obj".to_owned(),
-            kind: "OBJ",
+            kind: "OBJ".to_owned(),
             triangles: scene.triangle_count() as u64,
             dropped: (&scene.objects[0].mesh.dropped()).into(),
             bounds: BoundsInfo::new(&scene.bounds()),
@@ -306,7 +312,10 @@ mod tests {
             text.contains("2, of which 1 dropped (1 with a vertex that is not there)"),
             "{text}"
         );
-        assert!(text.contains("size       1 1 0"), "{text}");
+        assert!(text.contains("size       1 1 0.1"), "{text}");
+        // 0.1 is 1.49e-9 from the nearest single, and no edge is shorter than 1.
+        let rounded = "rounded    by at most 1.49e-9, and 1.49e-7 % of an edge";
+        assert!(text.contains(rounded), "{text}");
     }
 
     #[test]
@@ -315,16 +324,8 @@ mod tests {
         assert_eq!(value[0]["dropped"]["bad_index"], 1);
         assert_eq!(value[0]["objects"][0]["vertices"], 3);
         assert_eq!(value[0]["bounds"]["max"][0], 1.0);
-    }
-
-    #[test]
-    fn kinds_are_told_by_their_first_words() {
-        let kind = |name: &str, text: &str| kind(Path::new(name), text.as_bytes());
-        assert_eq!(kind("demo.raycast.toml", "# a scene\n"), "scene file");
-        assert_eq!(kind("a.obj", "# a cube\nv 0 0 0\n"), "OBJ");
-        assert_eq!(
-            kind("a.txt", "\n(0,0,0);(1,0,0);(0,1,0)\n"),
-            "triangle text"
-        );
+        let rounding = &value[0]["objects"][0]["rounding"];
+        assert_eq!(rounding["distance"], rounding["share_of_edge"]);
+        assert_eq!(rounding["bent"], 0);
     }
 }

@@ -14,6 +14,7 @@ use crate::cli::{Cli, Command};
 use crate::output::say;
 use crate::{app::open, output, setup};
 use raycast_core::accel::Accel;
+use raycast_core::formats;
 use raycast_core::scene::Scene;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::process::ExitCode;
@@ -23,15 +24,24 @@ use std::process::ExitCode;
 /// The exit status is 0 for done, 1 for could not, 2 for bad usage; signals that end it give 130, 143
 /// and 129: see [`output::watch_signals`].
 pub fn run(cli: Cli) -> ExitCode {
+    keep_quiet_about_caught_panics();
     output::watch_signals();
     let command = match cli.command {
         None => {
             return view(open::Options {
                 files: cli.files,
                 log: None,
+                limits: cli.reading.limits(),
             });
         }
-        Some(Command::View { files, log }) => return view(open::Options { files, log }),
+        Some(Command::View {
+            files,
+            log,
+            reading,
+        }) => {
+            let limits = reading.limits();
+            return view(open::Options { files, log, limits });
+        }
         Some(command) => command,
     };
     let done = match command {
@@ -48,6 +58,17 @@ pub fn run(cli: Cli) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.tell(),
     }
+}
+
+/// Lets no words out of a library that panics while it reads a file: the reader makes an error of
+/// it, which is told in one line.
+fn keep_quiet_about_caught_panics() {
+    let tell = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if !formats::panic_is_caught() {
+            tell(panic);
+        }
+    }));
 }
 
 /// Opens the window, if it could build a tree.

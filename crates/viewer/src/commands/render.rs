@@ -35,8 +35,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let progress = Progress::new();
     progress.loading();
     let loading = Instant::now();
-    let mut file = setup::load(&args.files, &|share| progress.loaded(share))?;
-    setup::paint(&mut file.scene, &args.shading)?;
+    let mut file = setup::load(&args.files, &args.reading, &|share| progress.loaded(share))?;
+    setup::paint(&mut file.scene, &args.shading, &args.reading)?;
     output.check_against(&file.opened)?;
     stats_target.check_against(&file.opened)?;
     let load_time = loading.elapsed();

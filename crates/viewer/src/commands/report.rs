@@ -88,7 +88,9 @@ fn read_scenes(
     let read = |path: &PathBuf| {
         progress.loading();
         let started = Instant::now();
-        let file = formats::read_scene(path, &|share| progress.loaded(share))?;
+        let file = formats::read_scene_within(path, &args.reading.budget(), &|share| {
+            progress.loaded(share)
+        })?;
         let parsing = started.elapsed();
         let accel = setup::visible_tree(&path.display().to_string(), &file.scene)?;
         warn_of_reading(&file.warnings, &file.scene, &accel);

@@ -29,7 +29,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
 
     let progress = Progress::new();
     progress.loading();
-    let file = setup::load(files, &|share| progress.loaded(share))?;
+    let file = setup::load(files, &args.reading, &|share| progress.loaded(share))?;
     progress.building();
     let SceneFile {
         scene,

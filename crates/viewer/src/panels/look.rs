@@ -8,6 +8,7 @@ use crate::state::command::Command;
 use crate::ui::input::MODES;
 use egui::{Button, Ui, vec2};
 use raycast_core::intersect::Cull;
+use raycast_core::ranges::WIDEST_LINE;
 use raycast_core::scene::{Color, ColorRule};
 use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
 
@@ -79,7 +80,7 @@ fn lines(ui: &mut Ui, state: &State, out: &mut Commands) {
                 let lines = lines.unwrap_or_default();
                 let number = Number {
                     value: f64::from(lines.width),
-                    range: 0.25..=16.0,
+                    range: 0.25..=f64::from(WIDEST_LINE),
                     speed: 0.05,
                     decimals: Some(2),
                     suffix: " px",

@@ -23,7 +23,7 @@ pub const FOV_RANGE: (f64, f64) = (0.1, 170.0);
 /// The most pixels of a picture in the window: 4 bytes each, held a few times over.
 pub const WINDOW_PIXELS: u64 = 1 << 25;
 /// The most samples a pixel.
-pub const SAMPLES_LIMIT: u32 = 256;
+pub const SAMPLES_LIMIT: u32 = raycast_core::ranges::MOST_SAMPLES;
 /// The most tiles a picture is split into.
 pub const TILES_LIMIT: u64 = 1 << 16;
 

@@ -8,6 +8,7 @@ use super::{
 use raycast_core::camera::{FrameLock, Grid, ImagePlane, Orbit, Projection, frame_to_fov};
 use raycast_core::formats::CameraFile;
 use raycast_core::image::Format;
+use raycast_core::ranges::WIDEST_LINE;
 use raycast_core::scene::Texture;
 use raycast_core::shade::Wireframe;
 use std::path::{Path, PathBuf};
@@ -116,7 +117,7 @@ pub fn update(state: &mut State, command: Command) -> Option<Effect> {
             state.settings.shading.wireframe = on.then(Wireframe::default);
         }
         Command::SetWireframeWidth(width) => {
-            wireframe(state).width = width.clamp(0.25, 16.0);
+            wireframe(state).width = width.clamp(0.25, WIDEST_LINE);
         }
         Command::SetWireframeColor(color) => wireframe(state).color = color,
         Command::SetBlend(blend) => state.settings.shading.blend = blend.clamp(0.0, 1.0),
@@ -227,7 +228,7 @@ fn show(state: &mut State, loaded: Loaded, now: Duration) {
         state.projection = camera.projection;
         match camera.projection {
             Projection::Perspective => {
-                state.fov = camera.frame.clamp(FOV_RANGE.0, FOV_RANGE.1);
+                state.fov = camera.frame;
             }
             Projection::Orthographic => set_frame(state, camera.frame),
         }

@@ -8,7 +8,7 @@ use crate::state::Document;
 use crate::state::PromptKind;
 use crate::state::update::{DialogAnswer, Loaded, News};
 use raycast_core::camera::Grid;
-use raycast_core::formats::{self, SceneFile};
+use raycast_core::formats::{self, Budget, Limits, SceneFile};
 use raycast_core::image::{Format, Recipe};
 use raycast_core::render::{Cancel, View};
 use std::path::{Path, PathBuf};
@@ -38,6 +38,7 @@ pub struct Activity {
 /// The file tasks of a window.
 #[derive(Debug)]
 pub struct Files {
+    limits: Limits,
     shared: Arc<Shared>,
     news: Receiver<(u64, News)>,
 }
@@ -84,6 +85,7 @@ impl Files {
         // A window that is hidden for long fetches no news: then tasks wait here at their end.
         let (send, news) = sync_channel(64);
         Self {
+            limits: Limits::default(),
             shared: Arc::new(Shared {
                 send,
                 wake,
@@ -95,6 +97,11 @@ impl Files {
             }),
             news,
         }
+    }
+
+    /// These tasks, with other limits of reading.
+    pub fn within(self, limits: Limits) -> Self {
+        Self { limits, ..self }
     }
 
     /// News since the last call. What an overtaken load brings is left out.
@@ -141,7 +148,10 @@ impl Files {
 
     /// Reads files as one scene; the demo scene if there are none. The newest call wins.
     pub fn open(&self, paths: Vec<PathBuf>) {
-        self.load(scene_name(&paths), paths, read);
+        let limits = self.limits;
+        self.load(scene_name(&paths), paths, move |paths, share| {
+            read(paths, limits, share)
+        });
     }
 
     /// Puts up the hard case of this name as a scene. The newest call of this or [`Files::open`] wins.
@@ -173,9 +183,11 @@ impl Files {
 
     /// Reads an image as a texture.
     pub fn load_texture(&self, path: PathBuf) {
+        let budget = Budget::new(self.limits);
         self.shared.spawn("raycast-texture", ANY, move |shared| {
             lock(&shared.opened).push(path.clone());
-            let texture = formats::read_texture(&path).map_err(|error| error.to_string())?;
+            let texture = formats::read_texture_within(&path, &budget);
+            let texture = texture.map_err(|error| error.to_string())?;
             Ok(News::Texture(Arc::new(texture)))
         });
     }
@@ -328,12 +340,23 @@ fn load(
     })
 }
 
-/// Reads every file into one scene, or the demo scene if there is none.
-fn read(paths: &[PathBuf], progress: &(dyn Fn(f32) + Sync)) -> Result<SceneFile, String> {
+/// Reads every file into one scene; camera and settings are the first file's that has any.
+fn read(
+    paths: &[PathBuf],
+    limits: Limits,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Result<SceneFile, String> {
     if paths.is_empty() {
         return demo::scene().map_err(|error| error.to_string());
     }
-    setup::load(paths, progress).map_err(|error| error.to_string())
+    let budget = Budget::new(limits);
+    let mut whole = SceneFile::default();
+    for (index, path) in paths.iter().enumerate() {
+        let share = |share: f32| progress((index as f32 + share) / paths.len() as f32);
+        let file = formats::read_scene_within(path, &budget, &share);
+        whole.append(file.map_err(|error| error.to_string())?);
+    }
+    Ok(whole)
 }
 
 /// Whether the picture was written: not where a file is there that it may not replace.

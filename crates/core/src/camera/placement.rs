@@ -1,0 +1,153 @@
+use glam::DVec3;
+
+/// Where a camera stands and what it looks at, in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// The eye.
+    pub eye: DVec3,
+    /// The point on the view axis at which the step is measured.
+    pub target: DVec3,
+    /// Which way is up in the picture; need not be perpendicular to the view axis.
+    pub up: DVec3,
+}
+
+/// Why a placement says no direction to look in, or none that is up.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum PlacementError {
+    /// A coordinate that is not finite, or points so far apart that their distance is not.
+    #[error(
+        "a camera cannot stand at {:?} and look at {:?}: expected finite numbers",
+        .eye.to_array(),
+        .target.to_array()
+    )]
+    NotFinite {
+        /// The eye.
+        eye: DVec3,
+        /// The target.
+        target: DVec3,
+    },
+    /// An eye in its target.
+    #[error(
+        "a camera cannot look from {:?} at the same point: expected a target away from the eye",
+        .eye.to_array()
+    )]
+    NoDirection {
+        /// Eye and target.
+        eye: DVec3,
+    },
+    /// An up that is zero, or not finite.
+    #[error("an up of {:?} cannot be used: expected a direction", .up.to_array())]
+    NoUp {
+        /// The up.
+        up: DVec3,
+    },
+    /// An up along the view axis.
+    #[error(
+        "an up of {:?} cannot be used: it lies along the view, from {:?} to {:?}",
+        .up.to_array(),
+        .eye.to_array(),
+        .target.to_array()
+    )]
+    UpAlongView {
+        /// The up.
+        up: DVec3,
+        /// The eye.
+        eye: DVec3,
+        /// The target.
+        target: DVec3,
+    },
+}
+
+impl Placement {
+    /// The sine of the angle between up and the view axis below which there is no telling them
+    /// apart: a unit vector's coordinates are rounded by some 1e-16, so that of what lies across the
+    /// axis a tenth of a millionth is rounding.
+    pub(super) const LEAST_SINE: f64 = 1e-9;
+
+    /// A camera at `eye` with +Y up, or −Z up where it looks along that.
+    pub fn towards(eye: DVec3, target: DVec3) -> Self {
+        let upright = Self {
+            eye,
+            target,
+            up: DVec3::Y,
+        };
+        match upright.check() {
+            Err(PlacementError::UpAlongView { .. }) => Self {
+                up: DVec3::NEG_Z,
+                ..upright
+            },
+            _ => upright,
+        }
+    }
+
+    /// Whether the placement says where to look and what is up.
+    ///
+    /// [`super::Camera::new`] makes something of any placement; this is for telling a person that
+    /// theirs is not what they will get.
+    ///
+    /// # Errors
+    /// What is wrong with it, in one line.
+    pub fn check(&self) -> Result<(), PlacementError> {
+        let Self { eye, target, up } = *self;
+        let sight = target - eye;
+        if !(eye.is_finite() && target.is_finite() && sight.length().is_finite()) {
+            return Err(PlacementError::NotFinite { eye, target });
+        }
+        if sight.length() == 0.0 {
+            return Err(PlacementError::NoDirection { eye });
+        }
+        let unit_up = up.normalize_or_zero();
+        if unit_up == DVec3::ZERO {
+            return Err(PlacementError::NoUp { up });
+        }
+        let across = (sight / sight.length()).cross(unit_up);
+        if across.length() <= Self::LEAST_SINE {
+            return Err(PlacementError::UpAlongView { up, eye, target });
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn says_what_is_wrong() {
+        let check = |eye: DVec3, target: DVec3, up: DVec3| {
+            let error = Placement { eye, target, up }.check().err();
+            error.map(|error| error.to_string())
+        };
+        let (eye, zero) = (DVec3::new(0.0, 5.0, 0.0), DVec3::ZERO);
+        assert_eq!(check(eye, zero, DVec3::Z), None);
+        assert_eq!(check(eye, zero, DVec3::new(1e-6, 1.0, 0.0)), None);
+        assert_eq!(
+            check(eye, eye, DVec3::Z).as_deref(),
+            Some(
+                "a camera cannot look from [0.0, 5.0, 0.0] at the same point: expected a target away \
+                 from the eye"
+            )
+        );
+        assert_eq!(
+            check(eye, zero, zero).as_deref(),
+            Some("an up of [0.0, 0.0, 0.0] cannot be used: expected a direction")
+        );
+        for up in [DVec3::Y, DVec3::NEG_Y, DVec3::new(1e-10, 3.0, 0.0)] {
+            let told = check(eye, zero, up).expect("along the view");
+            assert!(told.contains("lies along the view"), "{told}");
+        }
+        assert!(check(eye, DVec3::NAN, DVec3::Z).is_some());
+        assert!(check(eye, zero, DVec3::NAN).is_some());
+        assert!(check(DVec3::splat(1e308), DVec3::splat(-1e308), DVec3::Z).is_some());
+        // Tiny and far directions are directions.
+        assert_eq!(check(eye, eye + DVec3::X * 1e-12, DVec3::Y * 1e-100), None);
+    }
+
+    #[test]
+    fn what_nobody_said_gives_way() {
+        let down = Placement::towards(DVec3::Y, DVec3::ZERO);
+        assert_eq!(down.up, DVec3::NEG_Z);
+        assert_eq!(down.check(), Ok(()));
+        assert_eq!(Placement::towards(DVec3::Z, DVec3::ZERO).up, DVec3::Y);
+    }
+}

@@ -1,0 +1,204 @@
+use super::error::FormatError;
+use std::cell::Cell;
+use std::path::Path;
+
+/// How much reading may take. What a file claims is held against these before anything is
+/// allocated for it, so that a small file cannot ask for all memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Bytes held at one time while reading and by what was read: the contents of files, images on
+    /// their way to textures, meshes, each copy counted.
+    pub bytes: u64,
+    /// Pixels of one image.
+    pub pixels: u64,
+    /// Triangles of all objects, an object that shares its mesh counted like any other.
+    pub triangles: u64,
+    /// Whether a mesh's material libraries and textures are followed anywhere, not only into its
+    /// own folder and the one above.
+    pub follow_anywhere: bool,
+}
+
+impl Default for Limits {
+    /// 4 GiB, 2²⁸ pixels (16384 × 16384) and 2²⁷ triangles; nothing is followed far.
+    fn default() -> Self {
+        Self {
+            bytes: 4 << 30,
+            pixels: 1 << 28,
+            triangles: 1 << 27,
+            follow_anywhere: false,
+        }
+    }
+}
+
+/// [`Limits`], and what is taken of them so far: one for all the files of a scene.
+#[derive(Debug, Default)]
+pub struct Budget {
+    limits: Limits,
+    bytes: Cell<u64>,
+    triangles: Cell<u64>,
+}
+
+impl Budget {
+    /// Of which nothing is taken.
+    pub fn new(limits: Limits) -> Self {
+        Self {
+            limits: Limits {
+                // Their numbers have 32 bits.
+                triangles: limits.triangles.min(u32::MAX.into()),
+                ..limits
+            },
+            ..Self::default()
+        }
+    }
+
+    /// The limits.
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// Takes bytes for `what` of a file, until the share is dropped.
+    pub(super) fn share(
+        &self,
+        file: &Path,
+        what: &str,
+        bytes: u64,
+    ) -> Result<Share<'_>, FormatError> {
+        let mut share = Share {
+            budget: self,
+            bytes: 0,
+        };
+        share.grow(file, what, bytes)?;
+        Ok(share)
+    }
+
+    /// Counts an object's triangles.
+    pub(super) fn add_triangles(&self, file: &Path, count: u64) -> Result<(), FormatError> {
+        let sum = self.triangles.get().saturating_add(count);
+        if sum > self.limits.triangles {
+            let what = format!("the scene has {sum} triangles or more");
+            return Err(FormatError::too_much(
+                file,
+                what,
+                "triangles",
+                self.limits.triangles,
+            ));
+        }
+        self.triangles.set(sum);
+        Ok(())
+    }
+
+    /// How many more triangles there may be.
+    pub(super) fn triangles_left(&self) -> u64 {
+        self.limits.triangles - self.triangles.get()
+    }
+
+    /// How many more bytes there may be.
+    pub(super) fn bytes_left(&self) -> u64 {
+        self.limits.bytes - self.bytes.get()
+    }
+
+    /// Holds an image's size against the limit.
+    pub(super) fn check_pixels(
+        &self,
+        file: &Path,
+        width: u32,
+        height: u32,
+    ) -> Result<(), FormatError> {
+        let pixels = u64::from(width) * u64::from(height);
+        if pixels > self.limits.pixels {
+            let what = format!("an image of {width}x{height} has {pixels} pixels");
+            return Err(FormatError::too_much(
+                file,
+                what,
+                "pixels",
+                self.limits.pixels,
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// Bytes taken of a [`Budget`], given back when this is dropped.
+#[derive(Debug)]
+pub(super) struct Share<'b> {
+    budget: &'b Budget,
+    bytes: u64,
+}
+
+impl Share<'_> {
+    /// Makes this a share of `bytes` if it was one of fewer.
+    pub(super) fn grow(&mut self, file: &Path, what: &str, bytes: u64) -> Result<(), FormatError> {
+        let more = bytes.saturating_sub(self.bytes);
+        let sum = self.budget.bytes.get().saturating_add(more);
+        if sum > self.budget.limits.bytes {
+            let what = format!("{what} takes {bytes} bytes, {sum} with all else that is held");
+            return Err(FormatError::too_much(
+                file,
+                what,
+                "bytes",
+                self.budget.limits.bytes,
+            ));
+        }
+        self.budget.bytes.set(sum);
+        self.bytes += more;
+        Ok(())
+    }
+
+    /// Keeps `bytes` of it taken for good, for what stays when reading is over.
+    pub(super) fn keep(mut self, bytes: u64) {
+        self.bytes = self.bytes.saturating_sub(bytes);
+    }
+}
+
+impl Drop for Share<'_> {
+    fn drop(&mut self) {
+        let bytes = self.budget.bytes.get();
+        self.budget.bytes.set(bytes.saturating_sub(self.bytes));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_counted_and_given_back() {
+        let budget = Budget::new(Limits {
+            bytes: 100,
+            ..Limits::default()
+        });
+        let file = Path::new("a.png");
+        let first = budget.share(file, "it", 60).expect("there is room");
+        let error = budget.share(file, "the image", 50).expect_err("no room");
+        assert_eq!(
+            error.to_string(),
+            "a.png: the image takes 50 bytes, 110 with all else that is held; at most 100 are \
+             allowed (limit `bytes`)"
+        );
+        first.keep(20);
+        assert_eq!(budget.bytes_left(), 80);
+        let mut second = budget.share(file, "it", 50).expect("there is room");
+        assert!(second.grow(file, "it", 81).is_err());
+        assert!(second.grow(file, "it", 80).is_ok());
+        drop(second);
+        assert_eq!(budget.bytes_left(), 80);
+        assert!(budget.share(file, "it", u64::MAX).is_err());
+    }
+
+    #[test]
+    fn triangles_and_pixels_have_limits() {
+        let budget = Budget::new(Limits {
+            pixels: 6,
+            triangles: 10,
+            ..Limits::default()
+        });
+        let file = Path::new("a");
+        assert!(budget.check_pixels(file, 2, 3).is_ok());
+        assert!(budget.check_pixels(file, 7, 1).is_err());
+        assert!(budget.check_pixels(file, u32::MAX, u32::MAX).is_err());
+        assert!(budget.add_triangles(file, 6).is_ok());
+        assert!(budget.add_triangles(file, 5).is_err());
+        assert!(budget.add_triangles(file, 4).is_ok());
+        assert_eq!(budget.triangles_left(), 0);
+    }
+}

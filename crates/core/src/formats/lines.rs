@@ -1,0 +1,94 @@
+//! Lines of a text, however they end.
+
+use super::kind::without_mark;
+use std::borrow::Cow;
+
+/// A file's text without its byte order mark; what is no UTF-8 is replaced.
+pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
+    String::from_utf8_lossy(without_mark(bytes))
+}
+
+/// The lines of a text: each ends in a line feed, in a carriage return, as on old Macintoshes, or in
+/// both, as on Windows, and all three may stand in one file.
+#[derive(Clone, Debug)]
+pub(super) struct Lines<'t> {
+    rest: &'t str,
+    number: usize,
+}
+
+/// A line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Line<'t> {
+    pub(super) text: &'t str,
+    /// From 1.
+    pub(super) number: usize,
+    /// Whether the text ends in it, with no line end behind.
+    pub(super) is_cut: bool,
+}
+
+impl<'t> Lines<'t> {
+    pub(super) fn of(text: &'t str) -> Self {
+        Self {
+            rest: text,
+            number: 0,
+        }
+    }
+
+    /// How many bytes are left.
+    pub(super) fn left(&self) -> usize {
+        self.rest.len()
+    }
+}
+
+impl<'t> Iterator for Lines<'t> {
+    type Item = Line<'t>;
+
+    fn next(&mut self) -> Option<Line<'t>> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        self.number += 1;
+        let bytes = self.rest.as_bytes();
+        let end = memchr::memchr2(b'\n', b'\r', bytes);
+        let (text, behind) = match end {
+            None => (self.rest, ""),
+            Some(end) => {
+                let both = bytes[end..].starts_with(b"\r\n");
+                let behind = end + if both { 2 } else { 1 };
+                (&self.rest[..end], &self.rest[behind..])
+            }
+        };
+        self.rest = behind;
+        Some(Line {
+            text,
+            number: self.number,
+            is_cut: end.is_none(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_end_in_three_ways() {
+        let lines: Vec<_> = Lines::of("a\rb\n\r\nc\r\r\nd")
+            .map(|line| (line.text, line.number, line.is_cut))
+            .collect();
+        let line = |text, number| (text, number, false);
+        assert_eq!(
+            lines,
+            [
+                line("a", 1),
+                line("b", 2),
+                line("", 3),
+                line("c", 4),
+                line("", 5),
+                ("d", 6, true)
+            ]
+        );
+        assert_eq!(Lines::of("").count(), 0);
+        assert_eq!(Lines::of("a\n").count(), 1);
+    }
+}

@@ -1,0 +1,89 @@
+//! What the numbers that people choose may be: one place, and the same words, for the command line,
+//! scene files and the window.
+
+/// The most samples a pixel: 64 × 64, beyond which eight bits a channel show nothing more.
+pub const MOST_SAMPLES: u32 = 4096;
+
+/// The widest that lines are drawn, in pixels.
+pub const WIDEST_LINE: f32 = 100.0;
+
+/// A field of view, in degrees, that is as wide as no perspective picture can be.
+pub const FOV_END: f64 = 180.0;
+
+/// A number that is out of its range.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum OutOfRange {
+    /// Samples a pixel.
+    #[error("expected 1 to {MOST_SAMPLES} samples, found {0}")]
+    Samples(u32),
+    /// A line's width in pixels.
+    #[error("expected a width above 0 and at most {WIDEST_LINE} pixels, found {0}")]
+    LineWidth(f32),
+    /// A vertical field of view.
+    #[error("expected a field of view above 0 and below {FOV_END} degrees, found {0}")]
+    Fov(f64),
+    /// A share of texture in a surface's colour.
+    #[error("expected a blend from 0 to 1, found {0}")]
+    Blend(f32),
+}
+
+/// Samples a pixel, from 1 to [`MOST_SAMPLES`].
+///
+/// # Errors
+/// Any other number.
+pub fn samples(count: u32) -> Result<u32, OutOfRange> {
+    let fits = (1..=MOST_SAMPLES).contains(&count);
+    fits.then_some(count).ok_or(OutOfRange::Samples(count))
+}
+
+/// A line's width in pixels, above 0 and at most [`WIDEST_LINE`].
+///
+/// # Errors
+/// Any other number.
+pub fn line_width(pixels: f32) -> Result<f32, OutOfRange> {
+    let fits = pixels > 0.0 && pixels <= WIDEST_LINE;
+    fits.then_some(pixels).ok_or(OutOfRange::LineWidth(pixels))
+}
+
+/// A vertical field of view in degrees, above 0 and below [`FOV_END`].
+///
+/// # Errors
+/// Any other number.
+pub fn fov(degrees: f64) -> Result<f64, OutOfRange> {
+    let fits = degrees > 0.0 && degrees < FOV_END;
+    fits.then_some(degrees).ok_or(OutOfRange::Fov(degrees))
+}
+
+/// A share of texture, 0 to 1.
+///
+/// # Errors
+/// Any other number.
+pub fn blend(share: f32) -> Result<f32, OutOfRange> {
+    let fits = (0.0..=1.0).contains(&share);
+    fits.then_some(share).ok_or(OutOfRange::Blend(share))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_end_where_they_say() {
+        assert!(samples(1).is_ok() && samples(4096).is_ok());
+        assert!(samples(0).is_err());
+        let told = samples(4097).expect_err("too many").to_string();
+        assert_eq!(told, "expected 1 to 4096 samples, found 4097");
+        assert!(line_width(0.01).is_ok() && line_width(100.0).is_ok());
+        for width in [0.0, -1.0, 100.01, f32::NAN, f32::INFINITY] {
+            assert!(line_width(width).is_err(), "{width}");
+        }
+        assert!(fov(1e-9).is_ok() && fov(179.9).is_ok());
+        for degrees in [0.0, -1.0, 180.0, f64::NAN, f64::INFINITY] {
+            assert!(fov(degrees).is_err(), "{degrees}");
+        }
+        assert!(blend(0.0).is_ok() && blend(1.0).is_ok());
+        for share in [-0.1, 1.1, f32::NAN] {
+            assert!(blend(share).is_err(), "{share}");
+        }
+    }
+}

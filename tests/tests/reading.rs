@@ -1,0 +1,325 @@
+//! The real binary over files that are hostile, damaged or odd: an error of one line or a warning,
+//! never a wait, never in silence.
+
+use raycast_tests::binary::{Told, command, refuse, run, succeed};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a folder for temporary files")
+}
+
+fn write(folder: &TempDir, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
+    let path = folder.path().join(name);
+    std::fs::write(&path, bytes).expect("a file can be written");
+    path
+}
+
+fn render(file: &Path, more: &[&str]) -> Vec<OsString> {
+    let mut arguments: Vec<OsString> = vec!["render".into(), file.into(), "-o".into()];
+    arguments.push(file.with_extension("out.png").into());
+    arguments.extend(["--size", "32x24"].map(OsString::from));
+    arguments.extend(more.iter().map(OsString::from));
+    arguments
+}
+
+/// Renders a small picture, which must succeed.
+fn rendered(file: &Path, more: &[&str]) -> Told {
+    succeed(render(file, more))
+}
+
+#[test]
+fn images_that_claim_too_much_are_refused_before_they_are_made() {
+    let folder = folder();
+    let image = write(&folder, "bomb.ppm", b"P6\n32768 32768\n255\n");
+    let mesh = write(&folder, "a.obj", TRIANGLE);
+    let with = |image: &Path, more: &[&str]| {
+        let name = image.display().to_string();
+        let all: Vec<&str> = ["--texture", name.as_str()]
+            .iter()
+            .chain(more)
+            .copied()
+            .collect();
+        render(&mesh, &all)
+    };
+    let started = Instant::now();
+    let told = refuse(1, with(&image, &[]));
+    assert!(told.contains("bomb.ppm: an image of 32768x32768"), "{told}");
+    assert!(told.contains("limit `pixels`"), "{told}");
+    let told = refuse(1, with(&image, &["--limit", "pixels=2G"]));
+    assert!(told.contains("limit `bytes`"), "{told}");
+    assert!(started.elapsed() < Duration::from_secs(20));
+    // A mesh does without.
+    write(&folder, "a.mtl", "newmtl x\nmap_Kd bomb.ppm\n");
+    let mesh = write(
+        &folder,
+        "b.obj",
+        format!("mtllib a.mtl\nusemtl x\n{TRIANGLE}"),
+    );
+    let told = rendered(&mesh, &[]);
+    assert!(told.errors.contains("limit `pixels`"), "{}", told.errors);
+}
+
+#[test]
+fn limits_count_what_a_scene_takes() {
+    let folder = folder();
+    let mesh = write(&folder, "a.obj", format!("{TRIANGLE}f 1 2 3\n"));
+    rendered(&mesh, &["--limit", "triangles=2"]);
+    let told = refuse(1, render(&mesh, &["--limit", "triangles=1"]));
+    assert!(
+        told.contains("at most 1 are allowed (limit `triangles`)"),
+        "{told}"
+    );
+    let told = refuse(1, render(&mesh, &["--limit", "bytes=40"]));
+    assert!(told.contains("limit `bytes`"), "{told}");
+    // Of all files together, and of all objects.
+    let name = mesh.display().to_string();
+    let told = refuse(1, render(&mesh, &[&name, "--limit", "triangles=3"]));
+    assert!(told.contains("limit `triangles`"), "{told}");
+    let object = "[[object]]\nmesh = \"a.obj\"\n";
+    let scene = write(&folder, "a.raycast.toml", object.repeat(2));
+    rendered(&scene, &["--limit", "triangles=4"]);
+    refuse(1, render(&scene, &["--limit", "triangles=3"]));
+}
+
+#[cfg(unix)]
+#[test]
+fn nothing_is_waited_for_that_a_file_names() {
+    let folder = folder();
+    let pipe = folder.path().join("pipe");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    assert!(
+        made.is_ok_and(|status| status.success()),
+        "a pipe can be made"
+    );
+    std::fs::create_dir(folder.path().join("in")).expect("a folder");
+    let started = Instant::now();
+    for library in ["/dev/zero", "../pipe", "../../../../../dev/zero"] {
+        let mesh = write(&folder, "in/a.obj", format!("mtllib {library}\n{TRIANGLE}"));
+        let told = rendered(&mesh, &["--follow-anywhere"]);
+        assert!(
+            told.errors.contains("not a regular file"),
+            "{}",
+            told.errors
+        );
+        let told = rendered(&mesh, &[]);
+        assert!(told.errors.contains(library), "{}", told.errors);
+    }
+    write(&folder, "in/a.mtl", "newmtl x\nmap_Kd ../pipe\n");
+    let mesh = write(
+        &folder,
+        "in/b.obj",
+        format!("mtllib a.mtl\nusemtl x\n{TRIANGLE}"),
+    );
+    let told = rendered(&mesh, &[]);
+    assert!(told.errors.contains("a pipe"), "{}", told.errors);
+    let scene = write(&folder, "a.raycast.toml", "[[object]]\nmesh = \"pipe\"\n");
+    let told = refuse(1, render(&scene, &[]));
+    assert!(
+        told.contains("a.raycast.toml:2: ") && told.contains("a pipe"),
+        "{told}"
+    );
+    let device = Path::new("/dev/zero");
+    let told = refuse(1, ["info".as_ref(), device.as_os_str()]);
+    assert!(told.contains("a device"), "{told}");
+    assert!(started.elapsed() < Duration::from_secs(60));
+}
+
+/// What a shell makes of `raycast info <(cat a.obj)`.
+#[cfg(unix)]
+#[test]
+fn a_pipe_on_the_command_line_is_read_once() {
+    let folder = folder();
+    let pipe = folder.path().join("pipe");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    assert!(
+        made.is_ok_and(|status| status.success()),
+        "a pipe can be made"
+    );
+    let writer = {
+        let pipe = pipe.clone();
+        std::thread::spawn(move || std::fs::write(pipe, TRIANGLE))
+    };
+    let told = run(&mut command(["info".as_ref(), pipe.as_os_str()]));
+    assert_eq!(told.status, Some(0), "{}", told.errors);
+    let output = String::from_utf8_lossy(&told.output);
+    assert!(output.contains("pipe: OBJ"), "{output}");
+    assert!(writer.join().is_ok_and(|written| written.is_ok()));
+}
+
+#[test]
+fn what_is_followed_far_is_named() {
+    let folder = folder();
+    for name in ["a/b", "a/textures"] {
+        std::fs::create_dir_all(folder.path().join(name)).expect("a folder");
+    }
+    write(&folder, "a/textures/near.mtl", "newmtl x\nKd 1 0 0\n");
+    write(&folder, "far.mtl", "newmtl x\nKd 0 1 0\n");
+    let mesh = write(
+        &folder,
+        "a/b/near.obj",
+        format!("mtllib ../textures/near.mtl\nusemtl x\n{TRIANGLE}"),
+    );
+    assert_eq!(rendered(&mesh, &[]).errors, "");
+    let mesh = write(
+        &folder,
+        "a/b/far.obj",
+        format!("mtllib ../../far.mtl\nusemtl x\n{TRIANGLE}"),
+    );
+    let told = rendered(&mesh, &[]);
+    assert!(told.errors.contains("\"../../far.mtl\""), "{}", told.errors);
+    assert!(told.errors.contains("`follow-anywhere`"), "{}", told.errors);
+    assert_eq!(rendered(&mesh, &["--follow-anywhere"]).errors, "");
+}
+
+#[test]
+fn faces_cover_their_insides_alone() {
+    let folder = folder();
+    let l = "v 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 3 0\nv 0 3 0\nv 0 0 0\nf 1 2 3 4 5 6\n";
+    // The same L of two rectangles.
+    let boxes = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 0 1 0\nv 1 3 0\nv 0 3 0\n\
+        f 1 2 3 4 5\nf 5 4 6 7\n";
+    let camera = ["--mode", "flat", "--color", "#ffffff"];
+    let pixels = |name: &str, text: &str| {
+        let mesh = write(&folder, name, text);
+        rendered(&mesh, &camera);
+        std::fs::read(mesh.with_extension("out.png")).expect("a picture")
+    };
+    assert_eq!(pixels("l.obj", l), pixels("boxes.obj", boxes));
+    let bow_tie = write(
+        &folder,
+        "bow.obj",
+        "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 4\n",
+    );
+    let told = rendered(&bow_tie, &[]);
+    assert!(
+        told.errors.contains("1 faces cross or touch themselves"),
+        "{}",
+        told.errors
+    );
+}
+
+#[test]
+fn what_rounding_does_is_told() {
+    let folder = folder();
+    let mesh = write(
+        &folder,
+        "a.obj",
+        "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 1 1 1\nv 1.0000000001 1 1\nv 1 1.0000000001 1\n\
+         v 1 1.000001 1\nf 1 2 3\nf 4 5 6\nf 1 4 7\n",
+    );
+    let told = rendered(&mesh, &[]);
+    assert!(
+        told.errors.contains("1 rounded away by single precision"),
+        "{}",
+        told.errors
+    );
+    assert!(
+        told.errors
+            .contains("in 1 triangles rounding to single precision moves a corner"),
+        "{}",
+        told.errors
+    );
+    let told = succeed(["info".as_ref(), "--json".as_ref(), mesh.as_os_str()]);
+    let value: serde_json::Value = serde_json::from_slice(&told.output).expect("JSON");
+    assert_eq!(value[0]["dropped"]["rounded_away"], 1);
+    let object = &value[0]["objects"][0];
+    assert_eq!(object["rounding"]["bent"], 1);
+    let share = object["rounding"]["share_of_edge"]
+        .as_f64()
+        .expect("a share");
+    // The single nearest to 1.000001 is 1.00000095367.
+    assert!((share - 0.0463).abs() < 1e-3, "{share}");
+}
+
+#[test]
+fn cameras_that_look_nowhere_are_refused_in_the_same_words() {
+    let folder = folder();
+    let mesh = write(&folder, "a.obj", TRIANGLE);
+    for (options, lines, why) in [
+        (
+            &["--eye", "0,0,5", "--target", "0,0,0", "--up", "0,0,0"][..],
+            "eye = [0, 0, 5]\ntarget = [0, 0, 0]\nup = [0, 0, 0]",
+            "an up of [0.0, 0.0, 0.0] cannot be used: expected a direction",
+        ),
+        (
+            &["--eye", "0,0,5", "--target", "0,0,0", "--up", "0,0,-2"],
+            "eye = [0, 0, 5]\ntarget = [0, 0, 0]\nup = [0, 0, -2]",
+            "an up of [0.0, 0.0, -2.0] cannot be used: it lies along the view",
+        ),
+        (
+            &["--eye", "1,2,3", "--target", "1,2,3"],
+            "eye = [1, 2, 3]\ntarget = [1, 2, 3]",
+            "a camera cannot look from [1.0, 2.0, 3.0] at the same point",
+        ),
+    ] {
+        let told = refuse(2, render(&mesh, options));
+        assert!(told.contains(why), "{told}");
+        let scene = format!("[camera]\n{lines}\n[[object]]\nmesh = \"a.obj\"\n");
+        let scene = write(&folder, "a.raycast.toml", scene);
+        let told = refuse(1, render(&scene, &[]));
+        assert!(told.contains(why), "{told}");
+    }
+    let told = refuse(2, render(&mesh, &["--step", "1e-320"]));
+    assert!(told.contains("a step of 1e-320 cannot be used"), "{told}");
+    for (option, key) in [
+        ("--samples=4097", "[image]\nsamples = 4097"),
+        ("--wireframe=101", "[shading]\nwireframe-width = 101.0"),
+    ] {
+        let by_option = refuse(2, render(&mesh, &[option]));
+        let scene = format!("{key}\n[[object]]\nmesh = \"a.obj\"\n");
+        let scene = write(&folder, "b.raycast.toml", scene);
+        let by_file = refuse(1, render(&scene, &[]));
+        let (_, words) = by_file.rsplit_once(": ").expect("a place and a reason");
+        assert!(by_option.contains(words.trim()), "{by_option} / {by_file}");
+    }
+}
+
+/// Whatever a scene file holds, the two agree on whether it can be had.
+#[test]
+fn render_and_info_agree_on_scenes() {
+    let folder = folder();
+    write(&folder, "a.obj", TRIANGLE);
+    let object = "[[object]]\nmesh = \"a.obj\"\n";
+    for (text, is_good) in [
+        (String::new(), true),
+        (
+            "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\n".to_owned(),
+            true,
+        ),
+        (object.to_owned(), true),
+        (format!("{object}scale = [0, 0, 0]\n"), true),
+        (format!("{object}translate = [3e18, 0, 0]\n"), true),
+        (
+            format!("{object}translate = [1e308, 0, 0]\nscale = [1e308, 1, 1]\n"),
+            true,
+        ),
+        (format!("{object}rotate = [inf, 0, 0]\n"), false),
+        (format!("[image]\nsamples = 4097\n{object}"), false),
+        (format!("{object}parent = \"b\"\n"), false),
+    ] {
+        let scene = write(&folder, "a.raycast.toml", &text);
+        let information = run(&mut command(["info".as_ref(), scene.as_os_str()]));
+        let picture = run(&mut command(render(&scene, &[])));
+        assert_eq!(
+            information.status, picture.status,
+            "{text}: {}",
+            picture.errors
+        );
+        assert_eq!(
+            picture.status == Some(0),
+            is_good,
+            "{text}: {}",
+            picture.errors
+        );
+        if is_good && text != object {
+            assert!(picture.errors.contains("warning: "), "{text}");
+            let output = String::from_utf8_lossy(&information.output);
+            assert!(output.contains("warning"), "{text}: {output}");
+        }
+    }
+}
