@@ -7,6 +7,7 @@ mod mesh_file;
 mod mtl;
 mod obj;
 mod obj_text;
+mod ray_file;
 mod scene_file;
 mod scene_read;
 mod scene_toml;
@@ -15,6 +16,7 @@ mod texture;
 mod triangle_text;
 
 pub use error::{FormatError, Place};
+pub use ray_file::{HIT_BYTES, RAY_BYTES, decode_ray, encode_hit};
 pub use scene_file::{CameraFile, ImageFile, SceneFile, ShadingFile};
 pub use scene_write::SaveError;
 
