@@ -31,10 +31,9 @@ pub fn check(bytes: &[u8]) -> Result<(), String> {
             let written = written.map_err(|error| format!("it cannot be written: {error}"))?;
             let again = Fragment::decode("fragment", &written);
             let again = again.map_err(|error| format!("written, it is refused: {error}"))?;
-            are_equal(&fragment.picture, &again.picture)?;
-            let place = |f: &Fragment| (f.full_size, f.rect, f.view);
-            if place(&again) != place(&fragment) {
-                return Err("written, it is in another place".to_owned());
+            // As text, for numbers that are none are not equal to themselves.
+            if format!("{again:?}") != format!("{fragment:?}") {
+                return Err("written, it is another".to_owned());
             }
             stitches(fragment)
         }

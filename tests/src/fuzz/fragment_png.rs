@@ -30,14 +30,16 @@ pub fn check(bytes: &[u8]) -> Result<(), String> {
 /// # Errors
 /// What does not hold.
 pub(super) fn stitches(fragment: Fragment) -> Result<(), String> {
-    let (columns, rows) = fragment.full_size;
-    let is_whole = fragment.rect.area() as u64 == u64::from(columns) * u64::from(rows);
     let picture = fragment.picture.clone();
     let named = |name: &str| (name.to_owned(), fragment.clone());
     match stitch(&[named("a")]) {
-        // Numbers that are none are not equal to themselves: as text they are.
-        Ok(whole) if is_whole && format!("{whole:?}") == format!("{picture:?}") => {}
-        Err(gap @ FragmentError::Gap { .. }) if !is_whole => is_message(&gap.to_string())?,
+        // As text, for numbers that are none are not equal to themselves.
+        Ok(whole) if format!("{whole:?}") == format!("{picture:?}") => {}
+        Err(ref gap @ FragmentError::Gap { width, height, .. })
+            if (width, height) != (picture.width, picture.height) =>
+        {
+            is_message(&gap.to_string())?;
+        }
         other => return Err(format!("alone it stitches to {other:?}")),
     }
     match stitch(&[named("a"), named("b")]) {
