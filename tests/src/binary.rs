@@ -4,12 +4,16 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 
-/// Where the `raycast` binary is, built once, as these tests were.
+/// Where the `raycast` binary is, built once, as these tests were; or the one that `RAYCAST_BINARY`
+/// names, which is then what is tested.
 ///
 /// Cargo builds a package's binaries for that package's own tests alone, so this asks for it.
 pub fn path() -> &'static Path {
     static PATH: OnceLock<PathBuf> = OnceLock::new();
     PATH.get_or_init(|| {
+        if let Some(path) = std::env::var_os("RAYCAST_BINARY") {
+            return std::path::absolute(path).expect("a path is not empty");
+        }
         // target/<profile>/deps/<this test>
         let test = std::env::current_exe().expect("a test knows its own path");
         let profile = test

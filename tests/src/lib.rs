@@ -5,5 +5,8 @@
 pub mod binary;
 pub mod check;
 pub mod files;
+pub mod fuzz;
 pub mod models;
+pub mod process;
 pub mod screen;
+pub mod soak_files;

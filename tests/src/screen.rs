@@ -112,6 +112,11 @@ impl Drop for Screen {
 pub struct Program(Child);
 
 impl Program {
+    /// Its number, by which the system knows it.
+    pub fn id(&self) -> u32 {
+        self.0.id()
+    }
+
     /// The exit status and what it said on standard error, if it has ended.
     pub fn ended(&mut self) -> Option<String> {
         let status = self.0.try_wait().expect("the program can be asked")?;

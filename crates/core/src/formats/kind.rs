@@ -11,7 +11,7 @@ pub(super) enum MeshKind {
 /// What a mesh file may be, for messages.
 const MESHES: &str = "a mesh (OBJ, or triangle text)";
 
-/// How many lines are looked at for a word that tells the kind.
+/// How many lines, empty ones aside, are looked at for a word that tells the kind.
 const LINES: usize = 200;
 
 /// Words that open a line of an OBJ file.
@@ -121,6 +121,8 @@ pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
 fn first_lines(bytes: &[u8]) -> impl Iterator<Item = String> {
     without_mark(bytes)
         .split(|&b| b == b'\n' || b == b'\r')
+        // Windows' lines have an empty one between them, which must not count.
+        .filter(|line| !line.is_empty())
         .take(LINES)
         .map(|line| {
             String::from_utf8_lossy(&line[..line.len().min(256)])
@@ -155,6 +157,11 @@ mod tests {
         assert_eq!(kind("a.OBJ", "nothing of note"), obj);
         assert_eq!(kind("a.txt", "nothing of note"), text);
         assert_eq!(kind("a.md", "nothing of note"), None);
+        // However lines end, as many of them are looked at.
+        for line in ["# c\n", "# c\r\n", "# c\r"] {
+            let after = |lines| kind("a.obj", &(line.repeat(lines) + "(0,0,0);(1,0,0);(0,1,0)"));
+            assert_eq!((after(LINES - 1), after(LINES)), (text, obj), "{line:?}");
+        }
     }
 
     #[test]

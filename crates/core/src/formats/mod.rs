@@ -12,6 +12,7 @@ mod mtl;
 mod obj;
 mod obj_text;
 mod polygon;
+mod ray_file;
 mod scene_file;
 mod scene_read;
 mod scene_toml;
@@ -22,6 +23,7 @@ mod triangle_text;
 pub use error::{FormatError, Place};
 pub use guard::panic_is_caught;
 pub use limits::{Budget, Limits};
+pub use ray_file::{HIT_BYTES, RAY_BYTES, decode_ray, encode_hit};
 pub use scene_file::{CameraFile, FileKind, ImageFile, SceneFile, ShadingFile};
 pub use scene_write::SaveError;
 

@@ -5,21 +5,13 @@ use crate::progress::Progress;
 use crate::setup;
 use crate::stats::{self, Stats, StatsTarget, milliseconds};
 use raycast_core::accel::Accel;
-use raycast_core::camera::Ray;
-use raycast_core::formats::SceneFile;
-use raycast_core::glam::DVec3;
-use raycast_core::intersect::{Cull, Hit};
+use raycast_core::formats::{HIT_BYTES, RAY_BYTES, SceneFile, decode_ray, encode_hit};
+use raycast_core::intersect::Cull;
 use rayon::prelude::*;
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
-
-/// Bytes of a ray: origin, t_min, direction, t_max.
-const RAY_BYTES: usize = 32;
-
-/// Bytes of a hit: t, object, triangle, u, v.
-const HIT_BYTES: usize = 20;
 
 /// Rays held at once: enough to keep every worker busy, few enough to hold for any file.
 const RAYS_AT_ONCE: usize = 1 << 18;
@@ -192,10 +184,12 @@ fn cast_all(accel: &Accel, cull: Cull, rays: &[u8], progress: &Progress) -> (Vec
         .map(|(rays, hits)| {
             let mut counts = Counts::default();
             for (ray, hit) in rays
-                .chunks_exact(RAY_BYTES)
-                .zip(hits.chunks_exact_mut(HIT_BYTES))
+                .as_chunks::<RAY_BYTES>()
+                .0
+                .iter()
+                .zip(hits.as_chunks_mut::<HIT_BYTES>().0)
             {
-                let ray = decode(ray);
+                let ray = decode_ray(ray);
                 let met = if ray.is_valid() {
                     accel.cast(&ray, cull)
                 } else {
@@ -203,7 +197,7 @@ fn cast_all(accel: &Accel, cull: Cull, rays: &[u8], progress: &Progress) -> (Vec
                     None
                 };
                 counts.hits += u64::from(met.is_some());
-                hit.copy_from_slice(&encode(met));
+                *hit = encode_hit(met.as_ref());
             }
             counts.rays = (rays.len() / RAY_BYTES) as u64;
             progress.done(counts.rays);
@@ -213,70 +207,9 @@ fn cast_all(accel: &Accel, cull: Cull, rays: &[u8], progress: &Progress) -> (Vec
     (hits, counts)
 }
 
-/// A ray from its 32 bytes.
-fn decode(bytes: &[u8]) -> Ray {
-    let number = |index: usize| {
-        let word = &bytes[index * 4..index * 4 + 4];
-        f64::from(f32::from_le_bytes([word[0], word[1], word[2], word[3]]))
-    };
-    Ray {
-        origin: DVec3::new(number(0), number(1), number(2)),
-        t_min: number(3),
-        direction: DVec3::new(number(4), number(5), number(6)),
-        t_max: number(7),
-    }
-}
-
-/// A hit's 20 bytes.
-fn encode(hit: Option<Hit>) -> [u8; HIT_BYTES] {
-    let (t, object, triangle, u, v) = match hit {
-        Some(hit) => (
-            hit.t as f32,
-            hit.object,
-            hit.triangle,
-            hit.u as f32,
-            hit.v as f32,
-        ),
-        None => (f32::INFINITY, u32::MAX, u32::MAX, 0.0, 0.0),
-    };
-    let mut bytes = [0; HIT_BYTES];
-    bytes[0..4].copy_from_slice(&t.to_le_bytes());
-    bytes[4..8].copy_from_slice(&object.to_le_bytes());
-    bytes[8..12].copy_from_slice(&triangle.to_le_bytes());
-    bytes[12..16].copy_from_slice(&u.to_le_bytes());
-    bytes[16..20].copy_from_slice(&v.to_le_bytes());
-    bytes
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn rays_and_hits_are_laid_out_as_promised() {
-        let numbers: [f32; 8] = [1.0, -2.0, 3.5, 0.25, 0.0, 0.0, -1.0, 100.0];
-        let bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
-        let ray = decode(&bytes);
-        assert_eq!(ray.origin, DVec3::new(1.0, -2.0, 3.5));
-        assert_eq!(ray.direction, DVec3::NEG_Z);
-        assert_eq!((ray.t_min, ray.t_max), (0.25, 100.0));
-
-        let hit = Hit {
-            object: 1,
-            triangle: 0x0403_0201,
-            t: 2.0,
-            u: 0.5,
-            v: 0.25,
-        };
-        let bytes = encode(Some(hit));
-        assert_eq!(bytes[0..4], 2f32.to_le_bytes());
-        assert_eq!(bytes[4..12], [1, 0, 0, 0, 1, 2, 3, 4]);
-        assert_eq!(bytes[12..16], 0.5f32.to_le_bytes());
-        assert_eq!(bytes[16..20], 0.25f32.to_le_bytes());
-        let miss = encode(None);
-        assert_eq!(miss[0..4], f32::INFINITY.to_le_bytes());
-        assert_eq!(miss[4..12], [0xff; 8]);
-    }
 
     #[test]
     fn rays_come_in_parts_and_stay_in_order() {

@@ -1,0 +1,156 @@
+//! Makes the fuzzers' seeds that are no text: images, fragments, rays.
+//!
+//! `cargo run --release -p raycast-tests --example seeds` writes them into `fuzz/seeds`, the same each
+//! time. Seeds that are text were written by hand.
+
+use exr::prelude::{Compression, WritableImage, read_all_data_from_file};
+use image::codecs::{jpeg::JpegEncoder, png::PngEncoder};
+use image::{DynamicImage, Rgba, RgbaImage};
+use raycast_core::camera::Rect;
+use raycast_core::image::{Format, Fragment, Layers, Picture};
+use std::error::Error;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    textures()?;
+    fragments()?;
+    rays()
+}
+
+fn seed(target: &str, name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../fuzz/seeds")
+        .join(target)
+        .join(name)
+}
+
+/// Small images of every kind of sample that PNG has, JPEG in grey and in colour, every kind of PNM.
+fn textures() -> Result<(), Box<dyn Error>> {
+    let pixel = |x, y| {
+        let level = (x * 40 + y * 7) as u8;
+        Rgba([level, 255 - level, 3 * level, 255 - 30 * y as u8])
+    };
+    let image = DynamicImage::ImageRgba8(RgbaImage::from_fn(5, 3, pixel));
+    let kinds = [
+        ("grey", DynamicImage::ImageLuma8(image.to_luma8())),
+        (
+            "grey_alpha",
+            DynamicImage::ImageLumaA8(image.to_luma_alpha8()),
+        ),
+        ("rgb", DynamicImage::ImageRgb8(image.to_rgb8())),
+        ("rgb_16", DynamicImage::ImageRgb16(image.to_rgb16())),
+        ("rgba", image.clone()),
+    ];
+    for (name, kind) in &kinds {
+        let mut png = Vec::new();
+        kind.write_with_encoder(PngEncoder::new(&mut png))?;
+        std::fs::write(seed("texture", &format!("png_{name}")), png)?;
+    }
+    for (name, kind) in [&kinds[0], &kinds[2]] {
+        let mut jpeg = Vec::new();
+        kind.write_with_encoder(JpegEncoder::new_with_quality(&mut jpeg, 50))?;
+        std::fs::write(seed("texture", &format!("jpeg_{name}")), jpeg)?;
+    }
+    for (name, bytes) in [
+        ("p1", &b"P1\n3 2\n1 0 1\n0 1 0\n"[..]),
+        ("p2", b"P2\n# grey\n2 2\n15\n0 5\n10 15\n"),
+        ("p3", b"P3\n1 2\n255\n255 0 0\n0 128 255\n"),
+        ("p4", b"P4\n9 2\n\xaa\x80\x55\0"),
+        ("p5", b"P5\n2 2\n255\n\x00\x40\x80\xff"),
+        ("p6", b"P6\n1 2\n65535\nabcdefghijkl"),
+    ] {
+        std::fs::write(seed("texture", &format!("pnm_{name}")), bytes)?;
+    }
+    Ok(())
+}
+
+/// Fragments of a picture with and without alpha, whole and in part; EXR in every compression that is
+/// read.
+fn fragments() -> Result<(), Box<dyn Error>> {
+    let opaque = fragment(3, 2, 255, (3, 2));
+    let clear = fragment(4, 3, 100, (9, 7));
+    for (name, fragment) in [("whole", &opaque), ("part", &clear)] {
+        std::fs::write(seed("fragment_exr", name), fragment.encode(Format::Exr)?)?;
+        let mut flat = fragment.clone();
+        flat.picture.layers = None;
+        std::fs::write(seed("fragment_png", name), flat.encode(Format::Png)?)?;
+    }
+    let picture = seed("fragment_exr", "picture");
+    std::fs::write(&picture, clear.picture.encode(Format::Exr)?)?;
+    for (name, compression) in [
+        ("uncompressed", Compression::Uncompressed),
+        ("rle", Compression::RLE),
+        ("zip1", Compression::ZIP1),
+    ] {
+        for from in ["part", "picture"] {
+            let mut image = read_all_data_from_file(seed("fragment_exr", from))?;
+            for layer in &mut image.layer_data {
+                layer.encoding.compression = compression;
+            }
+            let mut bytes = Cursor::new(Vec::new());
+            image.write().to_buffered(&mut bytes)?;
+            let name = format!("{from}_{name}");
+            std::fs::write(seed("fragment_exr", &name), bytes.into_inner())?;
+        }
+    }
+    Ok(())
+}
+
+fn fragment(width: u32, height: u32, alpha: u8, full_size: (u32, u32)) -> Fragment {
+    let mut picture = Picture::blank(width, height, true);
+    let pixels = picture.pixels.len();
+    let mut layers = Layers::blank(pixels);
+    for pixel in (0..pixels).filter(|pixel| pixel % 4 != 1) {
+        let value = pixel as f32 / pixels as f32;
+        layers.color[pixel] = [value, 0.25, 1.0 - value, 1.0];
+        layers.depth[pixel] = 1.0 + value;
+        layers.object[pixel] = pixel as u32 % 2;
+        layers.triangle[pixel] = pixel as u32;
+        layers.normal[pixel] = [0.0, 0.6, 0.8];
+        layers.uv[pixel] = [value, -value];
+        picture.pixels[pixel] = [(value * 255.0) as u8, 137, 7, alpha];
+    }
+    picture.layers = Some(layers);
+    let (x, y) = (full_size.0 - width, full_size.1 - height);
+    Fragment {
+        full_size,
+        rect: Rect {
+            x,
+            y,
+            width,
+            height,
+        },
+        view: 0x0123_4567_89ab_cdef,
+        picture,
+    }
+}
+
+/// Rays along the axes, at corners, at edges, in planes, and such as are none, at every scene.
+fn rays() -> Result<(), Box<dyn Error>> {
+    let far = f32::MAX;
+    let rays: [[f32; 8]; 10] = [
+        [0.2, 0.3, 5.0, 0.0, 0.0, 0.0, -1.0, far],
+        [1.0, 0.25, 5.0, 0.0, -0.0, 0.0, -1.0, 100.0],
+        [0.0, 0.0, 5.0, 0.0, 0.0, 0.0, -1.0, 4.0],
+        [0.5, 0.5, 120_500.0, 0.0, 0.0, 0.0, -1.0, far],
+        [1.0, 1.0, 1.0, 0.0, -1.0, -1.0, -1.0, 2.0],
+        [148_376.0, 1234.0, -223_418.0, 0.0, 0.1, 0.2, -1.0, far],
+        [-5.0, 0.0, 0.0, 0.0, 1e-9, 0.0, 0.0, f32::INFINITY],
+        [0.25, 0.5, 3.0, -2.0, 0.0, 1e-30, -1e9, 1.0],
+        [f32::NAN, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, far],
+        [0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, far],
+    ];
+    let bytes: Vec<u8> = rays
+        .iter()
+        .flatten()
+        .flat_map(|n| n.to_le_bytes())
+        .collect();
+    for scene in 0..8 {
+        for (name, choice) in [("all", scene), ("culled", 0x80 | scene)] {
+            let file = [&[choice][..], &bytes].concat();
+            std::fs::write(seed("rays", &format!("scene_{scene}_{name}")), file)?;
+        }
+    }
+    Ok(())
+}
