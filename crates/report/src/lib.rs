@@ -22,6 +22,7 @@ pub mod checked;
 pub mod effort;
 pub mod embree;
 pub mod errors;
+mod expected;
 pub mod fault;
 pub mod figure;
 pub mod machine;
