@@ -701,6 +701,114 @@ fn a_wrong_pixel_is_found() {
     }
 }
 
+/// A picture whose colours, or normals, or texture coordinates were painted over is found out, in an EXR
+/// and in a PNG, and nothing need be said of its camera or its shading.
+#[test]
+fn a_repainted_picture_is_found() {
+    let folder = folder();
+    let mesh = asset("monkey.obj");
+    for (mode, samples) in [("smooth", "1"), ("flat", "3"), ("normals", "1")] {
+        let exr = folder.path().join("picture.exr");
+        let png = folder.path().join("picture.png");
+        for path in [&exr, &png] {
+            let view = ["--size", "90x70", "--orbit", "40,10", "--fov", "30"];
+            let mut arguments = arguments!["render", &mesh, "-o", path];
+            arguments.extend(view.map(OsString::from));
+            arguments.extend(["--mode", mode, "--samples", samples].map(OsString::from));
+            succeed(arguments);
+            let told = succeed(arguments!["verify", path, &mesh, "--all"]);
+            let text = String::from_utf8(told.output).expect("a report is UTF-8");
+            assert!(text.starts_with("6300 of 6300 pixels checked"), "{text}");
+            assert!(text.contains("colour at "), "{text}");
+            assert!(text.contains("0 wrong: every "), "{text}");
+        }
+        let refused = |path: &Path, count: Option<usize>| {
+            let told = run(&mut command(arguments!["verify", path, &mesh, "--all"]));
+            assert_eq!(told.status, Some(1), "{}", told.errors);
+            if let Some(count) = count {
+                let expected = format!("{count} of 6300 pixels checked are wrong");
+                assert!(told.errors.contains(&expected), "{}", told.errors);
+            } else {
+                assert!(told.errors.contains("are wrong"), "{}", told.errors);
+            }
+        };
+        let ImageFile {
+            picture, recipe, ..
+        } = ImageFile::decode(&bytes(&exr)).expect("an EXR");
+        let write = |picture: &Picture, format: Format, path: &Path| {
+            let bytes = picture.encode_with(format, recipe.as_ref());
+            std::fs::write(path, bytes.expect("encodes")).expect("writes");
+        };
+        // A stroke across the middle.
+        let row = 35 * 90..36 * 90;
+        let mut bad = picture.clone();
+        let layers = bad.layers.as_mut().expect("an EXR has layers");
+        layers.color[row.clone()].fill([0.5, 0.1, 0.9, 1.0]);
+        write(&bad, Format::Exr, &exr);
+        refused(&exr, Some(90));
+        let mut bad = picture.clone();
+        let layers = bad.layers.as_mut().expect("an EXR has layers");
+        layers.normal[row.clone()].fill([0.6, 0.8, 0.0]);
+        write(&bad, Format::Exr, &exr);
+        refused(&exr, None);
+        let mut bad = picture.clone();
+        bad.layers = None;
+        bad.pixels[row].fill([120, 40, 200, 255]);
+        write(&bad, Format::Png, &png);
+        refused(&png, None);
+    }
+}
+
+/// What a picture was made of is told at once, before a pixel is looked at.
+#[test]
+fn a_picture_of_something_else_is_refused() {
+    let folder = folder();
+    let (mesh, other) = (asset("monkey.obj"), asset("cube.obj"));
+    for name in ["picture.exr", "picture.png", "part.png"] {
+        let path = folder.path().join(name);
+        let mut arguments = arguments!["render", &mesh, "-o", &path, "--size", "60x40"];
+        arguments.extend(["--orbit", "40,10", "--color", "#aa3355"].map(OsString::from));
+        if name == "part.png" {
+            arguments.extend(["--tiles", "2x2", "--sub-camera", "1,1"].map(OsString::from));
+        }
+        succeed(arguments);
+        let verify = |mesh: &Path, more: &[&str]| {
+            let mut arguments = arguments!["verify", &path, mesh];
+            arguments.extend(more.iter().map(OsString::from));
+            arguments
+        };
+        let color = ["--color", "#aa3355"];
+        succeed(verify(&mesh, &color));
+        succeed(verify(
+            &mesh,
+            &[&color[..], &["--orbit", "40,10", "--mode", "smooth"]].concat(),
+        ));
+        for (mesh, more, expected) in [
+            (&other, &[][..], "another scene"),
+            (&mesh, &[], "another scene"),
+            (&other, &["--color", "#aa3355"], "another scene"),
+            (
+                &mesh,
+                &["--color", "#aa3355", "--orbit", "41,10"],
+                "another camera (",
+            ),
+            (
+                &mesh,
+                &["--color", "#aa3355", "--mode", "flat"],
+                "other settings (mode = \"smooth\", not mode = \"flat\")",
+            ),
+            (
+                &mesh,
+                &["--color", "#aa3355", "--samples", "2"],
+                "other settings (samples = 1, not samples = 2)",
+            ),
+        ] {
+            let line = refuse(1, verify(mesh, more));
+            assert!(line.contains(expected) && line.contains(name), "{line}");
+        }
+    }
+}
+
 /// The recipe is the same however a picture is split, from whatever folder, by however many threads.
 #[test]
 fn recipes_hang_on_nothing_but_the_picture() {

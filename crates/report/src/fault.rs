@@ -31,6 +31,18 @@ pub enum Fault {
     /// The weights are off by this.
     #[error("u or v is off by {0}")]
     Weights(f64),
+    /// A channel of the picture is outside of what rounding can have made of the truth.
+    #[error("{channel} is {found}, expected {low} to {high}")]
+    Channel {
+        /// Its name in an EXR; of an 8-bit picture `R`, `G`, `B` or `A`, 0 to 255.
+        channel: &'static str,
+        /// What the picture has.
+        found: f64,
+        /// The least that it may have.
+        low: f64,
+        /// The most that it may have.
+        high: f64,
+    },
 }
 
 /// Whether a hit is the truth: the same triangle, and numbers within the bounds that the project
@@ -99,7 +111,7 @@ pub fn ulps(found: f64, truth: f64) -> f64 {
 }
 
 /// A unit in the last place of single precision, at a double.
-fn ulp(x: f64) -> f64 {
+pub(crate) fn ulp(x: f64) -> f64 {
     let power = f64::from_bits(x.abs().to_bits() & 0x7ff0_0000_0000_0000);
     (power * 2f64.powi(-23)).max(2f64.powi(-149))
 }

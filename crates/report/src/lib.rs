@@ -23,6 +23,7 @@ pub mod checked;
 pub mod effort;
 pub mod embree;
 pub mod errors;
+mod expected;
 pub mod fault;
 pub mod figure;
 pub mod fuzz_kernel;

@@ -1,10 +1,12 @@
 //! A picture's pixels against the truth, more of them where it is easiest to be wrong.
 
-use crate::fault::{Fault, compare_pixel};
+use crate::expected::{Expected, Single, shows};
+use crate::fault::{Fault, GRAZING, compare_pixel};
 use crate::stage::Stage;
 use raycast_core::camera::{Camera, Rect};
-use raycast_core::image::Layers;
+use raycast_core::image::{Layers, Picture};
 use raycast_core::intersect::Cull;
+use raycast_core::shade::Shading;
 use raycast_oracle::Truth;
 use raycast_oracle::random::Random;
 use rayon::prelude::*;
@@ -19,10 +21,15 @@ pub struct Claim<'a> {
     pub camera: Camera,
     /// The rectangle.
     pub rect: Rect,
-    /// What each of its pixels is said to show: as many as the rectangle has.
-    pub layers: &'a Layers,
     /// Which faces its rays meet.
     pub cull: Cull,
+    /// In which colours.
+    pub shading: Shading,
+    /// Rays a pixel.
+    pub samples: u32,
+    /// What each of its pixels is said to show: as many as the rectangle has. Without layers, 8-bit
+    /// colours are all that it tells.
+    pub picture: &'a Picture,
 }
 
 /// What a claim came to.
@@ -36,10 +43,39 @@ pub struct Verification {
     pub silhouettes: usize,
     /// Of those: next to another triangle of the same object.
     pub edges: usize,
+    /// At how many of them each channel was checked.
+    pub channels: Channels,
     /// How many were wrong.
     pub wrong: usize,
     /// The first few of them, row by row.
     pub first_wrong: Vec<WrongPixel>,
+}
+
+/// At how many pixels each channel was checked. What a pixel does not tell is not checked, nor what
+/// hangs on the place in a triangle that the ray grazes (a cosine of 0.1 or less), colours under lines,
+/// or colours that rounding may have made anything (a texture with more than a texel to a hit's error).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Channels {
+    /// Object and triangle.
+    pub numbers: usize,
+    /// Distance.
+    pub depth: usize,
+    /// The surface's direction.
+    pub normal: usize,
+    /// Texture coordinates.
+    pub uv: usize,
+    /// Colour and alpha: the mean of the pixel's samples.
+    pub color: usize,
+}
+
+impl std::ops::AddAssign for Channels {
+    fn add_assign(&mut self, other: Self) {
+        self.numbers += other.numbers;
+        self.depth += other.depth;
+        self.normal += other.normal;
+        self.uv += other.uv;
+        self.color += other.color;
+    }
 }
 
 /// A pixel that does not show what its ray meets.
@@ -51,19 +87,17 @@ pub struct WrongPixel {
     pub y: u32,
     /// What is wrong.
     pub fault: Fault,
-    /// The object that it shows; `u32::MAX` for none.
-    pub object: u32,
-    /// The triangle that it shows.
-    pub triangle: u32,
-    /// The distance that it tells.
-    pub depth: f32,
+    /// The object that it shows (`u32::MAX` for none), the triangle, and the distance; `None` where the
+    /// picture tells colours alone.
+    pub shown: Option<(u32, u32, f32)>,
     /// What its ray meets, in truth.
     pub truth: Option<Truth>,
 }
 
 /// Checks `most` of a claim's pixels, or all if there are no more: a third where an object ends, a
-/// third where two triangles of one meet, and the rest anywhere. The same seed draws the same ones.
-/// `done` is called with how many more are checked, from several threads.
+/// third where two triangles of one meet, and the rest anywhere; of a picture that tells colours alone,
+/// anywhere. The same seed draws the same ones. `done` is called with how many more are checked, from
+/// several threads.
 pub fn verify(
     stage: &Stage,
     claim: &Claim<'_>,
@@ -72,15 +106,23 @@ pub fn verify(
     done: &(impl Fn(u64) + Sync),
 ) -> Verification {
     let drawn = draw(claim, most, seed);
-    let mut wrong: Vec<WrongPixel> = drawn
+    let expected = Expected::new(stage, claim.camera, claim.shading);
+    let parts: Vec<(Channels, Vec<WrongPixel>)> = drawn
         .par_chunks(256)
-        .flat_map_iter(|chunk| {
-            let check = |&i: &u32| check(stage, claim, i as usize);
-            let wrong: Vec<WrongPixel> = chunk.iter().filter_map(check).collect();
+        .map(|chunk| {
+            let mut channels = Channels::default();
+            let mut check = |&i: &u32| check(stage, claim, &expected, i as usize, &mut channels);
+            let wrong: Vec<WrongPixel> = chunk.iter().filter_map(&mut check).collect();
             done(chunk.len() as u64);
-            wrong
+            (channels, wrong)
         })
         .collect();
+    let mut channels = Channels::default();
+    let mut wrong = Vec::new();
+    for (of_part, wrong_of_part) in parts {
+        channels += of_part;
+        wrong.extend(wrong_of_part);
+    }
     wrong.sort_unstable_by_key(|pixel| (pixel.y, pixel.x));
     let count = wrong.len();
     wrong.truncate(TOLD);
@@ -93,6 +135,7 @@ pub fn verify(
         checked: drawn.len(),
         silhouettes: count_of(Kind::Silhouette),
         edges: count_of(Kind::Edge),
+        channels,
         wrong: count,
         first_wrong: wrong,
     }
@@ -108,6 +151,9 @@ enum Kind {
 
 impl Claim<'_> {
     fn kind(&self, i: usize) -> Kind {
+        let Some(layers) = &self.picture.layers else {
+            return Kind::Inside;
+        };
         let (width, height) = (self.rect.width as usize, self.rect.height as usize);
         let (x, y) = (i % width, i / width);
         let neighbours = [
@@ -117,9 +163,9 @@ impl Claim<'_> {
             (y + 1 < height).then(|| i + width),
         ];
         let differs = |of: &[u32]| neighbours.iter().flatten().any(|&j| of[j] != of[i]);
-        if differs(&self.layers.object) {
+        if differs(&layers.object) {
             Kind::Silhouette
-        } else if differs(&self.layers.triangle) {
+        } else if differs(&layers.triangle) {
             Kind::Edge
         } else {
             Kind::Inside
@@ -150,131 +196,124 @@ fn draw(claim: &Claim<'_>, most: usize, seed: u64) -> Vec<u32> {
     drawn
 }
 
-/// What is wrong with a pixel, if anything is.
-fn check(stage: &Stage, claim: &Claim<'_>, i: usize) -> Option<WrongPixel> {
+/// What is wrong with a pixel, if anything is; counts what was checked.
+fn check(
+    stage: &Stage,
+    claim: &Claim<'_>,
+    expected: &Expected<'_>,
+    i: usize,
+    channels: &mut Channels,
+) -> Option<WrongPixel> {
     let width = claim.rect.width as usize;
     let (x, y) = (
         claim.rect.x + (i % width) as u32,
         claim.rect.y + (i / width) as u32,
     );
-    let ray = claim.camera.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
-    let truth = stage.truth(&ray, claim.cull);
-    let layers = claim.layers;
-    let (object, triangle, depth) = (layers.object[i], layers.triangle[i], layers.depth[i]);
-    let fault = compare_pixel(object, triangle, depth, truth.as_ref()).err()?;
+    let truth_at = |(across, down): (f64, f64)| {
+        let place = (f64::from(x) + across, f64::from(y) + down);
+        let ray = claim.camera.ray(place.0, place.1);
+        (place, stage.truth(&ray, claim.cull))
+    };
+    let (_, truth) = truth_at(sample_offset(0));
+    let layers = claim.picture.layers.as_ref();
+    let found = layers
+        .map_or(Ok(()), |layers| {
+            check_layers(layers, i, truth.as_ref(), expected, channels)
+        })
+        .and_then(|()| {
+            let mut sums = [Single::exactly(0.0); 4];
+            for index in 0..claim.samples.max(1) {
+                let ((x, y), truth) = truth_at(sample_offset(index));
+                let [r, g, b, a] = expected.color(x, y, truth.as_ref());
+                let sample = [r * a, g * a, b * a, a];
+                sums = std::array::from_fn(|channel| sums[channel] + sample[channel]);
+                if !sums.iter().all(|sum| sum.is_known()) {
+                    return Ok(());
+                }
+            }
+            let share = Single::exactly(1.0 / f64::from(claim.samples.max(1))).rounded();
+            let color = sums.map(|sum| sum * share);
+            match layers {
+                Some(layers) => {
+                    channels.color += 1;
+                    let found = layers.color[i].map(f64::from);
+                    compare_channels(["R", "G", "B", "A"], found, color)
+                }
+                None => match shows(claim.picture.pixels[i], color) {
+                    None => Ok(()),
+                    Some(shown) => {
+                        channels.color += 1;
+                        shown
+                    }
+                },
+            }
+        });
+    let fault = found.err()?;
+    let shown = layers.map(|layers| (layers.object[i], layers.triangle[i], layers.depth[i]));
     Some(WrongPixel {
         x,
         y,
         fault,
-        object,
-        triangle,
-        depth,
+        shown,
         truth,
     })
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::cameras::{PROJECTIONS, camera};
-    use crate::meshes;
-    use crate::stage::scene_of;
-    use raycast_core::camera::Grid;
-    use raycast_core::glam::DVec3;
-    use raycast_core::image::Picture;
-    use raycast_core::render::Cancel;
-    use std::sync::atomic::{AtomicU64, Ordering};
-    use std::time::Duration;
-
-    const SIZE: (u32, u32) = (80, 60);
-
-    fn rendered(stage: &Stage, camera: Camera) -> Picture {
-        stage
-            .view(camera, Cull::None)
-            .render(
-                Grid::default(),
-                &|| Duration::ZERO,
-                &Cancel::default(),
-                &|_| (),
-            )
-            .expect("nothing cancelled it")
+/// What a pixel's layers tell, but for its colour, against what its first ray meets.
+fn check_layers(
+    layers: &Layers,
+    i: usize,
+    truth: Option<&Truth>,
+    expected: &Expected<'_>,
+    channels: &mut Channels,
+) -> Result<(), Fault> {
+    let (object, triangle, depth) = (layers.object[i], layers.triangle[i], layers.depth[i]);
+    channels.numbers += 1;
+    channels.depth += usize::from(truth.is_none_or(|truth| truth.cosine > GRAZING));
+    compare_pixel(object, triangle, depth, truth)?;
+    let (normal, uv) = match truth {
+        None => ([Single::exactly(0.0); 3], [Single::exactly(0.0); 2]),
+        Some(truth) => expected.surface(truth),
+    };
+    if normal.iter().all(|normal| normal.is_known()) {
+        channels.normal += 1;
+        let found = layers.normal[i].map(f64::from);
+        compare_channels(["N.X", "N.Y", "N.Z"], found, normal)?;
     }
-
-    fn checked(stage: &Stage, camera: Camera, layers: &Layers, most: usize) -> Verification {
-        let rect = Rect {
-            x: 0,
-            y: 0,
-            width: SIZE.0,
-            height: SIZE.1,
-        };
-        let claim = Claim {
-            camera,
-            rect,
-            layers,
-            cull: Cull::None,
-        };
-        let told = AtomicU64::new(0);
-        let found = verify(stage, &claim, most, 1, &|more| {
-            told.fetch_add(more, Ordering::Relaxed);
-        });
-        assert_eq!(told.into_inner(), found.checked as u64);
-        found
+    if uv.iter().all(|uv| uv.is_known()) {
+        channels.uv += 1;
+        compare_channels(["uv.U", "uv.V"], layers.uv[i].map(f64::from), uv)?;
     }
+    Ok(())
+}
 
-    #[test]
-    fn a_good_picture_passes_and_each_fault_is_found() {
-        let stage = Stage::new(scene_of([
-            meshes::sphere(DVec3::ZERO, 1.0, 24),
-            meshes::octahedron(),
-        ]))
-        .expect("a valid scene");
-        for projection in PROJECTIONS {
-            let eye = DVec3::new(1.0, 2.0, 3.0);
-            let camera = camera(eye, DVec3::ZERO, projection, SIZE, 2.4);
-            let good = rendered(&stage, camera).layers.expect("layers");
-            let all = checked(&stage, camera, &good, 100_000);
-            assert_eq!((all.pixels, all.checked, all.wrong), (4800, 4800, 0));
-            assert!(all.silhouettes > 100 && all.edges > 500);
-            let some = checked(&stage, camera, &good, 300);
-            assert_eq!((some.checked, some.wrong), (300, 0));
-            assert!(some.silhouettes >= 100 && some.edges >= 100);
-
-            let middle = 30 * 80 + 40;
-            for spoil in [
-                (|layers, i| layers.triangle[i] += 1) as fn(&mut Layers, usize),
-                |layers, i| layers.object[i] = 1 - layers.object[i],
-                |layers, i| layers.depth[i] *= 1.000_001,
-                |layers, i| layers.depth[i] = f32::NAN,
-                |layers, i| layers.depth[i] = f32::INFINITY,
-                |layers, i| {
-                    layers.object[i] = u32::MAX;
-                    layers.triangle[i] = u32::MAX;
-                    layers.depth[i] = f32::INFINITY;
-                },
-            ] {
-                let mut bad = good.clone();
-                spoil(&mut bad, middle);
-                let found = checked(&stage, camera, &bad, 4800);
-                assert_eq!(found.wrong, 1);
-                let first = &found.first_wrong[0];
-                assert_eq!((first.x, first.y), (40, 30));
-            }
-            // A hit where there is nothing.
-            let mut bad = good.clone();
-            (bad.object[0], bad.triangle[0], bad.depth[0]) = (0, 0, 3.0);
-            let found = checked(&stage, camera, &bad, 4800);
-            assert_eq!(found.first_wrong[0].fault, Fault::Hit);
+fn compare_channels<const N: usize>(
+    names: [&'static str; N],
+    found: [f64; N],
+    expected: [Single; N],
+) -> Result<(), Fault> {
+    for ((channel, found), range) in names.into_iter().zip(found).zip(expected) {
+        if !range.has(found) {
+            return Err(Fault::Channel {
+                channel,
+                found,
+                low: range.low,
+                high: range.high,
+            });
         }
     }
-
-    #[test]
-    fn only_a_few_wrong_pixels_are_told_of_and_all_are_counted() {
-        let stage = Stage::new(scene_of([meshes::octahedron()])).expect("a valid scene");
-        let camera = camera(DVec3::Z * 3.0, DVec3::ZERO, PROJECTIONS[0], SIZE, 1.0);
-        let blank = Layers::blank(4800);
-        let found = checked(&stage, camera, &blank, 1000);
-        assert!(found.wrong > 500 && found.first_wrong.len() == TOLD);
-        let fault = |pixel: &WrongPixel| pixel.fault == Fault::Miss;
-        assert!(found.first_wrong.iter().all(fault));
-    }
+    Ok(())
 }
+
+/// The place of a pixel's `index`-th sample, from its top left corner: the middle, then multiples of the
+/// powers of the plastic number's inverse (Roberts, "The Unreasonable Effectiveness of Quasirandom
+/// Sequences", 2018), in doubles, as the renderer documents them.
+fn sample_offset(index: u32) -> (f64, f64) {
+    const PLASTIC: f64 = 1.324_717_957_244_746;
+    let along = |share: f64| (0.5 + f64::from(index) * share).fract();
+    (along(1.0 / PLASTIC), along(1.0 / (PLASTIC * PLASTIC)))
+}
+
+#[cfg(test)]
+#[path = "verify_tests.rs"]
+mod tests;

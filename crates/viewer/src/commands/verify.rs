@@ -1,24 +1,28 @@
 use super::{Failure, warn_of_reading, workers};
-use crate::cli::VerifyArgs;
+use crate::cli::{CameraArgs, VerifyArgs};
 use crate::progress::Progress;
-use crate::{output, setup};
+use crate::{memory, output, setup};
 use raycast_core::camera::{Camera, Grid, Rect};
 use raycast_core::formats::SceneFile;
-use raycast_core::image::{Fragment, Layers, Picture};
+use raycast_core::image::{self, ImageFile, Picture, Recipe};
+use raycast_core::intersect::Cull;
 use raycast_core::render::Cancel;
 use raycast_core::scene::Scene;
-use raycast_report::Stage;
-use raycast_report::verify::{Claim, Verification, WrongPixel, verify};
+use raycast_core::shade::Shading;
+use raycast_report::verify::{Channels, Claim, Verification, WrongPixel, verify};
+use raycast_report::{Fault, Stage};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A picture to verify: the whole, or a rectangle of it.
-struct Image {
-    full_size: (u32, u32),
-    rect: Rect,
-    layers: Layers,
+/// How a picture is said to be made, besides its scene.
+#[derive(Clone, Copy)]
+struct Ways {
+    camera: Camera,
+    shading: Shading,
+    samples: u32,
+    cull: Cull,
 }
 
 /// Holds a picture's pixels against the truth.
@@ -29,55 +33,53 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
 
     let progress = Progress::new();
     progress.loading();
-    let file = setup::load(files, &args.reading, &|share| progress.loaded(share))?;
+    let mut file = setup::load(files, &args.reading, &|share| progress.loaded(share))?;
+    setup::paint(&mut file.scene, &args.shading, &args.reading)?;
     progress.building();
-    let SceneFile {
-        scene,
-        warnings,
-        camera,
-        image: file_image,
-        ..
-    } = file;
     let name = setup::name_of(files);
+    let scene = std::mem::take(&mut file.scene);
+    memory::check_tree(&name, scene.triangle_count())?;
     let stage = pool.install(|| stage(&name, scene))?;
-    let bounds = setup::bounds(&stage.scene, &stage.accel);
-    let size = image.as_ref().map(|image| image.full_size);
-    let camera = setup::camera(
-        &args.camera,
-        camera.as_ref(),
-        size.or(file_image.size),
-        &bounds,
-    )
-    .map_err(|error| setup::no_camera(&args.camera, &name, error))?;
-    let plane = camera.plane();
-    if let (Some(path), Some((columns, rows))) = (path, size)
-        && (plane.columns, plane.rows) != (columns, rows)
-    {
-        return Err(Failure::usage(format!(
-            "{} is of {columns}x{rows} pixels, the camera that was asked for makes {}x{}",
-            path.display(),
-            plane.columns,
-            plane.rows
-        )));
+    let asked = Asked {
+        args,
+        file: &file,
+        name: &name,
+        stage: &stage,
+    };
+    let ways = match (path, &image) {
+        (Some(path), Some(image)) => asked.ways_of(path, image)?,
+        _ => asked.ways(None, None)?,
+    };
+    if image.is_none() {
+        let plane = ways.camera.plane();
+        let memory_for = |columns, rows| image::memory_of(columns, rows, true);
+        let size = (plane.columns, plane.rows);
+        memory::check_picture(Path::new(&name), size, memory_for, "")?;
     }
-    let image = match image {
-        Some(image) => image,
-        None => pool.install(|| render(args, &stage, camera, &progress))?,
+    let (rect, picture) = match image {
+        Some(image) => (image.rect(), image.picture),
+        None => pool.install(|| render(args, &stage, &ways, &progress))?,
     };
 
     let claim = Claim {
-        camera,
-        rect: image.rect,
-        layers: &image.layers,
-        cull: args.casting.cull,
+        camera: ways.camera,
+        rect,
+        cull: ways.cull,
+        shading: ways.shading,
+        samples: ways.samples,
+        picture: &picture,
     };
-    let most = args.checks as usize;
-    progress.counting("verifying", most.min(image.rect.area()) as u64);
+    let most = if args.all {
+        rect.area()
+    } else {
+        args.checks as usize
+    };
+    progress.counting("verifying", most.min(rect.area()) as u64);
     let done = |more| progress.done(more);
     let found = pool.install(|| verify(&stage, &claim, most, args.seed, &done));
     progress.clear();
 
-    warn_of_reading(&warnings, &stage.scene, &stage.accel);
+    warn_of_reading(&file.warnings, &stage.scene, &stage.accel);
     output::print(&told(&found))?;
     if found.wrong > 0 {
         return Err(Failure::could_not(format!(
@@ -88,11 +90,108 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     Ok(())
 }
 
+/// What was asked for, of which files.
+struct Asked<'a> {
+    args: &'a VerifyArgs,
+    /// The files' settings; their scene is on the stage.
+    file: &'a SceneFile,
+    name: &'a str,
+    stage: &'a Stage,
+}
+
+impl Asked<'_> {
+    /// How an image was made: as its recipe tells, which must be what was asked for; without one, as was
+    /// asked for.
+    fn ways_of(&self, path: &Path, image: &ImageFile) -> Result<Ways, Failure> {
+        let args = self.args;
+        let name = path.display();
+        let size = image.full_size();
+        let ways = self.ways(Some(size), image.recipe.as_ref())?;
+        let plane = ways.camera.plane();
+        let asked = args.camera.size.unwrap_or((plane.columns, plane.rows));
+        if asked != size {
+            return Err(Failure::usage(format!(
+                "{name} is of {}x{} pixels, the camera that was asked for makes {}x{}",
+                size.0, size.1, asked.0, asked.1
+            )));
+        }
+        let Some(recipe) = &image.recipe else {
+            return Ok(ways);
+        };
+        let asked = Recipe {
+            scene: self.stage.scene.content(),
+            camera: ways.camera,
+            samples: ways.samples,
+            cull: ways.cull,
+            precision: recipe.precision,
+            shading: ways.shading,
+        };
+        match asked.difference(recipe) {
+            None => Ok(ways),
+            Some(reason) if asked.scene != recipe.scene => Err(Failure::could_not(format!(
+                "{name}: {reason} than these files make (--texture, --crop and --color are to be given as they were to `raycast render`)"
+            ))),
+            Some(reason) => Err(Failure::could_not(format!("{name}: {reason}"))),
+        }
+    }
+
+    /// What was asked for, over the recipe's, over the scene file's, over the defaults.
+    fn ways(&self, size: Option<(u32, u32)>, recipe: Option<&Recipe>) -> Result<Ways, Failure> {
+        let Self { args, file, .. } = self;
+        let camera = match recipe {
+            Some(recipe) if !places(&args.camera) => recipe.camera,
+            _ => setup::camera(
+                &args.camera,
+                file.camera.as_ref(),
+                size.or(file.image.size),
+                &setup::bounds(&self.stage.scene, &self.stage.accel),
+            )
+            .map_err(|failure| setup::no_camera(&args.camera, self.name, failure))?,
+        };
+        let shading = recipe.map(|recipe| recipe.shading).or(file.shading);
+        let samples = args
+            .samples
+            .or(recipe.map(|recipe| recipe.samples))
+            .or(file.image.samples);
+        Ok(Ways {
+            camera,
+            shading: setup::shading(&args.shading, shading),
+            samples: samples.unwrap_or(1).max(1),
+            cull: match recipe {
+                Some(recipe) if args.casting.cull == Cull::default() => recipe.cull,
+                _ => args.casting.cull,
+            },
+        })
+    }
+}
+
+/// Whether options say where the camera is, or how its rays leave it.
+fn places(args: &CameraArgs) -> bool {
+    let CameraArgs {
+        size: _,
+        step,
+        fov,
+        projection,
+        eye,
+        target,
+        up,
+        orbit,
+    } = args;
+    step.is_some()
+        || fov.is_some()
+        || projection.is_some()
+        || eye.is_some()
+        || target.is_some()
+        || up.is_some()
+        || orbit.is_some()
+}
+
 /// The image, if the first file is one, and the scene's files.
 fn split(files: &[PathBuf]) -> Result<(Option<&Path>, &[PathBuf]), Failure> {
     let is_image = |path: &&PathBuf| {
         let extension = path.extension();
-        extension.is_some_and(|extension| extension.eq_ignore_ascii_case("exr"))
+        let is = |name: &str| extension.is_some_and(|other| other.eq_ignore_ascii_case(name));
+        is("exr") || is("png")
     };
     let (image, scene) = match files.split_first() {
         Some((first, rest)) if is_image(&first) => (Some(first.as_path()), rest),
@@ -113,37 +212,12 @@ fn split(files: &[PathBuf]) -> Result<(Option<&Path>, &[PathBuf]), Failure> {
     }
 }
 
-/// Reads an EXR that RayCast wrote, whole or a fragment.
-fn read(path: &Path) -> Result<Image, Failure> {
-    let name = path.display().to_string();
-    let cannot = |error: &dyn std::fmt::Display| Failure::could_not(format!("{name}: {error}"));
-    let bytes = std::fs::read(path).map_err(|error| cannot(&error))?;
-    let (picture, place) = match Fragment::decode(&name, &bytes) {
-        Ok(fragment) => {
-            let place = (fragment.full_size(), fragment.rect);
-            (fragment.picture, Some(place))
-        }
-        Err(_) => (
-            Picture::decode_exr(&bytes).map_err(|error| cannot(&error))?,
-            None,
-        ),
-    };
-    let (width, height) = (picture.width, picture.height);
-    let whole = Rect {
-        x: 0,
-        y: 0,
-        width,
-        height,
-    };
-    let (full_size, rect) = place.unwrap_or(((width, height), whole));
-    let layers = picture
-        .layers
-        .ok_or_else(|| cannot(&"it does not tell what each pixel shows"))?;
-    Ok(Image {
-        full_size,
-        rect,
-        layers,
-    })
+/// Reads an image that RayCast wrote, whole or a fragment.
+fn read(path: &Path) -> Result<ImageFile, Failure> {
+    let name = path.display();
+    let bytes = std::fs::read(path);
+    let bytes = bytes.map_err(|error| Failure::could_not(format!("{name}: {error}")))?;
+    ImageFile::decode(&bytes).map_err(|error| Failure::could_not(format!("{name}: {error}")))
 }
 
 fn stage(name: &str, scene: Scene) -> Result<Stage, Failure> {
@@ -155,28 +229,29 @@ fn stage(name: &str, scene: Scene) -> Result<Stage, Failure> {
 fn render(
     args: &VerifyArgs,
     stage: &Stage,
-    camera: Camera,
+    ways: &Ways,
     progress: &Progress,
-) -> Result<Image, Failure> {
-    let (columns, rows) = (camera.plane().columns, camera.plane().rows);
+) -> Result<(Rect, Picture), Failure> {
+    let (columns, rows) = (ways.camera.plane().columns, ways.camera.plane().rows);
     let grid = Grid::default();
     let (across, down) = grid.counts(columns, rows);
     progress.counting("rendering", u64::from(across) * u64::from(down));
-    let mut view = stage.view(camera, args.casting.cull);
+    let mut view = stage.view(ways.camera, ways.cull);
     view.settings.precision = args.casting.precision;
+    view.settings.shading = ways.shading;
+    view.settings.samples = ways.samples;
     let no_clock = || Duration::ZERO;
     let picture = view.render(grid, &no_clock, &Cancel::default(), &|_| progress.done(1));
-    let layers = picture.and_then(|picture| picture.layers);
-    Ok(Image {
-        full_size: (columns, rows),
-        rect: Rect {
-            x: 0,
-            y: 0,
-            width: columns,
-            height: rows,
-        },
-        layers: layers.ok_or_else(|| Failure::could_not("the render was stopped"))?,
-    })
+    let rect = Rect {
+        x: 0,
+        y: 0,
+        width: columns,
+        height: rows,
+    };
+    Ok((
+        rect,
+        picture.ok_or_else(|| Failure::could_not("the render was stopped"))?,
+    ))
 }
 
 /// What was found, in words.
@@ -186,18 +261,45 @@ fn told(found: &Verification) -> String {
         checked,
         silhouettes,
         edges,
+        channels,
         wrong,
         first_wrong,
     } = found;
-    let mut text = String::new();
+    let Channels {
+        numbers,
+        depth,
+        normal,
+        uv,
+        color,
+    } = channels;
+    let mut text = format!("{checked} of {pixels} pixels checked");
     // Writing to a string does not fail.
-    let _ = writeln!(
-        text,
-        "{checked} of {pixels} pixels checked: {silhouettes} where an object ends, {edges} where triangles meet, {} inside of one",
-        checked - silhouettes - edges
-    );
+    let _ = match numbers {
+        0 => writeln!(
+            text,
+            "\nchannels: colour at {color}; the picture tells no other"
+        ),
+        _ => writeln!(
+            text,
+            ": {silhouettes} where an object ends, {edges} where triangles meet, {} inside of one\n\
+             channels: object and triangle at {numbers}, distance at {depth}, normal at {normal}, texture coordinates at {uv}, colour at {color}",
+            checked - silhouettes - edges
+        ),
+    };
+    if [depth, normal, uv].iter().any(|count| *count < numbers) || color < checked {
+        let _ = writeln!(
+            text,
+            "not checked: what hangs on the place in a triangle that its ray grazes, colours under lines, what rounding leaves open"
+        );
+    }
     let _ = match (wrong, checked == pixels) {
-        (0, true) => writeln!(text, "0 wrong: every pixel shows what its ray meets first"),
+        (0, true) if *numbers > 0 => {
+            writeln!(text, "0 wrong: every pixel shows what its ray meets first")
+        }
+        (0, true) => writeln!(
+            text,
+            "0 wrong: every colour checked is that of what its rays meet first"
+        ),
         (0, false) => writeln!(
             text,
             "0 wrong of {checked}: with 95 % certainty, fewer than 3 in {checked} such pixels are"
@@ -209,20 +311,26 @@ fn told(found: &Verification) -> String {
             x,
             y,
             fault,
-            object,
-            triangle,
-            depth,
+            shown,
             truth,
         } = pixel;
-        let shown = meeting(*object, *triangle, f64::from(*depth));
-        let expected = truth.map_or_else(
+        let met = truth.map_or_else(
             || "nothing".to_owned(),
             |truth| meeting(truth.object, truth.triangle, truth.t),
         );
-        let _ = writeln!(
-            text,
-            "  column {x}, row {y}: {fault}: expected {expected}, found {shown}"
-        );
+        let _ = match (shown, fault) {
+            (Some((object, triangle, depth)), fault) if !matches!(fault, Fault::Channel { .. }) => {
+                let found = meeting(*object, *triangle, f64::from(*depth));
+                writeln!(
+                    text,
+                    "  column {x}, row {y}: {fault}: expected {met}, found {found}"
+                )
+            }
+            _ => writeln!(
+                text,
+                "  column {x}, row {y}: {fault}, where its ray meets {met}"
+            ),
+        };
     }
     text
 }
@@ -238,14 +346,15 @@ fn meeting(object: u32, triangle: u32, depth: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raycast_report::Fault;
 
     #[test]
     fn the_image_comes_first_and_alone() {
         let paths = |names: &[&str]| names.iter().map(PathBuf::from).collect::<Vec<_>>();
-        let both = paths(&["a.EXR", "b.obj"]);
-        let (image, scene) = split(&both).expect("good usage");
-        assert_eq!((image, scene), (Some(Path::new("a.EXR")), &both[1..]));
+        for name in ["a.EXR", "a.png"] {
+            let both = paths(&[name, "b.obj"]);
+            let (image, scene) = split(&both).expect("good usage");
+            assert_eq!((image, scene), (Some(Path::new(name)), &both[1..]));
+        }
         let scene = paths(&["b.obj", "c.obj"]);
         assert_eq!(split(&scene), Ok((None, &scene[..])));
         for bad in [&["a.exr"][..], &["a.exr", "b.exr"], &["b.obj", "a.exr"]] {
@@ -260,9 +369,33 @@ mod tests {
             checked: 20,
             silhouettes: 5,
             edges: 6,
+            channels: Channels {
+                numbers: 20,
+                depth: 19,
+                normal: 20,
+                uv: 20,
+                color: 18,
+            },
             ..Verification::default()
         };
-        assert!(told(&good).contains("fewer than 3 in 20"));
+        let text = told(&good);
+        assert!(text.contains("fewer than 3 in 20"), "{text}");
+        assert!(text.contains("distance at 19, normal at 20"), "{text}");
+        assert!(text.contains("not checked: "), "{text}");
+        let colors = Verification {
+            checked: 100,
+            channels: Channels {
+                color: 100,
+                ..Channels::default()
+            },
+            ..Verification::default()
+        };
+        let text = told(&colors);
+        assert!(
+            text.contains("colour at 100; the picture tells no other"),
+            "{text}"
+        );
+        assert!(!text.contains("not checked"), "{text}");
         let all = Verification {
             checked: 100,
             ..good.clone()
@@ -274,14 +407,21 @@ mod tests {
                 x: 3,
                 y: 4,
                 fault: Fault::Hit,
-                object: 1,
-                triangle: 7,
-                depth: 2.5,
+                shown: Some((1, 7, 2.5)),
                 truth: None,
             }],
             ..good
         };
         let line = "  column 3, row 4: a hit where there is a miss: expected nothing, found object 1, triangle 7 at 2.5\n";
         assert!(told(&bad).ends_with(line), "{}", told(&bad));
+        let mut repainted = bad;
+        repainted.first_wrong[0].fault = Fault::Channel {
+            channel: "G",
+            found: 7.0,
+            low: 9.0,
+            high: 10.0,
+        };
+        let line = "  column 3, row 4: G is 7, expected 9 to 10, where its ray meets nothing\n";
+        assert!(told(&repainted).ends_with(line), "{}", told(&repainted));
     }
 }

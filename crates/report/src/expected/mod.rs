@@ -1,0 +1,313 @@
+//! What a pixel should show, worked out on a path of its own: from the oracle's hit, one pixel at a time,
+//! by the formulas that the shader documents, as ranges that hold whatever rounding may have made of
+//! them. It shares the scene with the shader, and none of its code.
+//!
+//! Lines along edges are left out: a hit under lines has no known colour.
+
+mod light;
+mod normal;
+mod range;
+mod srgb;
+mod texture;
+
+pub(crate) use range::Single;
+
+use crate::fault::{Fault, GRAZING, T_BOUND, UV_BOUND, ulp};
+use crate::stage::Stage;
+use light::Lights;
+use normal::ToWorld;
+use range::{Double, Vector, exactly, minus, plus};
+use raycast_core::camera::{Camera, Projection};
+use raycast_core::scene::{Color, ColorRule, Object};
+use raycast_core::shade::{Background, Mode, Shading, TextureProjection};
+use raycast_oracle::Truth;
+use texture::Repeat;
+
+/// sRGB grey at the near and the far end of the depth mode.
+const NEAR_GREY: f64 = 0.96;
+const FAR_GREY: f64 = 0.08;
+
+/// What pixels of one picture should show.
+pub(crate) struct Expected<'a> {
+    stage: &'a Stage,
+    camera: Camera,
+    shading: Shading,
+    lights: Lights,
+    /// For each object, what takes its mesh's normals to the world.
+    to_world: Vec<Option<ToWorld>>,
+    /// For each object with a texture, how that lies on it where it has no place of its own.
+    repeats: Vec<Option<Repeat>>,
+    /// The distance at which the depth mode begins, and one over how far it reaches.
+    depth: [Single; 2],
+}
+
+/// The direction of a surface, and its texture coordinates.
+pub(crate) type Surface = ([Single; 3], [Single; 2]);
+
+/// A hit of the oracle's, with what the shader may know of it.
+struct Hit<'a> {
+    object: &'a Object,
+    number: u32,
+    triangle: u32,
+    /// Corners as seen from the eye.
+    corners: [Vector<53>; 3],
+    weights: [Single; 3],
+    t: Single,
+}
+
+impl<'a> Expected<'a> {
+    pub(crate) fn new(stage: &'a Stage, camera: Camera, shading: Shading) -> Self {
+        let to_world = match stage.scene.world_from_objects() {
+            Ok(transforms) => transforms.iter().map(ToWorld::new).collect(),
+            Err(_) => Vec::new(),
+        };
+        let depth = if shading.mode == Mode::Depth {
+            depth_range(stage, &camera)
+        } else {
+            [Single::UNKNOWN; 2]
+        };
+        let repeat = |object: &Object| object.texture.as_ref().map(|_| Repeat::of(&object.mesh));
+        Self {
+            stage,
+            camera,
+            shading,
+            lights: Lights::new(&camera),
+            to_world,
+            repeats: stage.scene.objects.iter().map(repeat).collect(),
+            depth,
+        }
+    }
+
+    /// What a picture's layers should tell of a hit.
+    pub(crate) fn surface(&self, truth: &Truth) -> Surface {
+        let Some(hit) = self.hit(truth) else {
+            return ([Single::UNKNOWN; 3], [Single::UNKNOWN; 2]);
+        };
+        let uv = match hit.object.mesh.corner_uvs(hit.triangle) {
+            None => [Single::exactly(0.0); 2],
+            Some(uvs) => texture::blended(uvs, hit.weights),
+        };
+        (self.normal(&hit), uv)
+    }
+
+    /// The colour of the sample at (x, y) of the picture, in pixels from its top left corner, where its
+    /// ray meets `truth`: linear light, alpha not multiplied in. Unknown where it cannot be told.
+    pub(crate) fn color(&self, x: f64, y: f64, truth: Option<&Truth>) -> [Single; 4] {
+        let opaque = |[r, g, b]: Vector<24>| [r, g, b, Single::exactly(1.0)];
+        let Some(truth) = truth else {
+            return self.backdrop(y);
+        };
+        let lines = self.shading.wireframe.is_some() || self.shading.mode == Mode::Wireframe;
+        let Some(hit) = self.hit(truth).filter(|_| !lines) else {
+            return [Single::UNKNOWN; 4];
+        };
+        let lit = |light: Vector<24>| {
+            let color = self.surface_color(&hit);
+            std::array::from_fn(|i| color[i] * light[i])
+        };
+        let number = Single::exactly;
+        opaque(match self.shading.mode {
+            Mode::Color => srgb::linear(self.triangle_color(&hit)),
+            Mode::Texture => self.surface_color(&hit),
+            Mode::Flat => {
+                let normal = normal::flat(&self.camera, hit.corners);
+                let to_eye = normal::middle_to_eye(&self.camera, hit.corners);
+                lit(self.lights.on(normal, to_eye))
+            }
+            Mode::Smooth => {
+                let to_eye = light::to_eye(&self.camera, x, y);
+                lit(self.lights.on(self.normal(&hit), to_eye))
+            }
+            Mode::Normals => {
+                let half = number(0.5);
+                self.normal(&hit).map(|n| srgb::displayed(n * half + half))
+            }
+            Mode::Depth => [srgb::displayed(self.grey(hit.t)); 3],
+            Mode::Barycentric => hit.weights.map(srgb::displayed),
+            Mode::Uv => {
+                let uv = match hit.object.mesh.corner_uvs(hit.triangle) {
+                    None => [number(0.0); 2],
+                    Some(uvs) => texture::blended(uvs, hit.weights),
+                };
+                let [u, v] = uv.map(fraction);
+                [u, v, number(0.25)].map(srgb::displayed)
+            }
+            Mode::Wireframe => [Single::UNKNOWN; 3],
+        })
+    }
+
+    /// What lies behind everything: from one colour at the picture's top to another at its bottom.
+    fn backdrop(&self, y: f64) -> [Single; 4] {
+        let Background::Gradient(top, bottom) = self.shading.background else {
+            return [Single::exactly(0.0); 4];
+        };
+        let down = (y / f64::from(self.camera.plane().rows)).clamp(0.0, 1.0);
+        let down = Single::exactly(down).rounded();
+        let (top, bottom) = (srgb::linear(top), srgb::linear(bottom));
+        let [r, g, b]: Vector<24> = std::array::from_fn(|i| top[i] + (bottom[i] - top[i]) * down);
+        [r, g, b, Single::exactly(1.0)]
+    }
+
+    /// A hit with its corners seen from the eye, and as far as its weights and distance are known: within
+    /// the bounds that the project promises, where the ray does not graze the triangle.
+    fn hit(&self, truth: &Truth) -> Option<Hit<'_>> {
+        let object = self.stage.scene.objects.get(truth.object as usize)?;
+        let triangle = self.stage.oracle.triangle(truth.object, truth.triangle)?;
+        let eye = minus(exactly(self.camera.placement().eye), exactly(triangle.base));
+        let corners = triangle
+            .corners
+            .map(|corner| minus(exactly(corner.as_dvec3()), eye));
+        let (u, v, t) = if truth.cosine > GRAZING {
+            let t = Single::around(truth.t, T_BOUND * ulp(truth.t));
+            let weight = |weight| Single::around(weight, UV_BOUND).max(0.0).min(1.0);
+            (weight(truth.u), weight(truth.v), t)
+        } else {
+            (Single::UNKNOWN, Single::UNKNOWN, Single::UNKNOWN)
+        };
+        Some(Hit {
+            object,
+            number: truth.object,
+            triangle: truth.triangle,
+            corners,
+            weights: normal::weights(u, v),
+            t,
+        })
+    }
+
+    /// The mesh's normal between corners where it has one, the triangle's own elsewhere.
+    fn normal(&self, hit: &Hit<'_>) -> Vector<24> {
+        let flat = normal::flat(&self.camera, hit.corners);
+        match hit.object.mesh.corner_normals(hit.triangle) {
+            None => flat,
+            Some(normals) => {
+                let to_world = self.to_world.get(hit.number as usize);
+                let to_world = to_world.and_then(Option::as_ref);
+                normal::smooth(normals, to_world, hit.weights, flat)
+            }
+        }
+    }
+
+    /// A triangle's own colour. Unlit, the triangles of a file without materials have one each.
+    fn triangle_color(&self, hit: &Hit<'_>) -> Color {
+        let object = hit.object;
+        let colorless = object.color == ColorRule::File && object.mesh.materials().is_empty();
+        let own = ColorRule::PerTriangle { seed: 0 };
+        match own.color(hit.triangle) {
+            Some(color) if colorless && self.shading.mode == Mode::Color => color,
+            _ => object.triangle_color(hit.triangle),
+        }
+    }
+
+    /// The triangle's colour and the texture, mixed in linear light.
+    fn surface_color(&self, hit: &Hit<'_>) -> Vector<24> {
+        let color = srgb::linear(self.triangle_color(hit));
+        let Some(texture) = &hit.object.texture else {
+            return color;
+        };
+        if self.shading.blend <= 0.0 {
+            return color;
+        }
+        let mesh = &hit.object.mesh;
+        let filter = self.shading.filter;
+        let unplaced = self.shading.projection == TextureProjection::Triplanar || !mesh.has_uvs();
+        let [r, g, b, a] = if unplaced {
+            let Some(Some(repeat)) = self.repeats.get(hit.number as usize) else {
+                return [Single::UNKNOWN; 3];
+            };
+            let surface = (&**mesh, repeat);
+            texture::triplanar(surface, hit.triangle, hit.weights, texture, filter)
+        } else {
+            let Some(uvs) = mesh.corner_uvs(hit.triangle) else {
+                return color;
+            };
+            let [_, u, v] = hit.weights;
+            texture::sample(texture, texture::place(uvs, u, v), filter)
+        };
+        let blend = Single::exactly(self.shading.blend.into());
+        let rest = Single::exactly(1.0) - a * blend;
+        plus(color.map(|c| c * rest), [r, g, b].map(|c| c * blend))
+    }
+
+    /// Near is light, far is dark.
+    fn grey(&self, t: Single) -> Single {
+        let [near, per_unit] = self.depth;
+        let share = ((t - near) * per_unit).max(0.0).min(1.0);
+        let [near, far] = [NEAR_GREY, FAR_GREY].map(|grey| Single::exactly(grey).rounded());
+        near + (far - near) * share
+    }
+}
+
+/// From the scene's box's nearest point to its farthest corner: where the depth mode's greys begin, and
+/// one over how far they reach; zero where they reach nowhere.
+fn depth_range(stage: &Stage, camera: &Camera) -> [Single; 2] {
+    let bounds = stage.scene.bounds();
+    let (eye, forward) = (camera.placement().eye, camera.forward());
+    let distances = bounds.corners().map(|corner| match camera.projection() {
+        Projection::Orthographic => (corner - eye).dot(forward),
+        _ => corner.distance(eye),
+    });
+    let far = distances.into_iter().fold(0.0, f64::max);
+    let near = match camera.projection() {
+        Projection::Orthographic => distances.into_iter().fold(far, f64::min).max(0.0),
+        _ => eye.clamp(bounds.min, bounds.max).distance(eye),
+    };
+    if bounds.is_empty() || far <= near {
+        return [Single::exactly(0.0); 2];
+    }
+    // Both distances are rounded a few times, each by 2⁻⁵³ of the numbers that went into them.
+    let size = eye.abs().max_element() + bounds.min.abs().max(bounds.max.abs()).max_element();
+    let slack = size * 2f64.powi(-49);
+    let [near, far] = [near, far].map(|distance| Double::around(distance, slack));
+    [near.to(), (Double::exactly(1.0) / (far - near)).to()]
+}
+
+/// What is left of numbers after whole ones: all of 0 to 1 where there is a whole number among them.
+fn fraction(range: Single) -> Single {
+    if !range.is_known() {
+        return Single::UNKNOWN;
+    }
+    let whole = range.low.floor();
+    if range.high.floor() > whole {
+        return Single {
+            low: 0.0,
+            high: 1.0,
+        };
+    }
+    range.each(|number| number - whole).rounded()
+}
+
+/// Whether an 8-bit pixel may show light that its samples have sent, alpha multiplied in; `None` where
+/// that cannot be told.
+pub(crate) fn shows(pixel: [u8; 4], [r, g, b, a]: [Single; 4]) -> Option<Result<(), Fault>> {
+    if ![r, g, b, a].iter().all(|channel| channel.is_known()) {
+        return None;
+    }
+    let check = |channel, found: u8, [low, high]: [u8; 2]| {
+        if (low..=high).contains(&found) {
+            Ok(())
+        } else {
+            Err(Fault::Channel {
+                channel,
+                found: found.into(),
+                low: low.into(),
+                high: high.into(),
+            })
+        }
+    };
+    let [red, green, blue, alpha] = pixel;
+    let alpha_of = |alpha: f64| (alpha.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+    if let Err(fault) = check("A", alpha, [alpha_of(a.low), alpha_of(a.high)]) {
+        return Some(Err(fault));
+    }
+    for (channel, found, light) in [("R", red, r), ("G", green, g), ("B", blue, b)] {
+        // What cannot be seen has no colour.
+        let bytes = match alpha {
+            0 => [0, 0],
+            _ => srgb::bytes_of(light / a)?,
+        };
+        if let Err(fault) = check(channel, found, bytes) {
+            return Some(Err(fault));
+        }
+    }
+    Some(Ok(()))
+}
