@@ -1,67 +1,5 @@
 use super::file::Tags;
-use super::memory::{OutOfMemory, reserved};
-use super::{ImageFile, Picture, Recipe, exr, jpeg, png, ppm};
-use std::ffi::OsStr;
-use std::path::Path;
-
-/// A kind of image file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// 8-bit sRGB with alpha, lossless.
-    Png,
-    /// 8-bit sRGB, binary P6; alpha is laid over black.
-    Ppm,
-    /// 8-bit sRGB, lossy; alpha is laid over black.
-    Jpeg,
-    /// OpenEXR: linear light and every layer.
-    Exr,
-}
-
-/// Why an image cannot be written or read.
-#[derive(Debug, thiserror::Error)]
-pub enum ImageError {
-    /// An extension that names no kind we write.
-    #[error("{name}: expected a name that ends in .png, .ppm, .jpg, .jpeg or .exr")]
-    UnknownFormat {
-        /// The file's name.
-        name: String,
-    },
-    /// A picture without the layers that an EXR holds.
-    #[error("an EXR needs the picture's layers, and this picture was made without them")]
-    NoLayers,
-    /// A kind of file that has no place for a fragment's place.
-    #[error("fragments are PNG or EXR: other kinds of image cannot tell where a tile belongs")]
-    NotForFragments,
-    /// A picture whose counts do not agree, or with a side that the kind of file cannot have.
-    #[error("the image could not be encoded: {0}")]
-    Encode(String),
-    /// A buffer that could not be had.
-    #[error(transparent)]
-    OutOfMemory(#[from] OutOfMemory),
-    /// Bytes that are not the file they should be.
-    #[error("the image could not be read: {0}")]
-    Decode(String),
-}
-
-impl Format {
-    /// The kind that the end of a file's name says, after its last dot. A name of that end alone
-    /// (`png`, `.png`) says none.
-    ///
-    /// # Errors
-    /// An extension that names none.
-    pub fn from_name(name: &str) -> Result<Self, ImageError> {
-        let extension = Path::new(name).extension().and_then(OsStr::to_str);
-        match extension.map(str::to_ascii_lowercase).as_deref() {
-            Some("png") => Ok(Self::Png),
-            Some("ppm") => Ok(Self::Ppm),
-            Some("jpg" | "jpeg") => Ok(Self::Jpeg),
-            Some("exr") => Ok(Self::Exr),
-            _ => Err(ImageError::UnknownFormat {
-                name: name.to_owned(),
-            }),
-        }
-    }
-}
+use super::{Format, ImageError, ImageFile, Picture, Recipe, exr, jpeg, png, ppm};
 
 impl Picture {
     /// The bytes of an image file of this kind: the same for the same picture.
@@ -104,66 +42,29 @@ impl Picture {
     pub fn decode_exr(bytes: &[u8]) -> Result<Self, ImageError> {
         exr::decode(bytes).map(|ImageFile { picture, .. }| picture)
     }
-
-    /// Whether there are as many pixels as the sides say, and at least one.
-    pub(super) fn check(&self) -> Result<(), ImageError> {
-        let pixels = self.width as usize * self.height as usize;
-        let layers_agree = self
-            .layers
-            .as_ref()
-            .is_none_or(|layers| layers.counts().iter().all(|&count| count == pixels));
-        if pixels == 0 {
-            Err(ImageError::Encode("it has no pixels".to_owned()))
-        } else if self.pixels.len() != pixels || !layers_agree {
-            Err(ImageError::Encode(format!(
-                "it should have {} x {} pixels in every layer",
-                self.width, self.height
-            )))
-        } else {
-            Ok(())
-        }
-    }
 }
 
-/// The red, green and blue of pixels laid over black, after some other bytes.
-pub(super) fn over_black(before: &[u8], pixels: &[[u8; 4]]) -> Result<Vec<u8>, OutOfMemory> {
-    let mut bytes = reserved(before.len() + pixels.len() * 3)?;
-    bytes.extend_from_slice(before);
-    for &[r, g, b, a] in pixels {
-        bytes.extend(match a {
-            u8::MAX => [r, g, b],
-            _ => crate::shade::over_black([r, g, b, a]),
-        });
+impl ImageFile {
+    /// Reads a PNG or an EXR that [`Picture::encode`], [`Picture::encode_with`] or
+    /// [`Fragment::encode`](super::Fragment::encode) made.
+    ///
+    /// # Errors
+    /// Bytes that are neither, damaged ones, an EXR without RayCast's channels, a PNG of other than
+    /// 8-bit colours, a fragment whose pixels are not those that were written.
+    pub fn decode(bytes: &[u8]) -> Result<Self, ImageError> {
+        if bytes.starts_with(b"\x89PNG") {
+            png::decode(bytes)
+        } else if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+            exr::decode(bytes)
+        } else {
+            Err(ImageError::Decode("it is neither PNG nor EXR".to_owned()))
+        }
     }
-    Ok(bytes)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn names_say_the_kind() {
-        assert_eq!(Format::from_name("a.b/c.PNG").ok(), Some(Format::Png));
-        assert_eq!(Format::from_name("c.jpeg").ok(), Some(Format::Jpeg));
-        for bad in [
-            "",
-            "a.gif",
-            "a.png.bak",
-            "a.",
-            "png",
-            ".png",
-            "a/.png",
-            "a.png/b",
-        ] {
-            let error = Format::from_name(bad).expect_err("names no kind");
-            assert!(
-                error
-                    .to_string()
-                    .contains("expected a name that ends in .png")
-            );
-        }
-    }
 
     #[test]
     fn pictures_that_disagree_with_themselves_are_refused() {

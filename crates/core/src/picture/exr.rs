@@ -3,9 +3,9 @@
 //! `R G B A` are linear light with alpha multiplied in, as is the custom of EXR and of
 //! [`Layers::color`]: what a fragment holds is stitched as it is.
 
+use super::buffers::collected;
 use super::file::Tags;
-use super::fragment::Place;
-use super::memory::collected;
+use super::place::Place;
 use super::png::MOST_EXPANSION;
 use super::{ImageError, ImageFile, Layers, Picture, Recipe};
 use crate::camera::PIXEL_LIMIT;

@@ -1,5 +1,5 @@
-use super::fragment::Place;
-use super::{ImageError, Picture, Recipe, exr, png};
+use super::place::Place;
+use super::{ImageError, Picture, Recipe};
 use crate::camera::Rect;
 
 /// What an image file tells besides its pixels.
@@ -23,22 +23,6 @@ pub struct ImageFile {
 }
 
 impl ImageFile {
-    /// Reads a PNG or an EXR that [`Picture::encode`], [`Picture::encode_with`] or
-    /// [`Fragment::encode`](super::Fragment::encode) made.
-    ///
-    /// # Errors
-    /// Bytes that are neither, damaged ones, an EXR without RayCast's channels, a PNG of other than
-    /// 8-bit colours, a fragment whose pixels are not those that were written.
-    pub fn decode(bytes: &[u8]) -> Result<Self, ImageError> {
-        if bytes.starts_with(b"\x89PNG") {
-            png::decode(bytes)
-        } else if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-            exr::decode(bytes)
-        } else {
-            Err(ImageError::Decode("it is neither PNG nor EXR".to_owned()))
-        }
-    }
-
     /// The file of these, if they agree with one another.
     pub(super) fn checked(
         picture: Picture,

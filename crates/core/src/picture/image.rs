@@ -1,4 +1,5 @@
-use super::memory::{OutOfMemory, filled};
+use super::buffers::filled;
+use super::{ImageError, OutOfMemory};
 use crate::camera::{Grid, Rect};
 use crate::digest::{Digest, Digester};
 
@@ -94,6 +95,25 @@ pub struct Picture {
 }
 
 impl Picture {
+    /// Whether there are as many pixels as the sides say, and at least one.
+    pub(super) fn check(&self) -> Result<(), ImageError> {
+        let pixels = self.width as usize * self.height as usize;
+        let layers_agree = self
+            .layers
+            .as_ref()
+            .is_none_or(|layers| layers.counts().iter().all(|&count| count == pixels));
+        if pixels == 0 {
+            Err(ImageError::Encode("it has no pixels".to_owned()))
+        } else if self.pixels.len() != pixels || !layers_agree {
+            Err(ImageError::Encode(format!(
+                "it should have {} x {} pixels in every layer",
+                self.width, self.height
+            )))
+        } else {
+            Ok(())
+        }
+    }
+
     /// A transparent picture of misses.
     pub fn blank(width: u32, height: u32, layers: bool) -> Self {
         let pixels = width as usize * height as usize;

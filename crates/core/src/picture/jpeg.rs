@@ -1,6 +1,6 @@
 //! JPEG, by the `image` crate.
 
-use super::encode::over_black;
+use super::opaque::over_black;
 use super::{ImageError, Picture};
 use image::ExtendedColorType;
 use image::codecs::jpeg::JpegEncoder;

@@ -1,8 +1,8 @@
 //! PNG, with what it was made of, and a fragment's place, in text chunks.
 
+use super::buffers::{collected, filled, reserved};
 use super::file::Tags;
-use super::fragment::Place;
-use super::memory::{collected, filled, reserved};
+use super::place::Place;
 use super::{ImageError, ImageFile, Picture, Recipe};
 use crate::camera::PIXEL_LIMIT;
 use ::png::{BitDepth, ColorType, Compression, Decoder, Encoder, Limits, SrgbRenderingIntent};

@@ -1,6 +1,6 @@
 //! PPM: a line of text and the bytes.
 
-use super::encode::over_black;
+use super::opaque::over_black;
 use super::{ImageError, Picture};
 
 pub(super) fn encode(picture: &Picture) -> Result<Vec<u8>, ImageError> {

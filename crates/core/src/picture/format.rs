@@ -1,0 +1,64 @@
+use super::ImageError;
+use std::ffi::OsStr;
+use std::path::Path;
+
+/// A kind of image file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// 8-bit sRGB with alpha, lossless.
+    Png,
+    /// 8-bit sRGB, binary P6; alpha is laid over black.
+    Ppm,
+    /// 8-bit sRGB, lossy; alpha is laid over black.
+    Jpeg,
+    /// OpenEXR: linear light and every layer.
+    Exr,
+}
+
+impl Format {
+    /// The kind that the end of a file's name says, after its last dot. A name of that end alone
+    /// (`png`, `.png`) says none.
+    ///
+    /// # Errors
+    /// An extension that names none.
+    pub fn from_name(name: &str) -> Result<Self, ImageError> {
+        let extension = Path::new(name).extension().and_then(OsStr::to_str);
+        match extension.map(str::to_ascii_lowercase).as_deref() {
+            Some("png") => Ok(Self::Png),
+            Some("ppm") => Ok(Self::Ppm),
+            Some("jpg" | "jpeg") => Ok(Self::Jpeg),
+            Some("exr") => Ok(Self::Exr),
+            _ => Err(ImageError::UnknownFormat {
+                name: name.to_owned(),
+            }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_say_the_kind() {
+        assert_eq!(Format::from_name("a.b/c.PNG").ok(), Some(Format::Png));
+        assert_eq!(Format::from_name("c.jpeg").ok(), Some(Format::Jpeg));
+        for bad in [
+            "",
+            "a.gif",
+            "a.png.bak",
+            "a.",
+            "png",
+            ".png",
+            "a/.png",
+            "a.png/b",
+        ] {
+            let error = Format::from_name(bad).expect_err("names no kind");
+            assert!(
+                error
+                    .to_string()
+                    .contains("expected a name that ends in .png")
+            );
+        }
+    }
+}

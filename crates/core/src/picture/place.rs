@@ -1,0 +1,107 @@
+use super::{ImageError, Picture};
+use crate::camera::{PIXEL_LIMIT, Rect};
+use crate::digest::Digest;
+use std::fmt;
+use std::str::FromStr;
+
+/// A fragment's place, as its file tells it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Place {
+    pub(super) full_size: (u32, u32),
+    pub(super) rect: Rect,
+    /// The recipe's digest.
+    pub(super) recipe: Digest,
+    /// The pixels' digest.
+    pub(super) pixels: Digest,
+}
+
+impl Place {
+    /// Whether the place is inside the full picture and has the picture's size.
+    pub(super) fn check(&self, picture: &Picture) -> Result<(), String> {
+        check_place(self.full_size, self.rect, picture)
+    }
+}
+
+/// Whether a rectangle is inside the full picture and has the picture's size.
+pub(super) fn check_place(
+    (columns, rows): (u32, u32),
+    rect: Rect,
+    picture: &Picture,
+) -> Result<(), String> {
+    let Rect {
+        x,
+        y,
+        width,
+        height,
+    } = rect;
+    if (width, height) != (picture.width, picture.height) {
+        return Err(format!(
+            "its place is {width} x {height}, but it has {} x {} pixels",
+            picture.width, picture.height
+        ));
+    }
+    let inside = u64::from(x) + u64::from(width) <= u64::from(columns)
+        && u64::from(y) + u64::from(height) <= u64::from(rows);
+    if !inside || u64::from(columns) * u64::from(rows) > PIXEL_LIMIT {
+        return Err(format!(
+            "{width} x {height} pixels at ({x}, {y}) are not in a picture of {columns} x {rows}"
+        ));
+    }
+    Ok(())
+}
+
+impl fmt::Display for Place {
+    /// `full 1280 720 rect 64 0 64 64 recipe DIGEST pixels DIGEST`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (columns, rows) = self.full_size;
+        let Rect {
+            x,
+            y,
+            width,
+            height,
+        } = self.rect;
+        write!(
+            f,
+            "full {columns} {rows} rect {x} {y} {width} {height} recipe {} pixels {}",
+            self.recipe, self.pixels
+        )
+    }
+}
+
+impl FromStr for Place {
+    type Err = ImageError;
+
+    fn from_str(text: &str) -> Result<Self, ImageError> {
+        let expected = || ImageError::Decode(format!("its place reads {text:?}"));
+        let words: Vec<&str> = text.split(' ').collect();
+        let [
+            "full",
+            columns,
+            rows,
+            "rect",
+            x,
+            y,
+            width,
+            height,
+            "recipe",
+            recipe,
+            "pixels",
+            pixels,
+        ] = words[..]
+        else {
+            return Err(expected());
+        };
+        let number = |word: &str| word.parse::<u32>().map_err(|_| expected());
+        Ok(Self {
+            full_size: (number(columns)?, number(rows)?),
+            rect: Rect {
+                x: number(x)?,
+                y: number(y)?,
+                width: number(width)?,
+                height: number(height)?,
+            },
+            recipe: recipe.parse().map_err(|_| expected())?,
+            pixels: pixels.parse().map_err(|_| expected())?,
+        })
+    }
+}
