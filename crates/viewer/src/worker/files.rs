@@ -4,7 +4,7 @@ use super::{Wake, case, demo, panic_text};
 use crate::app::command::PromptKind;
 use crate::app::state::Document;
 use crate::app::update::{DialogAnswer, Loaded, News};
-use crate::setup;
+use crate::{memory, setup};
 use raycast_core::camera::Grid;
 use raycast_core::formats::{self, SceneFile};
 use raycast_core::image::{Format, Picture, Recipe};
@@ -331,6 +331,10 @@ fn read(paths: &[PathBuf], progress: &(dyn Fn(f32) + Sync)) -> Result<SceneFile,
 fn save(mut view: View, grid: Grid, threads: usize, path: &Path) -> Result<(), String> {
     let format = Format::from_name(&path.to_string_lossy()).map_err(|error| error.to_string())?;
     view.settings.layers = format == Format::Exr;
+    let plane = view.camera.plane();
+    let memory_for = |columns, rows| format.memory_for(columns, rows);
+    memory::check_picture(path, (plane.columns, plane.rows), memory_for, "")
+        .map_err(|failure| failure.to_string())?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(|index| format!("raycast-save-{index}"))
