@@ -3,10 +3,10 @@
 use super::{Wake, case, demo, panic_text};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::setup;
 use crate::state::Document;
 use crate::state::PromptKind;
 use crate::state::update::{DialogAnswer, Loaded, News};
+use crate::{memory, setup};
 use raycast_core::camera::Grid;
 use raycast_core::formats::{self, Budget, Limits, SceneFile};
 use raycast_core::image::{Format, Recipe};
@@ -374,6 +374,9 @@ fn save(saving: Saving, path: &Path, replace: bool, shared: &Shared) -> Result<b
         return Ok(false);
     }
     view.settings.layers = format == Format::Exr;
+    let plane = view.camera.plane();
+    let memory_for = |columns, rows| format.memory_for(columns, rows);
+    memory::check_picture(path, (plane.columns, plane.rows), memory_for, "")?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(|index| format!("raycast-save-{index}"))
