@@ -50,10 +50,8 @@ pub enum PlaneError {
         /// The rows asked for.
         rows: u64,
     },
-    /// A step that is no positive number of single precision.
-    #[error(
-        "a step of {step:e} cannot be used: expected a positive number, from 1.2e-38 to 3.4e38"
-    )]
+    /// A step that is no positive normal number.
+    #[error("a step of {step:e} cannot be used: expected a positive number of at least 2.3e-308")]
     BadStep {
         /// The step asked for.
         step: f64,
@@ -125,13 +123,13 @@ impl ImagePlane {
     }
 }
 
-/// Whether a step can be used: a positive normal number of single precision, which rays are cast
-/// in first. Below those, precision fails by and by; above, there is none.
+/// Whether a step can be used: a positive normal number of double precision. Smaller ones have fewer
+/// digits, down to none, and rays made of them would not be where they are said to be.
 ///
 /// # Errors
 /// Any other number.
 pub fn check_step(step: f64) -> Result<(), PlaneError> {
-    if (f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX)).contains(&step) {
+    if step > 0.0 && step.is_normal() {
         Ok(())
     } else {
         Err(PlaneError::BadStep { step })
@@ -233,13 +231,13 @@ mod tests {
             resolve(request(None, Some(f64::NAN), None)),
             Err(PlaneError::BadStep { .. })
         ));
-        for step in [1e-320, 1e-39, 1e39, -1.0, f64::INFINITY] {
+        for step in [1e-320, 0.0, -1.0, f64::INFINITY] {
             let refused = resolve(request(Some((4, 4)), Some(step), None));
             assert_eq!(refused, Err(PlaneError::BadStep { step }));
         }
         assert_eq!(
             PlaneError::BadStep { step: 1e-320 }.to_string(),
-            "a step of 1e-320 cannot be used: expected a positive number, from 1.2e-38 to 3.4e38"
+            "a step of 1e-320 cannot be used: expected a positive number of at least 2.3e-308"
         );
         assert!(matches!(
             resolve(request(None, Some(1e-9), None)),

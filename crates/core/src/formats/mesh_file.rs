@@ -67,12 +67,12 @@ fn rounding(path: &Path, mesh: &Mesh) -> Option<String> {
     let rounding = mesh.rounding();
     (rounding.bent > 0).then(|| {
         format!(
-            "{}: in {} triangles rounding to single precision moves a corner by more than {} % of \
-             an edge, at most by {:.3} %",
+            "{}: triangles of which rounding to single precision moves a corner by more than {} % of \
+             an edge, at most by {:.3} %: {}",
             quote::path(path),
-            rounding.bent,
             BENT * 100.0,
             rounding.share_of_edge * 100.0,
+            rounding.bent,
         )
     })
 }

@@ -147,25 +147,25 @@ fn odd_lines(path: &Path, oddities: &Oddities) -> Vec<String> {
     let counts = [
         (
             dangling,
-            "faces name texture coordinates or normals that the file does not have",
+            "faces that name texture coordinates or normals of which the file has none",
         ),
         (
             weights,
-            "vertices have a fourth value that is not 1: in OBJ a weight, for rational curves and \
-             surfaces alone; it is passed over",
+            "vertices with a fourth value that is not 1, in OBJ a weight for rational curves and \
+             surfaces alone, which is passed over",
         ),
         (
             extra_values,
-            "vertices have values behind their colour, which are passed over",
+            "vertices with values behind their colour, which are passed over",
         ),
         (
             colors_out_of_range,
-            "vertices have a colour that is not from 0 to 1, which is clamped",
+            "vertices with a colour that is not from 0 to 1, which is clamped",
         ),
     ];
     let path = quote::path(path);
     let odd = counts.iter().filter(|(count, _)| *count > 0);
-    odd.map(|(count, what)| format!("{path}: {count} {what}"))
+    odd.map(|(count, what)| format!("{path}: {what}: {count}"))
         .collect()
 }
 
@@ -419,9 +419,9 @@ mod tests {
         assert_eq!(
             told,
             [
-                "parts/a.obj: 1 vertices have a fourth va",
-                "parts/a.obj: 1 vertices have values behi",
-                "parts/a.obj: 1 vertices have a colour th",
+                "parts/a.obj: vertices with a fourth valu",
+                "parts/a.obj: vertices with values behind",
+                "parts/a.obj: vertices with a colour that",
             ]
         );
         assert_eq!(obj.mesh.colors[2], Some(Color([255; 3])));

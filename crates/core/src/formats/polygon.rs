@@ -32,15 +32,15 @@ impl Uncut {
         let kinds = [
             (
                 self.crossing,
-                "cross or touch themselves and are cut as fans",
+                "faces that cross or touch themselves, which are cut as fans",
             ),
             (
                 self.intricate,
-                "are too intricate to be cut in the time that there is, and are cut as fans",
+                "faces too intricate for the time that there is, which are cut as fans",
             ),
         ];
         let told = kinds.iter().filter(|(count, _)| *count > 0);
-        told.map(|(count, what)| format!("{path}: {count} faces {what}"))
+        told.map(|(count, what)| format!("{path}: {what}: {count}"))
             .collect()
     }
 }

@@ -180,7 +180,7 @@ mod tests {
         .expect("good text");
         assert_eq!(
             warnings,
-            ["a.txt: 1 faces cross or touch themselves and are cut as fans"]
+            ["a.txt: faces that cross or touch themselves, which are cut as fans: 1"]
         );
     }
 
