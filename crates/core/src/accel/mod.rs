@@ -8,6 +8,8 @@ mod layout;
 mod levels;
 pub(crate) mod simd;
 mod slab;
+#[cfg(test)]
+mod tie_tests;
 mod tile;
 #[cfg(test)]
 mod tile_tests;

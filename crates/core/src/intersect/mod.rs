@@ -10,6 +10,8 @@ mod integer;
 mod nearest;
 pub(crate) mod row;
 pub(crate) mod setup;
+#[cfg(test)]
+mod setup_tests;
 mod sides;
 mod spans;
 mod triangle;
