@@ -11,7 +11,7 @@ use crate::hits::Hits;
 use crate::num::simd::{F32x8, Lanes, Mask8, Work, dispatch};
 use crate::single;
 use crate::triangle::PreparedRay;
-use crate::triangle::interpolate::{self as row, Corners, RowHits, meet_row};
+use crate::triangle::interpolate::{self as row, Corners, Places, RowHits, meet_row};
 
 impl Accel {
     /// Casts every ray of a lattice into `hits`, row by row.
@@ -198,10 +198,8 @@ impl Evaluate<'_> {
             return;
         }
         let corners = self.corners(lanes, &slots);
-        let place = self.lattice.place(column, row);
-        let stride = f64::from(self.lattice.stride);
-        let camera = &self.lattice.camera;
-        let found = meet_row(camera, self.accel.origin, place, stride, &corners);
+        let places = Places::new(self.lattice, column, row);
+        let found = meet_row(&self.lattice.camera, self.accel.origin, places, &corners);
         let mut open = false;
         let RowHits {
             mut t,

@@ -30,6 +30,8 @@ mod params;
 mod ray_bounds;
 mod ray_box;
 mod setup;
+#[cfg(test)]
+mod setup_tests;
 mod slivers;
 mod small_triangles;
 mod trace;

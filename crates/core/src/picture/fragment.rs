@@ -2,6 +2,7 @@ use super::file::Tags;
 use super::place::{Place, check_place};
 use super::{Format, ImageError, ImageFile, OutOfMemory, Picture, Recipe, exr, png};
 use crate::camera::Rect;
+use crate::digest::Digest;
 
 /// A tile in a file of its own, with what is needed to stitch it back.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,12 +1,12 @@
 //! One tile's way through the passes.
 
 use super::sample::sample_offset;
-use super::{Pass, Settings, Tile, TileStats, View};
+use super::view::{Clock, Settings, View};
+use super::{Pass, Tile, TileStats};
 use crate::camera::{Lattice, Rect};
 use crate::hit::Detail;
 use crate::hits::Hits;
 use crate::picture::{Layers, Strip};
-use crate::render::Clock;
 use crate::shade::{self, Shader, TileShader};
 use std::time::Duration;
 

@@ -2,7 +2,10 @@
 
 mod defaults;
 mod job;
+mod parallel;
 mod pass;
+#[cfg(test)]
+mod pass_tests;
 mod recipe;
 mod sample;
 mod tile;
@@ -10,6 +13,7 @@ mod view;
 
 pub use crate::hit::Precision;
 pub use defaults::render;
+pub use parallel::from_the_middle;
 pub use pass::{Pass, Passes};
 pub use tile::{Tile, TileStats};
-pub use view::{Cancel, Clock, Settings, View, from_the_middle};
+pub use view::{Cancel, Clock, Settings, View};

@@ -149,6 +149,7 @@ mod tests {
                 },
             ],
             material_of_triangle: vec![0, 1],
+            colors: vec![Some(Color([7, 8, 9])), None, None, None],
         }
     }
 
@@ -170,7 +171,9 @@ mod tests {
     #[test]
     fn all_that_decides_a_picture_counts() {
         let mut digests = vec![scene(data(), |_| ()).content(), Scene::default().content()];
-        let changes: [fn(&mut MeshData); 10] = [
+        let changes: [fn(&mut MeshData); 12] = [
+            |data| data.colors[0] = Some(Color([7, 8, 10])),
+            |data| data.colors.swap(0, 1),
             |data| data.positions[1].x = 1f64.next_up() as f32 as f64 + 1e-7,
             |data| data.positions.iter_mut().for_each(|p| p.x += 1e6),
             |data| data.triangles[1] = [1, 0, 3],

@@ -1,6 +1,8 @@
 //! The single ray: the reference that packets agree with.
 
 mod slab;
+#[cfg(test)]
+mod tie_tests;
 mod traversal;
 
 use crate::bvh::Accel;

@@ -59,8 +59,8 @@ impl SlabRay {
             0.0
         };
         let start = ray.origin + direction * skipped;
-        // The direction is rounded to 2^-53 of itself, its components are at most 1, and the product and the sum
-        // are rounded: 2ε · |skipped| and ε · (|origin| + |skipped|), below 4ε of the sum.
+        // The direction is rounded to ε of itself, its components are at most 1, and the product is rounded:
+        // 2ε · |skipped|. The sum takes ε · (|origin| + |skipped|), and adding this to it as much again.
         let start_error = if skipped == 0.0 {
             0.0
         } else {
@@ -81,7 +81,8 @@ impl SlabRay {
             } else {
                 (0.0, 1.0 / slope)
             };
-            let pad = pad + ray.origin_error + start_error;
+            // Twice the origin's own error: adding it is rounded by as much as that again.
+            let pad = pad + 2.0 * ray.origin_error + start_error;
             low[axis] = round_down(start[axis] - pad);
             high[axis] = round_up(start[axis] + pad);
             inverse[axis] = factor as f32;

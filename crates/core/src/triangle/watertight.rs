@@ -463,3 +463,75 @@ pub(super) fn greater(a: f64, b: f64) -> f64 {
 fn same_corners(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
     a.iter().all(|p| b.contains(p)) && b.iter().all(|p| a.contains(p))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    /// What doubles are sure of is so, of rays at edges and corners but for roundings: next to the eye
+    /// and far from it, and with an eye that is rounded itself. The truth is integer arithmetic.
+    #[test]
+    fn what_doubles_are_sure_of_is_so() {
+        let mut random = Random(61);
+        for (frame, place) in [
+            (DVec3::ZERO, 0.0),
+            (DVec3::ZERO, 1e6),
+            // Corners are stored about the frame, and the eye's place there is rounded.
+            (DVec3::new(1e7, -0.1, 3e3), 2e7),
+            (DVec3::new(1e-9, 2e-9, -1e-9), 3e7),
+        ] {
+            let [mut decided, mut closely_decided, mut hits] = [0; 3];
+            for _ in 0..4000 {
+                let middle = DVec3::new(place, place * 0.7, -place);
+                let size = place.max(1.0) * 10f64.powf(-6.0 * random.unit());
+                let mut near = || (middle + random.point() * size).as_vec3();
+                let corners = [near(), near(), near()];
+                let [a, b, c] = corners.map(|corner| frame + corner.as_dvec3());
+                let target = match (random.unit() * 4.0) as u32 {
+                    0 => a,
+                    1 => a + (b - a) * random.unit(),
+                    2 => (a + b + c) / 3.0,
+                    _ => b + (c - b) * random.unit() + random.point() * (size * 1e-14),
+                };
+                let origin = frame + middle + random.point() * (size * 10.0);
+                let mut ray = Ray::new(origin, target - origin);
+                if random.unit() < 0.3 {
+                    // Begins or ends where it meets the triangle, or so.
+                    let t = 1.0 + (random.unit() * 5.0 - 2.0).floor() * f64::EPSILON;
+                    (ray.t_min, ray.t_max) = if random.unit() < 0.5 {
+                        (t, 9.0)
+                    } else {
+                        (0.0, t)
+                    };
+                }
+                let prepared = PreparedRay::new(&ray, frame, Cull::None, Precision::Exact);
+                let prepared = prepared.expect("a valid ray");
+                let truth = exact::hit(&ray, &prepared.placed(corners), Cull::None, 0);
+                let verdicts = [
+                    (prepared.judge(0, corners), &mut decided),
+                    (prepared.judge_closely(0, corners), &mut closely_decided),
+                ];
+                for (verdict, decided) in verdicts {
+                    match verdict {
+                        Verdict::Open => continue,
+                        Verdict::Miss => assert!(truth.is_none(), "{ray:?} {corners:?}"),
+                        Verdict::Hit(hit) => {
+                            let truth = truth.expect("a hit that is one");
+                            let off = (hit.t - truth.t).abs();
+                            assert!(off <= hit.t_error + truth.t_error, "{ray:?} {corners:?}");
+                            let single = 2f64.powi(-24);
+                            assert!((hit.u - truth.u).abs() <= single);
+                            assert!((hit.v - truth.v).abs() <= single);
+                        }
+                    }
+                    *decided += 1;
+                }
+                hits += u32::from(truth.is_some());
+            }
+            assert!(hits > 1000, "{hits}");
+            assert!(decided > 300, "{decided}");
+            assert!(closely_decided > 200, "{closely_decided} of {decided}");
+        }
+    }
+}

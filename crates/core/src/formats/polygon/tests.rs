@@ -2,6 +2,7 @@
 //! with corners of its own, and whose areas add up to the face's, cover it once.
 
 use super::*;
+use crate::math;
 use crate::random::Random;
 use glam::DVec3;
 use std::time::{Duration, Instant};
@@ -155,7 +156,10 @@ fn random_faces_are_covered() {
             .map(|i| {
                 let angle = std::f64::consts::TAU * i as f64 / count as f64;
                 let length = 10.0 + below(1000) as f64;
-                ((angle.cos() * length) as i64, (angle.sin() * length) as i64)
+                (
+                    (math::cos(angle) * length) as i64,
+                    (math::sin(angle) * length) as i64,
+                )
             })
             .collect();
         // Columns side by side, of any heights, above and below.
@@ -190,7 +194,10 @@ fn faces_that_cross_themselves_are_told() {
     let twice: Vec<Corner> = (0..7)
         .map(|i| {
             let angle = std::f64::consts::TAU * f64::from(2 * i) / 7.0;
-            ((angle.cos() * 1000.0) as i64, (angle.sin() * 1000.0) as i64)
+            (
+                (math::cos(angle) * 1000.0) as i64,
+                (math::sin(angle) * 1000.0) as i64,
+            )
         })
         .collect();
     assert_eq!(decided(&twice).0, Cut::Crossing);
@@ -220,8 +227,8 @@ fn many_corners_take_a_moment() {
         let arm = |turn: f64, out: f64| {
             let length = 50.0 * turn + out;
             (
-                (turn.sin() * length * 1.0) as i64,
-                (turn.cos() * length * 1.0) as i64,
+                (math::sin(turn) * length * 1.0) as i64,
+                (math::cos(turn) * length * 1.0) as i64,
             )
         };
         let turn = |i: i64| 10.0 + i as f64 * 0.01;

@@ -1,0 +1,185 @@
+//! A view's tiles on many threads.
+
+use super::job::{Buffers, Job};
+use super::view::{Cancel, Clock, View};
+use super::{Pass, Tile, TileStats};
+use crate::camera::{Grid, ImagePlane, Rect};
+use crate::hit::Detail;
+use crate::picture::Picture;
+use crate::shade::Shader;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+impl View {
+    /// Renders the whole picture, tile by tile, in parallel on rayon's current pool.
+    ///
+    /// `sink` is called from the workers once for each tile, with its statistics. The picture is
+    /// the same, byte for byte, for every grid and thread count. `None` if cancelled.
+    pub fn render(
+        &self,
+        grid: Grid,
+        clock: Clock<'_>,
+        cancel: &Cancel,
+        sink: &(dyn Fn(&TileStats) + Sync),
+    ) -> Option<Picture> {
+        let plane = self.camera.plane();
+        let mut picture = Picture::blank(plane.columns, plane.rows, self.settings.layers);
+        self.render_into(grid, clock, cancel, sink, &mut picture)
+            .then_some(picture)
+    }
+
+    /// As [`View::render`], over a picture that is there already, of the camera's size and with
+    /// layers if the settings ask for them: memory that is in use costs less than new. Returns whether
+    /// it ran to the end; the picture's state is a mixture otherwise.
+    pub fn render_into(
+        &self,
+        grid: Grid,
+        clock: Clock<'_>,
+        cancel: &Cancel,
+        sink: &(dyn Fn(&TileStats) + Sync),
+        picture: &mut Picture,
+    ) -> bool {
+        let plane = self.camera.plane();
+        let shader = self.shader();
+        let buffers = || Buffers::new(&shader);
+        if self.settings.samples <= 1 && !self.settings.layers {
+            // Long strips first, for long rows of pixels, and short ones last, for which no worker waits
+            // long (Polychronopoulos and Kuck, "Guided Self-Scheduling", 1987).
+            let share = 4 * rayon::current_num_threads();
+            let strips = picture.strips(grid, |left| left / share);
+            let strips: Vec<_> = strips.into_iter().map(Mutex::new).collect();
+            return in_parallel(strips.len(), cancel, buffers, |buffers, index| {
+                let mut strip = strips[index].lock().unwrap_or_else(PoisonError::into_inner);
+                Job::paint(self, &mut strip, clock, buffers, sink);
+            });
+        }
+        let tiles = grid.tiles(plane.columns, plane.rows);
+        let picture = Mutex::new(picture);
+        in_parallel(tiles.len(), cancel, buffers, |buffers, index| {
+            let tile = self.finish(tiles[index], clock, buffers);
+            let mut picture = picture.lock().unwrap_or_else(PoisonError::into_inner);
+            picture.place(tile.rect, &tile.pixels, tile.layers.as_ref());
+            drop(picture);
+            sink(&tile.stats);
+        })
+    }
+
+    /// Casts every ray of the picture and keeps nothing, for measuring: visibility alone, or with t, u and v
+    /// of every hit written, a tile at a time.
+    pub fn cast(&self, grid: Grid, detail: Detail) -> TileStats {
+        let plane = self.camera.plane();
+        let tiles = grid.tiles(plane.columns, plane.rows);
+        let sum = Mutex::new(TileStats::default());
+        let shader = self.shader();
+        let buffers = || Buffers::new(&shader);
+        in_parallel(
+            tiles.len(),
+            &Cancel::default(),
+            buffers,
+            |buffers, index| {
+                let stats = Job::cast(self, tiles[index], detail, buffers);
+                *sum.lock().unwrap_or_else(PoisonError::into_inner) += stats;
+            },
+        );
+        sum.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Renders one rectangle of the picture: what the sub-camera over it sees.
+    pub fn render_rect(&self, rect: Rect, clock: Clock<'_>) -> Tile {
+        let shader = self.shader();
+        self.finish(rect, clock, &mut Buffers::new(&shader))
+    }
+
+    /// Renders `passes` one after another, each tile of each pass handed to `sink` whole, from the
+    /// worker that made it. Within a pass tiles come from the middle of the view outwards.
+    ///
+    /// Strides must fall, and samples rise, from pass to pass. A tile of a coarse pass has every
+    /// pixel filled: those between its rays take the colour of the ray above and to the left. After
+    /// the last pass the tiles are those of [`View::render`]. Returns whether it ran to the end.
+    pub fn render_progressively(
+        &self,
+        tiles: &[Rect],
+        passes: &[Pass],
+        clock: Clock<'_>,
+        cancel: &Cancel,
+        sink: &(dyn Fn(Pass, Tile) + Sync),
+    ) -> bool {
+        let plane = self.camera.plane();
+        let order = from_the_middle(tiles, plane);
+        let jobs: Vec<_> = order
+            .into_iter()
+            .map(|rect| Mutex::new(Job::new(rect)))
+            .collect();
+        let shader = self.shader();
+        let buffers = || Buffers::new(&shader);
+        let last = passes.len().saturating_sub(1);
+        passes.iter().enumerate().all(|(number, &pass)| {
+            in_parallel(jobs.len(), cancel, buffers, |buffers, index| {
+                let mut job = jobs[index].lock().unwrap_or_else(PoisonError::into_inner);
+                let stats = job.advance(self, pass, clock, buffers);
+                let tile = if number == last {
+                    job.take_tile(stats)
+                } else {
+                    job.tile(stats)
+                };
+                drop(job);
+                sink(pass, tile);
+            })
+        })
+    }
+
+    fn shader(&self) -> Shader<'_> {
+        Shader::new(&self.scene, &self.accel, self.camera, self.settings.shading)
+    }
+
+    /// A tile in one go.
+    fn finish(&self, rect: Rect, clock: Clock<'_>, buffers: &mut Buffers<'_>) -> Tile {
+        let mut job = Job::new(rect);
+        let pass = Pass {
+            stride: 1,
+            samples: self.settings.samples.max(1),
+        };
+        let stats = job.advance(self, pass, clock, buffers);
+        job.take_tile(stats)
+    }
+}
+
+/// Calls `work` with every index below `count`, in ascending order as far as several workers can,
+/// until `cancel`; each worker has buffers of its own. Returns whether all were done.
+fn in_parallel<B>(
+    count: usize,
+    cancel: &Cancel,
+    buffers: impl Fn() -> B + Sync,
+    work: impl Fn(&mut B, usize) + Sync,
+) -> bool {
+    let next = AtomicUsize::new(0);
+    let done = AtomicUsize::new(0);
+    rayon::scope(|scope| {
+        for _ in 0..rayon::current_num_threads() {
+            scope.spawn(|_| {
+                let mut buffers = buffers();
+                while !cancel.is_cancelled() {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    if index >= count {
+                        break;
+                    }
+                    work(&mut buffers, index);
+                    done.fetch_add(1, Ordering::Relaxed);
+                }
+            });
+        }
+    });
+    done.into_inner() == count
+}
+
+/// A picture's tiles by the distance of their middles from its own: the order of rendering.
+pub fn from_the_middle(tiles: &[Rect], plane: ImagePlane) -> Vec<Rect> {
+    let mut order = tiles.to_vec();
+    // Twice the distance, in whole numbers.
+    order.sort_by_key(|tile| {
+        let x = i64::from(2 * tile.x + tile.width) - i64::from(plane.columns);
+        let y = i64::from(2 * tile.y + tile.height) - i64::from(plane.rows);
+        x * x + y * y
+    });
+    order
+}
