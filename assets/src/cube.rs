@@ -27,7 +27,7 @@ const SIDES: [(Material, DVec3, DVec3); 6] = [
 ];
 
 /// The cube from −1 to 1: six quads, the whole texture on each.
-pub fn cube() -> Model {
+pub(crate) fn cube() -> Model {
     let corner_of =
         |p: DVec3| usize::from(p.x > 0.0) + 2 * usize::from(p.y > 0.0) + 4 * usize::from(p.z > 0.0);
     let sign = |index: usize, bit: usize| if index >> bit & 1 == 1 { 1.0 } else { -1.0 };

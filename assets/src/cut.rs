@@ -14,7 +14,7 @@ const SNAP: f64 = 0.3;
 
 /// Halves the edges of `shell` that `coarse` holds for, and puts their middles onto the surface of
 /// `solid`.
-pub fn refine(
+pub(crate) fn refine(
     shell: &mut HalfShell,
     solid: impl Fn(DVec3) -> f64,
     coarse: impl Fn(DVec3, DVec3) -> bool,
@@ -67,7 +67,7 @@ pub fn refine(
 
 /// Splits the triangles of `shell`, which lies on the surface of `solid`, along the zeros of
 /// `region`, and gives those inside (negative) the material `inside` where `from` holds for theirs.
-pub fn cut(
+pub(crate) fn cut(
     shell: &mut HalfShell,
     solid: impl Fn(DVec3) -> f64,
     region: impl Fn(DVec3) -> f64,

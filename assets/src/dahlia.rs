@@ -38,7 +38,7 @@ const MATERIALS: [Material; SHADES + 2] = [
 
 /// The flower around the Y axis, its head some two units wide. Each petal is a closed part with
 /// an upper and a lower side that meet at its edge.
-pub fn dahlia() -> Model {
+pub(crate) fn dahlia() -> Model {
     let mut model = Model {
         name: "dahlia",
         about: "A dahlia in full bloom",

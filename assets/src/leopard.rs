@@ -21,7 +21,7 @@ const CELLS: i32 = 6;
 const HARDNESS: f64 = 14.0;
 
 /// The image as a PNG file.
-pub fn leopard() -> Vec<u8> {
+pub(crate) fn leopard() -> Vec<u8> {
     let pixels: Vec<u8> = (0..SIZE * SIZE)
         .flat_map(|i| {
             let pixel = DVec2::new(f64::from(i % SIZE), f64::from(i / SIZE));

@@ -49,7 +49,7 @@ const GAZE: DVec3 = v(0.06, 0.02, 1.0);
 
 /// The head, some three units wide from ear to ear, looking along +Z. The skull, and each ball,
 /// glint, lid and lock of fur, is a closed part.
-pub fn monkey() -> Model {
+pub(crate) fn monkey() -> Model {
     let mut shell = surface_net(skull, v(1.7, 1.5, 1.5), CELL);
     let bent = |a: DVec3, b: DVec3| skull(a.midpoint(b)).abs() > TOLERANCE;
     let at_engraving = |a: DVec3, b: DVec3| {

@@ -5,13 +5,13 @@ use std::fmt::Write;
 use glam::{DVec2, DVec3};
 
 /// Decimals of a position in the file.
-pub const POSITION_DECIMALS: usize = 5;
+pub(crate) const POSITION_DECIMALS: usize = 5;
 const UV_DECIMALS: usize = 4;
 const NORMAL_DECIMALS: usize = 3;
 
 /// A diffuse colour with a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Material {
+pub(crate) struct Material {
     /// The name in `newmtl` and `usemtl`.
     pub name: &'static str,
     /// The diffuse colour, 8-bit sRGB.
@@ -20,7 +20,7 @@ pub struct Material {
 
 impl Material {
     /// A material of the colour `0xRRGGBB`.
-    pub const fn new(name: &'static str, rgb: u32) -> Self {
+    pub(crate) const fn new(name: &'static str, rgb: u32) -> Self {
         let [_, red, green, blue] = rgb.to_be_bytes();
         Self {
             name,
@@ -31,7 +31,7 @@ impl Material {
 
 /// Where a face's corner takes its attributes from: indices from 0 into a [`Model`]'s lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Corner {
+pub(crate) struct Corner {
     /// Index of the position.
     pub position: usize,
     /// Index of the texture coordinate.
@@ -42,7 +42,7 @@ pub struct Corner {
 
 impl Corner {
     /// A corner whose three attributes stand at the same index.
-    pub fn all(index: usize) -> Self {
+    pub(crate) fn all(index: usize) -> Self {
         Self {
             position: index,
             uv: index,
@@ -53,7 +53,7 @@ impl Corner {
 
 /// A polygon, counter-clockwise seen from outside.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Face {
+pub(crate) struct Face {
     /// Index of the material.
     pub material: usize,
     /// Three corners or more.
@@ -62,7 +62,7 @@ pub struct Face {
 
 /// Polygons with positions, texture coordinates, normals and materials.
 #[derive(Clone, Debug, Default)]
-pub struct Model {
+pub(crate) struct Model {
     /// The name of the object and, without its ending, of both files.
     pub name: &'static str,
     /// One line about the model, written as a comment.
@@ -81,12 +81,12 @@ pub struct Model {
 
 impl Model {
     /// The number of triangles when every polygon is cut into a fan.
-    pub fn triangle_count(&self) -> usize {
+    pub(crate) fn triangle_count(&self) -> usize {
         self.faces.iter().map(|face| face.corners.len() - 2).sum()
     }
 
     /// The faces' triangles as indices of positions, a polygon's fan one after another.
-    pub fn triangles(&self) -> impl Iterator<Item = [usize; 3]> {
+    pub(crate) fn triangles(&self) -> impl Iterator<Item = [usize; 3]> {
         self.faces.iter().flat_map(|face| {
             (1..face.corners.len() - 1)
                 .map(move |i| [0, i, i + 1].map(|corner| face.corners[corner].position))
@@ -94,7 +94,7 @@ impl Model {
     }
 
     /// Appends a model's geometry to this one; `other`'s material numbers are meant in `self`.
-    pub fn append(&mut self, other: Self) {
+    pub(crate) fn append(&mut self, other: Self) {
         let (position, uv, normal) = (self.positions.len(), self.uvs.len(), self.normals.len());
         self.positions.extend(other.positions);
         self.uvs.extend(other.uvs);
@@ -110,7 +110,7 @@ impl Model {
     }
 
     /// The model reflected in the plane `x = 0`.
-    pub fn mirrored(&self) -> Self {
+    pub(crate) fn mirrored(&self) -> Self {
         let mut mirrored = self.clone();
         for vector in mirrored.positions.iter_mut().chain(&mut mirrored.normals) {
             vector.x = -vector.x;
@@ -126,7 +126,7 @@ impl Model {
     ///
     /// A triangle counts by its angle there: G. Thürmer and C. A. Wüthrich, "Computing vertex
     /// normals from polygonal facets", 1998.
-    pub fn smooth_normals(&mut self) {
+    pub(crate) fn smooth_normals(&mut self) {
         self.normals = vec![DVec3::ZERO; self.positions.len()];
         for [a, b, c] in self.triangles().collect::<Vec<_>>() {
             for [here, next, last] in [[a, b, c], [b, c, a], [c, a, b]] {
@@ -145,7 +145,7 @@ impl Model {
     }
 
     /// The files of this model: `name.obj` and `name.mtl`.
-    pub fn files(&self) -> Vec<(String, Vec<u8>)> {
+    pub(crate) fn files(&self) -> Vec<(String, Vec<u8>)> {
         vec![
             (format!("{}.obj", self.name), self.to_obj().into_bytes()),
             (format!("{}.mtl", self.name), self.to_mtl().into_bytes()),
@@ -153,7 +153,7 @@ impl Model {
     }
 
     /// The OBJ text. Faces are grouped by material, in the materials' order.
-    pub fn to_obj(&self) -> String {
+    pub(crate) fn to_obj(&self) -> String {
         let mut text = String::new();
         let out = &mut text;
         line(out, format_args!("# {}", self.about));
@@ -201,7 +201,7 @@ impl Model {
 
     /// The MTL text: each material with its diffuse colour. MTL names no colour space; like most
     /// writers this one means sRGB.
-    pub fn to_mtl(&self) -> String {
+    pub(crate) fn to_mtl(&self) -> String {
         let mut text = String::new();
         line(
             &mut text,
@@ -216,7 +216,7 @@ impl Model {
 }
 
 /// The number with at most `decimals` decimals, without trailing zeros and without a negative zero.
-pub fn decimal(value: f64, decimals: usize) -> String {
+pub(crate) fn decimal(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let text = if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.')

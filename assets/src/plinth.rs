@@ -22,7 +22,7 @@ const MATERIALS: [Material; 3] = [
 ];
 
 /// The plinth: radius 1 and a rounded edge, its top at `y = 0`.
-pub fn plinth() -> Model {
+pub(crate) fn plinth() -> Model {
     let top = [
         (0.0, TOP),
         (0.4, TOP),

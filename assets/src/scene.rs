@@ -1,7 +1,7 @@
 //! The demo scene: the monkey on a pedestal, a dahlia, a ring in leopard skin and the cube.
 
 /// The scene file's text.
-pub fn demo() -> String {
+pub(crate) fn demo() -> String {
     format!("# RayCast's demo scene. {}\n{SCENE}", crate::MADE_BY)
 }
 

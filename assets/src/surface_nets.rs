@@ -15,7 +15,7 @@ const RELAXATIONS: usize = 5;
 
 /// The half at `x ≥ 0` of a surface that is symmetric about `x = 0`. A vertex with `x == 0` lies
 /// on the seam.
-pub struct HalfShell {
+pub(crate) struct HalfShell {
     /// The vertices.
     pub positions: Vec<DVec3>,
     /// The triangles, counter-clockwise seen from outside, and a material number for each.
@@ -24,7 +24,7 @@ pub struct HalfShell {
 
 /// Samples `field` within `±half_size` on a grid of cubes `cell` wide, and gives all triangles
 /// material 0. `field` must be symmetric in x and positive at the bounds.
-pub fn surface_net(field: impl Fn(DVec3) -> f64, half_size: DVec3, cell: f64) -> HalfShell {
+pub(crate) fn surface_net(field: impl Fn(DVec3) -> f64, half_size: DVec3, cell: f64) -> HalfShell {
     let count = (half_size / cell).ceil().as_ivec3() + 1;
     // The plane x = 0 halves the cells with x-index 0.
     let corner = |c: IVec3| (c.as_dvec3() - DVec3::new(0.5, 0.0, 0.0)) * cell;
@@ -156,7 +156,7 @@ fn relax(field: impl Fn(DVec3) -> f64, positions: &mut [DVec3], quads: &[[usize;
 
 impl HalfShell {
     /// The whole, closed shell.
-    pub fn mirrored(&self) -> Self {
+    pub(crate) fn mirrored(&self) -> Self {
         let mut positions = self.positions.clone();
         let twin: Vec<usize> = self
             .positions

@@ -8,11 +8,11 @@ use crate::obj::{Corner, Face, Model};
 
 /// A place on the spine, the solid's radius there, and the material of the band that ends there.
 /// The first and the last one are poles, with radius 0.
-pub type Station = (DVec3, f64, usize);
+pub(crate) type Station = (DVec3, f64, usize);
 
 /// The solid of `segments` sides around the `stations`. The rings' first vertices, where the
 /// texture starts, lie towards `reference`, which the spine must nowhere be parallel to.
-pub fn sweep(stations: &[Station], segments: usize, reference: DVec3) -> Model {
+pub(crate) fn sweep(stations: &[Station], segments: usize, reference: DVec3) -> Model {
     let mut model = Model::default();
     let last = stations.len() - 1;
     for (i, &(centre, radius, _)) in stations.iter().enumerate() {
@@ -63,7 +63,12 @@ pub fn sweep(stations: &[Station], segments: usize, reference: DVec3) -> Model {
 }
 
 /// A ball's stations from the pole at `axis`: each ring by its angle from there in degrees.
-pub fn ball(centre: DVec3, radius: f64, axis: DVec3, rings: &[(f64, usize)]) -> Vec<Station> {
+pub(crate) fn ball(
+    centre: DVec3,
+    radius: f64,
+    axis: DVec3,
+    rings: &[(f64, usize)],
+) -> Vec<Station> {
     rings
         .iter()
         .map(|&(angle, material)| {

@@ -16,7 +16,7 @@ const MINOR_RADIUS: f64 = 0.4;
 const TEXTURE_REPEATS: f64 = 3.0;
 
 /// The torus around the Y axis: 64 × 32 quads.
-pub fn torus() -> Model {
+pub(crate) fn torus() -> Model {
     let mut model = Model {
         name: "torus",
         about: "A torus; a texture repeats three times around it",
