@@ -40,6 +40,10 @@ impl<const N: usize> Wide<N> {
     }
 
     /// `self + other`, where `other` is taken to be negative or not.
+    #[allow(
+        clippy::needless_range_loop,
+        reason = "a limb is an index into all the numbers at once"
+    )]
     fn add(&self, other: &Self, other_is_negative: bool) -> Self {
         if self.is_negative == other_is_negative {
             let mut limbs = [0; N];

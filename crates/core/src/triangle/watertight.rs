@@ -164,7 +164,8 @@ impl PreparedRay {
         let [a, b, c] = weights;
         let sum = a.value + b.value + c.value;
         let sum_error = (a.error + b.error + c.error) * 1.001 + 3.0 * EPSILON * sum.abs();
-        if !(sum_error <= WELL_CONDITIONED * sum.abs()) {
+        let is_well_conditioned = sum_error <= WELL_CONDITIONED * sum.abs();
+        if !is_well_conditioned {
             return Verdict::Open;
         }
         // (N ± n) / (S ± s) is off by n/|S| + |t|·s/|S| and the quotient's rounding; second orders, and the
