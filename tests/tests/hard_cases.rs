@@ -38,14 +38,14 @@ const UNIT: [DVec3; 3] = [DVec3::ZERO, DVec3::X, DVec3::Y];
 /// How many of a case's rays fast casting answers otherwise than the truth. No other case has any.
 const FAST_IS_WRONG: &[(&str, usize)] = &[
     ("far_sphere_corners", 1),
-    ("eye_on_the_surface", 573),
+    ("eye_on_the_surface", 244),
     ("quads_in_one_place", 271),
     ("four_triangles", 2),
     ("powers_of_two", 1029),
     ("origins_beyond_the_scene", 1923),
     ("next_to_what_is_stored_far_away", 1026),
     ("no_area", 348),
-    ("random_bits", 214),
+    ("random_bits", 213),
 ];
 
 macro_rules! cases {
@@ -68,6 +68,9 @@ cases! {
     smaller_than_a_pixel changing_density around_the_eye edge_on corners_on_pixel_centres
     edges_through_block_corners slivers_along_rows surfaces_on_one_another crossing_layers
     fan_on_a_pixel ends_of_the_range narrow_and_wide narrower_than_rounding
+    eye_at_a_cones_apex eye_at_a_vertex_of_many eye_on_an_edge_of_many eye_in_planes_of_many
+    eye_next_to_a_vertex_of_many coincident_triangles copies_of_a_mesh exponents_of_any_size
+    thin_boxes_behind_one_another tiny_and_far layers_in_one_plane
 }
 
 #[test]
@@ -252,7 +255,7 @@ fn whole_distances_are_whole() {
         ("in_the_plane_of_a_face", vec![Some(4.0)]),
         (
             "half_a_trillion",
-            vec![Some(500.0), Some(12e4f64.next_down()), Some(0.0), None],
+            vec![Some(500.0), Some(12e4f64.next_down()), Some(12e4), None],
         ),
     ] {
         let case = cases::find(name).expect("a case in the list");

@@ -9,7 +9,8 @@ pub(crate) struct ExactRay {
     origin: Vector,
     direction: Vector,
     t_min: Dyadic,
-    t_max: Dyadic,
+    /// `None` where the ray has no end.
+    t_max: Option<Dyadic>,
 }
 
 /// A hit with the exact numbers that decide which is nearest.
@@ -30,7 +31,7 @@ impl ExactRay {
             origin: exact::vector(ray.origin.to_array()),
             direction: exact::vector(ray.direction.to_array()),
             t_min: Dyadic::new(ray.t_min),
-            t_max: Dyadic::new(ray.t_max),
+            t_max: (ray.t_max < f64::INFINITY).then(|| Dyadic::new(ray.t_max)),
         }
     }
 
@@ -60,13 +61,16 @@ impl ExactRay {
             return None;
         }
         let depth = exact::dot(&a, &b_cross_c);
-        // t_min ≤ depth / sum ≤ t_max, times the sum.
-        let (low, high) = if sum.signum() > 0 {
-            (&self.t_min * &sum, &self.t_max * &sum)
-        } else {
-            (&self.t_max * &sum, &self.t_min * &sum)
+        // t_min < depth / sum ≤ t_max, times the sum.
+        let is_along = sum.signum() > 0;
+        let against = |t: &Dyadic| {
+            let order = depth.cmp(&(t * &sum));
+            if is_along { order } else { order.reverse() }
         };
-        (low <= depth && depth <= high).then_some(ExactHit {
+        let has_begun = against(&self.t_min) == Ordering::Greater;
+        let has_ended = |t_max| against(t_max) == Ordering::Greater;
+        let is_within = has_begun && !self.t_max.as_ref().is_some_and(has_ended);
+        is_within.then_some(ExactHit {
             triangle,
             second,
             third,

@@ -31,10 +31,10 @@ pub struct Truth {
 /// Triangles, ready to be asked about.
 ///
 /// A ray meets a triangle where the three determinants of the direction and two corners (seen from
-/// the origin) are all ≥ 0 or all ≤ 0 and not all zero, and `t` lies in the ray's range: edges and
+/// the origin) are all ≥ 0 or all ≤ 0 and not all zero, and `t_min < t ≤ t_max`: edges and
 /// vertices belong to all triangles that have them, and a triangle without area is never met. A
 /// triangle with a corner that is not finite is never met either; a ray with a number that is not
-/// finite, or without direction, meets nothing.
+/// finite (but for a `t_max` of +infinity), or without direction, meets nothing.
 #[derive(Clone, Debug)]
 pub struct Oracle {
     triangles: Vec<Triangle>,
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn the_range_is_inclusive_and_behind_is_not_met() {
+    fn the_range_begins_behind_t_min_and_includes_t_max() {
         let oracle = Oracle::of_corners(&[UNIT]);
         let hit = |t_min, t_max| {
             let ray = Ray {
@@ -185,11 +185,45 @@ mod tests {
             };
             oracle.nearest(&ray, false).is_some()
         };
-        assert!(hit(5.0, 5.0));
-        assert!(!hit(5f64.next_up(), 9.0));
+        assert!(hit(5f64.next_down(), 5.0));
+        assert!(!hit(5.0, 9.0));
         assert!(!hit(0.0, 5f64.next_down()));
+        assert!(hit(0.0, f64::INFINITY) && hit(-1.0, f64::MAX));
+        assert!(!hit(0.0, f64::NAN) && !hit(0.0, f64::NEG_INFINITY));
+        assert!(!hit(f64::NEG_INFINITY, 9.0) && !hit(f64::INFINITY, f64::INFINITY));
         let away = Ray::new(DVec3::new(0.2, 0.2, 5.0), DVec3::Z);
         assert_eq!(oracle.nearest(&away, false), None);
+        // Backwards: t counts the other way along.
+        let behind = |t_min, t_max| {
+            let ray = Ray {
+                t_min,
+                t_max,
+                ..away
+            };
+            oracle.nearest(&ray, false).is_some()
+        };
+        assert!(behind(-9.0, -5.0) && behind(-9.0, f64::INFINITY));
+        assert!(!behind(-5.0, 0.0) && !behind(-9.0, (-5f64).next_down()));
+    }
+
+    #[test]
+    fn what_only_touches_the_eye_is_not_met() {
+        let oracle = Oracle::of_corners(&[UNIT, UNIT.map(|p| p - Vec3::Z)]);
+        for eye in [
+            DVec3::ZERO,
+            DVec3::new(0.5, 0.0, 0.0),
+            DVec3::new(0.2, 0.2, 0.0),
+        ] {
+            let ray = Ray::new(eye, DVec3::new(0.01, 0.02, -1.0));
+            let hit = oracle.nearest(&ray, false).expect("the one below");
+            assert_eq!((hit.triangle, hit.t), (1, 1.0));
+            let open = Ray {
+                t_min: -1e-9,
+                ..ray
+            };
+            let hit = oracle.nearest(&open, false).expect("the one at the eye");
+            assert_eq!((hit.triangle, hit.t), (0, 0.0));
+        }
     }
 
     #[test]

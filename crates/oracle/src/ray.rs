@@ -1,15 +1,15 @@
 use glam::DVec3;
 
-/// The points `origin + t · direction` with `t_min ≤ t ≤ t_max`, all of them exactly as given.
+/// The points `origin + t · direction` with `t_min < t ≤ t_max`, all of them exactly as given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Where `t` is zero.
     pub origin: DVec3,
     /// Which way, and what one unit of `t` is.
     pub direction: DVec3,
-    /// The least `t` of a hit, inclusive.
+    /// Where hits begin: their `t` is greater.
     pub t_min: f64,
-    /// The greatest `t` of a hit, inclusive.
+    /// The greatest `t` of a hit, inclusive; +infinity is no limit.
     pub t_max: f64,
 }
 
@@ -20,7 +20,7 @@ impl Ray {
             origin,
             direction,
             t_min: 0.0,
-            t_max: f64::MAX,
+            t_max: f64::INFINITY,
         }
     }
 
@@ -30,6 +30,6 @@ impl Ray {
             && self.direction.is_finite()
             && self.direction != DVec3::ZERO
             && self.t_min.is_finite()
-            && self.t_max.is_finite()
+            && self.t_max > f64::NEG_INFINITY
     }
 }

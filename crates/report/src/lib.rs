@@ -5,6 +5,7 @@
 //! - [`verify`]: pictures against the truth.
 //! - [`checked`]: rays with the truth about them.
 //! - [`cases`]: where known ray casters go wrong.
+//! - [`fuzz_kernel`]: tiles, single rays and the truth, on what a fuzzer's bytes say.
 //! - [`meshes`], [`cameras`], [`scenes`]: made in code.
 //! - [`ways`]: RayCast's ways of casting and other people's, behind one trait; [`embree`] is loaded
 //!   at run time.
@@ -23,6 +24,7 @@ pub mod embree;
 pub mod errors;
 pub mod fault;
 pub mod figure;
+pub mod fuzz_kernel;
 pub mod machine;
 pub mod meshes;
 pub mod metrics;

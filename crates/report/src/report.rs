@@ -1,9 +1,12 @@
 //! All of a report, from scenes to files.
 
+use crate::cases::time::RACES;
 use crate::effort::Effort;
 use crate::embree::Embree;
 use crate::machine::Machine;
-use crate::sections::{Section, breaking, density, hard, levels, meshes, numerics, pay, shape};
+use crate::sections::{
+    Section, breaking, density, hard, levels, meshes, numerics, pay, shape, time,
+};
 use crate::subject::{Input, Subject};
 use crate::table::ReportError;
 use crate::watch::Watch;
@@ -67,6 +70,10 @@ pub fn report(
     );
     numerics::headline(&mut ordinary, &over_meshes, &over_cases);
     hard::show(&mut ordinary, &outcomes, &over_cases);
+    time::show(
+        &mut ordinary,
+        &time::measure(RACES, effort.rounds.div_ceil(2), watch)?,
+    );
     let mut breaks = Section::default();
     breaks.say("## B. Where each way breaks");
     for sweep in breaking::Sweep::ALL {

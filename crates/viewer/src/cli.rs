@@ -242,8 +242,9 @@ pub struct CastingArgs {
 #[command(after_help = "\
 Both files are little-endian. A ray is eight 32-bit floats: origin x y z, t_min, direction x y z,
 t_max. A hit is 20 bytes: t (float, infinity at a miss), object, triangle (unsigned, 4294967295 at a
-miss), u, v (float), with the point at (1-u-v) a + u b + v c. A ray with a number that is not finite
-or a direction of zero is a miss, and counted on standard error.
+miss), u, v (float), with the point at (1-u-v) a + u b + v c. A hit has t_min < t <= t_max, and a t_max
+of +infinity is no limit; a ray with any other number that is not finite, or a direction of zero, is a
+miss, and counted on standard error.
 
 Example:
   raycast cast bunny.obj --rays rays.bin --hits hits.bin --stats -")]

@@ -1,5 +1,6 @@
 //! The tree: triangles in treelets, obvhs's clustering above them.
 
+use super::copies::copies;
 use super::layout::{Layout, halved};
 use super::tree::{Box32, Tree};
 use super::treelet::Treelets;
@@ -24,10 +25,17 @@ const FEW_TREELETS: usize = 1 << 14;
 pub(super) fn build(scene: &Scene) -> Result<Accel, SceneError> {
     let world = World::of(scene)?;
     let Reachable {
-        numbers,
-        boxes,
+        mut numbers,
+        mut boxes,
+        hashes,
         out_of_range,
     } = world.reachable();
+    let copies = copies(&world, &numbers, &hashes);
+    drop(hashes);
+    if !copies.is_empty() {
+        remove(&mut numbers, &copies);
+        remove(&mut boxes, &copies);
+    }
     let (tree, order) = build_tree(&boxes);
     drop(boxes);
     // Corners are placed a second time: that takes less than keeping them, unsorted, would.
@@ -41,6 +49,17 @@ pub(super) fn build(scene: &Scene) -> Result<Accel, SceneError> {
         first_numbers: world.first_numbers,
         out_of_range,
     })
+}
+
+/// Leaves out what stands at some places, which ascend.
+fn remove<T>(all: &mut Vec<T>, places: &[u32]) {
+    let mut places = places.iter().copied().peekable();
+    let mut place = 0;
+    all.retain(|_| {
+        let is_removed = places.next_if_eq(&place).is_some();
+        place += 1;
+        !is_removed
+    });
 }
 
 /// The tree over the boxes, and their indices in the order of its leaves.

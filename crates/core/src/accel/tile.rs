@@ -6,7 +6,7 @@ use super::walk::{Part, Walk};
 use super::{Accel, Hits, MISS, SlotHit, traverse};
 use crate::camera::Lattice;
 use crate::intersect::block::Block;
-use crate::intersect::row::{self, Corners, RowHits, meet_row};
+use crate::intersect::row::{self, Corners, Places, RowHits, meet_row};
 use crate::intersect::setup::SIDE;
 use crate::intersect::{Cull, Detail, Precision, PreparedRay};
 
@@ -224,10 +224,8 @@ impl Evaluate<'_> {
             return;
         }
         let corners = self.corners(lanes, &slots);
-        let place = self.lattice.place(column, row);
-        let stride = f64::from(self.lattice.stride);
-        let camera = &self.lattice.camera;
-        let found = meet_row(camera, self.accel.origin, place, stride, &corners);
+        let places = Places::new(self.lattice, column, row);
+        let found = meet_row(&self.lattice.camera, self.accel.origin, places, &corners);
         let mut open = false;
         let RowHits {
             mut t,

@@ -13,7 +13,7 @@ pub(super) fn nearest(accel: &Accel, ray: &PreparedRay) -> Nearest {
         return nearest;
     };
     let slab = SlabRay::new(ray, &tree.bounds);
-    let mut limit = SlabRay::limit(ray, ray.ray.t_max, 0.0);
+    let mut limit = slab.limit(ray.ray.t_max, 0.0);
     let mut stack = [(Subtree::default(), 0.0f32); DEPTH_LIMIT];
     let mut depth = 0;
     loop {
@@ -48,7 +48,7 @@ pub(super) fn nearest(accel: &Accel, ray: &PreparedRay) -> Nearest {
                 accel.meet(ray, slot, &mut nearest);
             }
             if !nearest.is_miss() {
-                limit = SlabRay::limit(ray, nearest.t, nearest.t_error);
+                limit = slab.limit(nearest.t, nearest.t_error);
             }
         }
         // A box that begins beyond the limit holds nothing nearer; one that begins at it may tie.

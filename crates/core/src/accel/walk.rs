@@ -14,6 +14,7 @@ use super::tree::{Box32, BoxPair, DEPTH_LIMIT, Subtree};
 use crate::camera::{Lattice, Projection};
 use crate::intersect::Cull;
 use crate::intersect::block::{Block, MetFew};
+use crate::intersect::edge_on::EdgeOn;
 use crate::intersect::footprint::{Footprints, Placer, RayBox};
 use crate::intersect::setup::{self, BlockSpace, CornerLanes, ROW};
 use glam::{DVec3, Vec3};
@@ -149,6 +150,7 @@ pub(super) struct Walk<'a> {
     /// Those of them whose triangles are to be set up, with their boxes of rays.
     wanted: Batch,
     boxes: [RayBox; setup::LANES],
+    edge_on: EdgeOn,
     pub(super) counts: CastCounts,
 }
 
@@ -173,6 +175,7 @@ impl<'a> Walk<'a> {
             batch: Batch::default(),
             wanted: Batch::default(),
             boxes: [RayBox::default(); setup::LANES],
+            edge_on: EdgeOn::new(&lattice.camera, accel.origin),
             counts: CastCounts::default(),
         }
     }
@@ -394,7 +397,8 @@ impl<'a> Walk<'a> {
             }
             let corners = self.corners(lanes, self.wanted.slots());
             let slots = &self.wanted.slots[..self.wanted.len];
-            block.meet(lanes, &space, &corners, &self.boxes, slots);
+            let is_edge_on = |slot| self.edge_on.is(slot, self.accel.corners(slot));
+            block.meet(lanes, &space, &corners, &self.boxes, slots, is_edge_on);
             self.counts.triangles += slots.len() as u64;
             notice.set_up(slots);
             self.wanted.len = 0;

@@ -1,6 +1,7 @@
 //! A scene's triangles in one space.
 
 use super::Triangle;
+use super::copies::hash;
 use super::tree::{Box32, TRIANGLE_LIMIT};
 use crate::scene::{COORDINATE_LIMIT, Mesh, Object, Scene, SceneError};
 use glam::{DAffine3, DVec3, Vec3};
@@ -29,6 +30,8 @@ pub(super) struct Reachable {
     pub(super) numbers: Vec<u32>,
     /// The boxes around them.
     pub(super) boxes: Vec<Box32>,
+    /// Numbers that those with the same corners share.
+    pub(super) hashes: Vec<u32>,
     /// Kept triangles that a transform has moved out of range.
     pub(super) out_of_range: u32,
 }
@@ -93,23 +96,24 @@ impl<'s> World<'s> {
             if !in_range(&corners) {
                 out_of_range.fetch_add(1, Ordering::Relaxed);
             }
-            Box32::around(&corners)
+            (
+                Box32::around(&corners),
+                hash(corners.map(|corner| corner.to_array())),
+            )
         };
-        let boxes = numbers.par_iter().map(around).collect();
-        let out_of_range = out_of_range.into_inner();
-        if out_of_range == 0 {
-            return Reachable {
-                numbers,
-                boxes,
-                out_of_range,
-            };
+        let (mut boxes, mut hashes) = (Vec::new(), Vec::new());
+        let all = numbers.par_iter().map(around);
+        all.unzip_into_vecs(&mut boxes, &mut hashes);
+        let out_of_range = out_of_range.load(Ordering::Relaxed);
+        if out_of_range > 0 {
+            numbers.retain(|&number| in_range(&self.triangle(number).corners));
+            let all = numbers.par_iter().map(around);
+            all.unzip_into_vecs(&mut boxes, &mut hashes);
         }
-        numbers.retain(|&number| in_range(&self.triangle(number).corners));
-        let boxes = numbers.par_iter();
-        let boxes = boxes.map(|&number| Box32::around(&self.triangle(number).corners));
         Reachable {
-            boxes: boxes.collect(),
             numbers,
+            boxes,
+            hashes,
             out_of_range,
         }
     }

@@ -1,16 +1,19 @@
 use glam::DVec3;
 
 /// A half-line, or a piece of one, in world space: the points `origin + t · direction` with
-/// `t_min ≤ t ≤ t_max`.
+/// `t_min < t ≤ t_max`.
+///
+/// What only touches the origin of a ray that begins at zero is not met: a triangle whose plane holds
+/// an eye is met by no ray from there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Where `t` is zero.
     pub origin: DVec3,
     /// Which way, and what one unit of `t` is: the direction keeps its own length.
     pub direction: DVec3,
-    /// The least `t` of a hit, inclusive.
+    /// Where hits begin: their `t` is greater.
     pub t_min: f64,
-    /// The greatest `t` of a hit, inclusive.
+    /// The greatest `t` of a hit, inclusive; +infinity is no limit.
     pub t_max: f64,
 }
 
@@ -21,17 +24,18 @@ impl Ray {
             origin,
             direction,
             t_min: 0.0,
-            t_max: f64::MAX,
+            t_max: f64::INFINITY,
         }
     }
 
-    /// Whether every number is finite and the direction is not zero; any other ray is a miss.
+    /// Whether every number is finite (`t_max` may be +infinity) and the direction is not zero; any
+    /// other ray is a miss.
     pub fn is_valid(&self) -> bool {
         self.origin.is_finite()
             && self.direction.is_finite()
             && self.direction != DVec3::ZERO
             && self.t_min.is_finite()
-            && self.t_max.is_finite()
+            && self.t_max > f64::NEG_INFINITY
     }
 
     /// The point at `t`, rounded.

@@ -302,7 +302,8 @@ impl Block {
         self.touched |= columns << (SUBS * (rays.bottom as usize / ROW));
     }
 
-    /// Meets the first of eight triangles, those with slots, each with the rays of its box.
+    /// Meets the first of eight triangles, those with slots, each with the rays of its box. `is_edge_on`
+    /// tells of a slot whether no ray meets it: it is asked where the set-up cannot tell the triangle's side.
     #[inline(always)]
     pub(crate) fn meet(
         &mut self,
@@ -311,9 +312,13 @@ impl Block {
         corners: &CornerLanes,
         boxes: &[RayBox; LANES],
         slots: &[u32],
+        mut is_edge_on: impl FnMut(u32) -> bool,
     ) {
         let set_up = space.set_up(corners, boxes);
         for (l, &slot) in slots.iter().enumerate().take(LANES) {
+            if set_up.awkward[l] && is_edge_on(slot) {
+                continue;
+            }
             self.meet_one(lanes, &set_up, l, slot);
         }
         self.look_around(lanes);

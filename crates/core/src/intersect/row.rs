@@ -4,7 +4,7 @@
 //! so that the bits are the same.
 
 use super::triangle::{Edges, axes, greater, major_axis};
-use crate::camera::{Camera, Projection};
+use crate::camera::{Camera, Lattice, Projection};
 use glam::DVec3;
 
 /// Rays side by side.
@@ -22,25 +22,55 @@ pub(crate) struct RowHits {
     pub(crate) sure: [bool; LANES],
 }
 
-/// Meets each ray with the triangle in its lane. The rays go through (x + lane · stride, y) of the
-/// picture; corners are relative to `frame`.
+/// Where eight rays of a lattice's row go through the picture: a lane's place is the very double that
+/// [`Lattice::place`] gives for its column, and not the first one's, already rounded, and so much more.
+#[derive(Clone, Copy)]
+pub(crate) struct Places {
+    /// The first ray's column in the picture, a whole number.
+    first: f64,
+    stride: f64,
+    offset: f64,
+    y: f64,
+}
+
+impl Places {
+    /// Of a column of a lattice's row, and the seven after it.
+    #[inline(always)]
+    pub(crate) fn new(lattice: &Lattice, column: u32, row: u32) -> Self {
+        Self {
+            first: f64::from(lattice.x + column * lattice.stride),
+            stride: f64::from(lattice.stride),
+            offset: lattice.offset.0,
+            y: lattice.place(column, row).1,
+        }
+    }
+
+    /// A lane's place. Whole numbers are not rounded.
+    #[inline(always)]
+    fn get(&self, lane: usize) -> (f64, f64) {
+        let column = self.first + lane as f64 * self.stride;
+        (column + self.offset, self.y)
+    }
+}
+
+/// Meets each ray with the triangle in its lane. Corners are relative to `frame`.
 #[inline(always)]
 pub(crate) fn meet_row(
     camera: &Camera,
     frame: DVec3,
-    place: (f64, f64),
-    stride: f64,
+    places: Places,
     corners: &Corners,
 ) -> RowHits {
-    let DVec3 { x, y, z } = camera.direction(place.0, place.1);
+    let (x, y) = places.get(0);
+    let DVec3 { x, y, z } = camera.direction(x, y);
     // Rays this near each other nearly always share their major axis; those that do not say so.
     match (major_axis(x, y, z), camera.projection()) {
-        (0, Projection::Perspective) => meet::<0, true>(camera, frame, place, stride, corners),
-        (1, Projection::Perspective) => meet::<1, true>(camera, frame, place, stride, corners),
-        (_, Projection::Perspective) => meet::<2, true>(camera, frame, place, stride, corners),
-        (0, _) => meet::<0, false>(camera, frame, place, stride, corners),
-        (1, _) => meet::<1, false>(camera, frame, place, stride, corners),
-        (_, _) => meet::<2, false>(camera, frame, place, stride, corners),
+        (0, Projection::Perspective) => meet::<0, true>(camera, frame, places, corners),
+        (1, Projection::Perspective) => meet::<1, true>(camera, frame, places, corners),
+        (_, Projection::Perspective) => meet::<2, true>(camera, frame, places, corners),
+        (0, _) => meet::<0, false>(camera, frame, places, corners),
+        (1, _) => meet::<1, false>(camera, frame, places, corners),
+        (_, _) => meet::<2, false>(camera, frame, places, corners),
     }
 }
 
@@ -53,8 +83,7 @@ pub(crate) fn meet_row(
 fn meet<const MAJOR: usize, const PERSPECTIVE: bool>(
     camera: &Camera,
     frame: DVec3,
-    (x, y): (f64, f64),
-    stride: f64,
+    places: Places,
     corners: &Corners,
 ) -> RowHits {
     let [kx, ky, kz] = const { axes(MAJOR) };
@@ -72,7 +101,8 @@ fn meet<const MAJOR: usize, const PERSPECTIVE: bool>(
     };
     for lane in 0..LANES {
         // `Camera::ray`, a coordinate at a time.
-        let (across, along) = camera.across_and_along(x + lane as f64 * stride, y);
+        let (x, y) = places.get(lane);
+        let (across, along) = camera.across_and_along(x, y);
         let mut origin = eye;
         let mut direction = forward;
         for axis in 0..3 {
@@ -109,12 +139,49 @@ fn meet<const MAJOR: usize, const PERSPECTIVE: bool>(
             origin_error,
         );
         let [t, u, v] = edges.weights(advance);
-        // A camera's rays begin at zero and have no end; what is off by far less than itself has
+        // A camera's rays begin behind zero and have no end; what is off by far less than itself has
         // its own sign.
-        hits.sure[lane] = same_major & edges.surely_inside() & edges.surely_single() & (t >= 0.0);
+        hits.sure[lane] = same_major & edges.surely_inside() & edges.surely_single() & (t > 0.0);
         hits.t[lane] = t as f32;
         hits.u[lane] = u as f32;
         hits.v[lane] = v as f32;
     }
     hits
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{ImagePlane, Placement, Rect};
+
+    /// Invariant: no split changes a ray. With the places that samples have, in a tile that begins below
+    /// a power of two and ends above it.
+    #[test]
+    fn lanes_are_at_the_places_of_their_columns() {
+        let plane = ImagePlane::new(20_000, 100, 0.1).expect("a good plane");
+        let placement = Placement {
+            eye: DVec3::ZERO,
+            target: DVec3::Z,
+            up: DVec3::Y,
+        };
+        let camera = Camera::new(placement, Projection::Perspective, plane);
+        for stride in [1, 3] {
+            for sample in 0..256 {
+                let rect = Rect {
+                    x: 16_381,
+                    y: 7,
+                    width: 64,
+                    height: 2,
+                };
+                let mut lattice = Lattice::new(camera, rect, stride, (0, 0));
+                let offset = |base: u32| (f64::from(sample) + 0.5) / f64::from(base);
+                lattice.offset = (offset(256), offset(257));
+                let places = Places::new(&lattice, 2, 1);
+                for lane in 0..LANES {
+                    let expected = lattice.place(2 + lane as u32, 1);
+                    assert_eq!(places.get(lane), expected, "{stride} {sample} {lane}");
+                }
+            }
+        }
+    }
 }

@@ -4,10 +4,12 @@
 //! outside is then three signs in two dimensions (Woop, Benthin, Wald, "Watertight Ray/Triangle
 //! Intersection", JCGT 2013). Theirs are exact for the sheared, rounded vertices; these are exact for
 //! the vertices and the ray as given: each sign and each order of depth comes with a bound on its
-//! error, and what the bound leaves open goes to [`ExactHit`] (after Shewchuk, "Adaptive Precision
-//! Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997).
+//! error. What the bound leaves open is judged by determinants with bounds of their own
+//! ([`componentwise`](super::componentwise)), and what those leave open goes to [`exact`] (after
+//! Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997).
 
-use super::exact::ExactHit;
+use super::componentwise::{Determinant, Determinants};
+use super::exact::{self, Placed};
 use super::{Cull, Nearest, Precision};
 use crate::camera::Ray;
 use glam::{DVec3, Vec3};
@@ -16,6 +18,9 @@ use std::cmp::Ordering;
 
 /// Half a unit in the last place of 1: the relative error of one rounded operation.
 const EPSILON: f64 = f64::EPSILON / 2.0;
+
+/// The share of the weights' sum that a weight may be off by, to be good to single precision.
+const WELL_CONDITIONED: f64 = 1.0 / (1u64 << 28) as f64;
 
 /// A ray made ready for many triangles.
 #[derive(Clone, Debug)]
@@ -122,12 +127,86 @@ impl PreparedRay {
     /// The hit at a triangle that doubles leave open, if there is one.
     fn settle(&self, slot: u32, corners: [Vec3; 3]) -> Option<Nearest> {
         match self.precision {
-            Precision::Exact => {
-                self.was_exact.set(true);
-                ExactHit::new(&self.ray, corners, self.frame, self.cull)
-                    .map(|hit| hit.rounded(slot))
-            }
+            Precision::Exact => match self.judge_closely(slot, corners) {
+                Verdict::Miss => None,
+                Verdict::Hit(hit) => Some(hit),
+                Verdict::Open => {
+                    self.was_exact.set(true);
+                    exact::hit(&self.ray, &self.placed(corners), self.cull, slot)
+                }
+            },
             Precision::Fast => self.guess(slot, corners),
+        }
+    }
+
+    /// Decides by componentwise bounds, or leaves open what they cannot.
+    fn judge_closely(&self, slot: u32, corners: [Vec3; 3]) -> Verdict {
+        let relative = corners.map(|corner| corner.as_dvec3() - self.origin);
+        let off = self.origin_error / EPSILON;
+        let Some(Determinants { weights, numerator }) =
+            Determinants::new(self.ray.direction, relative, off)
+        else {
+            return Verdict::Open;
+        };
+        let [first, second, third] = weights.map(Determinant::signum);
+        let is_any = |sign| [first, second, third].contains(&Some(sign));
+        if is_any(1) && is_any(-1) {
+            return Verdict::Miss;
+        }
+        let (Some(_), Some(_), Some(_)) = (first, second, third) else {
+            return Verdict::Open;
+        };
+        let is_culled = self.cull == Cull::Back && is_any(1);
+        if is_culled || !(is_any(1) || is_any(-1)) {
+            return Verdict::Miss;
+        }
+        // All weights have one sign, or none: neither their sum nor its bound cancels, and three terms'
+        // rounding takes less than a share of 3ε.
+        let [a, b, c] = weights;
+        let sum = a.value + b.value + c.value;
+        let sum_error = (a.error + b.error + c.error) * 1.001 + 3.0 * EPSILON * sum.abs();
+        if !(sum_error <= WELL_CONDITIONED * sum.abs()) {
+            return Verdict::Open;
+        }
+        // (N ± n) / (S ± s) is off by n/|S| + |t|·s/|S| and the quotient's rounding; second orders, and
+        // the bound's own rounding, are far below a thousandth of it.
+        let t = numerator.value / sum;
+        let t_error =
+            1.001 * (numerator.error + t.abs() * sum_error) / sum.abs() + 2.0 * EPSILON * t.abs();
+        let point = Point {
+            t,
+            t_error,
+            u: b.value / sum,
+            v: c.value / sum,
+        };
+        self.within_range(slot, point)
+    }
+
+    /// A hit at a point that is surely inside of a triangle, if it is surely in the ray's range and good
+    /// to single precision.
+    fn within_range(&self, slot: u32, point: Point) -> Verdict {
+        let Point { t, t_error, u, v } = point;
+        let Ray { t_min, t_max, .. } = self.ray;
+        if t + t_error <= t_min || t - t_error > t_max {
+            return Verdict::Miss;
+        }
+        if !point.is_single() || t - t_error <= t_min || t + t_error > t_max {
+            return Verdict::Open;
+        }
+        Verdict::Hit(Nearest {
+            slot,
+            t,
+            t_error,
+            u,
+            v,
+        })
+    }
+
+    /// A triangle with these corners, where it is.
+    fn placed(&self, corners: [Vec3; 3]) -> Placed {
+        Placed {
+            corners,
+            origin: self.frame,
         }
     }
 
@@ -144,13 +223,21 @@ impl PreparedRay {
         if same_corners(corners(candidate.slot), corners(nearest.slot)) {
             return Ordering::Equal;
         }
-        self.was_exact.set(true);
-        let exact = |slot| ExactHit::new(&self.ray, corners(slot), self.frame, self.cull);
-        match (exact(candidate.slot), exact(nearest.slot)) {
-            (Some(candidate), Some(nearest)) => candidate.compare(&nearest),
-            // Both were decided to be hits, so both are.
-            _ => Ordering::Greater,
+        let closely = |slot| self.judge_closely(slot, corners(slot));
+        if let (Verdict::Hit(candidate), Verdict::Hit(nearest)) =
+            (closely(candidate.slot), closely(nearest.slot))
+        {
+            if candidate.is_surely_before(&nearest) {
+                return Ordering::Less;
+            }
+            if nearest.is_surely_before(&candidate) {
+                return Ordering::Greater;
+            }
         }
+        self.was_exact.set(true);
+        let [candidate, nearest] = [candidate, nearest].map(|hit| self.placed(corners(hit.slot)));
+        // Both were decided to be hits, so both are.
+        exact::compare(&self.ray, &candidate, &nearest, self.cull).unwrap_or(Ordering::Greater)
     }
 
     /// The hit at a triangle that the ray is known to meet.
@@ -184,7 +271,7 @@ impl PreparedRay {
             return None;
         }
         let Point { t, u, v, .. } = edges.point(self.advance);
-        (self.ray.t_min <= t && t <= self.ray.t_max).then_some(Nearest {
+        (self.ray.t_min < t && t <= self.ray.t_max).then_some(Nearest {
             slot,
             t,
             t_error: 0.0,
@@ -205,25 +292,7 @@ impl PreparedRay {
         if self.is_culled(&edges) {
             return Verdict::Miss;
         }
-        let point = edges.point(self.advance);
-        if !point.is_single() {
-            return Verdict::Open;
-        }
-        let Point { t, t_error, u, v } = point;
-        let Ray { t_min, t_max, .. } = self.ray;
-        if t + t_error < t_min || t - t_error > t_max {
-            return Verdict::Miss;
-        }
-        if t - t_error < t_min || t + t_error > t_max {
-            return Verdict::Open;
-        }
-        Verdict::Hit(Nearest {
-            slot,
-            t,
-            t_error,
-            u,
-            v,
-        })
+        self.within_range(slot, edges.point(self.advance))
     }
 }
 
@@ -334,7 +403,7 @@ impl Edges {
         let [u, v, w] = self.functions;
         let above = (u > self.error) & (v > self.error) & (w > self.error);
         let below = (u < -self.error) & (v < -self.error) & (w < -self.error);
-        let well_conditioned = self.error <= 1.0 / (1u64 << 28) as f64 * self.determinant.abs();
+        let well_conditioned = self.error <= WELL_CONDITIONED * self.determinant.abs();
         (above | below) & well_conditioned
     }
 
@@ -400,4 +469,76 @@ pub(super) fn greater(a: f64, b: f64) -> f64 {
 /// Whether two triangles have the same corners, in any order.
 fn same_corners(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
     a.iter().all(|p| b.contains(p)) && b.iter().all(|p| a.contains(p))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    /// What doubles are sure of is so, of rays at edges and corners but for roundings: next to the eye
+    /// and far from it, and with an eye that is rounded itself. The truth is integer arithmetic.
+    #[test]
+    fn what_doubles_are_sure_of_is_so() {
+        let mut random = Random(61);
+        for (frame, place) in [
+            (DVec3::ZERO, 0.0),
+            (DVec3::ZERO, 1e6),
+            // Corners are stored about the frame, and the eye's place there is rounded.
+            (DVec3::new(1e7, -0.1, 3e3), 2e7),
+            (DVec3::new(1e-9, 2e-9, -1e-9), 3e7),
+        ] {
+            let [mut decided, mut closely_decided, mut hits] = [0; 3];
+            for _ in 0..4000 {
+                let middle = DVec3::new(place, place * 0.7, -place);
+                let size = place.max(1.0) * 10f64.powf(-6.0 * random.unit());
+                let mut near = || (middle + random.point() * size).as_vec3();
+                let corners = [near(), near(), near()];
+                let [a, b, c] = corners.map(|corner| frame + corner.as_dvec3());
+                let target = match (random.unit() * 4.0) as u32 {
+                    0 => a,
+                    1 => a + (b - a) * random.unit(),
+                    2 => (a + b + c) / 3.0,
+                    _ => b + (c - b) * random.unit() + random.point() * (size * 1e-14),
+                };
+                let origin = frame + middle + random.point() * (size * 10.0);
+                let mut ray = Ray::new(origin, target - origin);
+                if random.unit() < 0.3 {
+                    // Begins or ends where it meets the triangle, or so.
+                    let t = 1.0 + (random.unit() * 5.0 - 2.0).floor() * f64::EPSILON;
+                    (ray.t_min, ray.t_max) = if random.unit() < 0.5 {
+                        (t, 9.0)
+                    } else {
+                        (0.0, t)
+                    };
+                }
+                let prepared = PreparedRay::new(&ray, frame, Cull::None, Precision::Exact);
+                let prepared = prepared.expect("a valid ray");
+                let truth = exact::hit(&ray, &prepared.placed(corners), Cull::None, 0);
+                let verdicts = [
+                    (prepared.judge(0, corners), &mut decided),
+                    (prepared.judge_closely(0, corners), &mut closely_decided),
+                ];
+                for (verdict, decided) in verdicts {
+                    match verdict {
+                        Verdict::Open => continue,
+                        Verdict::Miss => assert!(truth.is_none(), "{ray:?} {corners:?}"),
+                        Verdict::Hit(hit) => {
+                            let truth = truth.expect("a hit that is one");
+                            let off = (hit.t - truth.t).abs();
+                            assert!(off <= hit.t_error + truth.t_error, "{ray:?} {corners:?}");
+                            let single = 2f64.powi(-24);
+                            assert!((hit.u - truth.u).abs() <= single);
+                            assert!((hit.v - truth.v).abs() <= single);
+                        }
+                    }
+                    *decided += 1;
+                }
+                hits += u32::from(truth.is_some());
+            }
+            assert!(hits > 1000, "{hits}");
+            assert!(decided > 300, "{decided}");
+            assert!(closely_decided > 200, "{closely_decided} of {decided}");
+        }
+    }
 }

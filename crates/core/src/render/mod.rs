@@ -2,6 +2,8 @@
 
 mod job;
 mod pass;
+#[cfg(test)]
+mod pass_tests;
 mod sample;
 mod tile;
 mod view;

@@ -7,6 +7,8 @@ mod mode;
 mod sample;
 mod shader;
 mod smooth;
+#[cfg(test)]
+mod smooth_tests;
 pub(crate) mod srgb;
 #[cfg(test)]
 mod tests;

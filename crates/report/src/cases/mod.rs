@@ -1,7 +1,7 @@
 //! Places where known ray casters go wrong: scenes, rays and cameras, whose outcome is what the
 //! oracle says. One list serves tests, the report and the viewer.
 //!
-//! [`leaks`], [`signs`], [`scale`], [`bad_geometry`], [`sameness`] and [`blocks`] hold the cases by
+//! [`leaks`], [`signs`], [`scale`], [`bad_geometry`], [`sameness`], [`blocks`] and [`time`] hold the cases by
 //! theme; [`setting`] is what a case puts up.
 
 pub mod bad_geometry;
@@ -11,6 +11,7 @@ pub mod sameness;
 pub mod scale;
 pub mod setting;
 pub mod signs;
+pub mod time;
 
 pub use setting::Setting;
 
@@ -29,17 +30,20 @@ pub enum Theme {
     Sameness,
     /// One set-up serves many rays.
     Blocks,
+    /// Answers that take too long.
+    Time,
 }
 
 impl Theme {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Leaks,
         Self::Signs,
         Self::Scale,
         Self::BadGeometry,
         Self::Sameness,
         Self::Blocks,
+        Self::Time,
     ];
 
     /// What it is called.
@@ -51,6 +55,7 @@ impl Theme {
             Self::BadGeometry => "bad geometry",
             Self::Sameness => "sameness",
             Self::Blocks => "blocks of rays",
+            Self::Time => "time",
         }
     }
 }
@@ -91,6 +96,7 @@ pub fn all() -> Vec<Case> {
         bad_geometry::CASES,
         sameness::CASES,
         blocks::CASES,
+        time::CASES,
     ]
     .concat()
 }

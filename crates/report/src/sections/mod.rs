@@ -8,6 +8,7 @@ pub mod meshes;
 pub mod numerics;
 pub mod pay;
 pub mod shape;
+pub mod time;
 
 use crate::chart::Chart;
 use crate::table::Table;

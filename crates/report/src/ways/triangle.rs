@@ -61,7 +61,7 @@ impl<R: Float + ToPrimitive> Nearest<R> {
     #[inline(always)]
     pub(super) fn offer(&mut self, slot: u32, meeting: Option<Meeting<R>>) {
         if let Some(at) = meeting
-            && at.t >= self.t_min
+            && at.t > self.t_min
             && at.t <= self.t_max
             && at.t < self.at.t
         {

@@ -1,0 +1,175 @@
+//! Triangles that stand exactly where another one stands, and turn the same way: no ray meets them first.
+
+use super::world::World;
+use rayon::prelude::*;
+use std::collections::HashSet;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Binary digits that are set aside for each triangle to tell that no other has its corners' hash: of
+/// those that have no copy, one in about as many is looked at closely.
+const DIGITS: usize = 32;
+
+/// Triangles that are worth a second thread.
+const TOGETHER: usize = 1 << 12;
+
+/// Of triangles whose numbers ascend, those whose three corners another one with a lower number has as
+/// well, in the same turning sense: their places, ascending.
+///
+/// A ray meets either at the same distance or neither, so that the lowest number wins, whichever faces
+/// are culled: this is decided here once, and not by each ray. One that turns the other way is no copy,
+/// since culling tells the two apart.
+///
+/// `hashes` are those of [`hash`]. Where there is no copy this takes a few nanoseconds a triangle.
+pub(super) fn copies(world: &World<'_>, numbers: &[u32], hashes: &[u32]) -> Vec<u32> {
+    let suspects = suspects(hashes);
+    let runs = suspects.chunk_by(|a, b| a.0 == b.0);
+    let mut copies: Vec<u32> = runs
+        .filter(|run| run.len() > 1)
+        .flat_map(|run| {
+            let mut met = HashSet::new();
+            run.iter().filter_map(move |&(_, at)| {
+                let corners = world.triangle(numbers[at as usize]).corners;
+                let is_first = met.insert(turned(bits(corners.map(|c| c.to_array()))));
+                (!is_first).then_some(at)
+            })
+        })
+        .collect();
+    copies.sort_unstable();
+    copies
+}
+
+/// A number that triangles with the same corners share, in whatever order they are.
+pub(super) fn hash(corners: [[f32; 3]; 3]) -> u32 {
+    let one = |[x, y, z]: [u32; 3]| {
+        let x = u64::from(x).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let y = u64::from(y).wrapping_mul(0xc2b2_ae3d_27d4_eb4f);
+        let z = u64::from(z).wrapping_mul(0x1656_67b1_9e37_79f9);
+        let sum = x ^ y.rotate_left(23) ^ z.rotate_left(41);
+        (sum ^ sum >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9)
+    };
+    let [a, b, c] = bits(corners).map(one);
+    (a.wrapping_add(b).wrapping_add(c) >> 32) as u32
+}
+
+/// Corners as numbers that are equal where the coordinates are: the zeros are one.
+fn bits(corners: [[f32; 3]; 3]) -> [[u32; 3]; 3] {
+    corners.map(|corner| corner.map(|x| (x + 0.0).to_bits()))
+}
+
+/// The same triangle from its least corner on, in the same turning sense.
+fn turned(corners: [[u32; 3]; 3]) -> [[u32; 3]; 3] {
+    let [a, b, c] = corners;
+    [[a, b, c], [b, c, a], [c, a, b]]
+        .into_iter()
+        .min()
+        .unwrap_or(corners)
+}
+
+/// Hashes that are there more than once, and a few others, each with its place: equal ones together, places
+/// ascending.
+fn suspects(hashes: &[u32]) -> Vec<(u32, u32)> {
+    let digits = (hashes.len() * DIGITS).next_power_of_two().max(64);
+    let at = |hash: u32| {
+        // The highest digits are the best mixed.
+        let at = (u64::from(hash) * digits as u64) >> u32::BITS;
+        ((at / 64) as usize, 1u64 << (at % 64))
+    };
+    let all = || hashes.par_iter().copied().with_min_len(TOGETHER);
+    let seen = Digits::new(digits);
+    let again: Vec<u32> = all().filter(|&hash| seen.set(at(hash))).collect();
+    if again.is_empty() {
+        return Vec::new();
+    }
+    // Which of several equals was the first is chance; that there are several is not.
+    let twice = Digits::new(digits);
+    for &hash in &again {
+        twice.set(at(hash));
+    }
+    let mut suspects: Vec<(u32, u32)> = all()
+        .enumerate()
+        .filter(|&(_, hash)| twice.get(at(hash)))
+        .map(|(place, hash)| (hash, place as u32))
+        .collect();
+    suspects.par_sort_unstable();
+    suspects
+}
+
+/// Binary digits that threads set.
+struct Digits(Vec<AtomicU64>);
+
+impl Digits {
+    fn new(digits: usize) -> Self {
+        Self((0..digits / 64).map(|_| AtomicU64::new(0)).collect())
+    }
+
+    /// Sets a digit of a word; whether it was set before.
+    fn set(&self, (word, digit): (usize, u64)) -> bool {
+        self.0[word].fetch_or(digit, Ordering::Relaxed) & digit != 0
+    }
+
+    fn get(&self, (word, digit): (usize, u64)) -> bool {
+        self.0[word].load(Ordering::Relaxed) & digit != 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+    use crate::scene::{Mesh, MeshData, Object, Scene};
+    use glam::DVec3;
+    use std::sync::Arc;
+
+    /// The copies among triangles with corners of some few points.
+    fn found(positions: &[DVec3], triangles: Vec<[u32; 3]>) -> Vec<u32> {
+        let mesh = Mesh::new(MeshData {
+            positions: positions.to_vec(),
+            triangles,
+            ..MeshData::default()
+        });
+        let scene = Scene {
+            objects: vec![Object::new("mesh", Arc::new(mesh))],
+        };
+        let world = World::of(&scene).expect("a valid scene");
+        let reachable = world.reachable();
+        copies(&world, &reachable.numbers, &reachable.hashes)
+    }
+
+    #[test]
+    fn copies_are_those_that_turn_the_same_way() {
+        let [x, y, z] = DVec3::AXES;
+        let positions = [DVec3::ZERO, x, y, z, -DVec3::ZERO];
+        let triangles = vec![
+            [0, 1, 2],
+            [1, 2, 0],
+            [2, 1, 0],
+            [0, 1, 3],
+            [1, 2, 4],
+            [0, 2, 1],
+            [1, 2, 3],
+        ];
+        assert_eq!(found(&positions, triangles), [1, 4, 5]);
+    }
+
+    #[test]
+    fn all_copies_among_many_are_found_and_nothing_else() {
+        let mut random = Random(9);
+        for (points, triangles, least) in [(2000, 100_000, 0), (40, 100_000, 50_000)] {
+            let positions: Vec<DVec3> = (0..points).map(|_| random.point()).collect();
+            let mut corner = || (random.unit() * f64::from(points)) as u32;
+            let triangles: Vec<[u32; 3]> = (0..triangles)
+                .map(|_| [corner(), corner(), corner()])
+                .filter(|[a, b, c]| a != b && b != c && c != a)
+                .collect();
+            let mut met = HashSet::new();
+            let turned = |[a, b, c]: [u32; 3]| [[a, b, c], [b, c, a], [c, a, b]].into_iter().min();
+            let expected: Vec<u32> = (0..)
+                .zip(&triangles)
+                .filter(|(_, triangle)| !met.insert(turned(**triangle)))
+                .map(|(place, _)| place)
+                .collect();
+            assert!(expected.len() >= least, "{}", expected.len());
+            assert_eq!(found(&positions, triangles), expected);
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! Single rays where a bound is met exactly: ties at the very limit of the traversal, and boxes whose
+//! touch only the origin's own error tells.
+
+use super::Accel;
+use super::slab::SlabRay;
+use super::tree::{Box32, BoxPair};
+use crate::camera::Ray;
+use crate::intersect::{Cull, Precision, PreparedRay};
+use crate::scene::{Mesh, MeshData, Object, Scene};
+use glam::{DVec3, Vec3};
+use std::sync::Arc;
+
+/// Hits at t = 0 leave no slack between where a box begins and where the nearest hit is: one that begins
+/// there may still hold a lower number.
+#[test]
+fn ties_at_nothing_go_to_the_lowest_number() {
+    let count = 60;
+    let around = |step: u32| {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(step) / f64::from(count)).sin_cos();
+        DVec3::new(cos, sin, 0.0)
+    };
+    for first in 0..count {
+        // A fan around the origin whose first triangle is at another place each time.
+        let mut positions = vec![DVec3::ZERO];
+        positions.extend((0..=count).map(|step| around(step * 7 + first)));
+        positions.extend((0..=count).map(|step| around(step * 7 + first + 1)));
+        let triangles = (1..=count).map(|i| [0, i, i + count + 1]).collect();
+        let mesh = Mesh::new(MeshData {
+            positions,
+            triangles,
+            ..MeshData::default()
+        });
+        let scene = Scene {
+            objects: vec![Object::new("fan", Arc::new(mesh))],
+        };
+        let accel = Accel::build(&scene).expect("a valid scene");
+        for direction in [DVec3::NEG_Z, DVec3::new(0.3, 0.1, 1.0)] {
+            let ray = Ray {
+                t_min: -1.0,
+                ..Ray::new(DVec3::ZERO, direction)
+            };
+            let hit = accel.cast(&ray, Cull::None);
+            assert_eq!(hit.map(|hit| (hit.triangle, hit.t)), Some((0, 0.0)));
+            assert_eq!(hit, accel.cast_brute_force(&ray, Cull::None));
+            let from_there = Ray { t_min: 0.0, ..ray };
+            assert_eq!(accel.cast(&from_there, Cull::None), None);
+        }
+    }
+}
+
+/// The origin relative to the frame is rounded to a single's value, a nanometre beside the truth; the ray
+/// crosses that nanometre over a hundredth of a unit, and meets a box that is but a point there.
+#[test]
+fn boxes_are_looked_for_within_the_origins_error() {
+    let far = f64::from(1 << 25);
+    let point = Vec3::new(far as f32, 0.01, 0.0);
+    let slope = 1e-9 / f64::from(point.y);
+    for sign in [1.0, -1.0] {
+        let frame = DVec3::X * (1e-9 * sign);
+        let ray = Ray::new(DVec3::X * far, DVec3::new(slope * sign, 1.0, 0.0));
+        let prepared = PreparedRay::new(&ray, frame, Cull::None, Precision::Exact);
+        let prepared = prepared.expect("a valid ray");
+        assert_eq!(prepared.origin.x, far);
+        let bounds = Box32 {
+            min: point - 1.0,
+            max: point + 1.0,
+        };
+        let slab = SlabRay::new(&prepared, &bounds);
+        let only = Box32 {
+            min: point,
+            max: point,
+        };
+        let entered = slab.enter(&BoxPair::of([only, only]), f32::INFINITY);
+        assert!(entered[0].1 && entered[1].1, "{entered:?}");
+    }
+}
+
+/// From far away distances are measured from next to the scene: boxes of 1e-12 at a distance of 5 are
+/// told apart, and those that are met are entered, whatever the range.
+#[test]
+fn far_and_tiny_boxes_are_told_apart() {
+    let size = 1e-12;
+    let eye = DVec3::new(3.0, 2.0, 4.0);
+    let bounds = Box32 {
+        min: Vec3::splat(-8.0 * size as f32),
+        max: Vec3::splat(8.0 * size as f32),
+    };
+    let target = DVec3::new(2.0, -3.0, 1.0) * size;
+    for length in [1.0, 1e-6, 1e9] {
+        let ray = Ray::new(eye, (target - eye) * length);
+        let around = |center: DVec3| {
+            let half = DVec3::splat(0.25 * size);
+            Box32 {
+                min: (center - half).as_vec3(),
+                max: (center + half).as_vec3(),
+            }
+        };
+        let aside = DVec3::new(-3.0, 3.0, 0.0) * size;
+        let pair = BoxPair::of([around(target), around(target + aside)]);
+        let enter = |ray: &Ray| {
+            let prepared = PreparedRay::new(ray, DVec3::ZERO, Cull::None, Precision::Exact);
+            let slab = SlabRay::new(&prepared.expect("a valid ray"), &bounds);
+            let limit = slab.limit(ray.t_max, 0.0);
+            slab.enter(&pair, limit).map(|(_, is_met)| is_met)
+        };
+        assert_eq!(enter(&ray), [true, false], "{length}");
+        let backwards = Ray {
+            direction: -ray.direction,
+            ..ray
+        };
+        assert_eq!(enter(&backwards), [false; 2]);
+        let t = 1.0 / length;
+        for (t_min, t_max, is_met) in [
+            (0.0, t * 1.000001, true),
+            (t * 0.999999, f64::INFINITY, true),
+            (0.0, t * 0.999, false),
+            (t * 1.001, f64::MAX, false),
+            (-t, f64::MAX, true),
+        ] {
+            let ranged = Ray {
+                t_min,
+                t_max,
+                ..ray
+            };
+            assert_eq!(enter(&ranged)[0], is_met, "{t_min} {t_max}");
+        }
+    }
+}

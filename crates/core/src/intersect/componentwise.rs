@@ -1,0 +1,141 @@
+//! A ray's determinants with a triangle in double precision, each with a bound of its own: what the
+//! bounds of [`Edges`](super::triangle::Edges), which go by a triangle's largest coordinate, leave open.
+//!
+//! The bound is a share of the determinant's permanent, the sum of its terms' magnitudes (Shewchuk,
+//! "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997), so that
+//! it is as small as the terms are: coordinates of very different sizes do not spoil one another, and
+//! where all terms are zero the determinant surely is.
+//!
+//! # Error bounds
+//! ε = 2⁻⁵³. A corner's coordinate x relative to the ray's origin, as rounded, is off by ε|x| + η at most,
+//! η the error of that origin: with x' = |x| + η/ε by εx'. A product of two is off by (2ε + ε²)·x'y',
+//! and rounded; so is the difference of two such, the product with the third factor, and two sums: 7ε
+//! times the permanent of the x' in first order, 8ε if the third factor is a coordinate too. One more,
+//! for the higher orders and the permanent's own rounding: 8ε, or 9ε.
+//!
+//! No term leaves the range of doubles as long as its factors are zero or within 2^±300.
+
+use glam::{BVec3, DVec3, Vec3Swizzles};
+
+/// ε.
+const EPSILON: f64 = f64::EPSILON / 2.0;
+
+/// The least and greatest magnitude of a factor that is not zero.
+const RANGE: (f64, f64) = (1.0 / POWER_300, POWER_300);
+const POWER_300: f64 = f64::from_bits((1023 + 300) << 52);
+
+/// A determinant: at most `error` from `value`, and zero if that is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Determinant {
+    pub(super) value: f64,
+    pub(super) error: f64,
+}
+
+impl Determinant {
+    /// u·(b×c). `error` is the share of the permanent that it may be off by.
+    #[inline(always)]
+    fn new(u: Factor, b: Factor, c: Factor, error: f64) -> Self {
+        let products = |b: DVec3, c: DVec3| (b.yzx() * c.zxy(), b.zxy() * c.yzx());
+        let (plus, minus) = products(b.value, c.value);
+        let value = (plus - minus).dot(u.value);
+        let (plus, minus) = products(b.size, c.size);
+        let permanent = (plus + minus).dot(u.size);
+        Self {
+            value,
+            error: error * permanent,
+        }
+    }
+
+    /// −1, 0 or 1; `None` where that cannot be told.
+    #[inline(always)]
+    pub(super) fn signum(self) -> Option<i32> {
+        if self.value > self.error {
+            Some(1)
+        } else if self.value < -self.error {
+            Some(-1)
+        } else {
+            (self.error == 0.0).then_some(0)
+        }
+    }
+}
+
+/// A vector, and magnitudes that its components are off by ε of at most.
+#[derive(Clone, Copy)]
+struct Factor {
+    value: DVec3,
+    size: DVec3,
+}
+
+impl Factor {
+    fn new(value: DVec3, off: f64) -> Self {
+        Self {
+            value,
+            size: value.abs() + off,
+        }
+    }
+
+    fn exact(value: DVec3) -> Self {
+        Self::new(value, 0.0)
+    }
+
+    /// Which components keep products of three in range. One that is not a number does not.
+    fn in_range(self) -> BVec3 {
+        let (least, most) = RANGE;
+        let within = self.size.cmpge(DVec3::splat(least)) & self.size.cmple(DVec3::splat(most));
+        within | self.size.cmpeq(DVec3::ZERO)
+    }
+}
+
+/// The determinants that say whether and where a ray meets a triangle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Determinants {
+    /// d·(B×C), d·(C×A) and d·(A×B).
+    pub(super) weights: [Determinant; 3],
+    /// A·(B×C): over the weights' sum, the ray's parameter.
+    pub(super) numerator: Determinant,
+}
+
+impl Determinants {
+    /// Of a ray's direction and a triangle's corners relative to its origin, which is off by `off` · ε at
+    /// most. `None` where numbers are too large or too small.
+    pub(super) fn new(direction: DVec3, corners: [DVec3; 3], off: f64) -> Option<Self> {
+        let d = Factor::exact(direction);
+        let [a, b, c] = corners.map(|corner| Factor::new(corner, off));
+        let in_range = d.in_range() & a.in_range() & b.in_range() & c.in_range();
+        let weight = |b, c| Determinant::new(d, b, c, 8.0 * EPSILON);
+        in_range.all().then(|| Self {
+            weights: [weight(b, c), weight(c, a), weight(a, b)],
+            numerator: numerator([a, b, c]),
+        })
+    }
+}
+
+fn numerator([a, b, c]: [Factor; 3]) -> Determinant {
+    Determinant::new(a, b, c, 9.0 * EPSILON)
+}
+
+/// Whether the plane of a triangle surely misses an eye, that corners are relative to and that is off
+/// by `off` · ε at most; `None` where that cannot be told.
+pub(super) fn plane_misses(corners: [DVec3; 3], off: f64) -> Option<bool> {
+    let corners = corners.map(|corner| Factor::new(corner, off));
+    let in_range = corners.iter().all(|corner| corner.in_range().all());
+    let sign = in_range
+        .then(|| numerator(corners))
+        .and_then(Determinant::signum);
+    sign.map(|sign| sign != 0)
+}
+
+/// Whether the plane of a triangle is surely not parallel to a direction; `None` where that cannot be
+/// told.
+///
+/// Corners are exact, and their differences within ε of themselves: d·((b−a)×(c−a)) is off as a weight
+/// is.
+pub(super) fn plane_crosses(direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<bool> {
+    let factors = [direction, b - a, c - a].map(Factor::exact);
+    let in_range = factors.iter().all(|factor| factor.in_range().all());
+    let [d, b, c] = factors;
+    let sign = in_range
+        .then(|| Determinant::new(d, b, c, 8.0 * EPSILON))
+        .and_then(Determinant::signum);
+    sign.map(|sign| sign != 0)
+}

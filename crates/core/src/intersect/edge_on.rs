@@ -1,0 +1,138 @@
+//! Triangles that a camera sees exactly from their edges: decided once for all its rays.
+
+use super::componentwise::{plane_crosses, plane_misses};
+use super::exact::{Placed, plane_holds, plane_is_along};
+use crate::accel::MISS;
+use crate::camera::{Camera, Projection};
+use glam::{DVec3, Vec3};
+
+/// How many answers are kept: of so many triangles those whose slots do not share a place.
+const KEPT: usize = 256;
+
+/// What all rays of a camera share.
+#[derive(Clone, Copy, Debug)]
+enum Shared {
+    /// Where they begin.
+    Eye(DVec3),
+    /// Which way they run.
+    Direction(DVec3),
+}
+
+/// Tells triangles that no ray of a camera meets, since all begin in their plane, or run along it.
+///
+/// Every hit of a ray from an eye has the parameter det(A, B, C) / (d·n), with A, B and C the corners
+/// relative to it. Where its plane holds the eye the determinant is zero, the same for every direction:
+/// all hits are at t = 0, and a camera's rays begin behind that. Where rays share a direction d and
+/// d·n is zero, the sum of their three weights is zero: they are of both signs or all zero, and there
+/// is no hit.
+#[derive(Debug)]
+pub(crate) struct EdgeOn {
+    shared: Shared,
+    /// What corners are relative to.
+    frame: DVec3,
+    /// Slots, and what was decided about them, each in the place of its lowest digits.
+    decided: [(u32, bool); KEPT],
+}
+
+impl EdgeOn {
+    pub(crate) fn new(camera: &Camera, frame: DVec3) -> Self {
+        let shared = match camera.projection() {
+            Projection::Perspective => Shared::Eye(camera.placement().eye),
+            Projection::Orthographic => Shared::Direction(camera.forward()),
+        };
+        Self {
+            shared,
+            frame,
+            decided: [(MISS, false); KEPT],
+        }
+    }
+
+    /// Whether no ray meets the triangle in `slot` for that reason.
+    #[inline(never)]
+    pub(crate) fn is(&mut self, slot: u32, corners: [Vec3; 3]) -> bool {
+        let at = slot as usize % KEPT;
+        if self.decided[at].0 != slot {
+            self.decided[at] = (slot, self.decide(corners));
+        }
+        self.decided[at].1
+    }
+
+    fn decide(&self, corners: [Vec3; 3]) -> bool {
+        let doubles = corners.map(Vec3::as_dvec3);
+        match self.shared {
+            Shared::Eye(eye) => {
+                let rounded = eye - self.frame;
+                // In units of 2⁻⁵³; nothing is rounded where nothing is subtracted.
+                let off = if self.frame == DVec3::ZERO {
+                    0.0
+                } else {
+                    rounded.abs().max_element()
+                };
+                let misses = plane_misses(doubles.map(|corner| corner - rounded), off);
+                let placed = Placed {
+                    corners,
+                    origin: self.frame,
+                };
+                !misses.unwrap_or_else(|| !plane_holds(eye, &placed))
+            }
+            Shared::Direction(direction) => {
+                let crosses = plane_crosses(direction, doubles);
+                !crosses.unwrap_or_else(|| !plane_is_along(direction, corners))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{ImagePlane, Placement};
+
+    fn camera(eye: DVec3, target: DVec3, projection: Projection) -> Camera {
+        let plane = ImagePlane::new(8, 8, 0.1).expect("a good plane");
+        let up = DVec3::Y;
+        Camera::new(Placement { eye, target, up }, projection, plane)
+    }
+
+    /// Triangles with the eye in a corner, on an edge, in the plane aside, and next to it.
+    #[test]
+    fn planes_through_the_eye_are_told_exactly() {
+        let eye = DVec3::new(0.75, -2.5, 3.0);
+        let (u, v) = (DVec3::new(0.5, 0.25, 4.0), DVec3::new(-1.0, 3.0, 0.125));
+        for frame in [DVec3::ZERO, DVec3::new(4096.0, -64.0, 0.5)] {
+            let placed = [
+                [DVec3::ZERO, u, v],
+                [-u, u, v],
+                [u, v, u * 2.0 + v * 4.0],
+                [u, v, u.cross(v).round()],
+            ];
+            for (at, corners) in placed.into_iter().enumerate() {
+                let corners = corners.map(|c| (eye + c).as_vec3());
+                for next in [false, true] {
+                    let x = frame.x + eye.x;
+                    let x = if next { x.next_up() } else { x };
+                    let eye = (frame + eye).with_x(x);
+                    let camera = camera(eye, eye + DVec3::ONE, Projection::Perspective);
+                    let mut edge_on = EdgeOn::new(&camera, frame);
+                    let expected = at < 3 && !next;
+                    assert_eq!(edge_on.is(7, corners), expected, "{at} {next} {frame}");
+                    assert_eq!(edge_on.is(7, corners), expected);
+                    // Another slot in its place.
+                    let other = [Vec3::X * 50.0, Vec3::Y * 50.0, Vec3::Z * 50.0];
+                    assert!(!edge_on.is(7 + KEPT as u32, other));
+                    assert_eq!(edge_on.is(7, corners), expected);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn planes_along_the_rays_are_told_exactly() {
+        let along = camera(DVec3::Z * 5.0, DVec3::ZERO, Projection::Orthographic);
+        let mut edge_on = EdgeOn::new(&along, DVec3::ZERO);
+        let (a, b) = (Vec3::new(0.1, 0.2, 0.3), Vec3::new(0.1, -7.0, 1e-9));
+        assert!(edge_on.is(0, [a, b, a + Vec3::Z]));
+        assert!(edge_on.is(1, [a, b, b.with_z(3e8)]));
+        assert!(!edge_on.is(2, [a, b, b.with_x(b.x.next_up())]));
+    }
+}

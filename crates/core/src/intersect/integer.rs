@@ -1,0 +1,68 @@
+//! What exact decisions need of whole numbers.
+
+use num_bigint::{BigInt, Sign};
+use num_traits::Zero;
+use std::cmp::Ordering;
+
+/// A whole number with a sign, of any length that its kind can hold.
+pub(super) trait Integer: Clone {
+    /// `mantissa · 2^shift`.
+    fn shifted(mantissa: i64, shift: u32) -> Self;
+    /// `self + other`.
+    fn plus(&self, other: &Self) -> Self;
+    /// `self − other`.
+    fn minus(&self, other: &Self) -> Self;
+    /// `self · other`.
+    fn times(&self, other: &Self) -> Self;
+    /// Against zero.
+    fn sign(&self) -> Ordering;
+    /// How many binary digits its magnitude has; none for zero.
+    fn bits(&self) -> u32;
+    /// `self · 2^shift` against `other`.
+    fn compare_shifted(&self, shift: u32, other: &Self) -> Ordering;
+    /// The magnitude's highest 64 digits, those below cut off; all of them where there are fewer.
+    fn highest(&self) -> u64;
+}
+
+impl Integer for BigInt {
+    fn shifted(mantissa: i64, shift: u32) -> Self {
+        Self::from(mantissa) << shift
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        self + other
+    }
+
+    fn minus(&self, other: &Self) -> Self {
+        self - other
+    }
+
+    fn times(&self, other: &Self) -> Self {
+        self * other
+    }
+
+    fn sign(&self) -> Ordering {
+        match self.sign() {
+            Sign::Minus => Ordering::Less,
+            Sign::NoSign => Ordering::Equal,
+            Sign::Plus => Ordering::Greater,
+        }
+    }
+
+    fn bits(&self) -> u32 {
+        u32::try_from(self.bits()).unwrap_or(u32::MAX)
+    }
+
+    fn compare_shifted(&self, shift: u32, other: &Self) -> Ordering {
+        (self << shift).cmp(other)
+    }
+
+    fn highest(&self) -> u64 {
+        if self.is_zero() {
+            return 0;
+        }
+        let beyond = self.bits().saturating_sub(64);
+        let highest = self.magnitude() >> beyond;
+        highest.iter_u64_digits().next().unwrap_or(0)
+    }
+}

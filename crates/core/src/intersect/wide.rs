@@ -1,0 +1,211 @@
+//! Whole numbers of a length that is known beforehand, without asking for memory.
+
+use super::integer::Integer;
+use std::cmp::Ordering;
+
+/// Binary digits of a limb.
+const LIMB: u32 = u64::BITS;
+
+/// A whole number of at most `N` limbs, kept by sign and magnitude. Work is done on the limbs that
+/// are in use: short numbers are quick in long ones' room.
+///
+/// What does not fit panics (an index out of range); callers reckon beforehand.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wide<const N: usize> {
+    is_negative: bool,
+    /// Limbs in use: the highest is not zero.
+    len: usize,
+    /// The lowest first; those not in use are zero.
+    limbs: [u64; N],
+}
+
+impl<const N: usize> Wide<N> {
+    fn of(is_negative: bool, limbs: [u64; N], most: usize) -> Self {
+        let mut len = most.min(N);
+        while len > 0 && limbs[len - 1] == 0 {
+            len -= 1;
+        }
+        Self {
+            is_negative,
+            len,
+            limbs,
+        }
+    }
+
+    fn magnitudes(&self, other: &Self) -> Ordering {
+        self.len.cmp(&other.len).then_with(|| {
+            let limbs = self.limbs[..self.len].iter().rev();
+            limbs.cmp(other.limbs[..other.len].iter().rev())
+        })
+    }
+
+    /// `self + other`, where `other` is taken to be negative or not.
+    fn add(&self, other: &Self, other_is_negative: bool) -> Self {
+        if self.is_negative == other_is_negative {
+            let mut limbs = [0; N];
+            let most = self.len.max(other.len);
+            let mut carry = false;
+            for i in 0..most {
+                let (sum, over) = self.limbs[i].overflowing_add(other.limbs[i]);
+                let (sum, over_again) = sum.overflowing_add(carry.into());
+                limbs[i] = sum;
+                carry = over | over_again;
+            }
+            if carry {
+                limbs[most] = 1;
+            }
+            return Self::of(self.is_negative, limbs, most + 1);
+        }
+        let (greater, lesser, is_negative) = match self.magnitudes(other) {
+            Ordering::Less => (other, self, other_is_negative),
+            _ => (self, other, self.is_negative),
+        };
+        let mut limbs = [0; N];
+        let mut borrow = false;
+        for i in 0..greater.len {
+            let (rest, under) = greater.limbs[i].overflowing_sub(lesser.limbs[i]);
+            let (rest, under_again) = rest.overflowing_sub(borrow.into());
+            limbs[i] = rest;
+            borrow = under | under_again;
+        }
+        Self::of(is_negative, limbs, greater.len)
+    }
+
+    fn shifted_left(&self, shift: u32) -> Self {
+        if self.len == 0 {
+            return *self;
+        }
+        let (whole, part) = ((shift / LIMB) as usize, shift % LIMB);
+        let mut limbs = [0; N];
+        for i in 0..self.len {
+            let wide = u128::from(self.limbs[i]) << part;
+            limbs[i + whole] |= wide as u64;
+            if wide >> LIMB != 0 {
+                limbs[i + whole + 1] |= (wide >> LIMB) as u64;
+            }
+        }
+        Self::of(self.is_negative, limbs, self.len + whole + 1)
+    }
+}
+
+impl<const N: usize> Integer for Wide<N> {
+    fn shifted(mantissa: i64, shift: u32) -> Self {
+        let mut limbs = [0; N];
+        limbs[0] = mantissa.unsigned_abs();
+        Self::of(mantissa < 0, limbs, 1).shifted_left(shift)
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        self.add(other, other.is_negative)
+    }
+
+    fn minus(&self, other: &Self) -> Self {
+        self.add(other, !other.is_negative)
+    }
+
+    fn times(&self, other: &Self) -> Self {
+        let mut limbs = [0; N];
+        for i in 0..self.len {
+            let mut carry = 0;
+            for j in 0..other.len {
+                let product = u128::from(self.limbs[i]) * u128::from(other.limbs[j]);
+                let sum = product + u128::from(limbs[i + j]) + carry;
+                limbs[i + j] = sum as u64;
+                carry = sum >> LIMB;
+            }
+            if carry != 0 {
+                limbs[i + other.len] = carry as u64;
+            }
+        }
+        let is_negative = self.is_negative != other.is_negative;
+        Self::of(is_negative, limbs, self.len + other.len)
+    }
+
+    fn sign(&self) -> Ordering {
+        match (self.len, self.is_negative) {
+            (0, _) => Ordering::Equal,
+            (_, true) => Ordering::Less,
+            (_, false) => Ordering::Greater,
+        }
+    }
+
+    fn bits(&self) -> u32 {
+        match self.limbs[..self.len].last() {
+            Some(highest) => self.len as u32 * LIMB - highest.leading_zeros(),
+            None => 0,
+        }
+    }
+
+    fn compare_shifted(&self, shift: u32, other: &Self) -> Ordering {
+        let shifted = self.shifted_left(shift);
+        let by_sign = shifted.sign().cmp(&other.sign());
+        by_sign.then_with(|| match shifted.is_negative {
+            false => shifted.magnitudes(other),
+            true => other.magnitudes(&shifted),
+        })
+    }
+
+    fn highest(&self) -> u64 {
+        let Some((highest, below)) = self.limbs[..self.len].split_last() else {
+            return 0;
+        };
+        let Some(next) = below.last() else {
+            return *highest;
+        };
+        let both = u128::from(*highest) << LIMB | u128::from(*next);
+        (both << highest.leading_zeros() >> LIMB) as u64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+    use num_bigint::BigInt;
+
+    /// The truth is what num-bigint makes of the same.
+    #[test]
+    fn agrees_with_integers_of_any_length() {
+        let mut random = Random(1);
+        let mut equals = 0;
+        for _ in 0..20_000 {
+            let mut number = || {
+                let mantissa = match (random.unit() * 6.0) as u32 {
+                    0 => 0,
+                    1 => i64::MIN,
+                    2 => i64::MAX,
+                    3 => (random.signed() * 4.0) as i64,
+                    _ => (random.signed() * 9e18) as i64,
+                };
+                let shift = match (random.unit() * 4.0) as u32 {
+                    0 => 0,
+                    1 => 64,
+                    _ => (random.unit() * 200.0) as u32,
+                };
+                (
+                    Wide::<10>::shifted(mantissa, shift),
+                    BigInt::shifted(mantissa, shift),
+                )
+            };
+            let ((a, big_a), (b, big_b), (c, big_c)) = (number(), number(), number());
+            let same = |wide: &Wide<10>, big: &BigInt| {
+                assert_eq!(wide.sign(), Integer::sign(big));
+                assert_eq!(wide.bits(), Integer::bits(big));
+                assert_eq!(wide.highest(), big.highest());
+                assert_eq!(wide.minus(wide).sign(), Ordering::Equal);
+            };
+            same(&a, &big_a);
+            same(&a.plus(&b), &big_a.plus(&big_b));
+            same(&a.minus(&b), &big_a.minus(&big_b));
+            same(&a.times(&b), &big_a.times(&big_b));
+            let (wide, big) = (a.times(&b).minus(&c), big_a.times(&big_b).minus(&big_c));
+            same(&wide, &big);
+            for shift in [0, 1, 63, 64, 100] {
+                let order = b.compare_shifted(shift, &a);
+                assert_eq!(order, big_b.compare_shifted(shift, &big_a));
+                equals += u32::from(order == Ordering::Equal);
+            }
+        }
+        assert!(equals > 100, "{equals}");
+    }
+}

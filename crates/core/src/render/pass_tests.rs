@@ -1,0 +1,156 @@
+//! Pictures from coarse to fine: every pixel filled, and an end at once where they are cancelled.
+
+use super::{Cancel, Pass, Passes, Settings, Tile, View};
+use crate::accel::Accel;
+use crate::camera::{Camera, Grid, ImagePlane, Placement, Projection, Rect};
+use crate::random::Random;
+use crate::scene::{Mesh, MeshData, Object, Scene};
+use crate::shade::{Mode, Shading};
+use glam::DVec3;
+use std::sync::Arc;
+use std::sync::Mutex;
+use std::time::Duration;
+
+/// Random triangles, seen in a picture of 77 × 45.
+fn view() -> View {
+    let mut random = Random(41);
+    let positions: Vec<DVec3> = (0..300)
+        .map(|_| random.point() * 2.0 + random.point() * 0.3)
+        .collect();
+    let mesh = Mesh::new(MeshData {
+        positions,
+        triangles: (0..100).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+        ..MeshData::default()
+    });
+    let scene = Arc::new(Scene {
+        objects: vec![Object::new("mesh", Arc::new(mesh))],
+    });
+    let placement = Placement {
+        eye: DVec3::Z * 6.0,
+        target: DVec3::ZERO,
+        up: DVec3::Y,
+    };
+    let plane = ImagePlane::new(77, 45, 0.06).expect("a good plane");
+    View {
+        accel: Arc::new(Accel::build(&scene).expect("a valid scene")),
+        scene,
+        camera: Camera::new(placement, Projection::Perspective, plane),
+        settings: Settings {
+            shading: Shading {
+                mode: Mode::Normals,
+                ..Shading::default()
+            },
+            ..Settings::default()
+        },
+    }
+}
+
+const CLOCK: &(dyn Fn() -> Duration + Sync) = &|| Duration::ZERO;
+
+/// Tiles as they came, and whether all did.
+fn progress(
+    view: &View,
+    tiles: &[Rect],
+    passes: &[Pass],
+    cancel: &Cancel,
+    at: impl Fn(usize) + Sync,
+) -> (Vec<(Pass, Tile)>, bool) {
+    let come = Mutex::new(Vec::new());
+    let done = view.render_progressively(tiles, passes, CLOCK, cancel, &|pass, tile| {
+        let mut come = come.lock().expect("no sink panics");
+        come.push((pass, tile));
+        at(come.len());
+    });
+    (come.into_inner().expect("no sink panics"), done)
+}
+
+/// A tile's pixel shows what the ray above it and to the left does: the last column and row of a tile too,
+/// whatever is left of a block there.
+#[test]
+fn coarse_passes_fill_every_pixel_from_its_block() {
+    let view = view();
+    let whole = view
+        .render(Grid::default(), CLOCK, &Cancel::default(), &|_| ())
+        .expect("nothing cancels it");
+    let at = |x: u32, y: u32| whole.pixels[(y * 77 + x) as usize];
+    for side in [33, 17, 8, 5, 1] {
+        let tiles: Vec<Rect> = (0..45u32.div_ceil(side))
+            .flat_map(|row| (0..77u32.div_ceil(side)).map(move |column| (column, row)))
+            .map(|(column, row)| Rect {
+                x: column * side,
+                y: row * side,
+                width: side.min(77 - column * side),
+                height: side.min(45 - row * side),
+            })
+            .collect();
+        let passes = Passes::plan(16, 1);
+        let (come, done) = progress(&view, &tiles, &passes, &Cancel::default(), |_| ());
+        assert!(done && come.len() == tiles.len() * passes.len());
+        let mut shown = 0;
+        for (pass, tile) in come {
+            let Rect {
+                x: left,
+                y: top,
+                width,
+                height,
+            } = tile.rect;
+            for (place, &pixel) in (0..).zip(&tile.pixels) {
+                let (x, y) = (place % width, place / width);
+                let of = |at: u32| at / pass.stride * pass.stride;
+                let expected = at(left + of(x), top + of(y));
+                assert_eq!(pixel, expected, "({x}, {y}) of {:?} in {pass:?}", tile.rect);
+                shown += u32::from(pixel != at(0, 0));
+            }
+            assert_eq!(tile.pixels.len(), (width * height) as usize);
+        }
+        assert!(shown > 1000, "{shown}");
+    }
+}
+
+/// No tile begins once it is cancelled, in the midst of a pass or between two; those that came are whole.
+#[test]
+fn a_cancelled_picture_ends_at_once() {
+    let view = view();
+    let grid: Vec<Rect> = (0..20)
+        .map(|tile| Rect {
+            x: tile % 5 * 15,
+            y: tile / 5 * 11,
+            width: 15,
+            height: 11,
+        })
+        .collect();
+    let passes = Passes::plan(4, 2);
+    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let (all, done) = progress(&view, &grid, &passes, &Cancel::default(), |_| ());
+    assert!(done && all.len() == 80);
+    for threads in [1, 2] {
+        let pool = pool(threads).expect("a pool");
+        for after in [1, 7, 19, 20, 21, 40, 78] {
+            let cancel = Cancel::default();
+            let (come, done) = pool.install(|| {
+                progress(&view, &grid, &passes, &cancel, |count| {
+                    if count == after {
+                        cancel.cancel();
+                    }
+                })
+            });
+            // What other workers had begun may still come.
+            assert!(!done && come.len() >= after, "{threads} {after}");
+            assert!(come.len() < after + threads, "{threads} {after}");
+            for (pass, tile) in &come {
+                let is_it = |(other, whole): &&(Pass, Tile)| {
+                    other == pass && whole.rect == tile.rect && whole.pixels == tile.pixels
+                };
+                assert!(all.iter().any(|whole| is_it(&whole)), "{pass:?}");
+            }
+        }
+        let cancel = Cancel::default();
+        cancel.cancel();
+        let (come, done) = pool.install(|| progress(&view, &grid, &passes, &cancel, |_| ()));
+        assert!(!done && come.is_empty());
+        assert!(pool.install(|| {
+            view.render(Grid::default(), CLOCK, &cancel, &|_| ())
+                .is_none()
+        }));
+    }
+}

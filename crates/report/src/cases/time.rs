@@ -1,0 +1,341 @@
+//! What takes other kernels, or took this one, time without bound: the answer is known, and it must come
+//! about as soon as for as many ordinary triangles in the same place.
+
+use super::{Case, Setting, Theme};
+use crate::cameras::{PROJECTIONS, camera};
+use crate::meshes::{self, mesh, soup};
+use crate::stage::scene_of;
+use raycast_core::camera::{Camera, Projection};
+use raycast_core::glam::DVec3;
+use raycast_core::scene::{Mesh, Object, Scene};
+use raycast_oracle::random::Random;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// How many times as long as ordinary triangles hostile ones may take.
+pub const LIMIT: f64 = 20.0;
+
+/// A scene, and where it is seen from: eye, target, and the frame's height there.
+pub struct Seen {
+    /// The scene.
+    pub scene: Scene,
+    view: (DVec3, DVec3, f64),
+}
+
+impl Seen {
+    /// The view in a size, by a projection.
+    pub fn camera(&self, projection: Projection, size: (u32, u32)) -> Camera {
+        let (eye, target, height) = self.view;
+        camera(eye, target, projection, size, height)
+    }
+}
+
+/// A hostile scene, and one of as many ordinary triangles in the same place.
+pub struct Race {
+    /// What is hard.
+    pub hostile: Seen,
+    /// What is not.
+    pub ordinary: Seen,
+}
+
+/// A race of a case's name.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// The case's.
+    pub name: &'static str,
+    /// How it is put up.
+    pub race: fn() -> Race,
+    /// How many times as long as ordinary triangles the hostile ones take at most: [`LIMIT`], or for those
+    /// that are not there yet what they must not go beyond today.
+    pub limit: f64,
+}
+
+const fn entry(name: &'static str, race: fn() -> Race, limit: f64) -> Entry {
+    Entry { name, race, limit }
+}
+
+/// All of them.
+pub const RACES: &[Entry] = &[
+    entry("eye_at_a_cones_apex", cone, LIMIT),
+    entry("eye_at_a_vertex_of_many", shared_vertex, LIMIT),
+    entry("eye_on_an_edge_of_many", shared_edge, LIMIT),
+    // FIXME: orthographic rays that begin in the plane of a face are decided one by one.
+    entry("eye_in_planes_of_many", shared_plane, 400.0),
+    // FIXME: set-ups go by a triangle's largest coordinate: an edge next to the eye leaves rays open.
+    entry("eye_next_to_a_vertex_of_many", next_to_vertex, 2000.0),
+    entry("coincident_triangles", coincident, LIMIT),
+    entry("copies_of_a_mesh", mesh_copies, LIMIT),
+    // FIXME: as above, and thousands of layers that singles do not tell apart are left to each ray.
+    entry("exponents_of_any_size", exponents, 80_000.0),
+    // FIXME: layers that singles do not tell apart are left to each ray.
+    entry("thin_boxes_behind_one_another", thin_boxes, 300.0),
+    // FIXME: frusta of blocks and set-ups are not sure of such small triangles.
+    entry("tiny_and_far", tiny_and_far, 4000.0),
+    // FIXME: triangles of one plane are told apart by each ray.
+    entry("layers_in_one_plane", one_plane, 400_000.0),
+];
+
+macro_rules! case {
+    ($name:literal, $race:ident, $size:expr, $trouble:literal) => {
+        Case {
+            name: $name,
+            theme: Theme::Time,
+            trouble: $trouble,
+            variants: 2,
+            setting: |variant| setting(variant, $race(), $size),
+        }
+    };
+}
+
+pub(super) const CASES: &[Case] = &[
+    case!(
+        "eye_at_a_cones_apex",
+        cone,
+        (48, 36),
+        "The eye exactly at the apex of a cone of 64 triangles: every ray asks each of them by exact arithmetic."
+    ),
+    case!(
+        "eye_at_a_vertex_of_many",
+        shared_vertex,
+        (48, 36),
+        "The eye at a vertex that 12 random triangles share."
+    ),
+    case!(
+        "eye_on_an_edge_of_many",
+        shared_edge,
+        (48, 36),
+        "The eye on an edge that 12 random triangles share."
+    ),
+    case!(
+        "eye_in_planes_of_many",
+        shared_plane,
+        (48, 36),
+        "The eye in the planes of faces that fill the picture."
+    ),
+    case!(
+        "eye_next_to_a_vertex_of_many",
+        next_to_vertex,
+        (48, 36),
+        "The eye a rounding away from a vertex that 12 random triangles share."
+    ),
+    case!(
+        "coincident_triangles",
+        coincident,
+        (6, 4),
+        "20,000 triangles in one place: each ray tells all of them apart."
+    ),
+    case!(
+        "copies_of_a_mesh",
+        mesh_copies,
+        (6, 4),
+        "1,000 copies of one mesh in one place."
+    ),
+    case!(
+        "exponents_of_any_size",
+        exponents,
+        (16, 12),
+        "5,000 triangles whose coordinates have random exponents of ±18: no bound that goes by the largest says anything."
+    ),
+    case!(
+        "thin_boxes_behind_one_another",
+        thin_boxes,
+        (24, 18),
+        "360,000 triangles of thin boxes behind one another: layers that roundings do not tell apart."
+    ),
+    case!(
+        "tiny_and_far",
+        tiny_and_far,
+        (24, 18),
+        "A sphere some 1e-11 of its distance across: single precision sees all its triangles in every ray."
+    ),
+    case!(
+        "layers_in_one_plane",
+        one_plane,
+        (24, 18),
+        "64 large triangles in one plane: a tie at every ray, and each tells all of them apart."
+    ),
+];
+
+fn setting(variant: u32, race: Race, size: (u32, u32)) -> Setting {
+    let camera = race.hostile.camera(PROJECTIONS[variant as usize % 2], size);
+    Setting::new(race.hostile.scene).seen([camera])
+}
+
+const EYE: DVec3 = DVec3::new(0.25, 0.5, 3.0);
+
+fn seen_from(eye: DVec3, hostile: Scene, ordinary: Scene) -> Race {
+    let seen = |scene| Seen {
+        scene,
+        view: (eye, DVec3::ZERO, 2.0),
+    };
+    Race {
+        hostile: seen(hostile),
+        ordinary: seen(ordinary),
+    }
+}
+
+fn of(mesh: Mesh) -> Scene {
+    scene_of([mesh])
+}
+
+/// A number that single precision holds, so that an eye can be where a corner is.
+fn single(point: DVec3) -> DVec3 {
+    point.as_vec3().as_dvec3()
+}
+
+/// As many random triangles as this, of about this size, around the target.
+fn ordinary(count: usize, size: f64) -> Scene {
+    let mut random = Random::new(410);
+    of(meshes::random_soup(
+        &mut random,
+        count as u32,
+        DVec3::ZERO,
+        1.0,
+        size,
+    ))
+}
+
+fn cone() -> Race {
+    let around = |step: u32| {
+        let (sin, cos) = (TAU * f64::from(step) / 64.0).sin_cos();
+        DVec3::new(cos, sin, 0.0)
+    };
+    let from = |apex: DVec3| {
+        let triangle = |step| [apex, around(step), around(step + 1)];
+        of(soup(&(0..64).map(triangle).collect::<Vec<_>>()))
+    };
+    seen_from(EYE, from(EYE), from(DVec3::Z * 0.5))
+}
+
+/// 12 random triangles with a corner of their own.
+fn random_fan(corner: impl Fn(&mut Random) -> [DVec3; 2]) -> Scene {
+    let mut random = Random::new(420);
+    let triangles: Vec<[DVec3; 3]> = (0..12)
+        .map(|_| {
+            let [a, b] = corner(&mut random);
+            let c = random.in_cube() * 2.0;
+            [a, b, c]
+        })
+        .collect();
+    of(soup(&triangles))
+}
+
+fn shared_vertex() -> Race {
+    let hostile = random_fan(|random| [EYE, random.in_cube() * 2.0]);
+    seen_from(EYE, hostile, ordinary(12, 1.0))
+}
+
+fn shared_edge() -> Race {
+    let along = DVec3::new(0.5, -0.125, 1.0);
+    let hostile = random_fan(|_| [EYE - along, EYE + along]);
+    seen_from(EYE, hostile, ordinary(12, 1.0))
+}
+
+/// Planes that hold the eye, and for orthographic rays the image plane.
+fn shared_plane() -> Race {
+    let (eye, far) = (DVec3::new(0.0, 0.0, 3.0), 64.0);
+    let corners: Vec<[DVec3; 3]> = (0..12)
+        .map(|i| {
+            let turn = TAU * f64::from(i) / 12.0;
+            let way = |turn: f64| single(DVec3::new(turn.cos(), turn.sin(), 0.0) * far);
+            match i % 3 {
+                // All around the eye, in the image plane.
+                0 => [way(turn), way(turn + TAU / 3.0), way(turn - TAU / 3.0)],
+                // Edge-on, from the eye to far behind the target.
+                1 => [eye, way(turn), DVec3::NEG_Z * far],
+                _ => [DVec3::Z * far, way(turn), DVec3::NEG_Z * far],
+            }
+            .map(|corner| if i % 3 == 0 { corner + eye } else { corner })
+        })
+        .collect();
+    // Something to be seen behind them all.
+    let behind = meshes::sphere(DVec3::ZERO, 0.5, 8);
+    seen_from(
+        eye,
+        scene_of([soup(&corners), behind]),
+        ordinary(12 + 48, 1.0),
+    )
+}
+
+fn next_to_vertex() -> Race {
+    let Race { hostile, ordinary } = shared_vertex();
+    let eye = DVec3::from_array(EYE.to_array().map(f64::next_up));
+    seen_from(eye, hostile.scene, ordinary.scene)
+}
+
+fn coincident() -> Race {
+    let corners = vec![
+        DVec3::new(-2.0, -2.0, 0.25),
+        DVec3::new(2.0, -2.0, -0.5),
+        DVec3::Y * 3.0,
+    ];
+    let count = 20_000;
+    let turns = [[0, 1, 2], [1, 2, 0], [2, 1, 0]];
+    let triangles = (0..count).map(|i| turns[i % 3]).collect();
+    seen_from(EYE, of(mesh(corners, triangles)), ordinary(count, 1.0))
+}
+
+fn mesh_copies() -> Race {
+    let sphere = Arc::new(meshes::sphere(DVec3::ZERO, 1.0, 12));
+    let count = sphere.triangles().len();
+    let objects = (0..1000).map(|_| Object::new("copy", Arc::clone(&sphere)));
+    let hostile = Scene {
+        objects: objects.collect(),
+    };
+    seen_from(EYE, hostile, ordinary(1000 * count, 0.5))
+}
+
+fn exponents() -> Race {
+    let mut random = Random::new(430);
+    let mut number = || random.between(-1.0, 1.0).signum() * random.decade(-18.0, 18.0);
+    let corners: Vec<[DVec3; 3]> = (0..5000)
+        .map(|_| [(); 3].map(|()| DVec3::new(number(), number(), number())))
+        .collect();
+    seen_from(EYE, of(soup(&corners)), ordinary(5000, 0.5))
+}
+
+fn thin_boxes() -> Race {
+    let boxes = (0..30_000).map(|i| {
+        let z = -1e-4 * f64::from(i);
+        meshes::cuboid(DVec3::new(-1.0, -1.0, z - 1e-7), DVec3::new(1.0, 1.0, z))
+    });
+    let corners: Vec<[DVec3; 3]> = boxes
+        .flat_map(|b| {
+            let triangle = |n| b.corners(n).unwrap_or_default();
+            let all = (0..12).map(triangle);
+            all.map(|t| t.map(|c| b.offset() + c.as_dvec3()))
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    seen_from(EYE, of(soup(&corners)), ordinary(corners.len(), 0.02))
+}
+
+/// A sphere of 640 rays across or more, along no axis; and one as large in the picture of a camera next
+/// to it.
+fn tiny_and_far() -> Race {
+    let seen = |radius: f64| Seen {
+        scene: of(meshes::sphere(DVec3::ZERO, radius, 40)),
+        view: (DVec3::new(1.0, 2.0, 4.0), DVec3::ZERO, 3.0 * radius),
+    };
+    Race {
+        hostile: seen(2e-11),
+        ordinary: seen(1.0),
+    }
+}
+
+/// Triangles of one plane that no axis lies in, around its middle.
+fn one_plane() -> Race {
+    let mut random = Random::new(440);
+    let (u, v) = (DVec3::new(1.0, 0.25, -0.5), DVec3::new(-0.25, 1.0, 0.75));
+    let corners: Vec<[DVec3; 3]> = (0..64)
+        .map(|_| {
+            let turn = random.between(0.0, TAU);
+            [0.0, 1.0, 2.0].map(|third: f64| {
+                let (sin, cos) = (turn + third * TAU / 3.0).sin_cos();
+                // Whole places hold the plane exactly.
+                (u * (cos * 256.0).round() + v * (sin * 256.0).round()) / 64.0
+            })
+        })
+        .collect();
+    seen_from(EYE, of(soup(&corners)), ordinary(64, 1.0))
+}

@@ -1,0 +1,129 @@
+//! What hostile scenes cost, beside as many ordinary triangles in the same place.
+
+use super::Section;
+use crate::cameras::PROJECTIONS;
+use crate::cases::time::{Entry, LIMIT, Seen};
+use crate::subject;
+use crate::table::{Cell, ReportError, Table};
+use crate::watch::Watch;
+use raycast_core::accel::Accel;
+use raycast_core::camera::Projection;
+use raycast_core::intersect::{Cull, Detail, Precision};
+use std::time::{Duration, Instant};
+
+/// Columns and rows: what takes long takes seconds.
+const SIZE: (u32, u32) = (64, 48);
+
+/// What a picture of a hostile scene took, and of an ordinary one, on one thread.
+#[derive(Clone, Debug)]
+pub struct Cost {
+    /// The hard case.
+    pub name: &'static str,
+    /// How many times as long as ordinary triangles it may take.
+    pub limit: f64,
+    /// How it was seen.
+    pub projection: Projection,
+    /// Triangles, those that are copies of others not counted.
+    pub triangles: usize,
+    /// The tree's building.
+    pub build: Duration,
+    /// Of as many ordinary triangles.
+    pub ordinary_build: Duration,
+    /// The picture's rays, exact, with t, u and v.
+    pub cast: Duration,
+    /// Of as many ordinary triangles.
+    pub ordinary_cast: Duration,
+}
+
+impl Cost {
+    /// How many times as long as ordinary triangles these take.
+    pub fn times(&self) -> f64 {
+        self.cast.as_secs_f64() / self.ordinary_cast.as_secs_f64()
+    }
+
+    /// The same of the tree. Trees that are built in less than a hundredth of a second say nothing.
+    pub fn build_times(&self) -> f64 {
+        let least = Duration::from_millis(10);
+        self.build.as_secs_f64() / self.ordinary_build.max(least).as_secs_f64()
+    }
+}
+
+/// The least of some rounds, hostile and ordinary in turn.
+///
+/// # Errors
+/// A scene that cannot be built.
+pub fn measure(
+    races: &[Entry],
+    rounds: usize,
+    watch: &dyn Watch,
+) -> Result<Vec<Cost>, ReportError> {
+    watch.begin("time of hostile scenes", races.len() as u64);
+    let mut costs = Vec::new();
+    for &Entry { name, race, limit } in races {
+        let race = race();
+        let build = |seen: &Seen| {
+            let started = Instant::now();
+            Accel::build(&seen.scene).map(|accel| (accel, started.elapsed()))
+        };
+        let (hostile, build_time) = build(&race.hostile)?;
+        let (ordinary, ordinary_build) = build(&race.ordinary)?;
+        for projection in PROJECTIONS {
+            let time = |accel: &Accel, seen: &Seen| {
+                let tiles = subject::tiles(&seen.camera(projection, SIZE), 1);
+                let mut hits = Vec::new();
+                let started = Instant::now();
+                for tile in &tiles {
+                    let (cull, precision) = (Cull::None, Precision::Exact);
+                    accel.cast_lattice(tile, cull, precision, Detail::Full, &mut hits);
+                }
+                started.elapsed()
+            };
+            let [mut cast, mut ordinary_cast] = [Duration::MAX; 2];
+            for _ in 0..rounds.max(1) {
+                cast = cast.min(time(&hostile, &race.hostile));
+                ordinary_cast = ordinary_cast.min(time(&ordinary, &race.ordinary));
+            }
+            costs.push(Cost {
+                name,
+                limit,
+                projection,
+                triangles: hostile.len(),
+                build: build_time,
+                ordinary_build,
+                cast,
+                ordinary_cast,
+            });
+        }
+        watch.step();
+    }
+    Ok(costs)
+}
+
+/// A row a scene and projection.
+pub fn show(section: &mut Section, costs: &[Cost]) {
+    section.say("### Time of hostile scenes");
+    section.say(format!(
+        "What costs other kernels time without bound, beside as many ordinary triangles in the same \
+         place, by RayCast's tiles, exact, with t, u and v, on one thread. The goal is {LIMIT} times as long at most."
+    ));
+    let mut table = Table::new(&[
+        "case",
+        "projection",
+        "triangles",
+        "ms",
+        "ordinary ms",
+        "times",
+    ]);
+    for cost in costs {
+        let ms = |time: Duration| Cell::short(time.as_secs_f64() * 1e3);
+        table.row(vec![
+            cost.name.replace('_', " ").into(),
+            format!("{:?}", cost.projection).to_lowercase().into(),
+            (cost.triangles as u64).into(),
+            ms(cost.cast),
+            ms(cost.ordinary_cast),
+            Cell::short(cost.times()),
+        ]);
+    }
+    section.table("hard-time", table);
+}
