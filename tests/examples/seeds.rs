@@ -6,9 +6,9 @@
 use exr::prelude::{Compression, WritableImage, read_all_data_from_file};
 use image::codecs::{jpeg::JpegEncoder, png::PngEncoder};
 use image::{DynamicImage, Rgba, RgbaImage};
-use raycast_core::camera::Rect;
-use raycast_core::image::{Format, Fragment, Layers, Picture};
+use raycast_tests::binary::succeed;
 use std::error::Error;
+use std::ffi::OsStr;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
@@ -65,19 +65,23 @@ fn textures() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Fragments of a picture with and without alpha, whole and in part; EXR in every compression that is
-/// read.
+/// Fragments as the program writes them, with and without alpha, whole and in part; EXR in every
+/// compression that is read.
 fn fragments() -> Result<(), Box<dyn Error>> {
-    let opaque = fragment(3, 2, 255, (3, 2));
-    let clear = fragment(4, 3, 100, (9, 7));
-    for (name, fragment) in [("whole", &opaque), ("part", &clear)] {
-        std::fs::write(seed("fragment_exr", name), fragment.encode(Format::Exr)?)?;
-        let mut flat = fragment.clone();
-        flat.picture.layers = None;
-        std::fs::write(seed("fragment_png", name), flat.encode(Format::Png)?)?;
-    }
-    let picture = seed("fragment_exr", "picture");
-    std::fs::write(&picture, clear.picture.encode(Format::Exr)?)?;
+    let whole = ["--tiles", "1x1", "--sub-camera", "0,0"];
+    let part = [
+        "--tiles",
+        "2x2",
+        "--sub-camera",
+        "1,1",
+        "--background",
+        "transparent",
+    ];
+    render(&seed("fragment_png", "whole"), "png", &whole)?;
+    render(&seed("fragment_png", "part"), "png", &part)?;
+    render(&seed("fragment_exr", "whole"), "exr", &whole)?;
+    render(&seed("fragment_exr", "part"), "exr", &part)?;
+    render(&seed("fragment_exr", "picture"), "exr", &[])?;
     for (name, compression) in [
         ("uncompressed", Compression::Uncompressed),
         ("rle", Compression::RLE),
@@ -97,33 +101,19 @@ fn fragments() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn fragment(width: u32, height: u32, alpha: u8, full_size: (u32, u32)) -> Fragment {
-    let mut picture = Picture::blank(width, height, true);
-    let pixels = picture.pixels.len();
-    let mut layers = Layers::blank(pixels);
-    for pixel in (0..pixels).filter(|pixel| pixel % 4 != 1) {
-        let value = pixel as f32 / pixels as f32;
-        layers.color[pixel] = [value, 0.25, 1.0 - value, 1.0];
-        layers.depth[pixel] = 1.0 + value;
-        layers.object[pixel] = pixel as u32 % 2;
-        layers.triangle[pixel] = pixel as u32;
-        layers.normal[pixel] = [0.0, 0.6, 0.8];
-        layers.uv[pixel] = [value, -value];
-        picture.pixels[pixel] = [(value * 255.0) as u8, 137, 7, alpha];
-    }
-    picture.layers = Some(layers);
-    let (x, y) = (full_size.0 - width, full_size.1 - height);
-    Fragment {
-        full_size,
-        rect: Rect {
-            x,
-            y,
-            width,
-            height,
-        },
-        view: 0x0123_4567_89ab_cdef,
-        picture,
-    }
+/// Renders a small picture of a cube, or what else the options say.
+fn render(place: &Path, ending: &str, options: &[&str]) -> Result<(), Box<dyn Error>> {
+    let folder = tempfile::tempdir()?;
+    let picture = folder.path().join(format!("picture.{ending}"));
+    let cube = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/cube.obj");
+    let arguments = [cube.as_path(), Path::new("-o"), &picture];
+    let arguments = arguments.iter().map(|path| path.as_os_str());
+    let options = options.iter().map(OsStr::new);
+    let size = ["--size", "9x7"].map(OsStr::new);
+    let render = std::iter::once(OsStr::new("render"));
+    succeed(render.chain(arguments).chain(size).chain(options));
+    std::fs::copy(&picture, place)?;
+    Ok(())
 }
 
 /// Rays along the axes, at corners, at edges, in planes, and such as are none, at every scene.

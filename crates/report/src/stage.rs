@@ -127,11 +127,18 @@ pub fn triangles(scene: &Scene, accel: &Accel) -> Result<Vec<Triangle>, SceneErr
                 continue;
             };
             // A vertex that is not finite or too far has no triangles: the contract of a mesh. A
-            // triangle without area needs no rule of its own.
-            let is_near = corners.iter().all(|corner| {
-                let corner = (mesh.offset() + corner.as_dvec3()).abs();
-                corner.is_finite() && corner.max_element() <= COORDINATE_LIMIT
-            });
+            // triangle without area needs no rule of its own. The limit is about the file's numbers:
+            // where rounding them may have crossed it, only the mesh knows.
+            let is_near = |limit: f64| {
+                corners.iter().all(|corner| {
+                    let corner = (mesh.offset() + corner.as_dvec3()).abs();
+                    corner.is_finite() && corner.max_element() <= limit
+                })
+            };
+            let rounding = f64::from(f32::EPSILON);
+            let is_near = is_near(COORDINATE_LIMIT * (1.0 - rounding))
+                || is_near(COORDINATE_LIMIT * (1.0 + rounding))
+                    && mesh.kept().binary_search(&triangle).is_ok();
             if is_near {
                 triangles.push(Triangle {
                     object: number as u32,

@@ -24,9 +24,10 @@ pub mod triangle_text;
 pub type Target = fn(&[u8]) -> Result<(), String>;
 
 /// All targets, by the names of their folders in `fuzz/seeds`.
-pub const TARGETS: [(&str, Target); 8] = [
+pub const TARGETS: [(&str, Target); 9] = [
     ("fragment_exr", fragment_exr::check),
     ("fragment_png", fragment_png::check),
+    ("kernel", raycast_report::fuzz_kernel::check),
     ("mtl", mtl::check),
     ("obj", obj::check),
     ("rays", rays::check),

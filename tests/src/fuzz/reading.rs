@@ -53,8 +53,15 @@ pub fn with_windows_lines(bytes: &[u8]) -> Option<Vec<u8>> {
     if !bytes.contains(&b'\n') || bytes.contains(&0) {
         return None;
     }
-    let lines: Vec<&[u8]> = bytes.split(|&byte| byte == b'\n').collect();
-    Some(lines.join(&b"\r\n"[..]))
+    let mut windows = Vec::with_capacity(bytes.len() + bytes.len() / 8);
+    for &byte in bytes {
+        // A line that ends so already stays as it is: two returns would be two lines.
+        if byte == b'\n' && windows.last() != Some(&b'\r') {
+            windows.push(b'\r');
+        }
+        windows.push(byte);
+    }
+    Some(windows)
 }
 
 /// Whether a message is one line that a terminal can show: names and text from files come quoted.
@@ -93,7 +100,9 @@ mod tests {
 
     #[test]
     fn lines_end_as_on_windows() {
-        assert_eq!(with_windows_lines(b"a\nb\n"), Some(b"a\r\nb\r\n".to_vec()));
+        let windows = Some(b"a\r\nb\r\n".to_vec());
+        assert_eq!(with_windows_lines(b"a\nb\n"), windows);
+        assert_eq!(with_windows_lines(b"a\r\nb\n"), windows);
         assert_eq!(with_windows_lines(b"a"), None);
     }
 }
