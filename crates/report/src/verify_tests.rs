@@ -75,7 +75,7 @@ fn plain() -> Shading {
     }
 }
 
-/// A ball with normals and texture coordinates of its own, and a texture, and a turned and stretched one
+/// A ball with normals, texture coordinates and colours of its own, and a texture, and a turned and stretched one
 /// beside it; a box that has none of all that, and one that has a texture but no place in it.
 fn furnished() -> Stage {
     let ball = meshes::sphere(DVec3::ZERO, 1.0, 24);
@@ -88,7 +88,13 @@ fn furnished() -> Stage {
         .positions()
         .iter()
         .map(|p| Vec2::new(p.x * 1.5, p.y - 0.25 * p.z));
+    // Every seventh vertex has none: its triangles have the object's.
+    let colors = (0..ball.positions().len()).map(|i| {
+        let byte = |step: usize| (i * step % 256) as u8;
+        (i % 7 > 0).then(|| Color([byte(3), byte(50), byte(91)]))
+    });
     let ball = Arc::new(Mesh::new(MeshData {
+        colors: colors.collect(),
         positions: ball.positions().iter().map(|p| p.as_dvec3()).collect(),
         triangles: ball.triangles().to_vec(),
         normals: Some(Attribute {

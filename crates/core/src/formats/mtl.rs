@@ -14,7 +14,9 @@ pub(super) struct MtlMaterial {
 /// Reads a material library. What cannot be read is left out, and told in `warnings`.
 pub(super) fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Vec<MtlMaterial> {
     let text = text(bytes);
-    let mut materials: Vec<MtlMaterial> = Vec::new();
+    // `tobj` may panic on short colours and gives up at the first fault: it gets what is used here,
+    // checked.
+    let mut clean = String::new();
     for line in Lines::of(&text) {
         let words = line.text.trim();
         let (keyword, rest) = words.split_once(char::is_whitespace).unwrap_or((words, ""));
@@ -24,34 +26,41 @@ pub(super) fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Vec
             let place = format!("{path}:{}", line.number);
             warnings.push(format!("{place}: expected {expected}, found {found}"));
         };
-        // What stands above the first name belongs to no material.
-        let material = materials.last_mut();
         match keyword {
             "newmtl" if rest.is_empty() => warn("a name behind `newmtl`"),
-            "newmtl" => materials.push(MtlMaterial {
-                material: Material {
-                    name: rest.to_owned(),
-                    color: Color::DEFAULT,
-                },
-                texture: None,
-            }),
-            "map_Kd" => match (image_name(rest), material) {
-                (None, _) => warn("a file behind `map_Kd`"),
-                (Some(name), Some(material)) => material.texture = Some(name.to_owned()),
-                (Some(_), None) => {}
-            },
-            "Kd" => match (diffuse(rest), material) {
-                (None, _) => warn("one or three numbers behind `Kd`"),
-                (Some(diffuse), Some(material)) => {
-                    let byte = |value: f64| (value.clamp(0.0, 1.0) * 255.0).round() as u8;
-                    material.material.color = Color(diffuse.map(byte));
-                }
-                (Some(_), None) => {}
+            "map_Kd" if image_name(rest).is_none() => warn("a file behind `map_Kd`"),
+            "newmtl" | "map_Kd" => clean.push_str(&format!("{keyword} {rest}\n")),
+            "Kd" => match diffuse(rest) {
+                Some([r, g, b]) => clean.push_str(&format!("Kd {r} {g} {b}\n")),
+                None => warn("one or three numbers behind `Kd`"),
             },
             _ => {}
         }
     }
-    materials
+    match tobj::load_mtl_buf(&mut clean.as_bytes()) {
+        Ok((materials, _)) => materials.into_iter().map(convert).collect(),
+        Err(error) => {
+            warnings.push(format!("{}: {error}", quote::path(path)));
+            Vec::new()
+        }
+    }
+}
+
+fn convert(material: tobj::Material) -> MtlMaterial {
+    let color = material.diffuse.map_or(Color::DEFAULT, |diffuse| {
+        Color(diffuse.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8))
+    });
+    MtlMaterial {
+        texture: material
+            .diffuse_texture
+            .as_deref()
+            .and_then(image_name)
+            .map(str::to_owned),
+        material: Material {
+            name: material.name,
+            color,
+        },
+    }
 }
 
 /// The numbers of a diffuse colour: one stands for all three.

@@ -107,7 +107,7 @@ impl<'a> Expected<'a> {
         };
         let number = Single::exactly;
         opaque(match self.shading.mode {
-            Mode::Color => srgb::linear(self.triangle_color(&hit)),
+            Mode::Color => self.own_color(&hit),
             Mode::Texture => self.surface_color(&hit),
             Mode::Flat => {
                 let normal = normal::flat(&self.camera, hit.corners);
@@ -187,10 +187,21 @@ impl<'a> Expected<'a> {
         }
     }
 
+    /// The object's colour at a hit: its corners' mixed in linear light where the file has them, else the
+    /// triangle's.
+    fn own_color(&self, hit: &Hit<'_>) -> Vector<24> {
+        match hit.object.corner_colors(hit.triangle) {
+            Some(colors) => normal::blend(colors.map(srgb::linear), hit.weights),
+            None => srgb::linear(self.triangle_color(hit)),
+        }
+    }
+
     /// A triangle's own colour. Unlit, the triangles of a file without materials have one each.
     fn triangle_color(&self, hit: &Hit<'_>) -> Color {
         let object = hit.object;
-        let colorless = object.color == ColorRule::File && object.mesh.materials().is_empty();
+        let colorless = object.color == ColorRule::File
+            && object.mesh.materials().is_empty()
+            && object.mesh.vertex_colors().is_empty();
         let own = ColorRule::PerTriangle { seed: 0 };
         match own.color(hit.triangle) {
             Some(color) if colorless && self.shading.mode == Mode::Color => color,
@@ -200,7 +211,7 @@ impl<'a> Expected<'a> {
 
     /// The triangle's colour and the texture, mixed in linear light.
     fn surface_color(&self, hit: &Hit<'_>) -> Vector<24> {
-        let color = srgb::linear(self.triangle_color(hit));
+        let color = self.own_color(hit);
         let Some(texture) = &hit.object.texture else {
             return color;
         };
