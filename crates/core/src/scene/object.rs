@@ -171,7 +171,9 @@ impl Scene {
                         .iter()
                         .filter_map(|&number| mesh.corners(number))
                         .flatten()
-                        .map(|p| world_from_object.transform_point3(mesh.offset() + p.as_dvec3())),
+                        .map(|p| world_from_object.transform_point3(mesh.offset() + p.as_dvec3()))
+                        // What a transform has moved out of all numbers is not seen.
+                        .filter(|point| point.is_finite()),
                 )
             })
             .fold(Bounds::EMPTY, Bounds::union)
@@ -195,7 +197,9 @@ impl Scene {
                 .flatten()
             {
                 let point = world_from_object.transform_point3(mesh.offset() + corner.as_dvec3());
-                squared = squared.max(point.distance_squared(center));
+                if point.is_finite() {
+                    squared = squared.max(point.distance_squared(center));
+                }
             }
         }
         (center, squared.sqrt())
