@@ -148,7 +148,8 @@ fn read(text: &str) -> Result<Recipe, String> {
     let version = lines.value("raycast-recipe")?;
     if version != VERSION {
         return Err(format!(
-            "it is of version {version}, and this program knows version {VERSION}"
+            "it is of version {}, and this program knows version {VERSION}",
+            crate::quote::quote(version)
         ));
     }
     let scene = lines.quoted("scene")?.parse()?;
