@@ -322,7 +322,7 @@ mod tests {
                 .find(lattice, *cull, Precision::Exact, &mut slots);
             hits += u32::from(counts.hits > 0);
         }
-        assert!(built > 300 && hits > 100, "{built} built, {hits} hit");
+        assert!(built > 300 && hits > 50, "{built} built, {hits} hit");
     }
 
     #[test]

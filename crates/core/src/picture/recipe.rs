@@ -415,7 +415,7 @@ pub(super) mod tests {
             }
         }
         let told = |text: &str| text.parse::<Recipe>().expect_err("refused").to_string();
-        assert!(told("raycast-recipe = 2\n").contains("version 2"));
+        assert!(told("raycast-recipe = 2\n").contains("version \"2\""));
         assert!(
             told(&text.replace("mode = \"normals\"", "mode = \"pretty\"")).contains(
                 "line 12: expected a mode that this program knows, found \"\\\"pretty\\\"\""

@@ -59,19 +59,19 @@ pub const RACES: &[Entry] = &[
     entry("eye_at_a_cones_apex", cone, LIMIT),
     entry("eye_at_a_vertex_of_many", shared_vertex, LIMIT),
     entry("eye_on_an_edge_of_many", shared_edge, LIMIT),
-    // FIXME: orthographic rays that begin in the plane of a face are decided one by one.
+    // Over the goal: orthographic rays that begin in the plane of a face are decided one by one.
     entry("eye_in_planes_of_many", shared_plane, 400.0),
-    // FIXME: set-ups go by a triangle's largest coordinate: an edge next to the eye leaves rays open.
+    // Over the goal: set-ups go by a triangle's largest coordinate: an edge next to the eye leaves rays open.
     entry("eye_next_to_a_vertex_of_many", next_to_vertex, 2000.0),
     entry("coincident_triangles", coincident, LIMIT),
     entry("copies_of_a_mesh", mesh_copies, LIMIT),
-    // FIXME: as above, and thousands of layers that singles do not tell apart are left to each ray.
+    // Over the goal: orthographic rays in the plane of a face, and thousands of layers that singles do not tell apart are left to each ray.
     entry("exponents_of_any_size", exponents, 80_000.0),
-    // FIXME: layers that singles do not tell apart are left to each ray.
+    // Over the goal: layers that singles do not tell apart are left to each ray.
     entry("thin_boxes_behind_one_another", thin_boxes, 300.0),
-    // FIXME: frusta of blocks and set-ups are not sure of such small triangles.
+    // Over the goal: frusta of blocks and set-ups are not sure of such small triangles.
     entry("tiny_and_far", tiny_and_far, 4000.0),
-    // FIXME: triangles of one plane are told apart by each ray.
+    // Over the goal: triangles of one plane are told apart by each ray.
     entry("layers_in_one_plane", one_plane, 400_000.0),
 ];
 
