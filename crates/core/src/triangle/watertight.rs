@@ -319,8 +319,8 @@ pub(super) fn major_axis(x: f64, y: f64, z: f64) -> usize {
 /// ε = 2⁻⁵³ (notation: `docs/error-bounds.md`), m the greatest coordinate of the corners relative to the ray's
 /// origin, η the error of that origin.
 ///
-/// * **Sheared corners.** A corner relative to the origin is off by εm + η a coordinate, a shear factor (at most
-///   1) by ε, so their product by 3εm + η, and a sheared coordinate, after one more subtraction of numbers up to m
+/// * **Sheared corners.** A corner relative to the origin is off by εm + η a coordinate, a shear factor of
+///   at most 1 by ε, so their product by 3εm + η, and a sheared coordinate, after one more subtraction of numbers up to m
 ///   each, by 2·εm + 4·εm + 2η. With higher orders: δ = 8εm + 3η.
 /// * **Edge functions.** `cx·by − cy·bx` of coordinates within δ is off by δ(|cx| + |by| + |cy| + |bx|) + 2δ², and
 ///   by 2ε(|cx·by| + |cy·bx|) from its own rounding, which is below half the first term since |cx| ≤ 2m. Summed over
