@@ -265,11 +265,12 @@ mod tests {
         let mut hits = [0; 3];
         for spread in [1.0, 10.0, 60.0, 120.0] {
             for _ in 0..3000 {
-                let decade = |random: &mut Random| 2f64.powf(spread * random.signed());
+                let decade = |random: &mut Random| crate::math::pow(2.0, spread * random.signed());
                 let point = |random: &mut Random| random.point() * decade(random);
                 let corners = [(); 3].map(|()| point(&mut random).as_vec3());
                 // Tiny ones keep the ray's aim.
-                let origin = point(&mut random) * 2f64.powf(-2.0 * spread * random.unit());
+                let origin =
+                    point(&mut random) * crate::math::pow(2.0, -2.0 * spread * random.unit());
                 let inside = corners
                     .map(|c| c.as_dvec3() * random.unit())
                     .iter()

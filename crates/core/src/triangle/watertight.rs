@@ -485,7 +485,7 @@ mod tests {
             let [mut decided, mut closely_decided, mut hits] = [0; 3];
             for _ in 0..4000 {
                 let middle = DVec3::new(place, place * 0.7, -place);
-                let size = place.max(1.0) * 10f64.powf(-6.0 * random.unit());
+                let size = place.max(1.0) * crate::math::pow(10.0, -6.0 * random.unit());
                 let mut near = || (middle + random.point() * size).as_vec3();
                 let corners = [near(), near(), near()];
                 let [a, b, c] = corners.map(|corner| frame + corner.as_dvec3());

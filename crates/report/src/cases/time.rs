@@ -7,6 +7,7 @@ use crate::meshes::{self, mesh, soup};
 use crate::stage::scene_of;
 use raycast_core::camera::{Camera, Projection};
 use raycast_core::glam::DVec3;
+use raycast_core::math;
 use raycast_core::scene::{Mesh, Object, Scene};
 use raycast_oracle::random::Random;
 use std::f64::consts::TAU;
@@ -197,7 +198,7 @@ fn ordinary(count: usize, size: f64) -> Scene {
 
 fn cone() -> Race {
     let around = |step: u32| {
-        let (sin, cos) = (TAU * f64::from(step) / 64.0).sin_cos();
+        let (sin, cos) = math::sin_cos(TAU * f64::from(step) / 64.0);
         DVec3::new(cos, sin, 0.0)
     };
     let from = |apex: DVec3| {
@@ -237,7 +238,7 @@ fn shared_plane() -> Race {
     let corners: Vec<[DVec3; 3]> = (0..12)
         .map(|i| {
             let turn = TAU * f64::from(i) / 12.0;
-            let way = |turn: f64| single(DVec3::new(turn.cos(), turn.sin(), 0.0) * far);
+            let way = |turn: f64| single(DVec3::new(math::cos(turn), math::sin(turn), 0.0) * far);
             match i % 3 {
                 // All around the eye, in the image plane.
                 0 => [way(turn), way(turn + TAU / 3.0), way(turn - TAU / 3.0)],
@@ -331,7 +332,7 @@ fn one_plane() -> Race {
         .map(|_| {
             let turn = random.between(0.0, TAU);
             [0.0, 1.0, 2.0].map(|third: f64| {
-                let (sin, cos) = (turn + third * TAU / 3.0).sin_cos();
+                let (sin, cos) = math::sin_cos(turn + third * TAU / 3.0);
                 // Whole places hold the plane exactly.
                 (u * (cos * 256.0).round() + v * (sin * 256.0).round()) / 64.0
             })
