@@ -3,19 +3,19 @@
 //! A lattice of rays is cut into **large packets** of 64 × 64 rays, each into **packets** of 32 × 32, each
 //! of these into **cells** of 8 × 8. What happens to them, in order:
 //!
-//! 1. [`traversal`]: the large packet's frustum finds its entry points, a short list of subtrees (Reshetov,
+//! 1. `traversal`: the large packet's frustum finds its entry points, a short list of subtrees (Reshetov,
 //!    Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", 2005). Each packet starts from them and
 //!    descends to leaves, near to far; what begins behind all that its rays have hit is skipped.
-//! 2. [`ray_bounds`]: eight triangles at once are projected into the packet in single precision, which
+//! 2. `ray_bounds`: eight triangles at once are projected into the packet in single precision, which
 //!    bounds the rays that may hit each. Most triangles smaller than the ray spacing are culled here.
-//! 3. [`small_triangles`], [`slivers`]: triangles that bound few rays are tested against those alone; long
+//! 3. `small_triangles`, `slivers`: triangles that bound few rays are tested against those alone; long
 //!    thin ones have their bounds shrunk to what their rows span.
-//! 4. [`setup`]: what is left is set up as linear functions of a ray's place: three edge functions and an
+//! 4. `setup`: what is left is set up as linear functions of a ray's place: three edge functions and an
 //!    inverse depth, with bounds on their errors (Pineda 1988; Olano and Greer 1997).
-//! 5. [`interval_zbuffer`]: triangles are rasterised into an interval of depth a ray, in single precision.
-//!    What the intervals cannot decide is marked undecided, and [`cast`] gives it to the single ray.
+//! 5. `interval_zbuffer`: triangles are rasterised into an interval of depth a ray, in single precision.
+//!    What the intervals cannot decide is marked undecided, and `cast` gives it to the single ray.
 //!
-//! [`observer`] and [`trace`] record the way for pictures and tables. No decision here is final unless a
+//! `observer` and `trace` record the way for pictures and tables. No decision here is final unless a
 //! derived bound says so: the answers are those of exact arithmetic.
 
 mod cast;
