@@ -182,11 +182,16 @@ impl IntervalZBuffer {
     pub(crate) fn occludes_each(&self, lanes: impl Lanes, rays: &RayBox, nearest: f32) -> bool {
         let columns = (2u32 << (rays.right - rays.left)) - 1;
         let nearest = lanes.splat(nearest);
-        (rays.top..=rays.bottom).all(|y| {
+        // A loop, not `all`: its closure may be compiled without the instruction set of its caller, and
+        // then each comparison is a call.
+        for y in rays.top..=rays.bottom {
             let first = y as usize * SIDE + rays.left as usize;
             let low = self.low.get(first..).and_then(|low| low.first_chunk());
-            low.is_some_and(|low| columns & !nearest.lt(lanes.load(low)).bits() == 0)
-        })
+            if !low.is_some_and(|low| columns & !nearest.lt(lanes.load(low)).bits() == 0) {
+                return false;
+            }
+        }
+        true
     }
 
     /// Tests a small triangle against the rays of its bounds and merges it, unless some ray leaves
