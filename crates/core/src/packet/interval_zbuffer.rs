@@ -186,8 +186,10 @@ impl IntervalZBuffer {
         // then each comparison is a call.
         for y in rays.top..=rays.bottom {
             let first = y as usize * SIDE + rays.left as usize;
-            let low = self.low.get(first..).and_then(|low| low.first_chunk());
-            if !low.is_some_and(|low| columns & !nearest.lt(lanes.load(low)).bits() == 0) {
+            let Some(low) = self.low.get(first..).and_then(|low| low.first_chunk()) else {
+                return false;
+            };
+            if columns & !nearest.lt(lanes.load(low)).bits() != 0 {
                 return false;
             }
         }
