@@ -1,11 +1,10 @@
 //! Asks the core and the oracle the same, and compares.
 
-use raycast_core::accel::{Accel, Simd, SlotHit};
 use raycast_core::camera::{Camera, Grid, Lattice, Ray, Rect};
-use raycast_core::image::{Layers, Picture};
-use raycast_core::intersect::{Cull, Detail, Precision};
+use raycast_core::picture::{Layers, Picture};
 use raycast_core::render::{Cancel, View};
 use raycast_core::scene::{Mesh, Scene};
+use raycast_core::{Accel, Cull, Detail, Precision, PrimitiveHit, Simd};
 use raycast_oracle::Truth;
 use raycast_oracle::random::Random;
 pub use raycast_report::Stage;
@@ -32,7 +31,7 @@ pub trait Check {
     /// truth, and with [`Accel::cast`] of the pixel's ray.
     fn check_picture(&self, camera: Camera, cull: Cull, every: u32) -> Picture;
     /// Casts a lattice of rays with every instruction set, exact and fast. Each ray must get what
-    /// [`Accel::cast_slot`] gives it, bit for bit, and every `every`-th one, with those whose
+    /// [`Accel::cast_primitive`] gives it, bit for bit, and every `every`-th one, with those whose
     /// neighbours show something else, the truth. How many met something.
     fn check_lattice(&self, lattice: &Lattice, cull: Cull, every: usize) -> usize;
 }
@@ -110,10 +109,10 @@ impl Check for Stage {
     fn check_lattice(&self, lattice: &Lattice, cull: Cull, every: usize) -> usize {
         let at = |i: usize| (i as u32 % lattice.columns, i as u32 / lattice.columns);
         let ray = |i: usize| lattice.ray(at(i).0, at(i).1);
-        let single = |precision| -> Vec<SlotHit> {
+        let single = |precision| -> Vec<PrimitiveHit> {
             (0..lattice.len())
                 .into_par_iter()
-                .map(|i| self.accel.cast_slot(&ray(i), cull, precision))
+                .map(|i| self.accel.cast_primitive(&ray(i), cull, precision))
                 .collect()
         };
         let exact = single(Precision::Exact);
@@ -133,9 +132,9 @@ impl Check for Stage {
                     let mut found = Vec::new();
                     accel.cast_lattice(lattice, cull, precision, detail, &mut found);
                     assert_eq!(found.len(), expected.len());
-                    let is_same = |(found, expected): (&SlotHit, &SlotHit)| match detail {
+                    let is_same = |(found, expected): (&PrimitiveHit, &PrimitiveHit)| match detail {
                         Detail::Full => found == expected,
-                        Detail::Triangle => found.slot == expected.slot,
+                        Detail::Triangle => found.primitive == expected.primitive,
                     };
                     // What a block decides is right where a single ray in doubles alone may not be.
                     let wrong: Vec<usize> = (0..lattice.len())
@@ -144,8 +143,9 @@ impl Check for Stage {
                         })
                         .collect();
                     if let Some(&i) = wrong.first() {
-                        let place =
-                            |hit: &SlotHit| (!hit.is_miss()).then(|| self.accel.identify(hit.slot));
+                        let place = |hit: &PrimitiveHit| {
+                            (!hit.is_miss()).then(|| self.accel.identify(hit.primitive))
+                        };
                         panic!(
                             "{} of {} rays differ, first {:?}, {precision:?} {detail:?} {} {cull:?}\n  tile: {:?}\n        {}\nsingle: {:?}\n        {}\n truth: {:?}\n   ray: {:?}\n{lattice:?}",
                             wrong.len(),
@@ -165,7 +165,11 @@ impl Check for Stage {
         }
         let columns = lattice.columns as usize;
         let is_border = |i: usize| {
-            let differs = |j: usize| exact.get(j).is_some_and(|hit| hit.slot != exact[i].slot);
+            let differs = |j: usize| {
+                exact
+                    .get(j)
+                    .is_some_and(|hit| hit.primitive != exact[i].primitive)
+            };
             differs(i + 1) || differs(i + columns)
         };
         (0..lattice.len())
@@ -180,7 +184,7 @@ impl Check for Stage {
 
 /// Every instruction set that this machine has.
 pub fn instruction_sets() -> Vec<Simd> {
-    [Simd::Plain, Simd::Avx2, Simd::Avx512]
+    [Simd::Plain, Simd::Avx2]
         .into_iter()
         .filter(|&simd| simd <= Simd::best())
         .collect()
@@ -233,7 +237,7 @@ pub fn part(random: &mut Random, camera: Camera) -> Lattice {
     };
     Lattice {
         offset,
-        ..Lattice::new(camera, rect, stride, phase)
+        ..camera.sub_camera(rect).sparse_lattice(stride, phase)
     }
 }
 

@@ -8,8 +8,8 @@ use std::path::Path;
 
 // Standard output and standard error.
 
-/// Commands that write to standard output.
-fn talkative() -> Vec<Vec<OsString>> {
+/// Commands that write to standard output; one of them writes a picture too.
+fn talkative(picture: &Path) -> Vec<Vec<OsString>> {
     let mesh = asset("cube.obj");
     vec![
         arguments!["--help"],
@@ -20,6 +20,9 @@ fn talkative() -> Vec<Vec<OsString>> {
         arguments!["info", "--json", &mesh],
         arguments!["bench", &mesh, "--frames", "1", "--size", "8x8"],
         arguments!["verify", &mesh, "--size", "8x8"],
+        arguments![
+            "render", &mesh, "-o", picture, "--size", "4x4", "--stats", "-"
+        ],
     ]
 }
 
@@ -32,17 +35,7 @@ fn a_full_standard_output_is_an_error_everywhere() {
     };
     let folder = folder();
     let picture = folder.path().join("a.png");
-    let mut all = talkative();
-    all.push(arguments![
-        "render",
-        asset("cube.obj"),
-        "-o",
-        &picture,
-        "--size",
-        "4x4",
-        "--stats",
-        "-"
-    ]);
+    let all = talkative(&picture);
     for arguments in all {
         let told = run(command(&arguments).stdout(full()));
         assert_eq!(told.status, Some(1), "{arguments:?}: {told:?}");
@@ -68,17 +61,7 @@ fn a_full_standard_output_is_an_error_everywhere() {
 fn a_closed_pipe_ends_quietly() {
     let folder = folder();
     let picture = folder.path().join("a.png");
-    let mut all = talkative();
-    all.push(arguments![
-        "render",
-        asset("cube.obj"),
-        "-o",
-        &picture,
-        "--size",
-        "4x4",
-        "--stats",
-        "-"
-    ]);
+    let all = talkative(&picture);
     let closed = || {
         let (reader, writer) = std::io::pipe().expect("a pipe");
         drop(reader);

@@ -8,10 +8,10 @@
     reason = "tests tell what they checked and what they skipped"
 )]
 
+use raycast_core::Cull;
 use raycast_core::camera::Ray;
 use raycast_core::glam::DVec3;
-use raycast_core::image::Picture;
-use raycast_core::intersect::Cull;
+use raycast_core::picture::Picture;
 use raycast_core::scene::{Mesh, Object, Scene, Transform};
 use raycast_oracle::random::Random;
 use raycast_report::cameras::{PROJECTIONS, camera};
@@ -256,11 +256,11 @@ fn a_mesh_at_rest_is_cast_at_as_stored() {
     ] {
         let stage = Stage::of([mesh.clone()]);
         assert_eq!(stage.accel.len(), mesh.kept().len());
-        for slot in 0..stage.accel.len() as u32 {
-            let (object, triangle) = stage.accel.identify(slot);
+        for primitive in 0..stage.accel.len() as u32 {
+            let (object, triangle) = stage.accel.identify(primitive);
             assert_eq!(object, 0);
             assert_eq!(stage.accel.origin(), mesh.offset());
-            assert_eq!(Some(stage.accel.corners(slot)), mesh.corners(triangle));
+            assert_eq!(Some(stage.accel.corners(primitive)), mesh.corners(triangle));
         }
     }
 }

@@ -13,10 +13,9 @@
     reason = "tests tell what they checked and what they skipped"
 )]
 
-use raycast_core::accel::Accel;
 use raycast_core::camera::{Lattice, Projection, Ray};
 use raycast_core::glam::DVec3;
-use raycast_core::intersect::{Cull, Precision};
+use raycast_core::{Accel, Cull, Precision};
 use raycast_oracle::random::Random;
 use raycast_report::cameras::{PROJECTIONS, camera, whole};
 use raycast_report::cases::{self, Case, Setting};
@@ -133,7 +132,7 @@ fn check_setting(case: &Case, variant: u32, setting: Setting, sum: &mut Sum) {
     sum.rays += rays.len();
     sum.hits += hits;
     let is_wrong = |ray: &&Ray| {
-        let cast = |precision| stage.accel.cast_slot(ray, cull, precision).slot;
+        let cast = |precision| stage.accel.cast_primitive(ray, cull, precision).primitive;
         cast(Precision::Fast) != cast(Precision::Exact)
     };
     sum.fast_is_wrong += rays.par_iter().filter(is_wrong).count();

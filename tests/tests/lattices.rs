@@ -3,9 +3,9 @@
 
 #![allow(clippy::print_stdout, reason = "tests tell what they checked")]
 
+use raycast_core::Cull;
 use raycast_core::camera::{Lattice, Rect};
 use raycast_core::glam::DVec3;
-use raycast_core::intersect::Cull;
 use raycast_oracle::random::Random;
 use raycast_report::cameras::{PROJECTIONS, camera};
 use raycast_report::meshes;
@@ -65,7 +65,7 @@ fn far_off_the_axis() {
             width: 68,
             height: 41,
         };
-        let near = Lattice::new(vast, rect, 1, (0, 0));
+        let near = vast.sub_camera(rect).lattice();
         tally.check(&stage, &near, Cull::None, 10);
         let everywhere = Rect {
             x: 0,
@@ -73,7 +73,9 @@ fn far_off_the_axis() {
             width: side,
             height: side,
         };
-        let coarse = Lattice::new(vast, everywhere, 499, (round as u32, 7));
+        let coarse = vast
+            .sub_camera(everywhere)
+            .sparse_lattice(499, (round as u32, 7));
         tally.check(&stage, &coarse, Cull::None, 10);
     }
     tally.end(0.3);
@@ -103,12 +105,7 @@ fn lattices_of_every_size() {
                     width,
                     height,
                 };
-                tally.check(
-                    &stage,
-                    &Lattice::new(camera, rect, 1, (0, 0)),
-                    Cull::None,
-                    50,
-                );
+                tally.check(&stage, &camera.sub_camera(rect).lattice(), Cull::None, 50);
             }
         }
         for _ in 0..60 {

@@ -7,9 +7,9 @@
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
+use raycast_core::Cull;
 use raycast_core::camera::{Camera, ImagePlane, Lattice, Placement, Projection, Ray, Rect};
 use raycast_core::glam::DVec3;
-use raycast_core::intersect::Cull;
 use raycast_core::math;
 use raycast_report::meshes::mesh;
 use raycast_tests::check::{Check, Stage};
@@ -282,12 +282,9 @@ impl Shot {
         let offset = |number: Number| (number.get() / 8.0).clamp(0.0, 1.0);
         Lattice {
             offset: (offset(self.offset.0), offset(self.offset.1)),
-            ..Lattice::new(
-                Camera::new(placement, projection, plane),
-                rect,
-                self.stride,
-                (0, 0),
-            )
+            ..Camera::new(placement, projection, plane)
+                .sub_camera(rect)
+                .sparse_lattice(self.stride, (0, 0))
         }
     }
 }

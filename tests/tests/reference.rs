@@ -3,11 +3,11 @@
 //! `RAYCAST_BLESS=1 cargo test -p raycast-tests --release --test reference` writes them anew; look
 //! at each that changed before you commit it.
 
+use raycast_core::Cull;
 use raycast_core::camera::{Camera, Grid, Projection};
 use raycast_core::formats::{read_mesh, read_scene};
 use raycast_core::glam::DVec3;
-use raycast_core::image::{Format, Picture};
-use raycast_core::intersect::Cull;
+use raycast_core::picture::{Format, Picture};
 use raycast_core::scene::{Color, ColorRule, Object, Scene, Texture, Transform};
 use raycast_core::shade::{Background, Filter, Mode, Shading, Wireframe};
 use raycast_report::cameras::camera;

@@ -1,15 +1,14 @@
 //! The same bytes, however a picture is made: whole, in tiles, on more threads, in passes, by
 //! fragments; and the same triangle as brute force, on every mesh.
 
-use raycast_core::accel::Accel;
 use raycast_core::camera::{Camera, Grid, Orbit, Projection, Ray, Rect};
 use raycast_core::formats::{read_mesh, read_scene};
 use raycast_core::glam::DVec3;
-use raycast_core::image::{Format, Fragment, Picture, Recipe, stitch};
-use raycast_core::intersect::{Cull, Detail};
+use raycast_core::picture::{Format, Fragment, Picture, Recipe, stitch};
 use raycast_core::render::{Cancel, Passes, Settings, TileStats, View};
 use raycast_core::scene::{Mesh, Object, Scene, Transform};
 use raycast_core::shade::{Mode, Shading, Wireframe};
+use raycast_core::{Accel, Cull, Detail};
 use raycast_oracle::random::Random;
 use raycast_report::cameras::{PROJECTIONS, camera};
 use raycast_report::meshes;
@@ -182,7 +181,7 @@ fn a_sub_camera_shows_its_part_of_the_whole() {
                 width,
                 height,
             };
-            let tile = view.render_rect(rect, &|| Duration::ZERO);
+            let tile = view.render_sub_camera(view.camera.sub_camera(rect), &|| Duration::ZERO);
             let mut patched = whole.clone();
             assert!(patched.place(tile.rect, &tile.pixels, tile.layers.as_ref()));
             assert!(patched == whole, "{rect:?} {projection:?}");
@@ -270,7 +269,8 @@ fn fragments_stitch_to_the_same_bytes() {
                 .tiles(columns, rows)
                 .into_iter()
                 .map(|rect| {
-                    let tile = view.render_rect(rect, &|| Duration::ZERO);
+                    let tile =
+                        view.render_sub_camera(view.camera.sub_camera(rect), &|| Duration::ZERO);
                     let fragment = Fragment {
                         rect,
                         recipe,

@@ -49,9 +49,9 @@ pub const MISS: u32 = u32::MAX;
 
 /// A closest hit as casting loops store it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SlotHit {
+pub struct PrimitiveHit {
     /// The triangle's primitive index, or [`MISS`].
-    pub slot: u32,
+    pub primitive: u32,
     /// The ray's parameter; infinity at a miss.
     pub t: f32,
     /// Weight of the second corner.
@@ -60,10 +60,10 @@ pub struct SlotHit {
     pub v: f32,
 }
 
-impl SlotHit {
+impl PrimitiveHit {
     /// A ray that hits nothing.
     pub const NONE: Self = Self {
-        slot: MISS,
+        primitive: MISS,
         t: f32::INFINITY,
         u: 0.0,
         v: 0.0,
@@ -71,6 +71,6 @@ impl SlotHit {
 
     /// Whether the ray hits nothing.
     pub fn is_miss(&self) -> bool {
-        self.slot == MISS
+        self.primitive == MISS
     }
 }

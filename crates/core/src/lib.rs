@@ -81,21 +81,8 @@ mod triangle;
 
 pub use bvh::Accel;
 pub use glam;
-pub use hit::{Cull, Detail, Hit, MISS, Precision, SlotHit};
+pub use hit::{Cull, Detail, Hit, MISS, Precision, PrimitiveHit};
 pub use hits::Hits;
 pub use num::simd::Simd;
 pub use ray::Ray;
 pub use render::render;
-
-pub use picture as image;
-
-#[doc(hidden)]
-pub mod accel {
-    pub use crate::packet::{CastCounts, EntryPoint, LargeTrace, PacketTrace};
-    pub use crate::{Accel, Hits, MISS, Simd, SlotHit};
-}
-
-#[doc(hidden)]
-pub mod intersect {
-    pub use crate::{Cull, Detail, Hit, Precision};
-}

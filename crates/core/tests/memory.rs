@@ -6,10 +6,10 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::print_stdout, reason = "tests tell what they measured")]
 
-use raycast_core::accel::Accel;
+use raycast_core::Accel;
 use raycast_core::camera::{Camera, Grid, ImagePlane, fov_to_frame};
 use raycast_core::formats::read_scene;
-use raycast_core::image::{Format, Fragment, Picture};
+use raycast_core::picture::{Format, Fragment, Picture};
 use raycast_core::render::{Cancel, Settings, View};
 use raycast_core::shade::Mode;
 use std::path::Path;

@@ -7,9 +7,8 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use raycast_core::accel::Accel;
 use raycast_core::camera::Lattice;
-use raycast_core::intersect::Precision;
+use raycast_core::{Accel, Precision};
 use raycast_report::embree::Embree;
 use raycast_report::scenes::Made;
 use raycast_report::subject::{find_tiles, tiles};

@@ -35,5 +35,5 @@ pub fn whole(camera: Camera) -> Lattice {
         width: plane.columns,
         height: plane.rows,
     };
-    Lattice::new(camera, rect, 1, (0, 0))
+    camera.sub_camera(rect).lattice()
 }

@@ -4,9 +4,8 @@ use crate::Stage;
 use crate::errors::Errors;
 use crate::subject;
 use crate::ways::{self, Rays, Way};
-use raycast_core::accel::SlotHit;
 use raycast_core::camera::{Camera, Ray};
-use raycast_core::intersect::Cull;
+use raycast_core::{Cull, PrimitiveHit};
 use raycast_oracle::Truth;
 use rayon::prelude::*;
 
@@ -92,12 +91,12 @@ impl<'a> Checked<'a> {
 }
 
 /// Answers to rays, as many as there is time for, on all workers.
-fn cast(way: &dyn Way, rays: &[Ray], tests: usize) -> Vec<SlotHit> {
+fn cast(way: &dyn Way, rays: &[Ray], tests: usize) -> Vec<PrimitiveHit> {
     let affordable = match way.tries() {
         0 => rays.len(),
         tries => rays.len().min((tests / tries).max(1)),
     };
-    let parts: Vec<Vec<SlotHit>> = rays[..affordable]
+    let parts: Vec<Vec<PrimitiveHit>> = rays[..affordable]
         .par_chunks(64)
         .map(|rays| {
             let mut hits = Vec::new();
@@ -109,11 +108,11 @@ fn cast(way: &dyn Way, rays: &[Ray], tests: usize) -> Vec<SlotHit> {
 }
 
 /// Answers to a camera's rays through some pixels: the whole picture is cast, in its tiles.
-fn pick(way: &dyn Way, camera: &Camera, pixels: &[(u32, u32)]) -> Vec<SlotHit> {
+fn pick(way: &dyn Way, camera: &Camera, pixels: &[(u32, u32)]) -> Vec<PrimitiveHit> {
     let plane = camera.plane();
-    let mut picture = vec![SlotHit::NONE; plane.columns as usize * plane.rows as usize];
+    let mut picture = vec![PrimitiveHit::NONE; plane.columns as usize * plane.rows as usize];
     let tiles = subject::tiles(camera, 1);
-    let parts: Vec<Vec<SlotHit>> = tiles
+    let parts: Vec<Vec<PrimitiveHit>> = tiles
         .par_iter()
         .map(|tile| {
             let mut hits = Vec::new();

@@ -1,6 +1,6 @@
 //! How much is measured: for seconds, or for minutes.
 
-use raycast_core::accel::Simd;
+use raycast_core::Simd;
 
 /// Sizes and counts of a report.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +45,7 @@ impl Effort {
         largest: 1_000_000,
         samples: 256,
         compared: (640, 360),
-        simd: Simd::Avx512,
+        simd: Simd::Avx2,
     };
 
     /// Some seconds: to see that it works.
@@ -61,6 +61,6 @@ impl Effort {
         largest: 20_000,
         samples: 256,
         compared: (160, 90),
-        simd: Simd::Avx512,
+        simd: Simd::Avx2,
     };
 }

@@ -4,9 +4,8 @@ use crate::fault::{GRAZING, ulps};
 use crate::stage::Stage;
 use crate::timing::quantile;
 use crate::ways::Way;
-use raycast_core::accel::SlotHit;
 use raycast_core::camera::Ray;
-use raycast_core::intersect::Cull;
+use raycast_core::{Cull, PrimitiveHit};
 use raycast_oracle::Truth;
 use rayon::prelude::*;
 
@@ -39,9 +38,9 @@ impl Errors {
         way: &dyn Way,
         rays: &[Ray],
         truths: &[Option<Truth>],
-        hits: &[SlotHit],
+        hits: &[PrimitiveHit],
     ) -> Self {
-        let one = |((ray, truth), hit): ((&Ray, &Option<Truth>), &SlotHit)| {
+        let one = |((ray, truth), hit): ((&Ray, &Option<Truth>), &PrimitiveHit)| {
             let mut errors = Self {
                 rays: 1,
                 ..Self::default()
@@ -66,7 +65,7 @@ impl Errors {
         way: &dyn Way,
         ray: &Ray,
         truth: Option<&Truth>,
-        hit: &SlotHit,
+        hit: &PrimitiveHit,
     ) {
         let truth = match (truth, hit.is_miss()) {
             (None, true) => return,
@@ -82,7 +81,7 @@ impl Errors {
             (Some(truth), false) => truth,
         };
         self.hits += 1;
-        let found = way.identify(hit.slot);
+        let found = way.identify(hit.primitive);
         let mut met = *truth;
         if found != (truth.object, truth.triangle) {
             // As near to a double's rounding is as near as the oracle tells.

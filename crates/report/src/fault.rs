@@ -1,6 +1,6 @@
 //! In what an answer is not the truth.
 
-use raycast_core::intersect::Hit;
+use raycast_core::Hit;
 use raycast_oracle::Truth;
 
 /// Below this cosine between ray and normal, distances and weights are not held to a bound.

@@ -4,14 +4,14 @@ use crate::meshes;
 use crate::stage::scene_of;
 use crate::table::ReportError;
 use image::{Rgb, RgbImage};
-use raycast_core::accel::{Accel, Simd};
 use raycast_core::camera::{Camera, Grid, Rect};
 use raycast_core::glam::DVec3;
-use raycast_core::image::Picture;
 use raycast_core::math;
+use raycast_core::picture::Picture;
 use raycast_core::render::{Cancel, Settings, View};
 use raycast_core::scene::{Bounds, Color, Material, Mesh, MeshData};
 use raycast_core::shade::{Background, Mode, Shading};
+use raycast_core::{Accel, Simd};
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Duration;
@@ -143,7 +143,8 @@ impl Figure {
     /// # Errors
     /// More triangles than can be numbered.
     pub fn draw_part(self, rect: Rect) -> Result<RgbImage, ReportError> {
-        let tile = self.view()?.render_rect(rect, &|| Duration::ZERO);
+        let view = self.view()?;
+        let tile = view.render_sub_camera(view.camera.sub_camera(rect), &|| Duration::ZERO);
         Ok(image(rect.width, rect.height, &tile.pixels))
     }
 

@@ -9,10 +9,9 @@ use crate::fault::compare;
 use crate::meshes::mesh;
 use crate::stage::{Stage, scene_of};
 use crate::ways::instruction_sets;
-use raycast_core::accel::{Accel, SlotHit};
 use raycast_core::camera::{Camera, ImagePlane, Lattice, Placement, Projection, Ray, Rect};
 use raycast_core::glam::DVec3;
-use raycast_core::intersect::{Cull, Detail, Precision};
+use raycast_core::{Accel, Cull, Detail, Precision, PrimitiveHit};
 
 /// The most triangles, and corners to choose theirs from.
 const TRIANGLES: usize = 64;
@@ -84,12 +83,9 @@ pub fn scenario(bytes: &[u8]) -> Option<Scenario> {
     });
     let lattice = Lattice {
         offset: offset.into(),
-        ..Lattice::new(
-            Camera::new(placement, projection, plane),
-            rect,
-            stride,
-            (0, 0),
-        )
+        ..Camera::new(placement, projection, plane)
+            .sub_camera(rect)
+            .sparse_lattice(stride, (0, 0))
     };
     let stage = Stage::new(scene_of([mesh(points, triangles)])).ok()?;
     Some(Scenario {
@@ -111,8 +107,9 @@ impl Scenario {
             lattice,
             cull,
         } = self;
-        let single = |ray: &Ray| stage.accel.cast_slot(ray, *cull, Precision::Exact);
-        let expected: Vec<SlotHit> = (0..lattice.len()).map(|i| single(&self.ray(i))).collect();
+        let single = |ray: &Ray| stage.accel.cast_primitive(ray, *cull, Precision::Exact);
+        let expected: Vec<PrimitiveHit> =
+            (0..lattice.len()).map(|i| single(&self.ray(i))).collect();
         for simd in instruction_sets() {
             let accel = Accel::clone(&stage.accel).with_simd(simd);
             let mut found = Vec::new();
@@ -132,7 +129,7 @@ impl Scenario {
         let differs = |i: usize, j: usize| {
             expected
                 .get(j)
-                .is_some_and(|hit| hit.slot != expected[i].slot)
+                .is_some_and(|hit| hit.primitive != expected[i].primitive)
         };
         let columns = lattice.columns as usize;
         let is_border = |&i: &usize| differs(i, i + 1) || differs(i, i + columns);
@@ -311,7 +308,7 @@ mod tests {
             if let Err(fault) = scenario.check() {
                 panic!("{fault}\n{bytes:?}");
             }
-            let mut slots = Vec::new();
+            let mut primitives = Vec::new();
             let Scenario {
                 stage,
                 lattice,
@@ -319,7 +316,7 @@ mod tests {
             } = &scenario;
             let counts = stage
                 .accel
-                .find(lattice, *cull, Precision::Exact, &mut slots);
+                .find(lattice, *cull, Precision::Exact, &mut primitives);
             hits += u32::from(counts.hits > 0);
         }
         assert!(built > 300 && hits > 50, "{built} built, {hits} hit");

@@ -1,6 +1,6 @@
 //! What a report was made on and with.
 
-use raycast_core::accel::Simd;
+use raycast_core::Simd;
 use std::fmt;
 
 /// The machine, and the program.

@@ -1,12 +1,11 @@
 //! A scene, its tree, and the truth about it.
 
-use raycast_core::accel::Accel;
 use raycast_core::camera::{Camera, Ray};
 use raycast_core::glam::DAffine3;
-use raycast_core::intersect::Cull;
 use raycast_core::render::{Settings, View};
 use raycast_core::scene::{COORDINATE_LIMIT, Mesh, Object, Scene, SceneError};
 use raycast_core::shade::{Mode, Shading};
+use raycast_core::{Accel, Cull};
 use raycast_oracle::{Oracle, Triangle, Truth};
 use std::sync::Arc;
 
@@ -108,13 +107,13 @@ pub fn triangles(scene: &Scene, accel: &Accel) -> Result<Vec<Triangle>, SceneErr
     let is_at_rest = placed.iter().all(|&placed| placed == DAffine3::IDENTITY)
         && offsets().all(|offset| Some(offset) == offsets().next());
     if !is_at_rest {
-        let stored = |slot| {
-            let (object, triangle) = accel.identify(slot);
+        let stored = |primitive| {
+            let (object, triangle) = accel.identify(primitive);
             Triangle {
                 object,
                 triangle,
                 base: accel.origin(),
-                corners: accel.corners(slot),
+                corners: accel.corners(primitive),
             }
         };
         return Ok((0..accel.len() as u32).map(stored).collect());

@@ -2,10 +2,9 @@
 
 use crate::table::ReportError;
 use crate::{Stage, embree, ways};
-use raycast_core::accel::{Accel, MISS, Simd};
 use raycast_core::camera::{Camera, Lattice, Rect};
-use raycast_core::intersect::Precision;
 use raycast_core::scene::Scene;
+use raycast_core::{Accel, MISS, Precision, Simd};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -88,7 +87,7 @@ pub fn tiles(camera: &Camera, stride: u32) -> Vec<Lattice> {
                 width: side.min(plane.columns - x),
                 height: side.min(plane.rows - y),
             };
-            tiles.push(Lattice::new(*camera, rect, stride, (0, 0)));
+            tiles.push(camera.sub_camera(rect).sparse_lattice(stride, (0, 0)));
         }
     }
     tiles
@@ -125,10 +124,13 @@ pub fn cast_tiles(way: &dyn Way, tiles: &[Lattice]) -> usize {
 pub fn find_tiles(way: &dyn Way, tiles: &[Lattice]) -> usize {
     tiles
         .par_iter()
-        .map_init(Vec::new, |slots, tile| {
-            way.find_lattice(tile, slots);
-            let slots = std::hint::black_box(&slots);
-            slots.iter().filter(|&&slot| slot != MISS).count()
+        .map_init(Vec::new, |primitives, tile| {
+            way.find_lattice(tile, primitives);
+            let primitives = std::hint::black_box(&primitives);
+            primitives
+                .iter()
+                .filter(|&&primitive| primitive != MISS)
+                .count()
         })
         .sum()
 }

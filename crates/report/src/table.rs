@@ -127,7 +127,7 @@ pub enum ReportError {
     Csv(String),
     /// A picture that cannot be encoded.
     #[error(transparent)]
-    Image(#[from] raycast_core::image::ImageError),
+    Image(#[from] raycast_core::picture::ImageError),
     /// A scene that cannot be cast at.
     #[error(transparent)]
     Scene(#[from] raycast_core::scene::SceneError),

@@ -3,9 +3,9 @@
 use crate::expected::{Expected, Single, shows};
 use crate::fault::{Fault, GRAZING, compare_pixel};
 use crate::stage::Stage;
+use raycast_core::Cull;
 use raycast_core::camera::{Camera, Rect};
-use raycast_core::image::{Layers, Picture};
-use raycast_core::intersect::Cull;
+use raycast_core::picture::{Layers, Picture};
 use raycast_core::shade::Shading;
 use raycast_oracle::Truth;
 use raycast_oracle::random::Random;

@@ -2,7 +2,7 @@
 
 use raycast_core::camera::{PlacementError, PlaneError};
 use raycast_core::formats::FormatError;
-use raycast_core::image::{FragmentError, ImageError, OutOfMemory};
+use raycast_core::picture::{FragmentError, ImageError, OutOfMemory};
 use raycast_core::scene::SceneError;
 use std::error::Error;
 use std::fmt;

@@ -6,13 +6,13 @@ pub use nothing_to_see::NothingToSee;
 
 use crate::cli::{CameraArgs, ReadingArgs, ShadingArgs};
 use crate::failure::Failure;
-use raycast_core::accel::{Accel, Simd};
 use raycast_core::camera::{
     Camera, Orbit, Placement, PlaneRequest, Projection, fit_distance, fov_to_frame, frame_to_fov,
 };
 use raycast_core::formats::{self, CameraFile, FormatError, Progress, SceneFile};
 use raycast_core::scene::{Bounds, Dropped, Scene};
 use raycast_core::shade::{Shading, Wireframe};
+use raycast_core::{Accel, Simd};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -96,7 +96,7 @@ pub fn bounds(scene: &Scene, accel: &Accel) -> Bounds {
     if accel.out_of_range() == 0 {
         return scene.bounds();
     }
-    let corners = (0..accel.len() as u32).flat_map(|slot| accel.corners(slot));
+    let corners = (0..accel.len() as u32).flat_map(|primitive| accel.corners(primitive));
     Bounds::around(corners.map(|corner| accel.origin() + corner.as_dvec3()))
 }
 

@@ -2,7 +2,7 @@
 
 use super::fragment_png::stitches;
 use super::reading::is_message;
-use raycast_core::image::{Format, Fragment, Picture};
+use raycast_core::picture::{Format, Fragment, Picture};
 
 /// What must hold of an EXR.
 ///

@@ -1,7 +1,7 @@
 //! Fragments as PNG files.
 
 use super::reading::is_message;
-use raycast_core::image::{Format, Fragment, FragmentError, stitch};
+use raycast_core::picture::{Format, Fragment, FragmentError, stitch};
 
 /// What must hold of a fragment as PNG.
 ///

@@ -1,9 +1,29 @@
 //! What holds of every mesh that was read.
 
-use super::reading::{Reading, read_mesh};
+use super::picture::is_seen_soundly;
+use super::reading::{Reading, read_mesh, with_windows_lines};
 use raycast_core::formats::SceneFile;
 use raycast_core::scene::{COORDINATE_LIMIT, Mesh};
 use std::fmt::Write;
+
+/// What must hold of a text file of one mesh, which `write` writes again.
+///
+/// # Errors
+/// What does not.
+pub fn check_text(name: &str, bytes: &[u8], write: fn(&Mesh) -> String) -> Result<(), String> {
+    let reading = read_mesh(name, bytes)?;
+    if let Some(windows) = with_windows_lines(bytes) {
+        are_equal(&reading, &read_mesh(name, &windows)?)
+            .map_err(|difference| format!("with Windows' lines {difference}"))?;
+    }
+    let Ok(file) = reading else {
+        return Ok(());
+    };
+    let mesh = only_mesh(&file);
+    is_sound(mesh)?;
+    reads_again(mesh, name, write)?;
+    is_seen_soundly(&file)
+}
 
 /// Whether the numbers of a mesh agree with one another, and what rays can meet is finite.
 ///

@@ -1,15 +1,14 @@
 //! What holds of the picture of every scene that was read.
 
 use super::reading::is_message;
-use raycast_core::accel::Accel;
 use raycast_core::camera::{
     Camera, ImagePlane, Orbit, Projection, Rect, fit_distance, fov_to_frame,
 };
 use raycast_core::formats::{CameraFile, SceneFile};
-use raycast_core::image::Layers;
-use raycast_core::intersect::Cull;
+use raycast_core::picture::Layers;
 use raycast_core::render::{Settings, Tile, View};
 use raycast_core::shade::Mode;
+use raycast_core::{Accel, Cull};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -66,7 +65,7 @@ pub fn is_seen_soundly(file: &SceneFile) -> Result<(), String> {
         width: SIZE.0,
         height: SIZE.1,
     };
-    let tile = view.render_rect(rect, &|| Duration::ZERO);
+    let tile = view.render_sub_camera(view.camera.sub_camera(rect), &|| Duration::ZERO);
     is_sound(&tile)?;
     shows_what_rays_meet(&view, &tile)
 }
@@ -180,7 +179,7 @@ mod tests {
             width: SIZE.0,
             height: SIZE.1,
         };
-        let tile = view.render_rect(rect, &|| Duration::ZERO);
+        let tile = view.render_sub_camera(view.camera.sub_camera(rect), &|| Duration::ZERO);
         assert_eq!(shows_what_rays_meet(&view, &tile), Ok(()));
         let mut moved = view.clone();
         let mut placement = view.camera.placement();

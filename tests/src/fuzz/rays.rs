@@ -1,10 +1,10 @@
 //! Ray files, answered as `raycast cast` does it, against exact arithmetic.
 
 use crate::check::{Check, Stage};
+use raycast_core::Cull;
 use raycast_core::camera::Ray;
 use raycast_core::formats::{RAY_BYTES, decode_ray, encode_hit};
 use raycast_core::glam::DVec3;
-use raycast_core::intersect::Cull;
 use raycast_report::fault::compare;
 use raycast_report::meshes;
 use std::sync::OnceLock;

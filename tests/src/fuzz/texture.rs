@@ -2,7 +2,7 @@
 
 use super::picture::is_seen_soundly;
 use super::reading::{MESH, Reading, read};
-use raycast_core::image::{Format, Picture};
+use raycast_core::picture::{Format, Picture};
 use raycast_core::scene::Texture;
 
 /// What must hold of an image file.

@@ -141,7 +141,7 @@ mod tests {
         }
     }
 
-    /// Checks that a tree holds every box once, inside the boxes above it, in slots that follow one
+    /// Checks that a tree holds every box once, inside the boxes above it, in primitive indices that follow one
     /// another, and that it is not too deep.
     fn check(name: &str, boxes: &[Box32]) {
         let (tree, order) = build_tree(boxes);
@@ -152,13 +152,13 @@ mod tests {
             assert!(boxes.is_empty(), "{name}");
             return;
         };
-        assert_eq!(root.slots(), 0..boxes.len() as u32, "{name}");
+        assert_eq!(root.primitives(), 0..boxes.len() as u32, "{name}");
         let mut nodes = 0;
         let mut open: Vec<(Subtree, Box32, usize)> = vec![(root, tree.bounds, 1)];
         while let Some((subtree, around, depth)) = open.pop() {
             assert!(depth <= DEPTH_LIMIT, "{name}");
-            for slot in subtree.slots() {
-                let inside = &boxes[order[slot as usize] as usize];
+            for primitive in subtree.primitives() {
+                let inside = &boxes[order[primitive as usize] as usize];
                 assert!(around.min.cmple(inside.min).all(), "{name}");
                 assert!(around.max.cmpge(inside.max).all(), "{name}");
             }
@@ -170,9 +170,9 @@ mod tests {
             let node = &tree.nodes[index as usize];
             let children = node.children(index);
             let [a, b] = children.each_ref().map(Subtree::clone);
-            assert_eq!(a.slots().start, subtree.slots().start, "{name}");
-            assert_eq!(a.slots().end, b.slots().start, "{name}");
-            assert_eq!(b.slots().end, subtree.slots().end, "{name}");
+            assert_eq!(a.primitives().start, subtree.primitives().start, "{name}");
+            assert_eq!(a.primitives().end, b.primitives().start, "{name}");
+            assert_eq!(b.primitives().end, subtree.primitives().end, "{name}");
             for (which, child) in children.into_iter().enumerate() {
                 open.push((child, node.boxes.get(which), depth + 1));
             }

@@ -34,15 +34,15 @@ fn halving_nodes(triangles: usize) -> usize {
 #[derive(Clone, Copy, Default)]
 struct Place {
     node: usize,
-    slot: usize,
+    primitive: usize,
 }
 
 impl Place {
     /// The same, further by some nodes and primitive indices.
-    fn after(self, nodes: usize, slots: usize) -> Self {
+    fn after(self, nodes: usize, primitives: usize) -> Self {
         Self {
             node: self.node + nodes,
-            slot: self.slot + slots,
+            primitive: self.primitive + primitives,
         }
     }
 }
@@ -58,7 +58,7 @@ fn halve(
     let count = indices.len();
     let Some((node, below)) = nodes.split_first_mut().filter(|_| count > LEAF_LIMIT) else {
         let around = |all: Box32, &index: &u32| all.union(boxes[index as usize]);
-        let leaf = Subtree::leaf(place.slot as u32, count as u32);
+        let leaf = Subtree::leaf(place.primitive as u32, count as u32);
         return (leaf, indices.iter().fold(Box32::EMPTY, around));
     };
     let span = span(boxes, indices);
@@ -86,7 +86,7 @@ fn inner(
     ((a, around_a), (b, around_b)): ((Subtree, Box32), (Subtree, Box32)),
 ) -> (Subtree, Box32) {
     *node = Node::of([around_a, around_b], [a, b]);
-    let subtree = Subtree::inner(place.node as u32, place.slot as u32, count as u32);
+    let subtree = Subtree::inner(place.node as u32, place.primitive as u32, count as u32);
     (subtree, around_a.union(around_b))
 }
 
@@ -107,7 +107,7 @@ fn join<A: Send, B: Send>(
 #[derive(Clone, Copy, Default)]
 struct Size {
     nodes: usize,
-    slots: usize,
+    primitives: usize,
 }
 
 /// obvhs's tree over treelets, measured and ready to be laid out.
@@ -135,7 +135,7 @@ impl<'a> Layout<'a> {
         };
         let (all, levels) = measure.below(0, 1)?;
         // No treelet is there twice, so as many as there are boxes are all of them.
-        let whole = all.slots == boxes.len() && levels <= DEPTH_LIMIT;
+        let whole = all.primitives == boxes.len() && levels <= DEPTH_LIMIT;
         whole.then(|| Self {
             boxes,
             treelets,
@@ -146,9 +146,9 @@ impl<'a> Layout<'a> {
 
     /// The tree, and the indices of its boxes in the order of its leaves.
     pub(super) fn tree(&self) -> (Tree, Vec<u32>) {
-        let Size { nodes, slots } = self.sizes[0];
+        let Size { nodes, primitives } = self.sizes[0];
         let mut nodes = vec![Node::default(); nodes];
-        let mut order = vec![0; slots];
+        let mut order = vec![0; primitives];
         let root = self.lay_out(0, Place::default(), &mut nodes, &mut order);
         (Tree::new(nodes, root), order)
     }
@@ -171,9 +171,9 @@ impl<'a> Layout<'a> {
         let count = order.len();
         let (node, below) = nodes.split_at_mut(1);
         let (a_nodes, b_nodes) = below.split_at_mut(a.nodes);
-        let (a_order, b_order) = order.split_at_mut(a.slots);
+        let (a_order, b_order) = order.split_at_mut(a.primitives);
         let a_place = place.after(1, 0);
-        let b_place = a_place.after(a.nodes, a.slots);
+        let b_place = a_place.after(a.nodes, a.primitives);
         let children = join(
             count,
             || self.lay_out(first, a_place, a_nodes, a_order),
@@ -190,7 +190,7 @@ impl<'a> Layout<'a> {
             let treelet = self.clusters.primitive_indices[first] as usize;
             order.copy_from_slice(self.treelets.members(treelet));
         } else {
-            let (a, b) = order.split_at_mut(self.sizes[first].slots);
+            let (a, b) = order.split_at_mut(self.sizes[first].primitives);
             self.gather(first, a);
             self.gather(first + 1, b);
         }
@@ -201,19 +201,20 @@ impl<'a> Layout<'a> {
 #[derive(Default)]
 struct Cell {
     nodes: AtomicU32,
-    slots: AtomicU32,
+    primitives: AtomicU32,
 }
 
 impl Cell {
     fn set(&self, size: Size) {
         self.nodes.store(size.nodes as u32, Ordering::Relaxed);
-        self.slots.store(size.slots as u32, Ordering::Relaxed);
+        self.primitives
+            .store(size.primitives as u32, Ordering::Relaxed);
     }
 
     fn get(&self) -> Size {
         Size {
             nodes: self.nodes.load(Ordering::Relaxed) as usize,
-            slots: self.slots.load(Ordering::Relaxed) as usize,
+            primitives: self.primitives.load(Ordering::Relaxed) as usize,
         }
     }
 }
@@ -242,10 +243,10 @@ impl Measure<'_> {
             if again || cluster.prim_count != 1 {
                 return None;
             }
-            let slots = self.treelets.members(treelet).len();
-            let nodes = halving_nodes(slots);
-            let halvings = slots.div_ceil(LEAF_LIMIT).next_power_of_two().ilog2();
-            (Size { nodes, slots }, 1 + halvings as usize)
+            let primitives = self.treelets.members(treelet).len();
+            let nodes = halving_nodes(primitives);
+            let halvings = primitives.div_ceil(LEAF_LIMIT).next_power_of_two().ilog2();
+            (Size { nodes, primitives }, 1 + halvings as usize)
         } else {
             let a = || self.below(first, depth + 1);
             let b = || self.below(first + 1, depth + 1);
@@ -255,12 +256,18 @@ impl Measure<'_> {
                 (a(), b())
             };
             let ((a, a_levels), (b, b_levels)) = (a?, b?);
-            let slots = a.slots + b.slots;
-            if slots <= LEAF_LIMIT {
-                (Size { nodes: 0, slots }, 1)
+            let primitives = a.primitives + b.primitives;
+            if primitives <= LEAF_LIMIT {
+                (
+                    Size {
+                        nodes: 0,
+                        primitives,
+                    },
+                    1,
+                )
             } else {
                 let nodes = 1 + a.nodes + b.nodes;
-                (Size { nodes, slots }, 1 + a_levels.max(b_levels))
+                (Size { nodes, primitives }, 1 + a_levels.max(b_levels))
             }
         };
         self.sizes[index].set(size);

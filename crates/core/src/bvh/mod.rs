@@ -54,14 +54,14 @@ impl Accel {
         self.origin
     }
 
-    /// The corners of a triangle by primitive index, relative to [`Accel::origin`]. `slot` < [`Accel::len`].
-    pub fn corners(&self, slot: u32) -> [Vec3; 3] {
-        self.triangles[slot as usize].corners
+    /// The corners of a triangle by primitive index, relative to [`Accel::origin`]. `primitive` < [`Accel::len`].
+    pub fn corners(&self, primitive: u32) -> [Vec3; 3] {
+        self.triangles[primitive as usize].corners
     }
 
-    /// The object and the triangle number of a primitive index. `slot` < [`Accel::len`].
-    pub fn identify(&self, slot: u32) -> (u32, u32) {
-        let number = self.triangles[slot as usize].number;
+    /// The object and the triangle number of a primitive index. `primitive` < [`Accel::len`].
+    pub fn identify(&self, primitive: u32) -> (u32, u32) {
+        let number = self.triangles[primitive as usize].number;
         let object = match &self.first_numbers[..] {
             // One object: nothing to look up.
             [_, _] => 0,

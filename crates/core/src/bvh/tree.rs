@@ -55,7 +55,7 @@ impl Subtree {
 
     /// The primitive indices of its triangles.
     #[inline(always)]
-    pub(crate) fn slots(self) -> Range<u32> {
+    pub(crate) fn primitives(self) -> Range<u32> {
         self.first..self.first + self.count
     }
 }

@@ -1,4 +1,4 @@
-use super::{Camera, Ray, Rect};
+use super::{Camera, Ray};
 
 /// Rays of one camera at regular places: through every `stride`-th pixel of a rectangle, from its
 /// top left, all at the same place in their pixels.
@@ -21,22 +21,6 @@ pub struct Lattice {
 }
 
 impl Lattice {
-    /// The rays through the middle of every `stride`-th pixel of `rect`, beginning `phase` pixels
-    /// from its top left corner.
-    pub fn new(camera: Camera, rect: Rect, stride: u32, phase: (u32, u32)) -> Self {
-        let stride = stride.max(1);
-        let count = |length: u32, phase: u32| length.saturating_sub(phase).div_ceil(stride);
-        Self {
-            camera,
-            x: rect.x + phase.0,
-            y: rect.y + phase.1,
-            stride,
-            columns: count(rect.width, phase.0),
-            rows: count(rect.height, phase.1),
-            offset: (0.5, 0.5),
-        }
-    }
-
     /// Where a ray of the lattice goes through the full picture, in pixels.
     pub fn place(&self, column: u32, row: u32) -> (f64, f64) {
         (

@@ -6,7 +6,7 @@ use super::params::{LARGE_SIDE, SIDE};
 use super::traversal::{RayRect, Traversal};
 use crate::bvh::Accel;
 use crate::camera::Lattice;
-use crate::hit::{Cull, Detail, MISS, Precision, SlotHit};
+use crate::hit::{Cull, Detail, MISS, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::num::simd::{F32x8, Lanes, Mask8, Work, dispatch};
 use crate::single;
@@ -16,7 +16,7 @@ use crate::triangle::interpolate::{self as row, Corners, Places, RowHits, meet_r
 impl Accel {
     /// Casts every ray of a lattice into `hits`, row by row.
     ///
-    /// Each hit is what [`Accel::cast_slot`] answers for that ray, as far as `detail` asks for it. With
+    /// Each hit is what [`Accel::cast_primitive`] answers for that ray, as far as `detail` asks for it. With
     /// [`Precision::Fast`] a packet may be right where a single ray in double precision is not.
     pub fn cast_lattice(
         &self,
@@ -24,10 +24,10 @@ impl Accel {
         cull: Cull,
         precision: Precision,
         detail: Detail,
-        hits: &mut Vec<SlotHit>,
+        hits: &mut Vec<PrimitiveHit>,
     ) {
         let mut found = Hits::default();
-        self.find(lattice, cull, precision, &mut found.slots);
+        self.find(lattice, cull, precision, &mut found.primitives);
         if detail == Detail::Full {
             self.evaluate(lattice, cull, precision, &mut found);
         }
@@ -36,16 +36,16 @@ impl Accel {
     }
 
     /// Finds the closest triangle of each ray of a lattice: its primitive index or [`MISS`], row by row into
-    /// `slots`.
+    /// `primitives`.
     pub fn find(
         &self,
         lattice: &Lattice,
         cull: Cull,
         precision: Precision,
-        slots: &mut Vec<u32>,
+        primitives: &mut Vec<u32>,
     ) -> CastCounts {
-        slots.clear();
-        slots.resize(lattice.len(), MISS);
+        primitives.clear();
+        primitives.resize(lattice.len(), MISS);
         let mut counts = CastCounts::default();
         if self.tree.root.is_some() {
             dispatch(
@@ -55,7 +55,7 @@ impl Accel {
                     lattice,
                     cull,
                     precision,
-                    slots,
+                    primitives,
                     counts: &mut counts,
                 },
             );
@@ -64,9 +64,9 @@ impl Accel {
     }
 
     /// Interpolates t, u and v where the rays of a lattice hit the triangles that [`Accel::find`] found, the
-    /// primitive indices in `hits`: what [`Accel::cast_slot`] answers, bit for bit.
+    /// primitive indices in `hits`: what [`Accel::cast_primitive`] answers, bit for bit.
     pub fn evaluate(&self, lattice: &Lattice, cull: Cull, precision: Precision, hits: &mut Hits) {
-        hits.slots.resize(lattice.len(), MISS);
+        hits.primitives.resize(lattice.len(), MISS);
         hits.make_places();
         dispatch(
             self.simd,
@@ -86,7 +86,7 @@ pub(super) struct Find<'a> {
     pub(super) lattice: &'a Lattice,
     pub(super) cull: Cull,
     pub(super) precision: Precision,
-    pub(super) slots: &'a mut [u32],
+    pub(super) primitives: &'a mut [u32],
     pub(super) counts: &'a mut CastCounts,
 }
 
@@ -129,9 +129,9 @@ impl Find<'_> {
             let first = ((part.row + row) * self.lattice.columns + part.column) as usize;
             let held = &zbuffer.row(row)[..columns];
             let (mut met, mut any_undecided) = (0, false);
-            let kept = &mut self.slots[first..first + columns];
+            let kept = &mut self.primitives[first..first + columns];
             for (kept, &held) in kept.iter_mut().zip(held) {
-                *kept = IntervalZBuffer::slot(held);
+                *kept = IntervalZBuffer::primitive(held);
                 met += u32::from(held != MISS);
                 any_undecided |= IntervalZBuffer::is_undecided(held);
             }
@@ -142,28 +142,28 @@ impl Find<'_> {
                     .enumerate()
                     .filter(|held| IntervalZBuffer::is_undecided(*held.1))
                 {
-                    let slot = self.cast_one(part.column + column as u32, part.row + row);
-                    self.slots[first + column] = slot;
+                    let primitive = self.cast_one(part.column + column as u32, part.row + row);
+                    self.primitives[first + column] = primitive;
                     // It was counted as a hit.
-                    self.counts.hits -= u64::from(slot == MISS);
+                    self.counts.hits -= u64::from(primitive == MISS);
                 }
             }
         }
     }
 
-    /// What [`Accel::cast_slot`] answers.
+    /// What [`Accel::cast_primitive`] answers.
     #[inline(never)]
     fn cast_one(&mut self, column: u32, row: u32) -> u32 {
         let ray = self.lattice.ray(column, row);
         let ray = PreparedRay::new(&ray, self.accel.origin, self.cull, self.precision);
         let Some(ray) = ray else { return MISS };
-        let slot = single::nearest(self.accel, &ray).slot;
+        let primitive = single::nearest(self.accel, &ray).primitive;
         if ray.was_exact() {
             self.counts.exact_rays += 1;
         } else {
             self.counts.double_rays += 1;
         }
-        slot
+        primitive
     }
 }
 
@@ -192,12 +192,12 @@ impl Evaluate<'_> {
     fn evaluate_row(&mut self, lanes: impl Lanes, column: u32, row: u32) {
         let first = (row * self.lattice.columns + column) as usize;
         let count = row::LANES.min((self.lattice.columns - column) as usize);
-        let mut slots = [MISS; row::LANES];
-        slots[..count].copy_from_slice(&self.hits.slots[first..first + count]);
-        if slots == [MISS; row::LANES] {
+        let mut primitives = [MISS; row::LANES];
+        primitives[..count].copy_from_slice(&self.hits.primitives[first..first + count]);
+        if primitives == [MISS; row::LANES] {
             return;
         }
-        let corners = self.corners(lanes, &slots);
+        let corners = self.corners(lanes, &primitives);
         let places = Places::new(self.lattice, column, row);
         let found = meet_row(&self.lattice.camera, self.accel.origin, places, &corners);
         let mut open = false;
@@ -208,11 +208,11 @@ impl Evaluate<'_> {
             sure,
         } = found;
         for lane in 0..row::LANES {
-            let met = slots[lane] != MISS;
+            let met = primitives[lane] != MISS;
             open |= met & !sure[lane];
-            t[lane] = if met { t[lane] } else { SlotHit::NONE.t };
-            u[lane] = if met { u[lane] } else { SlotHit::NONE.u };
-            v[lane] = if met { v[lane] } else { SlotHit::NONE.v };
+            t[lane] = if met { t[lane] } else { PrimitiveHit::NONE.t };
+            u[lane] = if met { u[lane] } else { PrimitiveHit::NONE.u };
+            v[lane] = if met { v[lane] } else { PrimitiveHit::NONE.v };
         }
         let Hits {
             t: all_t,
@@ -224,8 +224,8 @@ impl Evaluate<'_> {
             all[first..first + count].copy_from_slice(&row[..count]);
         }
         if open {
-            for lane in (0..count).filter(|&lane| slots[lane] != MISS && !sure[lane]) {
-                let hit = self.evaluate_one(slots[lane], column + lane as u32, row);
+            for lane in (0..count).filter(|&lane| primitives[lane] != MISS && !sure[lane]) {
+                let hit = self.evaluate_one(primitives[lane], column + lane as u32, row);
                 self.hits.set(first + lane, hit);
             }
         }
@@ -234,17 +234,17 @@ impl Evaluate<'_> {
     /// Corners of the triangles that eight rays hit. Each triangle is written to all lanes from its first on;
     /// the next one overwrites the rest.
     #[inline(always)]
-    fn corners<L: Lanes>(&self, lanes: L, slots: &[u32; row::LANES]) -> Corners {
+    fn corners<L: Lanes>(&self, lanes: L, primitives: &[u32; row::LANES]) -> Corners {
         let mut all = [lanes.splat(0.0); 9];
         let mut lane = 0;
         while lane < row::LANES {
-            let slot = slots[lane];
+            let primitive = primitives[lane];
             let from = lanes.mask_from(lane);
-            while lane < row::LANES && slots[lane] == slot {
+            while lane < row::LANES && primitives[lane] == primitive {
                 lane += 1;
             }
-            if slot != MISS {
-                let [a, b, c] = self.accel.corners(slot);
+            if primitive != MISS {
+                let [a, b, c] = self.accel.corners(primitive);
                 let one = [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z];
                 for (all, one) in all.iter_mut().zip(one) {
                     *all = from.select(lanes.splat(one), *all);
@@ -259,11 +259,12 @@ impl Evaluate<'_> {
     }
 
     #[inline(never)]
-    fn evaluate_one(&self, slot: u32, column: u32, row: u32) -> SlotHit {
+    fn evaluate_one(&self, primitive: u32, column: u32, row: u32) -> PrimitiveHit {
         let ray = self.lattice.ray(column, row);
         let ray = PreparedRay::new(&ray, self.accel.origin, self.cull, self.precision);
-        ray.map_or(SlotHit::NONE, |ray| {
-            ray.evaluate(slot, self.accel.corners(slot)).to_slot_hit()
+        ray.map_or(PrimitiveHit::NONE, |ray| {
+            ray.evaluate(primitive, self.accel.corners(primitive))
+                .to_primitive_hit()
         })
     }
 }

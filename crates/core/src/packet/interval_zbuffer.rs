@@ -48,7 +48,7 @@ pub(crate) struct IntervalZBuffer {
     low: [f32; RAYS],
     /// Upper bound of the depth key.
     high: [f32; RAYS],
-    slots: [u32; RAYS],
+    primitives: [u32; RAYS],
     /// Hi-z: the least `low` of each cell. What is surely further is occluded there.
     hi_z: [f32; CELLS * CELLS],
     /// Cells whose hi-z may be out of date, as bits.
@@ -70,7 +70,7 @@ pub(crate) enum SmallOutcome {
 /// Edge functions and depth key of a triangle: value at the first ray, step per column, step per row.
 #[derive(Clone, Copy)]
 struct EdgeFunctions {
-    slot: u32,
+    primitive: u32,
     edges: [[f32; 3]; 3],
     edge_error: f32,
     depth_key: [f32; 3],
@@ -82,7 +82,7 @@ impl IntervalZBuffer {
         Self {
             low: [0.0; RAYS],
             high: [0.0; RAYS],
-            slots: [MISS; RAYS],
+            primitives: [MISS; RAYS],
             hi_z: [f32::NEG_INFINITY; CELLS * CELLS],
             dirty: 0,
             begin: f32::INFINITY,
@@ -94,7 +94,7 @@ impl IntervalZBuffer {
     pub(crate) fn clear(&mut self, lanes: impl Lanes, columns: u32, rows: u32, perspective: bool) {
         self.low = [f32::NEG_INFINITY; RAYS];
         self.high = [f32::NEG_INFINITY; RAYS];
-        self.slots = [MISS; RAYS];
+        self.primitives = [MISS; RAYS];
         self.hi_z = [f32::NEG_INFINITY; CELLS * CELLS];
         self.dirty = 0;
         // Orthographic rays begin at the image plane, where the negated depth is zero.
@@ -116,12 +116,12 @@ impl IntervalZBuffer {
     #[inline(always)]
     pub(crate) fn row(&self, row: u32) -> &[u32] {
         let first = row as usize * SIDE;
-        &self.slots[first..first + SIDE]
+        &self.primitives[first..first + SIDE]
     }
 
     /// The primitive index of a stored entry, or [`MISS`].
     #[inline(always)]
-    pub(crate) fn slot(held: u32) -> u32 {
+    pub(crate) fn primitive(held: u32) -> u32 {
         if held == MISS {
             MISS
         } else {
@@ -207,7 +207,7 @@ impl IntervalZBuffer {
         coverage: &SmallCoverage,
         lane: usize,
         rays: &RayBox,
-        slot: u32,
+        primitive: u32,
     ) -> SmallOutcome {
         let mut inside = coverage.inside(lane);
         if inside != coverage.perhaps(lane) {
@@ -221,18 +221,18 @@ impl IntervalZBuffer {
             let (low, high, held) = (
                 &mut self.low[ray],
                 &mut self.high[ray],
-                &mut self.slots[ray],
+                &mut self.primitives[ray],
             );
             let wins = near_low > *high;
             any |= wins;
             rivals |= !wins & (near_high >= *low);
             if wins {
-                (*low, *high, *held) = (near_low, near_high, slot | PROVISIONAL);
+                (*low, *high, *held) = (near_low, near_high, primitive | PROVISIONAL);
             }
         }
         if rivals {
             // The hits that it replaced are lost, but it is tested again and replaces them again.
-            self.evict(rays, slot);
+            self.evict(rays, primitive);
             return SmallOutcome::Undecided;
         }
         if !any {
@@ -257,7 +257,7 @@ impl IntervalZBuffer {
             let ([x, y], [near_low, near_high]) = coverage.ray(lane, perhaps.trailing_zeros());
             perhaps &= perhaps - 1;
             let ray = (first_ray(rays) + y * SIDE + x) % RAYS;
-            let held = self.slots[ray];
+            let held = self.primitives[ray];
             let coarse = held != MISS && held != UNDECIDED && held & PROVISIONAL != 0;
             if coarse && near_low <= self.high[ray] && near_high >= self.low[ray] {
                 let reach = ROW as i32 - 1;
@@ -268,8 +268,8 @@ impl IntervalZBuffer {
                     top: (y - reach).max(0),
                     bottom: (y + reach).min(last),
                 };
-                let slot = held & !PROVISIONAL;
-                return self.evict(&around, slot).map(|rays| (slot, rays));
+                let primitive = held & !PROVISIONAL;
+                return self.evict(&around, primitive).map(|rays| (primitive, rays));
             }
         }
         None
@@ -279,14 +279,14 @@ impl IntervalZBuffer {
     ///
     /// Hi-z stays as it is: the triangle will be merged again, and was surely as near as hi-z says.
     #[inline(never)]
-    fn evict(&mut self, rays: &RayBox, slot: u32) -> Option<RayBox> {
+    fn evict(&mut self, rays: &RayBox, primitive: u32) -> Option<RayBox> {
         let mut around: Option<RayBox> = None;
         for y in rays.top..=rays.bottom {
             for x in rays.left..=rays.right {
                 let ray = (y as usize * SIDE + x as usize) % RAYS;
-                if self.slots[ray] == slot | PROVISIONAL {
+                if self.primitives[ray] == primitive | PROVISIONAL {
                     (self.low[ray], self.high[ray]) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
-                    self.slots[ray] = MISS;
+                    self.primitives[ray] = MISS;
                     let all = around.get_or_insert(RayBox {
                         left: x,
                         right: x,
@@ -319,24 +319,30 @@ impl IntervalZBuffer {
         space: &PacketSpace,
         corners: &CornerLanes,
         boxes: &[RayBox; LANES],
-        slots: &[u32],
+        primitives: &[u32],
         mut is_edge_on: impl FnMut(u32) -> bool,
     ) {
         let set_up = space.set_up(corners, boxes);
-        for (l, &slot) in slots.iter().enumerate().take(LANES) {
-            if set_up.ill_conditioned[l] && is_edge_on(slot) {
+        for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
+            if set_up.ill_conditioned[l] && is_edge_on(primitive) {
                 continue;
             }
-            self.rasterize_one(lanes, &set_up, l, slot);
+            self.rasterize_one(lanes, &set_up, l, primitive);
         }
         self.update_hi_z(lanes);
     }
 
     #[inline(always)]
-    fn rasterize_one(&mut self, lanes: impl Lanes, set_up: &TriangleSetup, l: usize, slot: u32) {
+    fn rasterize_one(
+        &mut self,
+        lanes: impl Lanes,
+        set_up: &TriangleSetup,
+        l: usize,
+        primitive: u32,
+    ) {
         let linear = |f: &[[f32; LANES]; 3]| [f[0][l], f[1][l], f[2][l]];
         let functions = EdgeFunctions {
-            slot,
+            primitive,
             edges: [
                 linear(&set_up.edges[0]),
                 linear(&set_up.edges[1]),
@@ -479,13 +485,13 @@ impl IntervalZBuffer {
         let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
         let merge = DepthMerge::new(lanes, functions, self.begin);
         for row in 0..rows {
-            let Some((low, high, slots)) = self.rays(first + row * SIDE) else {
+            let Some((low, high, primitives)) = self.rays(first + row * SIDE) else {
                 return;
             };
             let least = a.min(b).min(c);
             let outside = least.lt(minus_error);
             let inside = error.lt(least);
-            merge.row(lanes, near, Some((inside, outside)), low, high, slots);
+            merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
             a = a + step_a;
             b = b + step_b;
             c = c + step_c;
@@ -502,10 +508,10 @@ impl IntervalZBuffer {
         let step = lanes.splat(n[2]);
         let merge = DepthMerge::new(lanes, functions, self.begin);
         for row in 0..ROW {
-            let Some((low, high, slots)) = self.rays(first + row * SIDE) else {
+            let Some((low, high, primitives)) = self.rays(first + row * SIDE) else {
                 return;
             };
-            merge.row(lanes, near, None, low, high, slots);
+            merge.row(lanes, near, None, low, high, primitives);
             near = near + step;
         }
     }
@@ -519,7 +525,7 @@ impl IntervalZBuffer {
         Some((
             self.low.get_mut(first..)?.first_chunk_mut()?,
             self.high.get_mut(first..)?.first_chunk_mut()?,
-            self.slots.get_mut(first..)?.first_chunk_mut()?,
+            self.primitives.get_mut(first..)?.first_chunk_mut()?,
         ))
     }
 
@@ -542,7 +548,7 @@ impl IntervalZBuffer {
                 let above = values.iter().any(|&value| value > error);
                 if !(below & above) {
                     self.high[j * SIDE + i] = f32::INFINITY;
-                    self.slots[j * SIDE + i] = UNDECIDED;
+                    self.primitives[j * SIDE + i] = UNDECIDED;
                 }
             }
         }
@@ -570,7 +576,7 @@ impl IntervalZBuffer {
 
 /// What merging a triangle into rows needs, the same for every row.
 struct DepthMerge<L: Lanes> {
-    slot: u32,
+    primitive: u32,
     error: L::F32,
     begin: L::F32,
     never: L::F32,
@@ -580,7 +586,7 @@ impl<L: Lanes> DepthMerge<L> {
     #[inline(always)]
     fn new(lanes: L, functions: &EdgeFunctions, begin: f32) -> Self {
         Self {
-            slot: functions.slot,
+            primitive: functions.primitive,
             error: lanes.splat(functions.depth_key_error),
             begin: lanes.splat(begin),
             never: lanes.splat(f32::NEG_INFINITY),
@@ -599,7 +605,7 @@ impl<L: Lanes> DepthMerge<L> {
         sides: Option<(L::Mask, L::Mask)>,
         low: &mut [f32; ROW],
         high: &mut [f32; ROW],
-        slots: &mut [u32; ROW],
+        primitives: &mut [u32; ROW],
     ) {
         let (old_low, old_high) = (lanes.load(low), lanes.load(high));
         let near_low = near - self.error;
@@ -618,11 +624,11 @@ impl<L: Lanes> DepthMerge<L> {
         old_high.max(unless_missed).store(high);
         let wins = met & old_high.lt(near_low);
         let loses = missed | near_high.lt(old_low);
-        wins.store(self.slot, slots);
+        wins.store(self.primitive, primitives);
         // Rays where neither holds stay undecided until something nearer wins them.
         let open = !(wins | loses).bits() & ALL;
         if open != 0 {
-            for_each_bit(u64::from(open), |lane| slots[lane % ROW] = UNDECIDED);
+            for_each_bit(u64::from(open), |lane| primitives[lane % ROW] = UNDECIDED);
         }
     }
 }

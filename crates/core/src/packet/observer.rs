@@ -5,10 +5,10 @@ use std::ops::Range;
 /// Observes a packet's traversal.
 pub(super) trait Observer {
     /// It reached a leaf with these primitive indices.
-    fn reached(&mut self, slots: Range<u32>);
+    fn reached(&mut self, primitives: Range<u32>);
 
     /// It set these triangles up, or merged them as small ones.
-    fn set_up(&mut self, slots: &[u32]);
+    fn set_up(&mut self, primitives: &[u32]);
 }
 
 /// Observes nothing, and costs nothing.

@@ -34,7 +34,7 @@ pub struct EntryPoint {
     /// Its box, in world space.
     pub bounds: Bounds,
     /// Primitive indices of its triangles, ascending.
-    pub slots: Vec<u32>,
+    pub primitives: Vec<u32>,
 }
 
 /// A packet. Primitive indices are ascending and distinct.
@@ -79,12 +79,12 @@ struct Recorder {
 }
 
 impl Observer for Recorder {
-    fn reached(&mut self, slots: Range<u32>) {
-        self.reached.extend(slots);
+    fn reached(&mut self, primitives: Range<u32>) {
+        self.reached.extend(primitives);
     }
 
-    fn set_up(&mut self, slots: &[u32]) {
-        self.set_up.extend(slots);
+    fn set_up(&mut self, primitives: &[u32]) {
+        self.set_up.extend(primitives);
     }
 }
 
@@ -110,13 +110,13 @@ impl Work for RecordTrace<'_> {
             columns: lattice.columns,
             rows: lattice.rows,
         };
-        let mut slots = vec![MISS; lattice.len()];
+        let mut primitives = vec![MISS; lattice.len()];
         let mut find = Find {
             accel,
             lattice,
             cull,
             precision: Precision::Exact,
-            slots: &mut slots,
+            primitives: &mut primitives,
             counts: &mut CastCounts::default(),
         };
         let mut traversal = Traversal::new(accel, lattice);
@@ -136,7 +136,7 @@ impl Work for RecordTrace<'_> {
                         min: accel.origin + bounds.min.as_dvec3(),
                         max: accel.origin + bounds.max.as_dvec3(),
                     },
-                    slots: subtree.slots().collect(),
+                    primitives: subtree.primitives().collect(),
                 });
             }
             if !level.list.is_empty() {
@@ -146,13 +146,13 @@ impl Work for RecordTrace<'_> {
                     if traversal.cast(lanes, &part, cull, &mut zbuffer, &mut recorder) {
                         find.keep(&part, &zbuffer);
                     }
-                    let seen = places(lattice, &part).map(|at| find.slots[at]);
+                    let seen = places(lattice, &part).map(|at| find.primitives[at]);
                     level.blocks.push(PacketTrace {
                         rays: rays(lattice, &part),
                         nodes: traversal.counts.nodes - before,
                         reached: ascending(recorder.reached),
                         set_up: ascending(recorder.set_up),
-                        seen: ascending(seen.filter(|&slot| slot != MISS).collect()),
+                        seen: ascending(seen.filter(|&primitive| primitive != MISS).collect()),
                     });
                 }
             }
@@ -181,10 +181,10 @@ fn places(lattice: &Lattice, part: &RayRect) -> impl Iterator<Item = usize> {
     })
 }
 
-fn ascending(mut slots: Vec<u32>) -> Vec<u32> {
-    slots.sort_unstable();
-    slots.dedup();
-    slots
+fn ascending(mut primitives: Vec<u32>) -> Vec<u32> {
+    primitives.sort_unstable();
+    primitives.dedup();
+    primitives
 }
 
 #[cfg(test)]
@@ -204,11 +204,13 @@ mod tests {
         };
         cameras(size, offset)
             .into_iter()
-            .map(move |camera| Lattice::new(camera, rect, 1, (0, 0)))
+            .map(move |camera| camera.sub_camera(rect).lattice())
     }
 
     fn holds(outer: &[u32], inner: &[u32]) -> bool {
-        inner.iter().all(|slot| outer.binary_search(slot).is_ok())
+        inner
+            .iter()
+            .all(|primitive| outer.binary_search(primitive).is_ok())
     }
 
     #[test]
@@ -221,8 +223,8 @@ mod tests {
             let (mut seen, mut spared) = (0, 0);
             for lattice in lattices(size, offset) {
                 for cull in [Cull::None, Cull::Back] {
-                    let mut slots = Vec::new();
-                    let counts = accel.find(&lattice, cull, Precision::Exact, &mut slots);
+                    let mut primitives = Vec::new();
+                    let counts = accel.find(&lattice, cull, Precision::Exact, &mut primitives);
                     let levels = accel.levels(&lattice, cull);
                     let blocks = || levels.iter().flat_map(|large| &large.blocks);
                     let nodes = levels.iter().map(|large| large.nodes).sum::<u64>()
@@ -231,7 +233,10 @@ mod tests {
                     assert_eq!(nodes, counts.nodes);
                     assert_eq!(set_up as u64, counts.triangles);
                     for large in &levels {
-                        let listed = large.list.iter().flat_map(|listed| listed.slots.clone());
+                        let listed = large
+                            .list
+                            .iter()
+                            .flat_map(|listed| listed.primitives.clone());
                         let listed = ascending(listed.collect());
                         spared += accel.len() - listed.len();
                         for zbuffer in &large.blocks {
@@ -241,8 +246,8 @@ mod tests {
                                 columns: zbuffer.rays.columns,
                                 rows: zbuffer.rays.rows,
                             };
-                            let found = places(&lattice, &part).map(|at| slots[at]);
-                            let found = found.filter(|&slot| slot != MISS).collect();
+                            let found = places(&lattice, &part).map(|at| primitives[at]);
+                            let found = found.filter(|&primitive| primitive != MISS).collect();
                             assert_eq!(zbuffer.seen, ascending(found));
                             // This would fail only where all rays of a cell are undecided.
                             assert!(holds(&zbuffer.set_up, &zbuffer.seen));
@@ -264,15 +269,18 @@ mod tests {
         for lattice in lattices(1.0, DVec3::ZERO) {
             for large in accel.levels(&lattice, Cull::None) {
                 for listed in &large.list {
-                    for &slot in &listed.slots {
-                        for corner in accel.corners(slot) {
+                    for &primitive in &listed.primitives {
+                        for corner in accel.corners(primitive) {
                             let corner = corner.as_dvec3();
                             let Bounds { min, max } = listed.bounds;
                             assert!(min.cmple(corner).all() && corner.cmple(max).all());
                         }
                     }
                 }
-                let listed = large.list.iter().flat_map(|listed| listed.slots.clone());
+                let listed = large
+                    .list
+                    .iter()
+                    .flat_map(|listed| listed.primitives.clone());
                 let listed = ascending(listed.collect());
                 for place in (0..large.rays.len() as u32).step_by(3) {
                     let columns = large.rays.columns;
@@ -281,14 +289,16 @@ mod tests {
                     let prepared =
                         PreparedRay::new(&ray, accel.origin, Cull::None, Precision::Exact)
                             .expect("a ray");
-                    for slot in (0..all).filter(|slot| listed.binary_search(slot).is_err()) {
+                    for primitive in
+                        (0..all).filter(|primitive| listed.binary_search(primitive).is_err())
+                    {
                         let mut nearest = Nearest::NONE;
-                        accel.meet(&prepared, slot, &mut nearest);
-                        assert!(nearest.is_miss(), "{slot} {column} {row}");
+                        accel.meet(&prepared, primitive, &mut nearest);
+                        assert!(nearest.is_miss(), "{primitive} {column} {row}");
                     }
                     let mut nearest = Nearest::NONE;
-                    for slot in 0..all {
-                        accel.meet(&prepared, slot, &mut nearest);
+                    for primitive in 0..all {
+                        accel.meet(&prepared, primitive, &mut nearest);
                     }
                     if nearest.is_miss() {
                         continue;
@@ -296,8 +306,8 @@ mod tests {
                     let side = SIDE as u32;
                     let at = row / side * columns.div_ceil(side) + column / side;
                     let zbuffer = &large.blocks[at as usize];
-                    assert!(holds(&zbuffer.reached, &[nearest.slot]));
-                    assert!(holds(&zbuffer.seen, &[nearest.slot]));
+                    assert!(holds(&zbuffer.reached, &[nearest.primitive]));
+                    assert!(holds(&zbuffer.seen, &[nearest.primitive]));
                 }
             }
         }

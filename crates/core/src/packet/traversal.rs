@@ -36,7 +36,7 @@ const RUN: u32 = 32;
 /// The largest extent of a small subtree's box, its three sides added, in columns.
 const SMALL: f64 = 16.0;
 
-/// The deepest stack: a pair of entry points, one more subtree a level below, and the slot above the top that
+/// The deepest stack: a pair of entry points, one more subtree a level below, and the primitive index above the top that
 /// is written without a branch.
 const STACK: usize = DEPTH_LIMIT + 3;
 
@@ -84,25 +84,25 @@ impl RayRect {
 /// Up to eight primitive indices, with room for what is written past them.
 #[derive(Default)]
 struct Batch {
-    slots: [u32; 2 * LANES],
+    primitives: [u32; 2 * LANES],
     len: usize,
 }
 
 impl Batch {
     /// Adds a primitive index if there is room.
     #[inline(always)]
-    fn push(&mut self, slot: u32) {
-        self.slots[self.len & (LANES - 1)] = slot;
+    fn push(&mut self, primitive: u32) {
+        self.primitives[self.len & (LANES - 1)] = primitive;
         self.len += 1;
     }
 
     /// Takes as many of a run of primitive indices as there is room for.
     #[inline(always)]
     fn take(&mut self, run: &mut Range<u32>) {
-        let room = &mut self.slots[self.len & (LANES - 1)..];
+        let room = &mut self.primitives[self.len & (LANES - 1)..];
         let last = run.end - 1;
-        for (slot, next) in room.iter_mut().take(LANES).zip(run.start..) {
-            *slot = next.min(last);
+        for (primitive, next) in room.iter_mut().take(LANES).zip(run.start..) {
+            *primitive = next.min(last);
         }
         let count = run.len().min(LANES - self.len);
         self.len += count;
@@ -111,8 +111,8 @@ impl Batch {
 
     /// All eight.
     #[inline(always)]
-    fn slots(&self) -> &[u32; LANES] {
-        self.slots.first_chunk().unwrap_or(&[0; LANES])
+    fn primitives(&self) -> &[u32; LANES] {
+        self.primitives.first_chunk().unwrap_or(&[0; LANES])
     }
 }
 
@@ -382,18 +382,18 @@ impl<'a> Traversal<'a> {
                     let perspective = self.lattice.camera.projection() == Projection::Perspective;
                     zbuffer.clear(lanes, part.columns, part.rows, perspective);
                 }
-                let corners = self.corners(lanes, self.batch.slots());
+                let corners = self.corners(lanes, self.batch.primitives());
                 projector.project(lanes, &corners, self.batch.len, &mut projected);
             }
             if self.queued.len == 0 {
                 return begun;
             }
-            let corners = self.corners(lanes, self.queued.slots());
-            let slots = &self.queued.slots[..self.queued.len];
-            let is_edge_on = |slot| self.edge_on.is(slot, self.accel.corners(slot));
-            zbuffer.rasterize(lanes, &space, &corners, &self.boxes, slots, is_edge_on);
-            self.counts.triangles += slots.len() as u64;
-            observer.set_up(slots);
+            let corners = self.corners(lanes, self.queued.primitives());
+            let primitives = &self.queued.primitives[..self.queued.len];
+            let is_edge_on = |primitive| self.edge_on.is(primitive, self.accel.corners(primitive));
+            zbuffer.rasterize(lanes, &space, &corners, &self.boxes, primitives, is_edge_on);
+            self.counts.triangles += primitives.len() as u64;
+            observer.set_up(primitives);
             self.queued.len = 0;
             descent.merged_small = false;
             descent.limits = self.limits(lanes, zbuffer);
@@ -423,7 +423,7 @@ impl<'a> Traversal<'a> {
                     continue;
                 }
                 let Some(index) = subtree.node() else {
-                    descent.leaf = subtree.slots();
+                    descent.leaf = subtree.primitives();
                     observer.reached(descent.leaf.clone());
                     continue;
                 };
@@ -485,7 +485,7 @@ impl<'a> Traversal<'a> {
         zbuffer: &mut IntervalZBuffer,
         observer: &mut impl Observer,
     ) -> Outcome {
-        let slot = self.batch.slots[lane];
+        let primitive = self.batch.primitives[lane];
         let rays = projected.rays(lane);
         if zbuffer.occludes(&rays, projected.nearest[lane]) {
             return Outcome::Occluded;
@@ -494,41 +494,41 @@ impl<'a> Traversal<'a> {
             if rays.is_narrow() && zbuffer.occludes_each(lanes, &rays, projected.nearest[lane]) {
                 return Outcome::Occluded;
             }
-            self.queue(slot, rays);
+            self.queue(primitive, rays);
             return Outcome::Queued(rays.count());
         }
         let coverage = &projected.coverage;
-        match zbuffer.test_small(coverage, lane, &rays, slot) {
+        match zbuffer.test_small(coverage, lane, &rays, primitive) {
             SmallOutcome::Merged => {
                 self.counts.triangles += 1;
-                observer.set_up(&[slot]);
+                observer.set_up(&[primitive]);
                 return Outcome::Merged;
             }
             SmallOutcome::Missed => return Outcome::Occluded,
             SmallOutcome::Undecided => {}
         }
         while self.queued.len + 1 < LANES {
-            let Some((slot, rays)) = zbuffer.evict_rival(coverage, lane, &rays) else {
-                self.queue(slot, rays);
+            let Some((primitive, rays)) = zbuffer.evict_rival(coverage, lane, &rays) else {
+                self.queue(primitive, rays);
                 return Outcome::Queued(rays.count());
             };
             // It is counted again when it is set up.
             self.counts.triangles -= 1;
-            self.queue(slot, rays);
+            self.queue(primitive, rays);
         }
         Outcome::NoRoom
     }
 
     #[inline(always)]
-    fn queue(&mut self, slot: u32, rays: RayBox) {
+    fn queue(&mut self, primitive: u32, rays: RayBox) {
         self.boxes[self.queued.len & (LANES - 1)] = rays;
-        self.queued.push(slot);
+        self.queued.push(primitive);
     }
 
     /// Corners of eight triangles, in structure-of-arrays order.
     #[inline(always)]
-    fn corners(&self, lanes: impl Lanes, slots: &[u32; LANES]) -> CornerLanes {
-        let [a, b, c, d, e, f, g, h] = *slots;
+    fn corners(&self, lanes: impl Lanes, primitives: &[u32; LANES]) -> CornerLanes {
+        let [a, b, c, d, e, f, g, h] = *primitives;
         let rows = [
             self.row(lanes, a),
             self.row(lanes, b),
@@ -559,15 +559,15 @@ impl<'a> Traversal<'a> {
 
     /// A triangle's first eight coordinates.
     #[inline(always)]
-    fn row<L: Lanes>(&self, lanes: L, slot: u32) -> L::F32 {
-        let [a, b, c] = self.accel.triangles[slot as usize].corners;
+    fn row<L: Lanes>(&self, lanes: L, primitive: u32) -> L::F32 {
+        let [a, b, c] = self.accel.triangles[primitive as usize].corners;
         lanes.load(&[a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y])
     }
 
     /// Its ninth coordinate.
     #[inline(always)]
-    fn last(&self, slot: u32) -> f32 {
-        self.accel.triangles[slot as usize].corners[2].z
+    fn last(&self, primitive: u32) -> f32 {
+        self.accel.triangles[primitive as usize].corners[2].z
     }
 
     /// Prefetches what a subtree on the stack will be read from: its triangles, or its first nodes.

@@ -3,7 +3,7 @@
 use super::sample::sample_offset;
 use super::view::{Clock, Settings, View};
 use super::{Pass, Tile, TileStats};
-use crate::camera::{Lattice, Rect};
+use crate::camera::{Lattice, Rect, SubCamera};
 use crate::hit::Detail;
 use crate::hits::Hits;
 use crate::picture::{Layers, Strip};
@@ -13,7 +13,7 @@ use std::time::Duration;
 /// A tile as far as it has come.
 #[derive(Debug)]
 pub(super) struct Job {
-    rect: Rect,
+    sub_camera: SubCamera,
     pixels: Vec<[u8; 4]>,
     /// Sums of the samples so far, alpha multiplied in; empty until there is a second one, or
     /// layers are asked for.
@@ -24,9 +24,9 @@ pub(super) struct Job {
 }
 
 impl Job {
-    pub(super) fn new(rect: Rect) -> Self {
+    pub(super) fn new(sub_camera: SubCamera) -> Self {
         Self {
-            rect,
+            sub_camera,
             pixels: Vec::new(),
             sums: Vec::new(),
             layers: None,
@@ -34,15 +34,15 @@ impl Job {
         }
     }
 
-    /// Casts the rays through a rectangle's pixels, as far as `detail` asks for, and forgets what they hit.
+    /// Casts a sub-camera's rays, as far as `detail` asks for, and forgets what they hit.
     pub(super) fn cast(
         view: &View,
-        rect: Rect,
+        sub_camera: SubCamera,
         detail: Detail,
         buffers: &mut Buffers<'_>,
     ) -> TileStats {
         let mut work = Work::new(view, &|| Duration::ZERO, buffers);
-        let lattice = Lattice::new(view.camera, rect, 1, (0, 0));
+        let lattice = sub_camera.lattice();
         work.find(&lattice);
         if detail == Detail::Full {
             let Settings {
@@ -75,7 +75,7 @@ impl Job {
         };
         for tile in strip.tiles.clone() {
             let mut work = Work::new(view, clock, buffers);
-            let lattice = Lattice::new(view.camera, tile, 1, (0, 0));
+            let lattice = view.camera.sub_camera(tile).lattice();
             work.find(&lattice);
             if work.stats.counts.hits == 0 {
                 let rect = match &empty {
@@ -111,7 +111,7 @@ impl Job {
         buffers: &mut Buffers<'_>,
     ) -> TileStats {
         let mut work = Work::new(view, clock, buffers);
-        self.pixels.resize(self.rect.area(), [0; 4]);
+        self.pixels.resize(self.sub_camera.rect.area(), [0; 4]);
         let stride = pass.stride.max(1);
         if pass.samples <= 1 && !view.settings.layers {
             self.refine(&mut work, stride);
@@ -127,10 +127,10 @@ impl Job {
     /// and cost more than all of them, since a kernel for blocks is at its best with neighbours.
     fn refine(&mut self, work: &mut Work<'_, '_>, stride: u32) {
         if stride == 1 {
-            let columns = self.rect.width.max(1) as usize;
-            work.paint(self.rect, self.pixels.chunks_mut(columns));
+            let columns = self.sub_camera.rect.width.max(1) as usize;
+            work.paint(self.sub_camera, self.pixels.chunks_mut(columns));
         } else {
-            let lattice = Lattice::new(work.view.camera, self.rect, stride, (0, 0));
+            let lattice = self.sub_camera.sparse_lattice(stride, (0, 0));
             self.fill(work, &lattice, stride);
         }
         self.samples = 1;
@@ -143,7 +143,7 @@ impl Job {
         }
         work.find(lattice);
         work.evaluate(lattice);
-        let rect = self.rect;
+        let rect = self.sub_camera.rect;
         let pixels = &mut self.pixels;
         work.shade(|Buffers { shader, hits }| {
             for row in 0..lattice.rows {
@@ -170,11 +170,11 @@ impl Job {
         // A first sample that was only shown in 8 bits is cast again: cheaper than keeping the sums
         // of every picture that never gets a second one.
         if self.sums.is_empty() {
-            self.sums = vec![[0.0; 4]; self.rect.area()];
+            self.sums = vec![[0.0; 4]; self.sub_camera.rect.area()];
             self.samples = 0;
         }
         for index in self.samples..samples {
-            let mut lattice = Lattice::new(work.view.camera, self.rect, 1, (0, 0));
+            let mut lattice = self.sub_camera.lattice();
             lattice.offset = sample_offset(index);
             work.find(&lattice);
             work.evaluate(&lattice);
@@ -207,7 +207,7 @@ impl Job {
     /// The tile as it stands.
     pub(super) fn tile(&self, stats: TileStats) -> Tile {
         Tile {
-            rect: self.rect,
+            rect: self.sub_camera.rect,
             pixels: self.pixels.clone(),
             layers: self.layers.clone(),
             stats,
@@ -217,13 +217,13 @@ impl Job {
     /// The tile at its end; nothing of it stays.
     pub(super) fn take_tile(&mut self, stats: TileStats) -> Tile {
         let Self {
-            rect,
+            sub_camera,
             pixels,
             layers,
             ..
-        } = std::mem::replace(self, Self::new(self.rect));
+        } = std::mem::replace(self, Self::new(self.sub_camera));
         Tile {
-            rect,
+            rect: sub_camera.rect,
             pixels,
             layers,
             stats,
@@ -269,9 +269,9 @@ impl<'a, 's> Work<'a, 's> {
         }
     }
 
-    /// One sample a pixel of a rectangle, into its rows.
-    fn paint<'p>(&mut self, rect: Rect, rows: impl Iterator<Item = &'p mut [[u8; 4]]>) {
-        let lattice = Lattice::new(self.view.camera, rect, 1, (0, 0));
+    /// One sample a pixel of a sub-camera, into its rows.
+    fn paint<'p>(&mut self, sub_camera: SubCamera, rows: impl Iterator<Item = &'p mut [[u8; 4]]>) {
+        let (lattice, rect) = (sub_camera.lattice(), sub_camera.rect);
         self.find(&lattice);
         if self.stats.counts.hits == 0 {
             self.shade(|buffers| buffers.shader.shader().shade_nothing(rect, rows));
@@ -288,7 +288,9 @@ impl<'a, 's> Work<'a, 's> {
         rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
     ) {
         if self.shader().detail() == Detail::Triangle {
-            self.shade(|Buffers { shader, hits }| shader.shade_slots(rect, &hits.slots, rows));
+            self.shade(|Buffers { shader, hits }| {
+                shader.shade_primitives(rect, &hits.primitives, rows)
+            });
         } else {
             self.evaluate(lattice);
             self.shade(|Buffers { shader, hits }| shader.shade(rect, hits, rows));
@@ -301,8 +303,8 @@ impl<'a, 's> Work<'a, 's> {
             cull, precision, ..
         } = self.view.settings;
         let begin = (self.clock)();
-        let slots = &mut self.buffers.hits.slots;
-        let counts = self.view.accel.find(lattice, cull, precision, slots);
+        let primitives = &mut self.buffers.hits.primitives;
+        let counts = self.view.accel.find(lattice, cull, precision, primitives);
         self.stats.cast += self.since(begin);
         self.stats.counts += counts;
         self.stats.rays += self.buffers.hits.len() as u64;
@@ -348,7 +350,7 @@ impl<'a, 's> Work<'a, 's> {
         let mut layers = Layers::blank(hits.len());
         for (at, hit) in hits.iter().enumerate().filter(|(_, hit)| !hit.is_miss()) {
             let (x, y) = lattice.place(at as u32 % lattice.columns, at as u32 / lattice.columns);
-            (layers.object[at], layers.triangle[at]) = self.view.accel.identify(hit.slot);
+            (layers.object[at], layers.triangle[at]) = self.view.accel.identify(hit.primitive);
             (layers.normal[at], layers.uv[at]) = self.shader().surface(x, y, &hit);
             layers.depth[at] = hit.t;
         }

@@ -3,7 +3,7 @@
 use super::job::{Buffers, Job};
 use super::view::{Cancel, Clock, View};
 use super::{Pass, Tile, TileStats};
-use crate::camera::{Grid, ImagePlane, Rect};
+use crate::camera::{Grid, ImagePlane, Rect, SubCamera};
 use crate::hit::Detail;
 use crate::picture::Picture;
 use crate::shade::Shader;
@@ -56,7 +56,7 @@ impl View {
         let tiles = grid.tiles(plane.columns, plane.rows);
         let picture = Mutex::new(picture);
         in_parallel(tiles.len(), cancel, buffers, |buffers, index| {
-            let tile = self.finish(tiles[index], clock, buffers);
+            let tile = self.finish(self.camera.sub_camera(tiles[index]), clock, buffers);
             let mut picture = picture.lock().unwrap_or_else(PoisonError::into_inner);
             picture.place(tile.rect, &tile.pixels, tile.layers.as_ref());
             drop(picture);
@@ -77,17 +77,18 @@ impl View {
             &Cancel::default(),
             buffers,
             |buffers, index| {
-                let stats = Job::cast(self, tiles[index], detail, buffers);
+                let sub_camera = self.camera.sub_camera(tiles[index]);
+                let stats = Job::cast(self, sub_camera, detail, buffers);
                 *sum.lock().unwrap_or_else(PoisonError::into_inner) += stats;
             },
         );
         sum.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Renders one rectangle of the picture: what the sub-camera over it sees.
-    pub fn render_rect(&self, rect: Rect, clock: Clock<'_>) -> Tile {
+    /// Renders what a sub-camera of the view's camera sees, on this thread.
+    pub fn render_sub_camera(&self, sub_camera: SubCamera, clock: Clock<'_>) -> Tile {
         let shader = self.shader();
-        self.finish(rect, clock, &mut Buffers::new(&shader))
+        self.finish(sub_camera, clock, &mut Buffers::new(&shader))
     }
 
     /// Renders `passes` one after another, each tile of each pass handed to `sink` whole, from the
@@ -108,7 +109,7 @@ impl View {
         let order = from_the_middle(tiles, plane);
         let jobs: Vec<_> = order
             .into_iter()
-            .map(|rect| Mutex::new(Job::new(rect)))
+            .map(|rect| Mutex::new(Job::new(self.camera.sub_camera(rect))))
             .collect();
         let shader = self.shader();
         let buffers = || Buffers::new(&shader);
@@ -133,8 +134,8 @@ impl View {
     }
 
     /// A tile in one go.
-    fn finish(&self, rect: Rect, clock: Clock<'_>, buffers: &mut Buffers<'_>) -> Tile {
-        let mut job = Job::new(rect);
+    fn finish(&self, sub_camera: SubCamera, clock: Clock<'_>, buffers: &mut Buffers<'_>) -> Tile {
+        let mut job = Job::new(sub_camera);
         let pass = Pass {
             stride: 1,
             samples: self.settings.samples.max(1),

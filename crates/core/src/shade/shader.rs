@@ -8,7 +8,7 @@ use super::triplanar::Triplanar;
 use super::{Background, Mode, Shading, TextureProjection, Wireframe};
 use crate::bvh::Accel;
 use crate::camera::{Camera, Projection, Rect};
-use crate::hit::{Detail, MISS, SlotHit};
+use crate::hit::{Detail, MISS, PrimitiveHit};
 use crate::num::simd::Lanes;
 use crate::num::simd::Simd;
 use crate::scene::{Color, ColorRule, Object, Scene, Texture};
@@ -162,34 +162,34 @@ impl<'a> Shader<'a> {
 
     /// The colour of the sample at (x, y) of the picture, in pixels from its top left corner:
     /// linear light, alpha not multiplied in.
-    pub fn color(&self, x: f64, y: f64, hit: &SlotHit) -> [f32; 4] {
-        if hit.slot == MISS {
+    pub fn color(&self, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
+        if hit.primitive == MISS {
             self.backdrop(y)
         } else {
-            self.color_on(&self.facet(hit.slot, self.needs), x, y, hit)
+            self.color_on(&self.facet(hit.primitive, self.needs), x, y, hit)
         }
     }
 
     /// [`Shader::color`] as a picture holds it: sRGB, alpha not multiplied in.
-    pub fn shade_pixel8(&self, x: f64, y: f64, hit: &SlotHit) -> [u8; 4] {
+    pub fn shade_pixel8(&self, x: f64, y: f64, hit: &PrimitiveHit) -> [u8; 4] {
         srgb::encode(self.color(x, y, hit))
     }
 
     /// The unit surface normal in world space, towards the eye (the mesh's own, between corners,
     /// where it has normals), and the texture coordinates (zero where there are none): the
     /// picture's layers. Both zero at a miss.
-    pub fn surface(&self, _x: f64, _y: f64, hit: &SlotHit) -> ([f32; 3], [f32; 2]) {
-        if hit.slot == MISS {
+    pub fn surface(&self, _x: f64, _y: f64, hit: &PrimitiveHit) -> ([f32; 3], [f32; 2]) {
+        if hit.primitive == MISS {
             return ([0.0; 3], [0.0; 2]);
         }
-        let (object, triangle) = self.accel.identify(hit.slot);
+        let (object, triangle) = self.accel.identify(hit.primitive);
         let mesh = &self.scene.objects[object as usize].mesh;
         let needs = Needs {
             normal: true,
             smooth: mesh.has_normals(),
             ..Needs::default()
         };
-        let facet = self.facet(hit.slot, needs);
+        let facet = self.facet(hit.primitive, needs);
         let uv = mesh
             .corner_uvs(triangle)
             .map_or(Vec2::ZERO, |uvs| blend(uvs, hit.u, hit.v));
@@ -270,20 +270,20 @@ impl<'a> Shader<'a> {
     }
 
     /// A triangle made ready for its pixels.
-    fn facet(&self, slot: u32, needs: Needs) -> Facet {
+    fn facet(&self, primitive: u32, needs: Needs) -> Facet {
         let mut facet = Facet::NONE;
-        self.make_ready(&mut facet, slot, needs);
+        self.make_ready(&mut facet, primitive, needs);
         facet
     }
 
     /// Makes a triangle ready in the place of another with the same needs: what they do not ask for
     /// is not touched.
-    pub(super) fn make_ready(&self, facet: &mut Facet, slot: u32, needs: Needs) {
-        let (number, triangle) = self.accel.identify(slot);
+    pub(super) fn make_ready(&self, facet: &mut Facet, primitive: u32, needs: Needs) {
+        let (number, triangle) = self.accel.identify(primitive);
         let object = &self.scene.objects[number as usize];
         facet.object = number;
         if needs.normal || needs.middle || needs.edges {
-            let corners = self.corners(slot);
+            let corners = self.corners(primitive);
             if needs.normal {
                 facet.normal = self.normal(corners);
             }
@@ -316,8 +316,8 @@ impl<'a> Shader<'a> {
     }
 
     /// A triangle's corners, relative to the eye.
-    fn corners(&self, slot: u32) -> [DVec3; 3] {
-        let [a, b, c] = self.accel.corners(slot);
+    fn corners(&self, primitive: u32) -> [DVec3; 3] {
+        let [a, b, c] = self.accel.corners(primitive);
         let from_eye = |corner: Vec3| corner.as_dvec3() - self.eye;
         [from_eye(a), from_eye(b), from_eye(c)]
     }
@@ -363,14 +363,14 @@ impl<'a> Shader<'a> {
 
     /// [`Shader::color`] where all pixels of a triangle have one colour: the same, with nothing made
     /// ready that a single answer does not need.
-    pub(super) fn constant_color(&self, slot: u32) -> [f32; 4] {
-        let (number, triangle) = self.accel.identify(slot);
+    pub(super) fn constant_color(&self, primitive: u32) -> [f32; 4] {
+        let (number, triangle) = self.accel.identify(primitive);
         let object = &self.scene.objects[number as usize];
         let color = srgb::linear(self.triangle_color(object, triangle));
         if self.shading.mode == Mode::Color {
             return opaque(color);
         }
-        let corners = self.corners(slot);
+        let corners = self.corners(primitive);
         let light = self
             .lights
             .on(self.normal(corners), self.middle_to_eye(corners));
@@ -398,7 +398,7 @@ impl<'a> Shader<'a> {
     }
 
     /// The colour of a sample on a triangle: linear light, alpha not multiplied in.
-    pub(super) fn color_on(&self, facet: &Facet, x: f64, y: f64, hit: &SlotHit) -> [f32; 4] {
+    pub(super) fn color_on(&self, facet: &Facet, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
         let inside = self.inside(facet, x, y, hit);
         let Some(edges) = &facet.edges else {
             return inside;
@@ -408,7 +408,7 @@ impl<'a> Shader<'a> {
     }
 
     /// The colour of a sample on a triangle, without lines.
-    fn inside(&self, facet: &Facet, x: f64, y: f64, hit: &SlotHit) -> [f32; 4] {
+    fn inside(&self, facet: &Facet, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
         let display = |value: Vec3| opaque(value.to_array().map(|v| self.tables.display(v)).into());
         match self.shading.mode {
             Mode::Color => opaque(facet.color_at(hit.u, hit.v)),
@@ -443,7 +443,7 @@ impl<'a> Shader<'a> {
 
     /// The triangle's colour and its object's texture, mixed in linear light.
     #[inline]
-    pub(super) fn surface_color(&self, facet: &Facet, hit: &SlotHit) -> Vec3 {
+    pub(super) fn surface_color(&self, facet: &Facet, hit: &PrimitiveHit) -> Vec3 {
         let color = facet.color_at(hit.u, hit.v);
         let Some(mapping) = &facet.texture else {
             return color;
@@ -462,7 +462,7 @@ impl<'a> Shader<'a> {
         facet: &Facet,
         mapping: &Mapping,
         texture: &Texture,
-        hit: &SlotHit,
+        hit: &PrimitiveHit,
     ) -> [f32; 4] {
         let read = |u, v| sample(self.tables, texture, u, v, self.shading.filter);
         match mapping {

@@ -4,7 +4,7 @@
 use super::facet::Facet;
 use super::light::Lights;
 use super::smooth::{Facets, Row, Rows, Vectors, light};
-use crate::accel::Simd;
+use crate::Simd;
 use crate::camera::{Camera, ImagePlane, Placement, Projection};
 use crate::num::simd::{LANES, Lanes, Work, dispatch};
 use crate::random::Random;
@@ -73,7 +73,7 @@ fn every_instruction_set_gives_one_pixels_colours_to_the_bit() {
             };
             facet.color * lights.on(normal, to_eye * (1.0 / to_eye.length()))
         });
-        for simd in [Simd::Plain, Simd::Avx2, Simd::Avx512] {
+        for simd in [Simd::Plain, Simd::Avx2] {
             let mut colors = Rows::ZERO;
             let pixels = Pixels {
                 facet: &facet,

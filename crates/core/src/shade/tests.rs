@@ -3,7 +3,7 @@
 use super::*;
 use crate::bvh::Accel;
 use crate::camera::{Camera, ImagePlane, Placement, Projection, Rect};
-use crate::hit::{Cull, Detail, Precision, SlotHit};
+use crate::hit::{Cull, Detail, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::scene::{
     Attribute, Color, ColorRule, Mesh, MeshData, Object, Scene, Texture, Transform,
@@ -87,9 +87,9 @@ impl Bench {
         Shader::new(&self.scene, &self.accel, self.camera, shading)
     }
 
-    fn hit(&self, x: f64, y: f64) -> SlotHit {
+    fn hit(&self, x: f64, y: f64) -> PrimitiveHit {
         self.accel
-            .cast_slot(&self.camera.ray(x, y), Cull::None, Precision::Exact)
+            .cast_primitive(&self.camera.ray(x, y), Cull::None, Precision::Exact)
     }
 
     fn color(&self, shading: Shading, x: f64, y: f64) -> [f32; 4] {
@@ -192,7 +192,7 @@ fn normals_follow_a_transform_as_planes_do() {
     assert!((uv[0] - (0.5 - 0.075)).abs() < 1e-5 && (uv[1] - 0.5).abs() < 1e-5);
     let miss = bench
         .shader(mode(Mode::Color))
-        .surface(0.0, 0.0, &SlotHit::NONE);
+        .surface(0.0, 0.0, &PrimitiveHit::NONE);
     assert_eq!(miss, ([0.0; 3], [0.0; 2]));
 }
 
@@ -371,11 +371,13 @@ fn check_tiles(with_normals: bool) {
                 let columns = rect.width as usize;
                 shader.tile().shade(rect, &hits, pixels.chunks_mut(columns));
                 if shader.detail() == Detail::Triangle {
-                    let mut from_slots = vec![[0; 4]; rect.area()];
-                    shader
-                        .tile()
-                        .shade_slots(rect, &hits.slots, from_slots.chunks_mut(columns));
-                    assert_eq!(pixels, from_slots, "{shading:?}");
+                    let mut from_primitives = vec![[0; 4]; rect.area()];
+                    shader.tile().shade_primitives(
+                        rect,
+                        &hits.primitives,
+                        from_primitives.chunks_mut(columns),
+                    );
+                    assert_eq!(pixels, from_primitives, "{shading:?}");
                 }
                 let mut tile = shader.tile();
                 for ((&(x, y), hit), pixel) in places.iter().zip(hits.iter()).zip(&pixels) {

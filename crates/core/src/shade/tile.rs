@@ -3,7 +3,7 @@ use super::smooth::{Facets, Row, Rows, Vectors};
 use super::{Shader, srgb};
 use crate::camera::Rect;
 use crate::num::simd::{LANES, Lanes, Work, dispatch};
-use crate::{Hits, MISS, SlotHit};
+use crate::{Hits, MISS, PrimitiveHit};
 use glam::Vec3;
 
 /// How many triangles' colours are remembered: most of what 64 × 64 pixels show of triangles a few
@@ -23,7 +23,7 @@ const RUN: usize = 16;
 #[derive(Debug)]
 pub struct TileShader<'s> {
     shader: &'s Shader<'s>,
-    /// Colours of triangles that have but one, by the low bits of their slot.
+    /// Colours of triangles that have but one, by the low bits of their primitive index.
     colors: [(u32, [u8; 4]); COLORS],
     /// The triangles themselves, where every pixel has a colour of its own.
     facets: Vec<(u32, Facet)>,
@@ -51,17 +51,17 @@ impl<'s> TileShader<'s> {
     }
 
     /// As [`Shader::color`].
-    pub fn color(&mut self, x: f64, y: f64, hit: &SlotHit) -> [f32; 4] {
-        if hit.slot == MISS {
+    pub fn color(&mut self, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
+        if hit.primitive == MISS {
             return self.shader.backdrop(y);
         }
         let shader = self.shader;
-        shader.color_on(self.facet(hit.slot), x, y, hit)
+        shader.color_on(self.facet(hit.primitive), x, y, hit)
     }
 
     /// As [`Shader::shade_pixel8`].
-    pub fn pixel8(&mut self, x: f64, y: f64, hit: &SlotHit) -> [u8; 4] {
-        if hit.slot == MISS {
+    pub fn pixel8(&mut self, x: f64, y: f64, hit: &PrimitiveHit) -> [u8; 4] {
+        if hit.primitive == MISS {
             srgb::encode(self.shader.backdrop(y))
         } else {
             srgb::encode(self.color(x, y, hit))
@@ -103,7 +103,7 @@ impl<'s> TileShader<'s> {
         for (column, pixel) in pixels.iter_mut().enumerate() {
             let hit = hits.get(first + column);
             let x = f64::from(left) + column as f64 + 0.5;
-            *pixel = if hit.slot == MISS {
+            *pixel = if hit.primitive == MISS {
                 backdrop
             } else {
                 srgb::encode(self.color(x, y, &hit))
@@ -118,21 +118,21 @@ impl<'s> TileShader<'s> {
         &mut self,
         lanes: impl Lanes,
         (left, y): (u32, u32),
-        slots: &[u32; LANES],
+        primitives: &[u32; LANES],
         weights: Option<(&Row, &Row)>,
         pixels: &mut [[u8; 4]; LANES],
     ) {
         let shader = self.shader;
-        let one = *slots == [slots[0]; LANES];
-        if one && slots[0] == MISS {
+        let one = *primitives == [primitives[0]; LANES];
+        if one && primitives[0] == MISS {
             pixels.fill(shader.backdrop8(y));
             return;
         }
-        let hit = |lane: usize| SlotHit {
-            slot: slots[lane],
+        let hit = |lane: usize| PrimitiveHit {
+            primitive: primitives[lane],
             u: weights.map_or(0.0, |(u, _)| u[lane]),
             v: weights.map_or(0.0, |(_, v)| v[lane]),
-            ..SlotHit::NONE
+            ..PrimitiveHit::NONE
         };
         // Triangles from left to right, each over all lanes from its first on: registers alone, where
         // lanes stored one by one would have to reach memory before eight could be loaded as one.
@@ -143,15 +143,15 @@ impl<'s> TileShader<'s> {
         let varied = needs.texture || needs.corner_colors;
         let mut lane = 0;
         while lane < LANES {
-            let slot = slots[lane];
+            let primitive = primitives[lane];
             let first = lane;
-            while lane < LANES && slots[lane] == slot {
+            while lane < LANES && primitives[lane] == primitive {
                 lane += 1;
             }
-            if slot == MISS {
+            if primitive == MISS {
                 continue;
             }
-            let facet = self.facet(slot);
+            let facet = self.facet(primitive);
             let from = lanes.mask_from(first);
             if varied {
                 for lane in first..lane {
@@ -170,8 +170,8 @@ impl<'s> TileShader<'s> {
         shader.tables.encode_row(lanes, colors.times(light), pixels);
         if !one {
             let backdrop = shader.backdrop8(y);
-            for (&slot, pixel) in slots.iter().zip(pixels) {
-                if slot == MISS {
+            for (&primitive, pixel) in primitives.iter().zip(pixels) {
+                if primitive == MISS {
                     *pixel = backdrop;
                 }
             }
@@ -185,34 +185,34 @@ impl<'s> TileShader<'s> {
         lanes: impl Lanes,
         mut left: u32,
         y: u32,
-        slots: &[u32],
+        primitives: &[u32],
         pixels: &mut [[u8; 4]],
     ) {
-        let (rows, rest) = slots.as_chunks();
+        let (rows, rest) = primitives.as_chunks();
         let (pixel_rows, pixels) = pixels.as_chunks_mut();
-        for (slots, pixels) in rows.iter().zip(pixel_rows) {
-            self.shade_smooth(lanes, (left, y), slots, None, pixels);
+        for (primitives, pixels) in rows.iter().zip(pixel_rows) {
+            self.shade_smooth(lanes, (left, y), primitives, None, pixels);
             left += LANES as u32;
         }
-        for (x, (&slot, pixel)) in (left..).zip(rest.iter().zip(pixels)) {
-            *pixel = self.pixel8(f64::from(x) + 0.5, f64::from(y) + 0.5, &on(slot));
+        for (x, (&primitive, pixel)) in (left..).zip(rest.iter().zip(pixels)) {
+            *pixel = self.pixel8(f64::from(x) + 0.5, f64::from(y) + 0.5, &on(primitive));
         }
     }
 
     /// As [`TileShader::shade`] where the triangles alone are known: for pictures whose
     /// [`Shader::detail`] asks for no more.
-    pub fn shade_slots<'p>(
+    pub fn shade_primitives<'p>(
         &mut self,
         rect: Rect,
-        slots: &[u32],
+        primitives: &[u32],
         rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
     ) {
         dispatch(
             self.shader.simd(),
-            ShadeSlots {
+            ShadePrimitives {
                 shader: self,
                 rect,
-                slots,
+                primitives,
                 rows,
             },
         );
@@ -224,28 +224,28 @@ impl<'s> TileShader<'s> {
         &mut self,
         left: u32,
         y: u32,
-        slots: &[u32],
+        primitives: &[u32],
         pixels: &mut [[u8; 4]],
     ) {
-        let count = slots.len().min(pixels.len());
-        let (slots, pixels) = (&slots[..count], &mut pixels[..count]);
+        let count = primitives.len().min(pixels.len());
+        let (primitives, pixels) = (&primitives[..count], &mut pixels[..count]);
         let backdrop = self.shader.backdrop8(y);
         let y = f64::from(y) + 0.5;
         // A miss is one more triangle of one colour, which changes from row to row.
         self.colors[MISS as usize % COLORS] = (MISS, backdrop);
-        let (runs, _) = slots.as_chunks::<RUN>();
-        for (run, slots) in runs.iter().enumerate() {
+        let (runs, _) = primitives.as_chunks::<RUN>();
+        for (run, primitives) in runs.iter().enumerate() {
             let pixels = &mut pixels[run * RUN..run * RUN + RUN];
             let left = left + (run * RUN) as u32;
-            if *slots == [slots[0]; RUN] && (CONSTANT || slots[0] == MISS) {
-                pixels.fill(self.constant(f64::from(left) + 0.5, y, slots[0]));
+            if *primitives == [primitives[0]; RUN] && (CONSTANT || primitives[0] == MISS) {
+                pixels.fill(self.constant(f64::from(left) + 0.5, y, primitives[0]));
             } else {
-                self.shade_each::<CONSTANT>(left, y, slots, pixels);
+                self.shade_each::<CONSTANT>(left, y, primitives, pixels);
             }
         }
         let done = runs.len() * RUN;
         let left = left + done as u32;
-        self.shade_each::<CONSTANT>(left, y, &slots[done..], &mut pixels[done..]);
+        self.shade_each::<CONSTANT>(left, y, &primitives[done..], &mut pixels[done..]);
     }
 
     /// Some pixels of a row, one by one.
@@ -254,65 +254,66 @@ impl<'s> TileShader<'s> {
         &mut self,
         left: u32,
         y: f64,
-        slots: &[u32],
+        primitives: &[u32],
         pixels: &mut [[u8; 4]],
     ) {
-        for (column, (&slot, pixel)) in slots.iter().zip(pixels).enumerate() {
+        for (column, (&primitive, pixel)) in primitives.iter().zip(pixels).enumerate() {
             let x = f64::from(left) + column as f64 + 0.5;
-            *pixel = if CONSTANT || slot == MISS {
-                self.constant(x, y, slot)
+            *pixel = if CONSTANT || primitive == MISS {
+                self.constant(x, y, primitive)
             } else {
-                srgb::encode(self.color(x, y, &on(slot)))
+                srgb::encode(self.color(x, y, &on(primitive)))
             };
         }
     }
 
     /// The colour of a triangle that has but one, or of a miss.
     #[inline(always)]
-    fn constant(&mut self, x: f64, y: f64, slot: u32) -> [u8; 4] {
-        let (known, color) = self.colors[slot as usize % COLORS];
-        if known == slot {
+    fn constant(&mut self, x: f64, y: f64, primitive: u32) -> [u8; 4] {
+        let (known, color) = self.colors[primitive as usize % COLORS];
+        if known == primitive {
             color
         } else {
-            self.new_constant(x, y, slot)
+            self.new_constant(x, y, primitive)
         }
     }
 
     #[inline(never)]
-    fn new_constant(&mut self, x: f64, y: f64, slot: u32) -> [u8; 4] {
+    fn new_constant(&mut self, x: f64, y: f64, primitive: u32) -> [u8; 4] {
         // Another triangle may have taken the place of the miss.
-        let color = if slot != MISS && self.shader.is_constant() {
-            self.shader.constant_color(slot)
+        let color = if primitive != MISS && self.shader.is_constant() {
+            self.shader.constant_color(primitive)
         } else {
-            self.shader.color(x, y, &on(slot))
+            self.shader.color(x, y, &on(primitive))
         };
         let color = srgb::encode(color);
-        self.colors[slot as usize % COLORS] = (slot, color);
+        self.colors[primitive as usize % COLORS] = (primitive, color);
         color
     }
 
     /// A triangle, remembered or made ready.
     #[inline(always)]
-    fn facet(&mut self, slot: u32) -> &Facet {
-        let place = slot as usize % FACETS;
+    fn facet(&mut self, primitive: u32) -> &Facet {
+        let place = primitive as usize % FACETS;
         if self
             .facets
             .get(place)
-            .is_none_or(|(known, _)| *known != slot)
+            .is_none_or(|(known, _)| *known != primitive)
         {
-            self.remember(slot);
+            self.remember(primitive);
         }
         &self.facets[place].1
     }
 
     #[inline(never)]
-    fn remember(&mut self, slot: u32) {
+    fn remember(&mut self, primitive: u32) {
         if self.facets.is_empty() {
             self.facets = vec![(MISS, Facet::NONE); FACETS];
         }
-        let (known, facet) = &mut self.facets[slot as usize % FACETS];
-        *known = slot;
-        self.shader.make_ready(facet, slot, self.shader.needs());
+        let (known, facet) = &mut self.facets[primitive as usize % FACETS];
+        *known = primitive;
+        self.shader
+            .make_ready(facet, primitive, self.shader.needs());
     }
 }
 
@@ -340,8 +341,9 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadeSmooth<'_, '_, '_,
             let (pixel_rows, rest) = within(pixels, columns).as_chunks_mut();
             for pixels in pixel_rows {
                 let weights = eight(&hits.u, first).zip(eight(&hits.v, first));
-                if let (Some(slots), Some(weights)) = (eight(&hits.slots, first), weights) {
-                    shader.shade_smooth(lanes, (left, y), slots, Some(weights), pixels);
+                if let (Some(primitives), Some(weights)) = (eight(&hits.primitives, first), weights)
+                {
+                    shader.shade_smooth(lanes, (left, y), primitives, Some(weights), pixels);
                 }
                 first += LANES;
                 left += LANES as u32;
@@ -364,38 +366,38 @@ fn eight<T>(all: &[T], first: usize) -> Option<&[T; LANES]> {
     all.get(first..)?.first_chunk()
 }
 
-/// What [`TileShader::shade_slots`] is asked.
-struct ShadeSlots<'t, 's, 'h, R> {
+/// What [`TileShader::shade_primitives`] is asked.
+struct ShadePrimitives<'t, 's, 'h, R> {
     shader: &'t mut TileShader<'s>,
     rect: Rect,
-    slots: &'h [u32],
+    primitives: &'h [u32],
     rows: R,
 }
 
-impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadeSlots<'_, '_, '_, R> {
+impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadePrimitives<'_, '_, '_, R> {
     #[inline(always)]
     fn run(self, lanes: impl Lanes) {
         let columns = self.rect.width.max(1) as usize;
         let left = self.rect.x;
         let shader = self.shader;
         let (constant, smooth) = (shader.shader.is_constant(), shader.shader.is_smooth());
-        let slots = self.slots.chunks(columns);
-        for ((y, slots), pixels) in (self.rect.y..).zip(slots).zip(self.rows) {
+        let primitives = self.primitives.chunks(columns);
+        for ((y, primitives), pixels) in (self.rect.y..).zip(primitives).zip(self.rows) {
             if smooth {
-                shader.shade_smooth_row(lanes, left, y, slots, pixels);
+                shader.shade_smooth_row(lanes, left, y, primitives, pixels);
             } else if constant {
-                shader.shade_row::<true>(left, y, slots, pixels);
+                shader.shade_row::<true>(left, y, primitives, pixels);
             } else {
-                shader.shade_row::<false>(left, y, slots, pixels);
+                shader.shade_row::<false>(left, y, primitives, pixels);
             }
         }
     }
 }
 
 /// A hit of which nothing is known but the triangle.
-fn on(slot: u32) -> SlotHit {
-    SlotHit {
-        slot,
-        ..SlotHit::NONE
+fn on(primitive: u32) -> PrimitiveHit {
+    PrimitiveHit {
+        primitive,
+        ..PrimitiveHit::NONE
     }
 }

@@ -1,10 +1,10 @@
 //! Colours that a file gives to vertices.
 
 use super::*;
-use crate::accel::{Accel, Hits, SlotHit};
 use crate::camera::{Camera, ImagePlane, Placement, Projection, Rect};
 use crate::hit::{Cull, Detail, Precision};
 use crate::scene::{Color, ColorRule, Material, Mesh, MeshData, Object, Scene};
+use crate::{Accel, Hits, PrimitiveHit};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -52,12 +52,12 @@ fn color(object: Object, triangle: u32, mode: Mode, (u, v): (f32, f32)) -> [u8; 
         ..Shading::default()
     };
     let shader = Shader::new(&scene, &accel, camera(), shading);
-    let slot = (0..2).find(|&slot| accel.identify(slot) == (0, triangle));
-    let hit = SlotHit {
-        slot: slot.expect("a triangle"),
+    let primitive = (0..2).find(|&primitive| accel.identify(primitive) == (0, triangle));
+    let hit = PrimitiveHit {
+        primitive: primitive.expect("a triangle"),
         u,
         v,
-        ..SlotHit::NONE
+        ..PrimitiveHit::NONE
     };
     shader.shade_pixel8(1.5, 1.5, &hit)
 }
@@ -116,7 +116,7 @@ fn pictures_show_what_single_pixels_do() {
         };
         let places = (0..33 * 17).map(|i| (f64::from(i % 33) + 0.5, f64::from(i / 33) + 0.5));
         let hits: Hits = places
-            .map(|(x, y)| accel.cast_slot(&camera().ray(x, y), Cull::None, Precision::Exact))
+            .map(|(x, y)| accel.cast_primitive(&camera().ray(x, y), Cull::None, Precision::Exact))
             .collect();
         let mut pixels = vec![[0; 4]; 33 * 17];
         shader.tile().shade(rect, &hits, pixels.chunks_mut(33));

@@ -6,7 +6,7 @@ mod tie_tests;
 mod traversal;
 
 use crate::bvh::Accel;
-use crate::hit::{Cull, Hit, Precision, SlotHit};
+use crate::hit::{Cull, Hit, Precision, PrimitiveHit};
 use crate::ray::Ray;
 use crate::triangle::{Nearest, PreparedRay};
 pub(crate) use traversal::nearest;
@@ -20,16 +20,16 @@ impl Accel {
     }
 
     /// The same for casting loops: a primitive index in place of the numbers, in single precision.
-    pub fn cast_slot(&self, ray: &Ray, cull: Cull, precision: Precision) -> SlotHit {
-        self.nearest(ray, cull, precision).to_slot_hit()
+    pub fn cast_primitive(&self, ray: &Ray, cull: Cull, precision: Precision) -> PrimitiveHit {
+        self.nearest(ray, cull, precision).to_primitive_hit()
     }
 
     /// What [`Accel::cast`] answers, found by testing every triangle: for tests.
     pub fn cast_brute_force(&self, ray: &Ray, cull: Cull) -> Option<Hit> {
         let ray = PreparedRay::new(ray, self.origin, cull, Precision::Exact)?;
         let mut nearest = Nearest::NONE;
-        for slot in 0..self.triangles.len() as u32 {
-            self.meet(&ray, slot, &mut nearest);
+        for primitive in 0..self.triangles.len() as u32 {
+            self.meet(&ray, primitive, &mut nearest);
         }
         self.to_hit(nearest)
     }
@@ -41,11 +41,11 @@ impl Accel {
         }
     }
 
-    pub(crate) fn meet(&self, ray: &PreparedRay, slot: u32, nearest: &mut Nearest) {
+    pub(crate) fn meet(&self, ray: &PreparedRay, primitive: u32, nearest: &mut Nearest) {
         ray.meet(
-            slot,
-            |slot| self.triangles[slot as usize].corners,
-            |slot| self.triangles[slot as usize].number,
+            primitive,
+            |primitive| self.triangles[primitive as usize].corners,
+            |primitive| self.triangles[primitive as usize].number,
             nearest,
         );
     }
@@ -54,7 +54,7 @@ impl Accel {
         if nearest.is_miss() {
             return None;
         }
-        let (object, triangle) = self.identify(nearest.slot);
+        let (object, triangle) = self.identify(nearest.primitive);
         Some(Hit {
             object,
             triangle,

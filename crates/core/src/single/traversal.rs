@@ -44,8 +44,8 @@ pub(crate) fn nearest(accel: &Accel, ray: &PreparedRay) -> Nearest {
                 (false, false) => {}
             }
         } else {
-            for slot in subtree.slots() {
-                accel.meet(ray, slot, &mut nearest);
+            for primitive in subtree.primitives() {
+                accel.meet(ray, primitive, &mut nearest);
             }
             if !nearest.is_miss() {
                 limit = slab.limit(nearest.t, nearest.t_error);

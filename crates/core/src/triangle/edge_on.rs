@@ -49,10 +49,10 @@ impl EdgeOn {
 
     /// Whether no ray hits the triangle for that reason.
     #[inline(never)]
-    pub(crate) fn is(&mut self, slot: u32, corners: [Vec3; 3]) -> bool {
-        let at = slot as usize % KEPT;
-        if self.decided[at].0 != slot {
-            self.decided[at] = (slot, self.decide(corners));
+    pub(crate) fn is(&mut self, primitive: u32, corners: [Vec3; 3]) -> bool {
+        let at = primitive as usize % KEPT;
+        if self.decided[at].0 != primitive {
+            self.decided[at] = (primitive, self.decide(corners));
         }
         self.decided[at].1
     }

@@ -33,21 +33,21 @@ impl Placed {
 
 /// Where `ray` hits a triangle, rounded: parameter and weights within a unit in the last place. `None` where it
 /// misses, or hits outside its range.
-pub(crate) fn hit(ray: &Ray, placed: &Placed, cull: Cull, slot: u32) -> Option<Nearest> {
+pub(crate) fn hit(ray: &Ray, placed: &Placed, cull: Cull, primitive: u32) -> Option<Nearest> {
     fn of<I: Integer>(
         ray: &Ray,
         placed: &Placed,
         cull: Cull,
-        slot: u32,
+        primitive: u32,
         (lengths, directions): (Scale, Scale),
     ) -> Option<Nearest> {
-        ExactHit::<I>::new(ray, placed, cull, lengths, directions).map(|hit| hit.rounded(slot))
+        ExactHit::<I>::new(ray, placed, cull, lengths, directions).map(|hit| hit.rounded(primitive))
     }
     let (lengths, directions) = scales(ray, &[placed]);
     sized!(
         lengths,
         directions,
-        of(ray, placed, cull, slot, (lengths, directions))
+        of(ray, placed, cull, primitive, (lengths, directions))
     )
 }
 
@@ -198,7 +198,7 @@ impl<I: Integer> ExactHit<I> {
     }
 
     /// The hit rounded: parameter and weights within a unit in the last place.
-    fn rounded(&self, slot: u32) -> Nearest {
+    fn rounded(&self, primitive: u32) -> Nearest {
         let t = ratio(&self.numerator, &self.denominator, self.exponent);
         let [u, v] = self
             .weights
@@ -206,7 +206,7 @@ impl<I: Integer> ExactHit<I> {
             .map(|weight| ratio(weight, &self.denominator, 0));
         // More than twice the error of `ratio`.
         Nearest {
-            slot,
+            primitive,
             t,
             t_error: t.abs() * 2f64.powi(-51),
             u,

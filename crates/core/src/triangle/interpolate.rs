@@ -173,7 +173,7 @@ mod tests {
                     width: 64,
                     height: 2,
                 };
-                let mut lattice = Lattice::new(camera, rect, stride, (0, 0));
+                let mut lattice = camera.sub_camera(rect).sparse_lattice(stride, (0, 0));
                 let offset = |base: u32| (f64::from(sample) + 0.5) / f64::from(base);
                 lattice.offset = (offset(256), offset(257));
                 let places = Places::new(&lattice, 2, 1);

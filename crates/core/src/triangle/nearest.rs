@@ -1,10 +1,10 @@
-use crate::hit::{MISS, SlotHit};
+use crate::hit::{MISS, PrimitiveHit};
 
 /// The nearest hit so far, with a bound on the error of its parameter.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearest {
     /// The triangle's primitive index, or [`MISS`].
-    pub(crate) slot: u32,
+    pub(crate) primitive: u32,
     /// The ray's parameter; infinity at a miss.
     pub(crate) t: f64,
     /// Bound on its error.
@@ -18,7 +18,7 @@ pub(crate) struct Nearest {
 impl Nearest {
     /// No hit yet.
     pub(crate) const NONE: Self = Self {
-        slot: MISS,
+        primitive: MISS,
         t: f64::INFINITY,
         t_error: 0.0,
         u: 0.0,
@@ -26,7 +26,7 @@ impl Nearest {
     };
 
     pub(crate) fn is_miss(&self) -> bool {
-        self.slot == MISS
+        self.primitive == MISS
     }
 
     /// Whether this hit is surely the nearer one.
@@ -36,12 +36,12 @@ impl Nearest {
     }
 
     /// The hit in single precision.
-    pub(crate) fn to_slot_hit(self) -> SlotHit {
+    pub(crate) fn to_primitive_hit(self) -> PrimitiveHit {
         if self.is_miss() {
-            return SlotHit::NONE;
+            return PrimitiveHit::NONE;
         }
-        SlotHit {
-            slot: self.slot,
+        PrimitiveHit {
+            primitive: self.primitive,
             t: self.t as f32,
             u: self.u as f32,
             v: self.v as f32,

@@ -94,19 +94,19 @@ impl PreparedRay {
         self.was_exact.get()
     }
 
-    /// Tests the triangle with primitive index `slot`, and keeps it if it is nearer than `nearest`, or as near
+    /// Tests the triangle with primitive index `primitive`, and keeps it if it is nearer than `nearest`, or as near
     /// with a lower primitive id; `number` gives the id of an index.
     pub(crate) fn meet(
         &self,
-        slot: u32,
+        primitive: u32,
         corners: impl Fn(u32) -> [Vec3; 3],
         number: impl Fn(u32) -> u32,
         nearest: &mut Nearest,
     ) {
-        let candidate = match self.judge(slot, corners(slot)) {
+        let candidate = match self.judge(primitive, corners(primitive)) {
             Verdict::Miss => return,
             Verdict::Hit(hit) => hit,
-            Verdict::Open => match self.settle(slot, corners(slot)) {
+            Verdict::Open => match self.settle(primitive, corners(primitive)) {
                 Some(hit) => hit,
                 None => return,
             },
@@ -116,7 +116,7 @@ impl PreparedRay {
         } else if !nearest.is_surely_before(&candidate) {
             let order = self.compare(&candidate, nearest, corners);
             let wins = order == Ordering::Less
-                || order == Ordering::Equal && number(slot) < number(nearest.slot);
+                || order == Ordering::Equal && number(primitive) < number(nearest.primitive);
             if wins {
                 *nearest = candidate;
             }
@@ -124,22 +124,22 @@ impl PreparedRay {
     }
 
     /// The hit at a triangle that [`PreparedRay::judge`] leaves undecided, if there is one.
-    fn settle(&self, slot: u32, corners: [Vec3; 3]) -> Option<Nearest> {
+    fn settle(&self, primitive: u32, corners: [Vec3; 3]) -> Option<Nearest> {
         match self.precision {
-            Precision::Exact => match self.judge_closely(slot, corners) {
+            Precision::Exact => match self.judge_closely(primitive, corners) {
                 Verdict::Miss => None,
                 Verdict::Hit(hit) => Some(hit),
                 Verdict::Open => {
                     self.was_exact.set(true);
-                    exact::hit(&self.ray, &self.placed(corners), self.cull, slot)
+                    exact::hit(&self.ray, &self.placed(corners), self.cull, primitive)
                 }
             },
-            Precision::Fast => self.guess(slot, corners),
+            Precision::Fast => self.guess(primitive, corners),
         }
     }
 
     /// Decides by componentwise bounds, or leaves undecided.
-    fn judge_closely(&self, slot: u32, corners: [Vec3; 3]) -> Verdict {
+    fn judge_closely(&self, primitive: u32, corners: [Vec3; 3]) -> Verdict {
         let relative = corners.map(|corner| corner.as_dvec3() - self.origin);
         let off = self.origin_error / EPSILON;
         let Some(Determinants { weights, numerator }) =
@@ -179,12 +179,12 @@ impl PreparedRay {
             u: b.value / sum,
             v: c.value / sum,
         };
-        self.within_range(slot, point)
+        self.within_range(primitive, point)
     }
 
     /// A hit at a point surely inside a triangle, if it is surely in the ray's range and good to single
     /// precision.
-    fn within_range(&self, slot: u32, point: Point) -> Verdict {
+    fn within_range(&self, primitive: u32, point: Point) -> Verdict {
         let Point { t, t_error, u, v } = point;
         let Ray { t_min, t_max, .. } = self.ray;
         if t + t_error <= t_min || t - t_error > t_max {
@@ -194,7 +194,7 @@ impl PreparedRay {
             return Verdict::Open;
         }
         Verdict::Hit(Nearest {
-            slot,
+            primitive,
             t,
             t_error,
             u,
@@ -220,12 +220,12 @@ impl PreparedRay {
         if self.precision == Precision::Fast {
             return candidate.t.total_cmp(&nearest.t);
         }
-        if same_corners(corners(candidate.slot), corners(nearest.slot)) {
+        if same_corners(corners(candidate.primitive), corners(nearest.primitive)) {
             return Ordering::Equal;
         }
-        let closely = |slot| self.judge_closely(slot, corners(slot));
+        let closely = |primitive| self.judge_closely(primitive, corners(primitive));
         if let (Verdict::Hit(candidate), Verdict::Hit(nearest)) =
-            (closely(candidate.slot), closely(nearest.slot))
+            (closely(candidate.primitive), closely(nearest.primitive))
         {
             if candidate.is_surely_before(&nearest) {
                 return Ordering::Less;
@@ -235,16 +235,17 @@ impl PreparedRay {
             }
         }
         self.was_exact.set(true);
-        let [candidate, nearest] = [candidate, nearest].map(|hit| self.placed(corners(hit.slot)));
+        let [candidate, nearest] =
+            [candidate, nearest].map(|hit| self.placed(corners(hit.primitive)));
         // Both were decided to be hits.
         exact::compare(&self.ray, &candidate, &nearest, self.cull).unwrap_or(Ordering::Greater)
     }
 
     /// The hit at a triangle that the ray is known to hit.
-    pub(crate) fn evaluate(&self, slot: u32, corners: [Vec3; 3]) -> Nearest {
-        match self.judge(slot, corners) {
+    pub(crate) fn evaluate(&self, primitive: u32, corners: [Vec3; 3]) -> Nearest {
+        match self.judge(primitive, corners) {
             Verdict::Hit(hit) => hit,
-            _ => self.settle(slot, corners).unwrap_or(Nearest::NONE),
+            _ => self.settle(primitive, corners).unwrap_or(Nearest::NONE),
         }
     }
 
@@ -262,7 +263,7 @@ impl PreparedRay {
     }
 
     /// What rounded double precision makes of a triangle, bounds aside.
-    fn guess(&self, slot: u32, corners: [Vec3; 3]) -> Option<Nearest> {
+    fn guess(&self, primitive: u32, corners: [Vec3; 3]) -> Option<Nearest> {
         let edges = self.edges(corners);
         let inside =
             edges.functions.iter().all(|&f| f >= 0.0) || edges.functions.iter().all(|&f| f <= 0.0);
@@ -271,7 +272,7 @@ impl PreparedRay {
         }
         let Point { t, u, v, .. } = edges.point(self.advance);
         (self.ray.t_min < t && t <= self.ray.t_max).then_some(Nearest {
-            slot,
+            primitive,
             t,
             t_error: 0.0,
             u,
@@ -280,7 +281,7 @@ impl PreparedRay {
     }
 
     /// Decides in double precision, or leaves undecided.
-    fn judge(&self, slot: u32, corners: [Vec3; 3]) -> Verdict {
+    fn judge(&self, primitive: u32, corners: [Vec3; 3]) -> Verdict {
         let edges = self.edges(corners);
         if edges.surely_outside() {
             return Verdict::Miss;
@@ -291,7 +292,7 @@ impl PreparedRay {
         if self.is_culled(&edges) {
             return Verdict::Miss;
         }
-        self.within_range(slot, edges.point(self.advance))
+        self.within_range(primitive, edges.point(self.advance))
     }
 }
 

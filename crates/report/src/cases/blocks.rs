@@ -3,9 +3,9 @@
 use super::{Case, Setting, Theme};
 use crate::cameras::{PROJECTIONS, camera};
 use crate::meshes::{self, mesh, soup};
+use raycast_core::Cull;
 use raycast_core::camera::{Camera, Projection, Ray};
 use raycast_core::glam::{DVec2, DVec3};
-use raycast_core::intersect::Cull;
 use raycast_core::math;
 use raycast_core::scene::Mesh;
 use raycast_oracle::random::Random;

@@ -3,9 +3,9 @@
 use super::{Case, Setting, Theme};
 use crate::cameras::{PROJECTIONS, camera};
 use crate::meshes::{self, soup};
+use raycast_core::Cull;
 use raycast_core::camera::Ray;
 use raycast_core::glam::{DVec3, Vec3};
-use raycast_core::intersect::Cull;
 use raycast_oracle::random::Random;
 
 pub(super) const CASES: &[Case] = &[

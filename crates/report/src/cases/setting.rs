@@ -1,8 +1,8 @@
 //! What a hard case puts up: a scene, rays, cameras.
 
 use crate::stage::scene_of;
+use raycast_core::Cull;
 use raycast_core::camera::{Camera, Ray};
-use raycast_core::intersect::Cull;
 use raycast_core::scene::{Mesh, Scene};
 use raycast_oracle::random::Random;
 use std::fmt;

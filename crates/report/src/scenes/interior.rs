@@ -292,8 +292,7 @@ impl Flat {
 mod tests {
     use super::*;
     use crate::stage::scene_of;
-    use raycast_core::accel::Accel;
-    use raycast_core::intersect::Cull;
+    use raycast_core::{Accel, Cull};
 
     #[test]
     fn every_ray_from_inside_meets_a_front() {

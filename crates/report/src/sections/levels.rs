@@ -7,12 +7,12 @@ use crate::subject::Input;
 use crate::table::{Cell, ReportError, Table, grouped};
 use crate::views;
 use image::{RgbImage, imageops};
-use raycast_core::accel::{Accel, LargeTrace, MISS, PacketTrace, Simd};
 use raycast_core::camera::{Camera, ImagePlane, Lattice, Placement, Projection, Rect};
 use raycast_core::glam::DVec3;
-use raycast_core::intersect::{Cull, Precision};
 use raycast_core::math;
+use raycast_core::packet::{LargeTrace, PacketTrace};
 use raycast_core::scene::{Bounds, Color};
+use raycast_core::{Accel, Cull, MISS, Precision, Simd};
 use std::collections::HashSet;
 
 /// Columns and rows of the picture whose tile is shown: few, so that a tile is large in it.
@@ -89,14 +89,14 @@ fn choose(accel: &Accel, camera: &Camera) -> Option<Chosen> {
         width: columns,
         height: rows,
     };
-    let lattice = Lattice::new(*camera, whole, 1, (0, 0));
-    let mut slots = Vec::new();
-    accel.find(&lattice, Cull::None, Precision::Exact, &mut slots);
+    let lattice = camera.sub_camera(whole).lattice();
+    let mut primitives = Vec::new();
+    accel.find(&lattice, Cull::None, Precision::Exact, &mut primitives);
     let found = |rays: &Lattice| -> (usize, f64) {
         let rows = rays.y..rays.y + rays.rows;
         let places = rows.flat_map(|y| (rays.x..rays.x + rays.columns).map(move |x| (x, y)));
-        let slots = places.map(|(x, y)| slots[(y * columns + x) as usize]);
-        let met: Vec<u32> = slots.filter(|&slot| slot != MISS).collect();
+        let primitives = places.map(|(x, y)| primitives[(y * columns + x) as usize]);
+        let met: Vec<u32> = primitives.filter(|&primitive| primitive != MISS).collect();
         let covered = met.len() as f64 / rays.len() as f64;
         (met.into_iter().collect::<HashSet<_>>().len(), covered)
     };
@@ -149,7 +149,11 @@ fn numbers(accel: &Accel, chosen: &Chosen) -> Table {
     let Chosen { large, block, .. } = chosen;
     let count = |count: usize| Cell::from(count as u64);
     let rays = |rays: &Lattice| count(rays.len());
-    let listed: usize = large.list.iter().map(|listed| listed.slots.len()).sum();
+    let listed: usize = large
+        .list
+        .iter()
+        .map(|listed| listed.primitives.len())
+        .sum();
     let mut table = Table::new(&[
         "level",
         "rays",
@@ -199,8 +203,8 @@ fn numbers(accel: &Accel, chosen: &Chosen) -> Table {
     table
 }
 
-fn distinct<'a>(slots: impl Iterator<Item = &'a Vec<u32>>) -> usize {
-    slots.flatten().collect::<HashSet<_>>().len()
+fn distinct<'a>(primitives: impl Iterator<Item = &'a Vec<u32>>) -> usize {
+    primitives.flatten().collect::<HashSet<_>>().len()
 }
 
 /// What the figure shows, the scene's bounding sphere made the unit sphere.
@@ -241,20 +245,21 @@ impl<'a> Stage<'a> {
             .large
             .list
             .iter()
-            .flat_map(|l| l.slots.clone())
+            .flat_map(|l| l.primitives.clone())
             .collect();
-        let holds = |slots: &[u32], slot: u32| slots.binary_search(&slot).is_ok();
-        let triangle = |slot: u32| {
-            let color = if holds(&chosen.block.seen, slot) {
+        let holds =
+            |primitives: &[u32], primitive: u32| primitives.binary_search(&primitive).is_ok();
+        let triangle = |primitive: u32| {
+            let color = if holds(&chosen.block.seen, primitive) {
                 SEEN
-            } else if holds(&chosen.block.set_up, slot) {
+            } else if holds(&chosen.block.set_up, primitive) {
                 SET_UP
-            } else if listed.contains(&slot) {
+            } else if listed.contains(&primitive) {
                 LISTED
             } else {
                 LEFT_OUT
             };
-            let corners = accel.corners(slot);
+            let corners = accel.corners(primitive);
             (
                 corners.map(|corner| unit(accel.origin() + corner.as_dvec3())),
                 color,
@@ -302,17 +307,14 @@ impl<'a> Stage<'a> {
 
     fn whole(&self) -> Lattice {
         let (width, height) = SIZE;
-        Lattice::new(
-            self.inner,
-            Rect {
+        self.inner
+            .sub_camera(Rect {
                 x: 0,
                 y: 0,
                 width,
                 height,
-            },
-            1,
-            (0, 0),
-        )
+            })
+            .lattice()
     }
 
     /// From the right of the inner camera and above it, a long lens, with everything in view.

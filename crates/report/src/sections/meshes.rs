@@ -154,9 +154,9 @@ fn seen(subject: &Subject, camera: &Camera) -> (usize, usize) {
         return (0, 0);
     };
     let mut hits = Vec::new();
-    way.cast_lattice(&Lattice::new(*camera, rect, 1, (0, 0)), &mut hits);
+    way.cast_lattice(&camera.sub_camera(rect).lattice(), &mut hits);
     hits.retain(|hit| !hit.is_miss());
-    let shown: HashSet<u32> = hits.iter().map(|hit| hit.slot).collect();
+    let shown: HashSet<u32> = hits.iter().map(|hit| hit.primitive).collect();
     (hits.len(), shown.len())
 }
 

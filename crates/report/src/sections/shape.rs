@@ -12,10 +12,10 @@ use crate::timing::Spread;
 use crate::watch::Watch;
 use crate::ways::{self, Way};
 use crate::{subject, views};
-use raycast_core::accel::{Accel, Simd};
 use raycast_core::camera::{Camera, ImagePlane, fov_to_frame};
 use raycast_core::math;
 use raycast_core::scene::Scene;
+use raycast_core::{Accel, Simd};
 use std::sync::Arc;
 
 /// A way's speed along an axis.
@@ -220,8 +220,8 @@ impl Target {
     fn density(&self, camera: &Camera) -> f64 {
         let plane = camera.plane();
         let (width, height) = (f64::from(plane.columns), f64::from(plane.rows));
-        let in_frame = |slot: &u32| {
-            let [a, b, c] = self.accel.corners(*slot);
+        let in_frame = |primitive: &u32| {
+            let [a, b, c] = self.accel.corners(*primitive);
             let middle = self.accel.origin() + ((a + b + c) / 3.0).as_dvec3();
             camera
                 .project(middle)

@@ -7,8 +7,8 @@
 use super::one_ray::{OneRay, OwnRay};
 use super::triangle::{Nearest, TriangleTest};
 use super::vector::Vector;
-use raycast_core::accel::{Accel, SlotHit};
 use raycast_core::glam::{DVec3, Vec3};
+use raycast_core::{Accel, PrimitiveHit};
 
 /// Triangles in a leaf.
 const RUN: usize = 4;
@@ -21,7 +21,7 @@ const OUTWARDS: f64 = 1.0 + 8.0 * f64::EPSILON;
 const DEPTH: usize = 40;
 
 pub(super) struct Boxes<T> {
-    /// In the order of the slots.
+    /// In the order of the primitive indices.
     triangles: Vec<T>,
     /// Lowest and highest coordinates, from the leaves up to the root.
     levels: Vec<Vec<[Vec3; 2]>>,
@@ -55,7 +55,7 @@ impl<T: TriangleTest> Boxes<T> {
 impl<T: TriangleTest> OneRay for Boxes<T> {
     type V = T::V;
 
-    fn nearest(&self, ray: &OwnRay<T::V>) -> SlotHit {
+    fn nearest(&self, ray: &OwnRay<T::V>) -> PrimitiveHit {
         let mut nearest = Nearest::none(ray);
         let prepared = T::prepare(ray);
         let origin = ray.origin.to_double();
@@ -77,8 +77,8 @@ impl<T: TriangleTest> OneRay for Boxes<T> {
             }
             if level == 0 {
                 let first = index as usize * RUN;
-                for slot in first..(first + RUN).min(self.triangles.len()) {
-                    nearest.offer(slot as u32, self.triangles[slot].meet(&prepared));
+                for primitive in first..(first + RUN).min(self.triangles.len()) {
+                    nearest.offer(primitive as u32, self.triangles[primitive].meet(&prepared));
                 }
                 continue;
             }
@@ -97,7 +97,7 @@ impl<T: TriangleTest> OneRay for Boxes<T> {
                 depth += 1;
             }
         }
-        nearest.to_slot_hit()
+        nearest.to_primitive_hit()
     }
 }
 

@@ -2,9 +2,9 @@
 
 use super::{Rays, Way};
 use crate::embree::{EmbreeScene, NONE, Packet};
-use raycast_core::accel::{Accel, MISS, SlotHit};
 use raycast_core::camera::{Lattice, Projection, Ray};
 use raycast_core::glam::Vec3;
+use raycast_core::{Accel, MISS, PrimitiveHit};
 use std::sync::Arc;
 
 /// Rays through Embree, `N` at a time.
@@ -15,7 +15,7 @@ pub(super) struct Embree<const N: usize> {
 }
 
 impl<const N: usize> Embree<N> {
-    /// `scene` holds the triangles of `accel` in the order of their slots.
+    /// `scene` holds the triangles of `accel` in the order of their primitive indices.
     pub(super) fn new(accel: &Arc<Accel>, scene: &Arc<EmbreeScene>, robust: bool) -> Self {
         let robust = if robust { " robust" } else { "" };
         Self {
@@ -63,12 +63,12 @@ fn set<const N: usize>(packet: &mut Packet<N>, lane: usize, origin: Vec3, direct
 
 /// What a lane of a packet met.
 #[inline(always)]
-fn hit<const N: usize>(packet: &Packet<N>, lane: usize) -> SlotHit {
+fn hit<const N: usize>(packet: &Packet<N>, lane: usize) -> PrimitiveHit {
     if packet.geometry[lane] == NONE {
-        return SlotHit::NONE;
+        return PrimitiveHit::NONE;
     }
-    SlotHit {
-        slot: packet.triangle[lane],
+    PrimitiveHit {
+        primitive: packet.triangle[lane],
         t: packet.t_far[lane],
         u: packet.u[lane],
         v: packet.v[lane],
@@ -166,7 +166,7 @@ where
         Rays::Single
     }
 
-    fn cast(&self, rays: &[Ray], hits: &mut Vec<SlotHit>) {
+    fn cast(&self, rays: &[Ray], hits: &mut Vec<PrimitiveHit>) {
         hits.clear();
         let mut packet = Packet::<N>::NEW;
         for group in rays.chunks(N) {
@@ -184,22 +184,22 @@ where
         }
     }
 
-    fn cast_lattice(&self, lattice: &Lattice, hits: &mut Vec<SlotHit>) {
+    fn cast_lattice(&self, lattice: &Lattice, hits: &mut Vec<PrimitiveHit>) {
         hits.clear();
-        hits.resize(lattice.len(), SlotHit::NONE);
+        hits.resize(lattice.len(), PrimitiveHit::NONE);
         self.for_each(lattice, |packet, lane, at| hits[at] = hit(packet, lane));
     }
 
-    fn find_lattice(&self, lattice: &Lattice, slots: &mut Vec<u32>) {
-        slots.clear();
-        slots.resize(lattice.len(), MISS);
-        // Embree's number for no triangle is a miss's slot.
+    fn find_lattice(&self, lattice: &Lattice, primitives: &mut Vec<u32>) {
+        primitives.clear();
+        primitives.resize(lattice.len(), MISS);
+        // Embree's number for no triangle is a miss's primitive index.
         self.for_each(lattice, |packet, lane, at| {
-            slots[at] = packet.triangle[lane]
+            primitives[at] = packet.triangle[lane]
         });
     }
 
-    fn identify(&self, slot: u32) -> (u32, u32) {
-        self.accel.identify(slot)
+    fn identify(&self, primitive: u32) -> (u32, u32) {
+        self.accel.identify(primitive)
     }
 }

@@ -3,7 +3,7 @@
 use super::one_ray::{OneRay, OwnRay};
 use super::triangle::{Nearest, TriangleTest};
 use super::vector::Vector;
-use raycast_core::accel::{Accel, SlotHit};
+use raycast_core::{Accel, PrimitiveHit};
 
 /// Triangles in the order of their numbers: of equal distances the lowest number is met.
 pub(super) struct List<T> {
@@ -12,11 +12,16 @@ pub(super) struct List<T> {
 
 impl<T: TriangleTest> List<T> {
     pub(super) fn new(accel: &Accel) -> Self {
-        let mut slots: Vec<u32> = (0..accel.len() as u32).collect();
-        slots.sort_by_key(|&slot| accel.identify(slot));
-        let prepare = |slot| (T::new(accel.corners(slot).map(T::V::corner)), slot);
+        let mut primitives: Vec<u32> = (0..accel.len() as u32).collect();
+        primitives.sort_by_key(|&primitive| accel.identify(primitive));
+        let prepare = |primitive| {
+            (
+                T::new(accel.corners(primitive).map(T::V::corner)),
+                primitive,
+            )
+        };
         Self {
-            triangles: slots.into_iter().map(prepare).collect(),
+            triangles: primitives.into_iter().map(prepare).collect(),
         }
     }
 }
@@ -28,12 +33,12 @@ impl<T: TriangleTest> OneRay for List<T> {
         self.triangles.len()
     }
 
-    fn nearest(&self, ray: &OwnRay<T::V>) -> SlotHit {
+    fn nearest(&self, ray: &OwnRay<T::V>) -> PrimitiveHit {
         let mut nearest = Nearest::none(ray);
         let ray = T::prepare(ray);
-        for (triangle, slot) in &self.triangles {
-            nearest.offer(*slot, triangle.meet(&ray));
+        for (triangle, primitive) in &self.triangles {
+            nearest.offer(*primitive, triangle.meet(&ray));
         }
-        nearest.to_slot_hit()
+        nearest.to_primitive_hit()
     }
 }

@@ -29,9 +29,8 @@ use plane_inside::PlaneInside;
 use raycast_core::glam::{DVec3, Vec3};
 use watertight::Watertight;
 
-use raycast_core::accel::{Accel, Simd, SlotHit};
 use raycast_core::camera::{Lattice, Ray};
-use raycast_core::intersect::Precision;
+use raycast_core::{Accel, Precision, PrimitiveHit, Simd};
 use std::sync::Arc;
 
 /// A way of finding the nearest triangle of rays.
@@ -48,22 +47,22 @@ pub trait Way: Send + Sync {
     }
 
     /// Answers rays, one hit each, in place of what `hits` held.
-    fn cast(&self, rays: &[Ray], hits: &mut Vec<SlotHit>);
+    fn cast(&self, rays: &[Ray], hits: &mut Vec<PrimitiveHit>);
 
     /// Answers a camera's rays row by row, making them included, in place of what `hits` held.
-    fn cast_lattice(&self, lattice: &Lattice, hits: &mut Vec<SlotHit>);
+    fn cast_lattice(&self, lattice: &Lattice, hits: &mut Vec<PrimitiveHit>);
 
-    /// Visibility alone: the slots of the triangles that a camera's rays meet, row by row, in place of
-    /// what `slots` held.
-    fn find_lattice(&self, lattice: &Lattice, slots: &mut Vec<u32>) {
+    /// Visibility alone: the primitive indices of the triangles that a camera's rays meet, row by row, in place of
+    /// what `primitives` held.
+    fn find_lattice(&self, lattice: &Lattice, primitives: &mut Vec<u32>) {
         let mut hits = Vec::new();
         self.cast_lattice(lattice, &mut hits);
-        slots.clear();
-        slots.extend(hits.iter().map(|hit| hit.slot));
+        primitives.clear();
+        primitives.extend(hits.iter().map(|hit| hit.primitive));
     }
 
-    /// The object and triangle number of a slot that a hit names.
-    fn identify(&self, slot: u32) -> (u32, u32);
+    /// The object and triangle number of a primitive index that a hit names.
+    fn identify(&self, primitive: u32) -> (u32, u32);
 }
 
 /// The rays that a way answers: what it can tell apart from other rays.
@@ -108,7 +107,7 @@ pub fn raycast_simd(accel: &Arc<Accel>, precision: Precision) -> Box<dyn Way> {
 
 /// This machine's instruction sets, from the plainest to the widest.
 pub fn instruction_sets() -> Vec<Simd> {
-    [Simd::Plain, Simd::Avx2, Simd::Avx512]
+    [Simd::Plain, Simd::Avx2]
         .into_iter()
         .filter(|&simd| simd <= Simd::best())
         .collect()
@@ -184,7 +183,7 @@ mod tests {
     use crate::errors::Errors;
     use crate::stage::scene_of;
     use crate::{Stage, scenes, subject, views};
-    use raycast_core::intersect::Cull;
+    use raycast_core::Cull;
     use raycast_core::scene::{Object, Transform};
     use raycast_oracle::random::Random;
 
@@ -287,7 +286,7 @@ mod tests {
     fn every_way_sees_the_same_picture() {
         let stage = stage();
         let camera = views::filling(&stage.scene, (61, 43), views::FOV, 1.0).expect("a camera");
-        let mut expected: Option<Vec<SlotHit>> = None;
+        let mut expected: Option<Vec<PrimitiveHit>> = None;
         for way in all(&stage.accel) {
             let mut picture = Vec::new();
             for tile in subject::tiles(&camera, 1) {

@@ -6,8 +6,8 @@ use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::ray::RayHit;
-use raycast_core::accel::{Accel, SlotHit};
 use raycast_core::glam::Vec3;
+use raycast_core::{Accel, PrimitiveHit};
 use std::time::Duration;
 
 pub(super) struct ObvhsBvh2 {
@@ -32,12 +32,12 @@ impl ObvhsBvh2 {
 impl OneRay for ObvhsBvh2 {
     type V = Vec3;
 
-    fn nearest(&self, ray: &OwnRay<Vec3>) -> SlotHit {
+    fn nearest(&self, ray: &OwnRay<Vec3>) -> PrimitiveHit {
         let ray = to_obvhs(ray);
         let mut hit = RayHit::none();
         self.bvh.ray_traverse(ray, &mut hit, |ray, index| {
             self.triangles.tests[index].intersect(ray)
         });
-        self.triangles.to_slot_hit(&ray, &hit)
+        self.triangles.to_primitive_hit(&ray, &hit)
     }
 }

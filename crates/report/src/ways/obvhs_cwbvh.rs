@@ -7,8 +7,8 @@ use obvhs::BvhBuildParams;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 use obvhs::ray::RayHit;
-use raycast_core::accel::{Accel, SlotHit};
 use raycast_core::glam::Vec3;
+use raycast_core::{Accel, PrimitiveHit};
 use std::time::Duration;
 
 pub(super) struct ObvhsCwBvh {
@@ -33,12 +33,12 @@ impl ObvhsCwBvh {
 impl OneRay for ObvhsCwBvh {
     type V = Vec3;
 
-    fn nearest(&self, ray: &OwnRay<Vec3>) -> SlotHit {
+    fn nearest(&self, ray: &OwnRay<Vec3>) -> PrimitiveHit {
         let ray = to_obvhs(ray);
         let mut hit = RayHit::none();
         self.bvh.ray_traverse(ray, &mut hit, |ray, index| {
             self.triangles.tests[index].intersect(ray)
         });
-        self.triangles.to_slot_hit(&ray, &hit)
+        self.triangles.to_primitive_hit(&ray, &hit)
     }
 }

@@ -4,8 +4,8 @@ use super::one_ray::OwnRay;
 use obvhs::ray::{Ray, RayHit};
 use obvhs::rt_triangle::RtTriangle;
 use obvhs::triangle::Triangle;
-use raycast_core::accel::{Accel, SlotHit};
 use raycast_core::glam::{Vec3, Vec3A};
+use raycast_core::{Accel, PrimitiveHit};
 
 /// Triangles of which more than a quarter have the same corners make obvhs's builder take time
 /// quadratic in their number.
@@ -14,7 +14,7 @@ const FEW: usize = 1000;
 /// Triangles in the order of a tree's leaves.
 pub(super) struct Triangles {
     pub(super) tests: Vec<RtTriangle>,
-    slots: Vec<u32>,
+    primitives: Vec<u32>,
 }
 
 impl Triangles {
@@ -55,18 +55,18 @@ impl Triangles {
             .collect();
         Self {
             tests,
-            slots: order.to_vec(),
+            primitives: order.to_vec(),
         }
     }
 
     /// A hit with the numbers that a renderer keeps.
-    pub(super) fn to_slot_hit(&self, ray: &Ray, hit: &RayHit) -> SlotHit {
+    pub(super) fn to_primitive_hit(&self, ray: &Ray, hit: &RayHit) -> PrimitiveHit {
         let Some(test) = self.tests.get(hit.primitive_id as usize) else {
-            return SlotHit::NONE;
+            return PrimitiveHit::NONE;
         };
         let weights = test.compute_barycentric(ray);
-        SlotHit {
-            slot: self.slots[hit.primitive_id as usize],
+        PrimitiveHit {
+            primitive: self.primitives[hit.primitive_id as usize],
             t: hit.t,
             u: weights.x,
             v: weights.y,

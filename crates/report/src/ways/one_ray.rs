@@ -2,9 +2,9 @@
 
 use super::vector::Vector;
 use super::{Rays, Way};
-use raycast_core::accel::{Accel, SlotHit};
 use raycast_core::camera::{Lattice, Projection, Ray};
 use raycast_core::glam::DVec3;
+use raycast_core::{Accel, PrimitiveHit};
 use std::sync::Arc;
 
 /// A ray in a way's own precision, relative to the tree's origin.
@@ -27,7 +27,7 @@ pub(super) trait OneRay: Send + Sync {
     }
 
     /// The nearest hit.
-    fn nearest(&self, ray: &OwnRay<Self::V>) -> SlotHit;
+    fn nearest(&self, ray: &OwnRay<Self::V>) -> PrimitiveHit;
 }
 
 /// [`Way`] of a [`OneRay`]: rays one after another.
@@ -67,7 +67,7 @@ impl<T: OneRay> Way for OneAfterAnother<T> {
         self.one.tries()
     }
 
-    fn cast(&self, rays: &[Ray], hits: &mut Vec<SlotHit>) {
+    fn cast(&self, rays: &[Ray], hits: &mut Vec<PrimitiveHit>) {
         hits.clear();
         hits.extend(rays.iter().map(|ray| {
             self.one.nearest(&OwnRay {
@@ -79,7 +79,7 @@ impl<T: OneRay> Way for OneAfterAnother<T> {
         }));
     }
 
-    fn cast_lattice(&self, lattice: &Lattice, hits: &mut Vec<SlotHit>) {
+    fn cast_lattice(&self, lattice: &Lattice, hits: &mut Vec<PrimitiveHit>) {
         hits.clear();
         hits.reserve(lattice.len());
         for row in 0..lattice.rows {
@@ -88,8 +88,8 @@ impl<T: OneRay> Way for OneAfterAnother<T> {
         }
     }
 
-    fn identify(&self, slot: u32) -> (u32, u32) {
-        self.accel.identify(slot)
+    fn identify(&self, primitive: u32) -> (u32, u32) {
+        self.accel.identify(primitive)
     }
 }
 

@@ -1,9 +1,8 @@
 //! RayCast's own ways: a tile of a camera's rays at once, and one ray after another.
 
 use super::{Rays, Way};
-use raycast_core::accel::{Accel, SlotHit};
 use raycast_core::camera::{Lattice, Ray};
-use raycast_core::intersect::{Cull, Detail, Precision};
+use raycast_core::{Accel, Cull, Detail, Precision, PrimitiveHit};
 use std::sync::Arc;
 
 fn word(precision: Precision) -> &'static str {
@@ -52,23 +51,24 @@ impl Way for Tile {
     }
 
     /// Rays that are no camera's go one at a time.
-    fn cast(&self, rays: &[Ray], hits: &mut Vec<SlotHit>) {
+    fn cast(&self, rays: &[Ray], hits: &mut Vec<PrimitiveHit>) {
         hits.clear();
-        let cast = |ray| self.accel.cast_slot(ray, Cull::None, self.precision);
+        let cast = |ray| self.accel.cast_primitive(ray, Cull::None, self.precision);
         hits.extend(rays.iter().map(cast));
     }
 
-    fn cast_lattice(&self, lattice: &Lattice, hits: &mut Vec<SlotHit>) {
+    fn cast_lattice(&self, lattice: &Lattice, hits: &mut Vec<PrimitiveHit>) {
         self.accel
             .cast_lattice(lattice, Cull::None, self.precision, Detail::Full, hits);
     }
 
-    fn find_lattice(&self, lattice: &Lattice, slots: &mut Vec<u32>) {
-        self.accel.find(lattice, Cull::None, self.precision, slots);
+    fn find_lattice(&self, lattice: &Lattice, primitives: &mut Vec<u32>) {
+        self.accel
+            .find(lattice, Cull::None, self.precision, primitives);
     }
 
-    fn identify(&self, slot: u32) -> (u32, u32) {
-        self.accel.identify(slot)
+    fn identify(&self, primitive: u32) -> (u32, u32) {
+        self.accel.identify(primitive)
     }
 }
 
@@ -98,23 +98,23 @@ impl Way for Single {
         Rays::Double
     }
 
-    fn cast(&self, rays: &[Ray], hits: &mut Vec<SlotHit>) {
+    fn cast(&self, rays: &[Ray], hits: &mut Vec<PrimitiveHit>) {
         hits.clear();
-        let cast = |ray| self.accel.cast_slot(ray, Cull::None, self.precision);
+        let cast = |ray| self.accel.cast_primitive(ray, Cull::None, self.precision);
         hits.extend(rays.iter().map(cast));
     }
 
-    fn cast_lattice(&self, lattice: &Lattice, hits: &mut Vec<SlotHit>) {
+    fn cast_lattice(&self, lattice: &Lattice, hits: &mut Vec<PrimitiveHit>) {
         hits.clear();
         for row in 0..lattice.rows {
             hits.extend((0..lattice.columns).map(|column| {
                 let ray = lattice.ray(column, row);
-                self.accel.cast_slot(&ray, Cull::None, self.precision)
+                self.accel.cast_primitive(&ray, Cull::None, self.precision)
             }));
         }
     }
 
-    fn identify(&self, slot: u32) -> (u32, u32) {
-        self.accel.identify(slot)
+    fn identify(&self, primitive: u32) -> (u32, u32) {
+        self.accel.identify(primitive)
     }
 }

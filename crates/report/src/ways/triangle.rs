@@ -3,7 +3,7 @@
 use super::one_ray::OwnRay;
 use super::vector::Vector;
 use num_traits::{Float, ToPrimitive};
-use raycast_core::accel::{MISS, SlotHit};
+use raycast_core::{MISS, PrimitiveHit};
 
 /// A published test of a ray against a triangle.
 pub(super) trait TriangleTest: Send + Sync {
@@ -38,7 +38,7 @@ pub(super) struct Meeting<R> {
 pub(super) struct Nearest<R> {
     t_min: R,
     t_max: R,
-    slot: u32,
+    primitive: u32,
     at: Meeting<R>,
 }
 
@@ -48,7 +48,7 @@ impl<R: Float + ToPrimitive> Nearest<R> {
         Self {
             t_min: ray.t_min,
             t_max: ray.t_max,
-            slot: MISS,
+            primitive: MISS,
             at: Meeting {
                 t: R::infinity(),
                 u: R::zero(),
@@ -59,13 +59,13 @@ impl<R: Float + ToPrimitive> Nearest<R> {
 
     /// Takes a meeting that is nearer, or the first one within the ray's range.
     #[inline(always)]
-    pub(super) fn offer(&mut self, slot: u32, meeting: Option<Meeting<R>>) {
+    pub(super) fn offer(&mut self, primitive: u32, meeting: Option<Meeting<R>>) {
         if let Some(at) = meeting
             && at.t > self.t_min
             && at.t <= self.t_max
             && at.t < self.at.t
         {
-            self.slot = slot;
+            self.primitive = primitive;
             self.at = at;
         }
     }
@@ -76,10 +76,10 @@ impl<R: Float + ToPrimitive> Nearest<R> {
         self.at.t.min(self.t_max).to_f64().unwrap_or(f64::INFINITY)
     }
 
-    pub(super) fn to_slot_hit(self) -> SlotHit {
+    pub(super) fn to_primitive_hit(self) -> PrimitiveHit {
         let single = |number: R| number.to_f32().unwrap_or(f32::NAN);
-        SlotHit {
-            slot: self.slot,
+        PrimitiveHit {
+            primitive: self.primitive,
             t: single(self.at.t),
             u: single(self.at.u),
             v: single(self.at.v),

@@ -1,9 +1,9 @@
 //! From the words of a command line to values.
 
 use clap::builder::{PossibleValuesParser, RangedI64ValueParser, TypedValueParser};
+use raycast_core::Cull;
 use raycast_core::camera::{ImagePlane, Projection, check_step};
 use raycast_core::glam::DVec3;
-use raycast_core::intersect::Cull;
 use raycast_core::ranges;
 use raycast_core::render::Precision;
 use raycast_core::scene::{Color, ColorRule, Crop};

@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::cli::{Cli, Command};
 use crate::output::say;
 use crate::{app::open, output, setup};
-use raycast_core::accel::Accel;
+use raycast_core::Accel;
 use raycast_core::formats;
 use raycast_core::scene::Scene;
 use rayon::{ThreadPool, ThreadPoolBuilder};

@@ -4,9 +4,9 @@ use crate::output::Output;
 use crate::progress::Progress;
 use crate::stats::{self, Shares, Stats, StatsTarget, milliseconds};
 use crate::{memory, setup};
-use raycast_core::camera::{Grid, Rect};
+use raycast_core::camera::{Camera, Grid, SubCamera};
 use raycast_core::formats::SceneFile;
-use raycast_core::image::{Format, Fragment, Picture, Recipe};
+use raycast_core::picture::{Format, Fragment, Picture, Recipe};
 use raycast_core::render::{Cancel, Clock, Pass, Settings, TileStats, View, from_the_middle};
 use rayon::prelude::*;
 use std::path::Path;
@@ -66,13 +66,13 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         .map_err(|error| setup::no_camera(&args.camera, &name, error))?;
     let plane = camera.plane();
     let grid = args.tiles.grid();
-    let cell = match args.tiles.sub_camera {
-        Some(cell) => Some(tile_at(grid, cell, (plane.columns, plane.rows))?),
+    let part = match args.tiles.sub_camera {
+        Some(cell) => Some(sub_camera_at(camera, grid, cell)?),
         None => None,
     };
 
-    let size = match cell {
-        Some(rect) => (rect.width, rect.height),
+    let size = match part {
+        Some(SubCamera { rect, .. }) => (rect.width, rect.height),
         None => (plane.columns, plane.rows),
     };
     let otherwise = match format {
@@ -92,12 +92,12 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
 
     let rendering = Instant::now();
     let clock = || rendering.elapsed();
-    let (bytes, tiles, wall) = match cell {
-        Some(rect) => {
-            let (picture, tiles) = pool.install(|| render_part(&view, rect, &clock, &progress))?;
+    let (bytes, tiles, wall) = match part {
+        Some(part) => {
+            let (picture, tiles) = pool.install(|| render_part(&view, part, &clock, &progress))?;
             let wall = rendering.elapsed();
             let fragment = Fragment {
-                rect,
+                rect: part.rect,
                 recipe: Recipe::of(&view),
                 picture,
             };
@@ -160,19 +160,21 @@ fn check_fragment(tiles: &TileArgs, format: Format) -> Result<(), Failure> {
     }
 }
 
-/// The rectangle of a grid's cell.
-fn tile_at(grid: Grid, cell: (u32, u32), size: (u32, u32)) -> Result<Rect, Failure> {
-    let (across, down) = grid.counts(size.0, size.1);
-    let (column, row) = cell;
-    let index = row as usize * across as usize + column as usize;
-    match grid.tiles(size.0, size.1).get(index) {
-        Some(rect) if column < across && row < down => Ok(*rect),
-        _ => Err(Failure::usage(format!(
+/// The sub-camera of a grid's column and row.
+fn sub_camera_at(
+    camera: Camera,
+    grid: Grid,
+    (column, row): (u32, u32),
+) -> Result<SubCamera, Failure> {
+    grid.sub_camera(camera, column, row).ok_or_else(|| {
+        let plane = camera.plane();
+        let (across, down) = grid.counts(plane.columns, plane.rows);
+        Failure::usage(format!(
             "there is no sub-camera {column},{row} in a grid of {across}x{down}: the last is {},{}",
             across - 1,
             down - 1
-        ))),
-    }
+        ))
+    })
 }
 
 /// The whole picture, and what all tiles together took.
@@ -233,23 +235,17 @@ fn render_unfinished(
 /// One sub-camera's picture, made in parallel, and what it took.
 fn render_part(
     view: &View,
-    rect: Rect,
+    sub_camera: SubCamera,
     clock: Clock<'_>,
     progress: &Progress,
 ) -> Result<(Picture, TileStats), Failure> {
+    let rect = sub_camera.rect;
     let parts = Grid::default().tiles(rect.width, rect.height);
     progress.counting("rendering", parts.len() as u64);
     let blank = Picture::try_blank(rect.width, rect.height, view.settings.layers)?;
     let made = Mutex::new((blank, TileStats::default()));
     parts.par_iter().for_each(|part| {
-        let tile = view.render_rect(
-            Rect {
-                x: rect.x + part.x,
-                y: rect.y + part.y,
-                ..*part
-            },
-            clock,
-        );
+        let tile = view.render_sub_camera(sub_camera.part(*part), clock);
         let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
         made.0.place(*part, &tile.pixels, tile.layers.as_ref());
         made.1 += tile.stats;
@@ -261,21 +257,6 @@ fn render_part(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn cells_are_columns_and_rows_of_the_grid() {
-        let grid = Grid::Count {
-            columns: 3,
-            rows: 2,
-        };
-        let tiles = grid.tiles(10, 7);
-        assert_eq!(tile_at(grid, (0, 0), (10, 7)), Ok(tiles[0]));
-        assert_eq!(tile_at(grid, (1, 1), (10, 7)), Ok(tiles[4]));
-        for outside in [(3, 0), (0, 2), (u32::MAX, u32::MAX)] {
-            let refused = tile_at(grid, outside, (10, 7));
-            assert!(matches!(refused, Err(Failure::Usage(_))), "{outside:?}");
-        }
-    }
 
     #[test]
     fn fragments_need_a_grid_and_a_file_that_holds_their_place() {

@@ -3,7 +3,7 @@ use crate::cli::StitchArgs;
 use crate::memory;
 use crate::output::Output;
 use crate::progress::Progress;
-use raycast_core::image::{self, Format, Fragment};
+use raycast_core::picture::{self, Format, Fragment};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -39,7 +39,7 @@ pub(super) fn run(args: &StitchArgs) -> Result<(), Failure> {
         fragments.push((name, fragment));
         progress.done(1);
     }
-    let picture = image::stitch(&fragments)?;
+    let picture = picture::stitch(&fragments)?;
     let recipe = fragments.first().map(|(_, first)| &first.recipe);
     output
         .write(&picture.encode_with(format, recipe)?)?

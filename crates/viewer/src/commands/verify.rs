@@ -2,10 +2,10 @@ use super::{Failure, warn_of_reading, workers};
 use crate::cli::{CameraArgs, VerifyArgs};
 use crate::progress::Progress;
 use crate::{memory, output, setup};
+use raycast_core::Cull;
 use raycast_core::camera::{Camera, Grid, Rect};
 use raycast_core::formats::SceneFile;
-use raycast_core::image::{self, ImageFile, Picture, Recipe};
-use raycast_core::intersect::Cull;
+use raycast_core::picture::{self, ImageFile, Picture, Recipe};
 use raycast_core::render::Cancel;
 use raycast_core::scene::Scene;
 use raycast_core::shade::Shading;
@@ -52,7 +52,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     };
     if image.is_none() {
         let plane = ways.camera.plane();
-        let memory_for = |columns, rows| image::memory_of(columns, rows, true);
+        let memory_for = |columns, rows| picture::memory_of(columns, rows, true);
         let size = (plane.columns, plane.rows);
         memory::check_picture(Path::new(&name), size, memory_for, "")?;
     }

@@ -7,7 +7,7 @@ use crate::state::State;
 use crate::state::command::Command;
 use crate::ui::input::MODES;
 use egui::{Button, Ui, vec2};
-use raycast_core::intersect::Cull;
+use raycast_core::Cull;
 use raycast_core::ranges::WIDEST_LINE;
 use raycast_core::scene::{Color, ColorRule};
 use raycast_core::shade::{Background, Filter, Mode, TextureProjection};

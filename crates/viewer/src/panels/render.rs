@@ -6,7 +6,7 @@ use crate::state::command::Command;
 use crate::state::{State, default_threads};
 use crate::ui::format;
 use egui::Ui;
-use raycast_core::accel::CastCounts;
+use raycast_core::packet::CastCounts;
 use raycast_core::render::Pass;
 
 pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Commands) {

@@ -1,8 +1,8 @@
 //! What a person can ask for. Panels and keys make commands; `update` carries them out.
 
 use super::{PromptKind, Tint};
+use raycast_core::Cull;
 use raycast_core::camera::{FrameLock, Grid, Projection};
-use raycast_core::intersect::Cull;
 use raycast_core::scene::{Color, ColorRule};
 use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
 use std::path::PathBuf;

@@ -3,15 +3,14 @@
 pub mod command;
 pub mod update;
 
-use raycast_core::accel::Accel;
 use raycast_core::camera::{
     Camera, FrameLock, Grid, ImagePlane, Orbit, PlaneError, PlaneRequest, Projection, fit_distance,
     fov_to_frame,
 };
 use raycast_core::glam::DVec3;
-use raycast_core::intersect::Hit;
 use raycast_core::render::{Settings, View};
 use raycast_core::scene::{Bounds, Scene};
+use raycast_core::{Accel, Hit};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;

@@ -7,7 +7,7 @@ use super::{
 };
 use raycast_core::camera::{FrameLock, Grid, ImagePlane, Orbit, Projection, frame_to_fov};
 use raycast_core::formats::CameraFile;
-use raycast_core::image::Format;
+use raycast_core::picture::Format;
 use raycast_core::ranges::WIDEST_LINE;
 use raycast_core::scene::Texture;
 use raycast_core::shade::Wireframe;

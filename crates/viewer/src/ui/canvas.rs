@@ -344,8 +344,8 @@ fn copy(image: &mut ColorImage, tile: &Tile, blue_first: bool) -> bool {
 mod tests {
     use super::*;
     use crate::worker::outbox::Arrival;
-    use raycast_core::accel::CastCounts;
     use raycast_core::camera::Grid;
+    use raycast_core::packet::CastCounts;
     use raycast_core::scene::Color;
 
     const PASS: Pass = Pass {

@@ -35,7 +35,7 @@ pub fn scene(name: &str) -> Option<SceneFile> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raycast_core::accel::Accel;
+    use raycast_core::Accel;
 
     #[test]
     fn every_case_can_be_looked_at() {

@@ -9,7 +9,7 @@ use crate::state::update::{DialogAnswer, Loaded, News};
 use crate::{memory, setup};
 use raycast_core::camera::Grid;
 use raycast_core::formats::{self, Budget, Limits, SceneFile};
-use raycast_core::image::{Format, Recipe};
+use raycast_core::picture::{Format, Recipe};
 use raycast_core::render::{Cancel, View};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
