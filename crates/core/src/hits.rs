@@ -7,7 +7,7 @@ use crate::hit::{MISS, PrimitiveHit};
 /// t, u and v may not have been interpolated: they are then empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hits {
-    /// As [`PrimitiveHit::slot`].
+    /// As [`PrimitiveHit::primitive`].
     pub primitives: Vec<u32>,
     /// As [`PrimitiveHit::t`].
     pub t: Vec<f32>,
@@ -51,20 +51,12 @@ impl Hits {
         }
     }
 
-    /// Makes room for t, u and v, as at misses.
+    /// Makes room for t, u and v, which may be anything.
     pub(crate) fn make_places(&mut self) {
-        self.forget_places();
-        let PrimitiveHit { t, u, v, .. } = PrimitiveHit::NONE;
-        self.t.resize(self.len(), t);
-        self.u.resize(self.len(), u);
-        self.v.resize(self.len(), v);
-    }
-
-    pub(crate) fn set(&mut self, index: usize, hit: PrimitiveHit) {
-        self.primitives[index] = hit.primitive;
-        self.t[index] = hit.t;
-        self.u[index] = hit.u;
-        self.v[index] = hit.v;
+        let count = self.len();
+        for numbers in [&mut self.t, &mut self.u, &mut self.v] {
+            numbers.resize(count, 0.0);
+        }
     }
 }
 

@@ -11,7 +11,7 @@ use crate::hits::Hits;
 use crate::num::simd::{F32x8, Lanes, Mask8, Work, dispatch};
 use crate::single;
 use crate::triangle::PreparedRay;
-use crate::triangle::interpolate::{self as row, Corners, Places, RowHits, meet_row};
+use crate::triangle::interpolate::{Corners, LANES, Places, meet_row};
 
 impl Accel {
     /// Casts every ray of a lattice into `hits`, row by row.
@@ -175,58 +175,126 @@ struct Evaluate<'a> {
     hits: &'a mut Hits,
 }
 
+/// Eight rays of a row: what each hits, and t, u and v there.
+struct Eight<'h> {
+    primitives: &'h mut [u32; LANES],
+    t: &'h mut [f32; LANES],
+    u: &'h mut [f32; LANES],
+    v: &'h mut [f32; LANES],
+}
+
 impl Work for Evaluate<'_> {
     #[inline(always)]
-    fn run(mut self, lanes: impl Lanes) {
-        for row in 0..self.lattice.rows {
-            for column in (0..self.lattice.columns).step_by(row::LANES) {
-                self.evaluate_row(lanes, column, row);
+    fn run(self, lanes: impl Lanes) {
+        let columns = self.lattice.columns as usize;
+        if columns == 0 {
+            return;
+        }
+        let Self {
+            accel,
+            lattice,
+            cull,
+            precision,
+            hits,
+        } = self;
+        let interpolate = Interpolate {
+            accel,
+            lattice,
+            cull,
+            precision,
+        };
+        let rows = (hits.primitives.chunks_mut(columns))
+            .zip(hits.t.chunks_mut(columns))
+            .zip(hits.u.chunks_mut(columns).zip(hits.v.chunks_mut(columns)));
+        for (row, ((primitives, t), (u, v))) in (0..).zip(rows) {
+            let (primitives, rest) = primitives.as_chunks_mut();
+            let (t, t_rest) = t.as_chunks_mut();
+            let (u, u_rest) = u.as_chunks_mut();
+            let (v, v_rest) = v.as_chunks_mut();
+            let mut column = 0;
+            for ((primitives, t), (u, v)) in primitives.iter_mut().zip(t).zip(u.iter_mut().zip(v)) {
+                let eight = Eight {
+                    primitives,
+                    t,
+                    u,
+                    v,
+                };
+                interpolate.eight(lanes, column, row, eight);
+                column += LANES as u32;
+            }
+            if !rest.is_empty() {
+                let mut primitives = [MISS; LANES];
+                let [mut t, mut u, mut v] = [[0.0; LANES]; 3];
+                primitives[..rest.len()].copy_from_slice(rest);
+                let eight = Eight {
+                    primitives: &mut primitives,
+                    t: &mut t,
+                    u: &mut u,
+                    v: &mut v,
+                };
+                interpolate.eight(lanes, column, row, eight);
+                rest.copy_from_slice(&primitives[..rest.len()]);
+                for (rest, all) in [(t_rest, t), (u_rest, u), (v_rest, v)] {
+                    rest.copy_from_slice(&all[..rest.len()]);
+                }
             }
         }
     }
 }
 
-impl Evaluate<'_> {
-    /// Interpolates at most eight rays of a row.
+struct Interpolate<'a> {
+    accel: &'a Accel,
+    lattice: &'a Lattice,
+    cull: Cull,
+    precision: Precision,
+}
+
+impl Interpolate<'_> {
+    /// Interpolates eight rays of a row, from a column on; those beyond the row's end are misses.
     #[inline(always)]
-    fn evaluate_row(&mut self, lanes: impl Lanes, column: u32, row: u32) {
-        let first = (row * self.lattice.columns + column) as usize;
-        let count = row::LANES.min((self.lattice.columns - column) as usize);
-        let mut primitives = [MISS; row::LANES];
-        primitives[..count].copy_from_slice(&self.hits.primitives[first..first + count]);
-        if primitives == [MISS; row::LANES] {
+    fn eight(&self, lanes: impl Lanes, column: u32, row: u32, eight: Eight<'_>) {
+        let Eight {
+            primitives,
+            t,
+            u,
+            v,
+        } = eight;
+        if *primitives == [MISS; LANES] {
+            *t = [PrimitiveHit::NONE.t; LANES];
+            *u = [PrimitiveHit::NONE.u; LANES];
+            *v = [PrimitiveHit::NONE.v; LANES];
             return;
         }
-        let corners = self.corners(lanes, &primitives);
+        let corners = self.corners(lanes, primitives);
         let places = Places::new(self.lattice, column, row);
         let found = meet_row(&self.lattice.camera, self.accel.origin, places, &corners);
         let mut open = false;
-        let RowHits {
-            mut t,
-            mut u,
-            mut v,
-            sure,
-        } = found;
-        for lane in 0..row::LANES {
+        for lane in 0..LANES {
             let met = primitives[lane] != MISS;
-            open |= met & !sure[lane];
-            t[lane] = if met { t[lane] } else { PrimitiveHit::NONE.t };
-            u[lane] = if met { u[lane] } else { PrimitiveHit::NONE.u };
-            v[lane] = if met { v[lane] } else { PrimitiveHit::NONE.v };
-        }
-        let Hits {
-            t: all_t,
-            u: all_u,
-            v: all_v,
-            ..
-        } = &mut *self.hits;
-        for (all, row) in [(all_t, t), (all_u, u), (all_v, v)] {
-            all[first..first + count].copy_from_slice(&row[..count]);
+            open |= met & !found.sure[lane];
+            t[lane] = if met {
+                found.t[lane]
+            } else {
+                PrimitiveHit::NONE.t
+            };
+            u[lane] = if met {
+                found.u[lane]
+            } else {
+                PrimitiveHit::NONE.u
+            };
+            v[lane] = if met {
+                found.v[lane]
+            } else {
+                PrimitiveHit::NONE.v
+            };
         }
         if open {
-            for lane in (0..count).filter(|&lane| primitives[lane] != MISS && !sure[lane]) {
-                let hit = self.evaluate_one(primitives[lane], column + lane as u32, row);
-                self.hits.set(first + lane, hit);
+            for lane in (0..LANES).filter(|&lane| !found.sure[lane]) {
+                if primitives[lane] != MISS {
+                    let hit = self.one(primitives[lane], column + lane as u32, row);
+                    primitives[lane] = hit.primitive;
+                    (t[lane], u[lane], v[lane]) = (hit.t, hit.u, hit.v);
+                }
             }
         }
     }
@@ -234,13 +302,13 @@ impl Evaluate<'_> {
     /// Corners of the triangles that eight rays hit. Each triangle is written to all lanes from its first on;
     /// the next one overwrites the rest.
     #[inline(always)]
-    fn corners<L: Lanes>(&self, lanes: L, primitives: &[u32; row::LANES]) -> Corners {
+    fn corners<L: Lanes>(&self, lanes: L, primitives: &[u32; LANES]) -> Corners {
         let mut all = [lanes.splat(0.0); 9];
         let mut lane = 0;
-        while lane < row::LANES {
+        while lane < LANES {
             let primitive = primitives[lane];
             let from = lanes.mask_from(lane);
-            while lane < row::LANES && primitives[lane] == primitive {
+            while lane < LANES && primitives[lane] == primitive {
                 lane += 1;
             }
             if primitive != MISS {
@@ -251,7 +319,7 @@ impl Evaluate<'_> {
                 }
             }
         }
-        let mut corners = [[0.0; row::LANES]; 9];
+        let mut corners = [[0.0; LANES]; 9];
         for (corner, all) in corners.iter_mut().zip(all) {
             all.store(corner);
         }
@@ -259,7 +327,7 @@ impl Evaluate<'_> {
     }
 
     #[inline(never)]
-    fn evaluate_one(&self, primitive: u32, column: u32, row: u32) -> PrimitiveHit {
+    fn one(&self, primitive: u32, column: u32, row: u32) -> PrimitiveHit {
         let ray = self.lattice.ray(column, row);
         let ray = PreparedRay::new(&ray, self.accel.origin, self.cull, self.precision);
         ray.map_or(PrimitiveHit::NONE, |ray| {
