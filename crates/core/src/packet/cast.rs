@@ -11,7 +11,8 @@ use crate::hits::Hits;
 use crate::num::simd::{F32x8, Lanes, Mask8, Work, dispatch};
 use crate::single;
 use crate::triangle::PreparedRay;
-use crate::triangle::interpolate::{Corners, LANES, Places, meet_row};
+use crate::triangle::interpolate::{Corners, LANES, Places, RowHits, meet_row};
+use crate::triangle::linear::{LinearHit, Pencil, PencilRow};
 
 impl Accel {
     /// Casts every ray of a lattice into `hits`, row by row.
@@ -197,16 +198,21 @@ impl Work for Evaluate<'_> {
             precision,
             hits,
         } = self;
-        let interpolate = Interpolate {
+        let mut interpolate = Interpolate {
             accel,
             lattice,
             cull,
             precision,
+            pencil: Pencil::new(lattice, accel.origin),
+            known: [(MISS, LinearHit::default()); KNOWN],
         };
         let rows = (hits.primitives.chunks_mut(columns))
             .zip(hits.t.chunks_mut(columns))
             .zip(hits.u.chunks_mut(columns).zip(hits.v.chunks_mut(columns)));
         for (row, ((primitives, t), (u, v))) in (0..).zip(rows) {
+            let (_, y) = lattice.place(0, row);
+            let (_, along) = lattice.camera.across_and_along(0.0, y);
+            let pencil_row = interpolate.pencil.as_ref().map(|pencil| pencil.row(along));
             let (primitives, rest) = primitives.as_chunks_mut();
             let (t, t_rest) = t.as_chunks_mut();
             let (u, u_rest) = u.as_chunks_mut();
@@ -219,7 +225,7 @@ impl Work for Evaluate<'_> {
                     u,
                     v,
                 };
-                interpolate.eight(lanes, column, row, eight);
+                interpolate.eight(lanes, column, row, pencil_row.as_ref(), eight);
                 column += LANES as u32;
             }
             if !rest.is_empty() {
@@ -232,7 +238,7 @@ impl Work for Evaluate<'_> {
                     u: &mut u,
                     v: &mut v,
                 };
-                interpolate.eight(lanes, column, row, eight);
+                interpolate.eight(lanes, column, row, pencil_row.as_ref(), eight);
                 rest.copy_from_slice(&primitives[..rest.len()]);
                 for (rest, all) in [(t_rest, t), (u_rest, u), (v_rest, v)] {
                     rest.copy_from_slice(&all[..rest.len()]);
@@ -242,17 +248,31 @@ impl Work for Evaluate<'_> {
     }
 }
 
+/// Triangles whose linear functions are remembered, at least eight pixels wide: twice what a row of 64 rays has of
+/// them.
+const KNOWN: usize = 16;
+
 struct Interpolate<'a> {
     accel: &'a Accel,
     lattice: &'a Lattice,
     cull: Cull,
     precision: Precision,
+    pencil: Option<Pencil>,
+    /// By the low bits of the primitive index.
+    known: [(u32, LinearHit); KNOWN],
 }
 
 impl Interpolate<'_> {
     /// Interpolates eight rays of a row, from a column on; those beyond the row's end are misses.
     #[inline(always)]
-    fn eight(&self, lanes: impl Lanes, column: u32, row: u32, eight: Eight<'_>) {
+    fn eight(
+        &mut self,
+        lanes: impl Lanes,
+        column: u32,
+        row: u32,
+        pencil_row: Option<&PencilRow>,
+        eight: Eight<'_>,
+    ) {
         let Eight {
             primitives,
             t,
@@ -265,9 +285,15 @@ impl Interpolate<'_> {
             *v = [PrimitiveHit::NONE.v; LANES];
             return;
         }
-        let corners = self.corners(lanes, primitives);
         let places = Places::new(self.lattice, column, row);
-        let found = meet_row(&self.lattice.camera, self.accel.origin, places, &corners);
+        // No closure: what is called in one would not be compiled for the instruction set.
+        let found = match self.linear(places, pencil_row, primitives) {
+            Some(found) => found,
+            None => {
+                let corners = self.corners(lanes, primitives);
+                meet_row(&self.lattice.camera, self.accel.origin, places, &corners)
+            }
+        };
         let mut open = false;
         for lane in 0..LANES {
             let met = primitives[lane] != MISS;
@@ -297,6 +323,39 @@ impl Interpolate<'_> {
                 }
             }
         }
+    }
+
+    /// The hits of eight rays of one triangle by its linear functions; `None` where any is not sure, or where the
+    /// rays hit several: setting up linear functions costs as much as a few rays without.
+    #[inline(always)]
+    fn linear(
+        &mut self,
+        places: Places,
+        row: Option<&PencilRow>,
+        primitives: &[u32; LANES],
+    ) -> Option<RowHits> {
+        if *primitives != [primitives[0]; LANES] {
+            return None;
+        }
+        let row = row?;
+        let across = places.across(&self.lattice.camera);
+        let hit = self.known(primitives[0])?;
+        if !hit.is_useful() {
+            return None;
+        }
+        let found = hit.interpolate(row, &across);
+        (found.sure == [true; LANES]).then_some(found)
+    }
+
+    /// A triangle's linear functions, remembered or worked out.
+    #[inline(always)]
+    fn known(&mut self, primitive: u32) -> Option<&LinearHit> {
+        let (known, hit) = &mut self.known[primitive as usize % KNOWN];
+        if *known != primitive {
+            *hit = LinearHit::new(self.pencil.as_ref()?, self.accel.corners(primitive));
+            *known = primitive;
+        }
+        Some(hit)
     }
 
     /// Corners of the triangles that eight rays hit. Each triangle is written to all lanes from its first on;

@@ -46,6 +46,17 @@ impl Places {
         }
     }
 
+    /// How far the eight are to the right of the view axis.
+    #[inline(always)]
+    pub(crate) fn across(&self, camera: &Camera) -> [f64; LANES] {
+        let mut all = [0.0; LANES];
+        for (lane, across) in all.iter_mut().enumerate() {
+            let (x, y) = self.get(lane);
+            (*across, _) = camera.across_and_along(x, y);
+        }
+        all
+    }
+
     /// A lane's place. Whole numbers are not rounded.
     #[inline(always)]
     fn get(&self, lane: usize) -> (f64, f64) {

@@ -4,6 +4,7 @@ mod componentwise;
 pub(crate) mod edge_on;
 pub(crate) mod exact;
 pub(crate) mod interpolate;
+pub(crate) mod linear;
 mod nearest;
 mod watertight;
 

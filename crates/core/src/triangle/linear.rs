@@ -1,0 +1,294 @@
+//! t, u and v of eight rays that share an eye, from functions that are linear over the image plane: one division
+//! and one square root a ray (Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", 1997).
+//!
+//! With corners a, b and c relative to the eye and a ray's direction D, not of unit length, the plane's normal is
+//! N = (b−a) × (c−a), and
+//!
+//! > u = D·((c−a) × a) / D·N,  v = D·(a × (b−a)) / D·N,  t = |D| · a·N / D·N
+//!
+//! D is linear in the ray's place. The numbers are those of [`PreparedRay`](super::PreparedRay), which works on
+//! another path: a lane is sure only where all numbers that either path could give round to one single.
+//!
+//! # Error bound
+//! ε = 2⁻⁵³ (notation: `docs/error-bounds.md`); m the greatest coordinate of a corner relative to the eye, e that of
+//! an edge, at most 2m; η the error of the eye; R at least each coordinate of D.
+//!
+//! * **Here.** A corner is off by εm + η, an edge by εe, and a coordinate of (c−a) × a by 8εem + 2η·e with its own
+//!   rounding. Its product with D, in whose six roundings each term is at most R·2em, is off by R·e(63εm + 9η). D
+//!   itself is off by 5εR a coordinate, here and there, which is 60εRem. D·N is off by less than 120εRem. So u and v
+//!   are off by R·e(250εm + 9η)/|D·N| and 3ε.
+//! * **There.** The edge functions' bound is E = 2δ(Σ|x| + Σ|y| + δ) with δ = 8εm + 3η. The ray passes inside: no
+//!   sheared coordinate is beyond a sheared edge, 2e, and its error. While δ ≤ 2⁻¹⁰e, E ≤ 25δe. The determinant is D·N
+//!   over D's coordinate along the major axis, so E is at most 25δe·R/|D·N| of it, and u and v are off by four times
+//!   that and 3ε.
+//! * **Together** K/|D·N| + 8ε, with K = R·e(1100εm + 320η).
+//! * **t.** There the depth is off by 4E·e/|determinant| + 2δ, less than K·e/|D·N| + 2δ, and t by √3 times that, since
+//!   a unit vector's longest coordinate is at least 1/√3. Here a·N is off by 54εme² + 6ηe², t by less than a tenth of
+//!   K·e/|D·N| for that, and as much for D·N. With the roundings of t and |D|: 2K·e/|D·N| + 4δ + 32εt.
+//! * **The same path.** Where K/|D·N| ≤ 2⁻²⁸ and each weight is greater than its bound, the edge functions there are
+//!   beyond E and well conditioned; where t's bound is at most 2⁻²⁸t, t is good to single precision there.
+
+use super::interpolate::{LANES, RowHits};
+use crate::camera::{Lattice, Projection};
+use glam::{DVec3, Vec3};
+
+/// The unit roundoff of double precision.
+const EPSILON: f64 = f64::EPSILON / 2.0;
+
+/// What is good to single precision: an eighth of its unit roundoff, half of what the single ray asks for.
+const SINGLE: f64 = 1.0 / (1u64 << 28) as f64;
+
+/// The bound of a weight in a triangle's middle beyond which the linear functions are not tried. Eight rays have 24
+/// numbers, and numbers that are off by 2⁻³³ straddle two singles once in some hundred.
+const HOPELESS: f64 = 1.0 / (1u64 << 33) as f64;
+
+/// Lengths and their products between which nothing overflows, or underflows by as much as the bounds.
+const REACHES: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
+
+/// Rays through one eye.
+pub(crate) struct Pencil {
+    /// The eye relative to the tree's origin.
+    eye: DVec3,
+    /// Bound on the error of its coordinates.
+    eye_error: f64,
+    right: DVec3,
+    up: DVec3,
+    forward: DVec3,
+    /// No direction has a greater coordinate.
+    reach: f64,
+}
+
+/// A row of a pencil's rays: their directions are `first + right · across`.
+pub(crate) struct PencilRow {
+    first: DVec3,
+    /// The square of a direction's length as a polynomial in `across`.
+    square: [f64; 3],
+}
+
+impl Pencil {
+    /// The rays of a lattice; `None` where they do not share an eye.
+    pub(crate) fn new(lattice: &Lattice, frame: DVec3) -> Option<Self> {
+        let camera = &lattice.camera;
+        if camera.projection() != Projection::Perspective || lattice.is_empty() {
+            return None;
+        }
+        let eye = camera.placement().eye - frame;
+        // Nothing is rounded where nothing is subtracted.
+        let is_rounded = frame != DVec3::ZERO;
+        let eye_error = if is_rounded {
+            eye.abs().max_element() * EPSILON
+        } else {
+            0.0
+        };
+        let [first, last] =
+            [(0, 0), (lattice.columns - 1, lattice.rows - 1)].map(|(column, row)| {
+                let (x, y) = lattice.place(column, row);
+                camera.across_and_along(x, y)
+            });
+        let across = first.0.abs().max(last.0.abs());
+        let along = first.1.abs().max(last.1.abs());
+        Some(Self {
+            eye,
+            eye_error,
+            right: camera.right(),
+            up: camera.up(),
+            forward: camera.forward() * camera.distance(),
+            reach: across + along + camera.distance(),
+        })
+    }
+
+    /// The row at a height `along` above the view axis.
+    #[inline(always)]
+    pub(crate) fn row(&self, along: f64) -> PencilRow {
+        let first = self.up * along + self.forward;
+        let square = [
+            first.dot(first),
+            2.0 * first.dot(self.right),
+            self.right.dot(self.right),
+        ];
+        PencilRow { first, square }
+    }
+}
+
+/// The linear functions of a triangle that rays of a pencil are known to hit.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LinearHit {
+    /// Normals of the planes that D is multiplied with, of u, v and the determinant.
+    normals: [DVec3; 3],
+    /// What they change by along `right`.
+    slopes: [f64; 3],
+    /// a·N.
+    numerator: f64,
+    /// K.
+    error: f64,
+    /// 2e and 4δ.
+    t_error: [f64; 2],
+    /// Whether rays in its middle are likely sure.
+    is_useful: bool,
+}
+
+impl LinearHit {
+    /// Of the triangle with these corners, relative to the tree's origin.
+    #[inline(never)]
+    pub(crate) fn new(pencil: &Pencil, corners: [Vec3; 3]) -> Self {
+        let [a, b, c] = corners.map(Vec3::as_dvec3);
+        let (ab, ac) = (b - a, c - a);
+        let normal = ab.cross(ac);
+        let from_eye = [a, b, c].map(|corner| corner - pencil.eye);
+        let [a, b, c] = from_eye;
+        let normals = [ac.cross(a), a.cross(ab), normal];
+        let m = (a.abs().max(b.abs()).max(c.abs())).max_element();
+        let e = (ab.abs().max(ac.abs()).max((c - b).abs())).max_element();
+        let (reach, eye_error) = (pencil.reach, pencil.eye_error);
+        let delta = 8.0 * EPSILON * m + 3.0 * eye_error;
+        let error = reach * e * (1100.0 * EPSILON * m + 320.0 * eye_error);
+        let numerator = a.dot(normal);
+        // A ray through the middle, as long as the way there: D·N of it is a·N.
+        let middle = (a + b + c).abs().max_element() / 3.0;
+        let is_useful = REACHES.contains(&reach)
+            && REACHES.contains(&e)
+            && delta * 1024.0 <= e
+            && error * middle <= HOPELESS * reach * numerator.abs();
+        Self {
+            normals,
+            slopes: normals.map(|normal| normal.dot(pencil.right)),
+            numerator,
+            error,
+            t_error: [2.0 * e, 4.0 * delta],
+            is_useful,
+        }
+    }
+
+    /// Whether it is worth a try.
+    #[inline(always)]
+    pub(crate) fn is_useful(&self) -> bool {
+        self.is_useful
+    }
+
+    /// Interpolates eight rays of a row, so far to the right of the view axis.
+    #[inline(always)]
+    #[allow(
+        clippy::needless_range_loop,
+        reason = "a lane is an index into all the arrays at once"
+    )]
+    pub(crate) fn interpolate(&self, row: &PencilRow, across: &[f64; LANES]) -> RowHits {
+        let [u, v, w] = self.normals.map(|normal| normal.dot(row.first));
+        let [u_slope, v_slope, w_slope] = self.slopes;
+        let [per_weight, fixed] = self.t_error;
+        let [constant, linear, quadratic] = row.square;
+        let mut hits = RowHits {
+            t: [0.0; LANES],
+            u: [0.0; LANES],
+            v: [0.0; LANES],
+            sure: [false; LANES],
+        };
+        // Plain numbers, which compilers vectorise.
+        for lane in 0..LANES {
+            let x = across[lane];
+            let inverse = 1.0 / (w + w_slope * x);
+            let u = (u + u_slope * x) * inverse;
+            let v = (v + v_slope * x) * inverse;
+            let length = (constant + (linear + quadratic * x) * x).sqrt();
+            let t = self.numerator * inverse * length;
+            let spread = (self.error * inverse).abs();
+            let weight_error = spread + 8.0 * EPSILON;
+            let t_error = per_weight * spread + fixed + 32.0 * EPSILON * t;
+            let one = |number: f64, error: f64| (number - error) as f32 == (number + error) as f32;
+            hits.t[lane] = t as f32;
+            hits.u[lane] = u as f32;
+            hits.v[lane] = v as f32;
+            hits.sure[lane] = (spread <= SINGLE)
+                & (u > weight_error)
+                & (v > weight_error)
+                & (1.0 - u - v > weight_error)
+                & (t_error <= SINGLE * t)
+                & one(u, weight_error)
+                & one(v, weight_error)
+                & one(t, t_error);
+        }
+        hits
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::PreparedRay;
+    use super::super::interpolate::Places;
+    use super::*;
+    use crate::camera::{Camera, ImagePlane, Placement};
+    use crate::hit::{Cull, Precision};
+    use crate::random::Random;
+
+    /// What came of rays at triangles from as large as they are far to a hundred thousandth of that.
+    #[derive(Default)]
+    struct Tally {
+        sure: u32,
+        unsure: u32,
+        wrong: u32,
+    }
+
+    /// Rows of eight rays through triangles, with the error bounds K and η's and t's fixed part scaled.
+    fn tally(frame: DVec3, scale: f64) -> Tally {
+        let mut random = Random(7);
+        let mut tally = Tally::default();
+        for _ in 0..3000 {
+            let distance = 4.0;
+            let size = distance * crate::math::pow(10.0, -5.0 * random.unit());
+            let middle = random.point() * 3.0;
+            let corners = [(); 3].map(|()| (middle + random.point() * size).as_vec3());
+            let target = frame + (corners.iter().sum::<Vec3>() / 3.0).as_dvec3();
+            let placement = Placement {
+                eye: target + random.point().normalize_or(DVec3::X) * distance,
+                target,
+                up: DVec3::new(0.1, 1.0, 0.2),
+            };
+            let plane = ImagePlane::new(8, 8, size * 0.02).expect("a size and a step");
+            let camera = Camera::new(placement, Projection::Perspective, plane);
+            let lattice = camera.whole().lattice();
+            let pencil = Pencil::new(&lattice, frame).expect("rays of one eye");
+            let mut hit = LinearHit::new(&pencil, corners);
+            hit.error *= scale;
+            hit.t_error = hit.t_error.map(|error| error * scale);
+            for row in 0..lattice.rows {
+                let (_, y) = lattice.place(0, row);
+                let across = Places::new(&lattice, 0, row).across(&camera);
+                let pencil_row = pencil.row(camera.across_and_along(0.0, y).1);
+                let found = hit.interpolate(&pencil_row, &across);
+                for column in 0..LANES {
+                    if !found.sure[column] {
+                        tally.unsure += 1;
+                        continue;
+                    }
+                    tally.sure += 1;
+                    let ray = lattice.ray(column as u32, row);
+                    let ray = PreparedRay::new(&ray, frame, Cull::None, Precision::Exact);
+                    let ray = ray.expect("a valid ray");
+                    let expected = ray.evaluate(0, corners).to_primitive_hit();
+                    let numbers = [found.t[column], found.u[column], found.v[column]];
+                    let is_same = numbers == [expected.t, expected.u, expected.v];
+                    tally.wrong += u32::from(!is_same);
+                }
+            }
+        }
+        tally
+    }
+
+    #[test]
+    fn sure_lanes_have_the_bits_of_the_single_ray() {
+        // A frame of its own rounds the eye.
+        for frame in [DVec3::ZERO, DVec3::new(1e7, -0.1, 3e3)] {
+            let Tally {
+                sure,
+                unsure,
+                wrong,
+            } = tally(frame, 1.0);
+            assert_eq!(wrong, 0, "of {sure}");
+            assert!(sure > 60_000, "{sure} sure, {unsure} not");
+        }
+    }
+
+    #[test]
+    fn without_the_bounds_lanes_would_have_other_bits() {
+        assert!(tally(DVec3::new(1e7, -0.1, 3e3), 0.0).wrong > 0);
+    }
+}
