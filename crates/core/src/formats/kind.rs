@@ -1,15 +1,17 @@
 use super::error::FormatError;
+use super::stl;
 use std::path::Path;
 
 /// A kind of file that holds a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MeshKind {
     Obj,
+    Stl,
     TriangleText,
 }
 
 /// What a mesh file may be, for messages.
-const MESHES: &str = "a mesh (OBJ, or triangle text)";
+const MESHES: &str = "a mesh (OBJ, STL, or triangle text)";
 
 /// How many lines, empty ones aside, are looked at for a word that tells the kind.
 const LINES: usize = 200;
@@ -38,7 +40,14 @@ pub(super) fn mesh_kind(path: &Path, bytes: &[u8]) -> Result<MeshKind, FormatErr
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return found("an empty file");
     }
+    if stl::is_binary(bytes) || stl::is_ascii(bytes) {
+        return Ok(MeshKind::Stl);
+    }
     if let Some(kind) = foreign_kind(bytes) {
+        // A binary STL begins with anything, and a damaged one is not known by its length.
+        if kind == BINARY && has_extension(path, "stl") {
+            return Ok(MeshKind::Stl);
+        }
         return found(kind);
     }
     if is_scene(path, bytes) {
@@ -55,6 +64,8 @@ pub(super) fn mesh_kind(path: &Path, bytes: &[u8]) -> Result<MeshKind, FormatErr
     }
     if has_extension(path, "obj") {
         Ok(MeshKind::Obj)
+    } else if has_extension(path, "stl") {
+        Ok(MeshKind::Stl)
     } else if has_extension(path, "txt") {
         Ok(MeshKind::TriangleText)
     } else {
@@ -62,8 +73,10 @@ pub(super) fn mesh_kind(path: &Path, bytes: &[u8]) -> Result<MeshKind, FormatErr
     }
 }
 
-/// What a file that is neither OBJ nor triangle text looks like; `None` where nothing gives it
-/// away.
+/// What looks like nothing else.
+const BINARY: &str = "binary data";
+
+/// What a file that holds no mesh of a kind we know looks like; `None` where nothing gives it away.
 pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
     const SIGNATURES: [(&[u8], &str); 17] = [
         (b"\x89PNG", "a PNG image"),
@@ -96,25 +109,15 @@ pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
     {
         return Some("a PNM image");
     }
-    // A binary STL has 80 bytes of anything, a count, and 50 bytes a triangle.
-    if let Some(&[a, b, c, d]) = bytes.get(80..84)
-        && bytes.len() as u64 == 84 + 50 * u64::from(u32::from_le_bytes([a, b, c, d]))
-        && head.contains(&0)
-    {
-        return Some("a binary STL mesh, which is not read yet");
-    }
     let text = String::from_utf8_lossy(head);
     let text = text.trim_start();
-    if text.starts_with("solid") && text.contains("facet") {
-        return Some("an STL mesh, which is not read yet");
-    }
     if text.starts_with('{') && text.contains("\"asset\"") {
         return Some("a glTF mesh, which is not read yet");
     }
     if text.starts_with('<') {
         return Some("XML or HTML");
     }
-    head.contains(&0).then_some("binary data")
+    head.contains(&0).then_some(BINARY)
 }
 
 /// The first lines that are neither empty nor comments, without the space around them.
@@ -156,6 +159,13 @@ mod tests {
         assert_eq!(kind("a", "\u{feff}v 0 0 0"), obj);
         assert_eq!(kind("a.OBJ", "nothing of note"), obj);
         assert_eq!(kind("a.txt", "nothing of note"), text);
+        let stl = Some(MeshKind::Stl);
+        assert_eq!(kind("a", "solid cube\n facet normal 0 0 1\n"), stl);
+        let binary = [&b"solid"[..], &[0; 75], &[1, 0, 0, 0], &[9; 50]].concat();
+        assert_eq!(mesh_kind(Path::new("a.obj"), &binary).ok(), stl);
+        let cut = &binary[..100];
+        assert_eq!(mesh_kind(Path::new("a.stl"), cut).ok(), stl);
+        assert!(mesh_kind(Path::new("a.obj"), cut).is_err());
         assert_eq!(kind("a.md", "nothing of note"), None);
         // However lines end, as many of them are looked at.
         for line in ["# c\n", "# c\r\n", "# c\r"] {
@@ -181,8 +191,6 @@ mod tests {
         check(b"glTF\x02\0\0\0", "GLB");
         check(b"{\"asset\": {}}", "a glTF mesh");
         check(b"ply\nformat ascii 1.0\n", "PLY");
-        check(b"solid cube\n facet normal 0 0 1\n", "STL");
-        check(&[&[0; 80][..], &[1, 0, 0, 0], &[9; 50]].concat(), "STL");
         check(b"\x7fELF\x02\0", "binary data");
         check(b"[camera]\neye = [0, 0, 1]\n", "a scene file");
     }

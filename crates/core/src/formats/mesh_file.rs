@@ -1,8 +1,9 @@
 use super::error::FormatError;
 use super::files::Files;
 use super::kind::{MeshKind, mesh_kind};
+use super::parsed::Parsed;
 use super::scene_file::FileKind;
-use super::{Progress, obj, triangle_text};
+use super::{Progress, obj, stl, triangle_text};
 use crate::quote;
 use crate::scene::{BENT, Mesh};
 use std::path::{Path, PathBuf};
@@ -18,6 +19,8 @@ pub(super) struct MeshFile {
     /// The image that its materials name for all of it.
     pub(super) texture: Option<PathBuf>,
     pub(super) warnings: Vec<String>,
+    /// What [`Parsed::notes`] says.
+    pub(super) notes: Vec<String>,
 }
 
 /// Reads the bytes of a mesh file of any kind, and through `files` what it names.
@@ -28,16 +31,34 @@ pub(super) fn read(
     progress: Progress<'_>,
 ) -> Result<MeshFile, FormatError> {
     let budget = files.budget();
-    let (kind, data, texture, mut warnings) = match mesh_kind(path, bytes)? {
+    let (kind, parsed) = match mesh_kind(path, bytes)? {
         MeshKind::Obj => {
             let obj = obj::read(path, bytes, files, progress)?;
-            (FileKind::Obj, obj.mesh, obj.texture, obj.warnings)
+            let parsed = Parsed {
+                mesh: obj.mesh,
+                texture: obj.texture,
+                warnings: obj.warnings,
+                notes: Vec::new(),
+            };
+            (FileKind::Obj, parsed)
         }
+        MeshKind::Stl => (FileKind::Stl, stl::read(path, bytes, budget, progress)?),
         MeshKind::TriangleText => {
             let (mesh, warnings) = triangle_text::read(path, bytes, budget, progress)?;
-            (FileKind::TriangleText, mesh, None, warnings)
+            let parsed = Parsed {
+                mesh,
+                warnings,
+                ..Parsed::default()
+            };
+            (FileKind::TriangleText, parsed)
         }
     };
+    let Parsed {
+        mesh: data,
+        texture,
+        mut warnings,
+        notes,
+    } = parsed;
     let kept = data.stored_bytes();
     let share = budget.share(path, "the mesh", data.bytes() + kept)?;
     let mesh = Mesh::new(data);
@@ -50,6 +71,7 @@ pub(super) fn read(
         mesh,
         texture,
         warnings,
+        notes,
     })
 }
 

@@ -1,6 +1,7 @@
 //! Reading files: meshes, textures, scene files. The one place in the core that touches a disk.
 
 mod error;
+mod face_colors;
 mod files;
 mod guard;
 mod jpeg;
@@ -11,14 +12,18 @@ mod mesh_file;
 mod mtl;
 mod obj;
 mod obj_text;
+mod parsed;
 mod polygon;
 mod ray_file;
 mod scene_file;
 mod scene_read;
 mod scene_toml;
 mod scene_write;
+mod stl;
 mod texture;
+mod tokens;
 mod triangle_text;
+mod weld;
 
 pub use error::{FormatError, Place};
 pub use guard::panic_is_caught;
@@ -118,6 +123,7 @@ pub fn read_scene_within(
             objects: vec![object],
         },
         warnings,
+        notes: read.notes,
         opened: disk.opened(),
         ..SceneFile::default()
     })

@@ -1,0 +1,199 @@
+//! Equal corners made one vertex, numbered in the order in which they come.
+
+use glam::DVec3;
+use rayon::prelude::*;
+use std::hash::{BuildHasher, RandomState};
+
+/// Vertices, each once.
+#[derive(Debug)]
+pub(super) struct Vertices {
+    positions: Vec<DVec3>,
+    /// The vertex of a hash, or of one before it (linear probing: Knuth, "The Art of Computer
+    /// Programming", volume 3, 1973); [`EMPTY`] where none is. A power of two of them.
+    slots: Vec<u32>,
+    /// Drawn for each table, so that no file can be made whose corners all share a slot. What is
+    /// found does not depend on it.
+    seeds: [u64; 3],
+}
+
+const EMPTY: u32 = u32::MAX;
+
+impl Vertices {
+    /// None, with room for so many.
+    pub(super) fn with_capacity(vertices: usize) -> Self {
+        let random = RandomState::new();
+        Self {
+            positions: Vec::with_capacity(vertices),
+            slots: vec![EMPTY; slots_for(vertices)],
+            seeds: [0, 1, 2].map(|number: u64| random.hash_one(number)),
+        }
+    }
+
+    /// The number of the vertex at a position, both zeros being one; a new one if there is none.
+    #[inline]
+    pub(super) fn number(&mut self, position: DVec3) -> u32 {
+        // Adding zero makes one zero of the two.
+        let position = position + DVec3::ZERO;
+        let key = bits(position);
+        let mask = self.slots.len() - 1;
+        let mut slot = self.hash(key) & mask;
+        loop {
+            let number = self.slots[slot];
+            if number == EMPTY {
+                break;
+            }
+            if bits(self.positions[number as usize]) == key {
+                return number;
+            }
+            slot = (slot + 1) & mask;
+        }
+        let number = self.positions.len() as u32;
+        self.slots[slot] = number;
+        self.positions.push(position);
+        if slots_for(self.positions.len()) > self.slots.len() {
+            self.grow();
+        }
+        number
+    }
+
+    /// The vertices by number.
+    pub(super) fn into_positions(self) -> Vec<DVec3> {
+        self.positions
+    }
+
+    /// How many there are.
+    pub(super) fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    #[cold]
+    fn grow(&mut self) {
+        let mut slots = vec![EMPTY; 2 * self.slots.len()];
+        let mask = slots.len() - 1;
+        for (number, position) in self.positions.iter().enumerate() {
+            let mut slot = self.hash(bits(*position)) & mask;
+            while slots[slot] != EMPTY {
+                slot = (slot + 1) & mask;
+            }
+            slots[slot] = number as u32;
+        }
+        self.slots = slots;
+    }
+
+    /// Folded multiplication (Wang Yi, "wyhash", 2019).
+    #[inline]
+    fn hash(&self, [x, y, z]: [u64; 3]) -> usize {
+        let fold = |a: u64, b: u64| {
+            let product = u128::from(a) * u128::from(b);
+            (product as u64) ^ (product >> 64) as u64
+        };
+        let [a, b, c] = self.seeds;
+        fold(fold(x ^ a, y ^ b) ^ z, c | 1) as usize
+    }
+}
+
+/// Two thirds full at most.
+fn slots_for(vertices: usize) -> usize {
+    (vertices + vertices / 2 + 2).next_power_of_two()
+}
+
+fn bits(position: DVec3) -> [u64; 3] {
+    position.to_array().map(f64::to_bits)
+}
+
+/// Fewer triangles than these are not worth a task of their own.
+const FEWEST: usize = 1 << 14;
+
+/// The vertices and triangles that `count` triangles of these corners have. `progress` is told of
+/// triangles that are done, from any thread.
+///
+/// Halves are welded side by side, and the second's vertices looked up among the first's: the order
+/// of vertices is that of welding one corner after the other.
+pub(super) fn weld(
+    count: usize,
+    corners: &(impl Fn(usize) -> [DVec3; 3] + Sync),
+    progress: &(impl Fn(usize) + Sync),
+) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let mut triangles = vec![[0; 3]; count];
+    let leaf = count.div_ceil(rayon::current_num_threads()).max(FEWEST);
+    let part = Part {
+        leaf,
+        corners,
+        progress,
+    };
+    let vertices = part.weld(0, &mut triangles);
+    (vertices.into_positions(), triangles)
+}
+
+struct Part<'a, C, P> {
+    leaf: usize,
+    corners: &'a C,
+    progress: &'a P,
+}
+
+impl<C: Fn(usize) -> [DVec3; 3] + Sync, P: Fn(usize) + Sync> Part<'_, C, P> {
+    fn weld(&self, first: usize, triangles: &mut [[u32; 3]]) -> Vertices {
+        if triangles.len() <= self.leaf {
+            // A closed mesh has half as many vertices as triangles.
+            let mut vertices = Vertices::with_capacity(triangles.len() / 2 + 2);
+            for (index, triangle) in triangles.iter_mut().enumerate() {
+                let corners = (self.corners)(first + index);
+                *triangle = corners.map(|corner| vertices.number(corner));
+                if index % FEWEST == FEWEST - 1 {
+                    (self.progress)(FEWEST);
+                }
+            }
+            return vertices;
+        }
+        let half = triangles.len() / 2;
+        let (left, right) = triangles.split_at_mut(half);
+        let (mut vertices, others) =
+            rayon::join(|| self.weld(first, left), || self.weld(first + half, right));
+        let others = others.into_positions();
+        let numbers: Vec<u32> = others.iter().map(|p| vertices.number(*p)).collect();
+        right
+            .par_iter_mut()
+            .with_min_len(FEWEST)
+            .for_each(|triangle| *triangle = triangle.map(|other| numbers[other as usize]));
+        vertices
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+    use std::collections::HashMap;
+
+    #[test]
+    fn the_order_is_that_of_one_corner_after_the_other() {
+        let mut random = Random(7);
+        // Few places, so that most corners meet others.
+        let mut coordinate = || (random.unit() * 40.0).floor() * 0.5 - 10.0;
+        let corners: Vec<[DVec3; 3]> = (0..3 * FEWEST)
+            .map(|_| [0; 3].map(|_| DVec3::new(coordinate(), coordinate(), -0.0)))
+            .collect();
+        let (positions, triangles) = weld(corners.len(), &|index| corners[index], &|_| ());
+        let mut numbers = HashMap::new();
+        let mut expected = Vec::new();
+        for corner in corners.iter().flatten() {
+            let key = (*corner + DVec3::ZERO).to_array().map(f64::to_bits);
+            let next = numbers.len() as u32;
+            expected.push(*numbers.entry(key).or_insert(next));
+        }
+        assert_eq!(triangles.as_flattened(), expected);
+        assert_eq!(positions.len(), numbers.len());
+        for (corners, triangle) in corners.iter().zip(&triangles) {
+            assert_eq!(*corners, triangle.map(|i| positions[i as usize]));
+        }
+        assert!(positions.iter().all(|p| p.z.is_sign_positive()));
+    }
+
+    #[test]
+    fn what_is_no_number_is_equal_to_itself() {
+        let mut vertices = Vertices::with_capacity(0);
+        let nan = DVec3::NAN;
+        assert_eq!([nan, DVec3::X, nan].map(|p| vertices.number(p)), [0, 1, 0]);
+        assert_eq!(vertices.len(), 2);
+    }
+}
