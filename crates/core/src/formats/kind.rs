@@ -1,17 +1,18 @@
 use super::error::FormatError;
-use super::stl;
+use super::{ply_header, stl};
 use std::path::Path;
 
 /// A kind of file that holds a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MeshKind {
     Obj,
+    Ply,
     Stl,
     TriangleText,
 }
 
 /// What a mesh file may be, for messages.
-const MESHES: &str = "a mesh (OBJ, STL, or triangle text)";
+const MESHES: &str = "a mesh (OBJ, PLY, STL, or triangle text)";
 
 /// How many lines, empty ones aside, are looked at for a word that tells the kind.
 const LINES: usize = 200;
@@ -39,6 +40,9 @@ pub(super) fn mesh_kind(path: &Path, bytes: &[u8]) -> Result<MeshKind, FormatErr
     let found = |what: &str| Err(FormatError::unexpected(path, None, MESHES, what));
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return found("an empty file");
+    }
+    if ply_header::is_ply(bytes) {
+        return Ok(MeshKind::Ply);
     }
     if stl::is_binary(bytes) || stl::is_ascii(bytes) {
         return Ok(MeshKind::Stl);
@@ -78,7 +82,7 @@ const BINARY: &str = "binary data";
 
 /// What a file that holds no mesh of a kind we know looks like; `None` where nothing gives it away.
 pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
-    const SIGNATURES: [(&[u8], &str); 17] = [
+    const SIGNATURES: [(&[u8], &str); 15] = [
         (b"\x89PNG", "a PNG image"),
         (b"\xff\xd8\xff", "a JPEG image"),
         (b"\x76\x2f\x31\x01", "an OpenEXR image"),
@@ -87,8 +91,6 @@ pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
         (b"MM\0*", "a TIFF image"),
         (b"RIFF", "a RIFF file (WebP, perhaps)"),
         (b"glTF", "a binary glTF mesh (GLB), which is not read yet"),
-        (b"ply\n", "a PLY mesh, which is not read yet"),
-        (b"ply\r", "a PLY mesh, which is not read yet"),
         (b"Kaydara FBX Binary", "an FBX file"),
         (b"BLENDER", "a Blender file"),
         (b"PK\x03\x04", "a ZIP archive"),
@@ -159,6 +161,10 @@ mod tests {
         assert_eq!(kind("a", "\u{feff}v 0 0 0"), obj);
         assert_eq!(kind("a.OBJ", "nothing of note"), obj);
         assert_eq!(kind("a.txt", "nothing of note"), text);
+        assert_eq!(
+            kind("a.obj", "ply\r\nformat ascii 1.0\n"),
+            Some(MeshKind::Ply)
+        );
         let stl = Some(MeshKind::Stl);
         assert_eq!(kind("a", "solid cube\n facet normal 0 0 1\n"), stl);
         let binary = [&b"solid"[..], &[0; 75], &[1, 0, 0, 0], &[9; 50]].concat();
@@ -190,7 +196,6 @@ mod tests {
         check(b"P6\n1 1\n255\n", "PNM");
         check(b"glTF\x02\0\0\0", "GLB");
         check(b"{\"asset\": {}}", "a glTF mesh");
-        check(b"ply\nformat ascii 1.0\n", "PLY");
         check(b"\x7fELF\x02\0", "binary data");
         check(b"[camera]\neye = [0, 0, 1]\n", "a scene file");
     }

@@ -3,7 +3,7 @@ use super::files::Files;
 use super::kind::{MeshKind, mesh_kind};
 use super::parsed::Parsed;
 use super::scene_file::FileKind;
-use super::{Progress, obj, stl, triangle_text};
+use super::{Progress, obj, ply, stl, triangle_text};
 use crate::quote;
 use crate::scene::{BENT, Mesh};
 use std::path::{Path, PathBuf};
@@ -42,6 +42,7 @@ pub(super) fn read(
             };
             (FileKind::Obj, parsed)
         }
+        MeshKind::Ply => (FileKind::Ply, ply::read(path, bytes, budget, progress)?),
         MeshKind::Stl => (FileKind::Stl, stl::read(path, bytes, budget, progress)?),
         MeshKind::TriangleText => {
             let (mesh, warnings) = triangle_text::read(path, bytes, budget, progress)?;

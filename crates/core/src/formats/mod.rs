@@ -1,5 +1,6 @@
 //! Reading files: meshes, textures, scene files. The one place in the core that touches a disk.
 
+mod at_vertices;
 mod error;
 mod face_colors;
 mod files;
@@ -13,6 +14,9 @@ mod mtl;
 mod obj;
 mod obj_text;
 mod parsed;
+mod ply;
+mod ply_header;
+mod ply_values;
 mod polygon;
 mod ray_file;
 mod scene_file;

@@ -14,6 +14,8 @@ pub enum FileKind {
     Obj,
     /// The triangle text of the original RayCast.
     TriangleText,
+    /// PLY, ASCII or binary.
+    Ply,
     /// STL, ASCII or binary.
     Stl,
 }
@@ -24,6 +26,7 @@ impl std::fmt::Display for FileKind {
             Self::Scene => "scene file",
             Self::Obj => "OBJ",
             Self::TriangleText => "triangle text",
+            Self::Ply => "PLY",
             Self::Stl => "STL",
         })
     }

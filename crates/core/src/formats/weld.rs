@@ -8,15 +8,16 @@ use std::hash::{BuildHasher, RandomState};
 #[derive(Debug)]
 pub(super) struct Vertices {
     positions: Vec<DVec3>,
-    /// The vertex of a hash, or of one before it (linear probing: Knuth, "The Art of Computer
-    /// Programming", volume 3, 1973); [`EMPTY`] where none is. A power of two of them.
-    slots: Vec<u32>,
+    /// A hash above a vertex's number, in the slot that the hash's upper bits name or in one behind it
+    /// (linear probing: Knuth, "The Art of Computer Programming", volume 3, 1973); [`EMPTY`] where
+    /// there is none. A power of two of them.
+    slots: Vec<u64>,
     /// Drawn for each table, so that no file can be made whose corners all share a slot. What is
     /// found does not depend on it.
     seeds: [u64; 3],
 }
 
-const EMPTY: u32 = u32::MAX;
+const EMPTY: u64 = u64::MAX;
 
 impl Vertices {
     /// None, with room for so many.
@@ -24,7 +25,7 @@ impl Vertices {
         let random = RandomState::new();
         Self {
             positions: Vec::with_capacity(vertices),
-            slots: vec![EMPTY; slots_for(vertices)],
+            slots: vec![EMPTY; (2 * vertices).next_power_of_two().max(2)],
             seeds: [0, 1, 2].map(|number: u64| random.hash_one(number)),
         }
     }
@@ -35,22 +36,25 @@ impl Vertices {
         // Adding zero makes one zero of the two.
         let position = position + DVec3::ZERO;
         let key = bits(position);
+        let hash = self.hash(key);
         let mask = self.slots.len() - 1;
-        let mut slot = self.hash(key) & mask;
+        let mut slot = first_slot(hash, self.slots.len());
         loop {
-            let number = self.slots[slot];
-            if number == EMPTY {
+            let entry = self.slots[slot];
+            if entry == EMPTY {
                 break;
             }
-            if bits(self.positions[number as usize]) == key {
+            // Only what has the hash is looked at: it lies elsewhere in memory.
+            let number = entry as u32;
+            if (entry ^ hash) >> 32 == 0 && bits(self.positions[number as usize]) == key {
                 return number;
             }
             slot = (slot + 1) & mask;
         }
         let number = self.positions.len() as u32;
-        self.slots[slot] = number;
+        self.slots[slot] = entry_of(hash, number);
         self.positions.push(position);
-        if slots_for(self.positions.len()) > self.slots.len() {
+        if 2 * self.positions.len() > self.slots.len() {
             self.grow();
         }
         number
@@ -68,33 +72,39 @@ impl Vertices {
 
     #[cold]
     fn grow(&mut self) {
-        let mut slots = vec![EMPTY; 2 * self.slots.len()];
-        let mask = slots.len() - 1;
-        for (number, position) in self.positions.iter().enumerate() {
-            let mut slot = self.hash(bits(*position)) & mask;
+        let count = 2 * self.slots.len();
+        let mut slots = vec![EMPTY; count];
+        for &entry in self.slots.iter().filter(|entry| **entry != EMPTY) {
+            let mut slot = first_slot(entry, count);
             while slots[slot] != EMPTY {
-                slot = (slot + 1) & mask;
+                slot = (slot + 1) & (count - 1);
             }
-            slots[slot] = number as u32;
+            slots[slot] = entry;
         }
         self.slots = slots;
     }
 
     /// Folded multiplication (Wang Yi, "wyhash", 2019).
     #[inline]
-    fn hash(&self, [x, y, z]: [u64; 3]) -> usize {
+    fn hash(&self, [x, y, z]: [u64; 3]) -> u64 {
         let fold = |a: u64, b: u64| {
             let product = u128::from(a) * u128::from(b);
             (product as u64) ^ (product >> 64) as u64
         };
         let [a, b, c] = self.seeds;
-        fold(fold(x ^ a, y ^ b) ^ z, c | 1) as usize
+        fold(fold(x ^ a, y ^ b) ^ z, c | 1)
     }
 }
 
-/// Two thirds full at most.
-fn slots_for(vertices: usize) -> usize {
-    (vertices + vertices / 2 + 2).next_power_of_two()
+/// The slot that the upper half of a hash names, of up to 2³² slots.
+#[inline]
+fn first_slot(hash: u64, slots: usize) -> usize {
+    ((hash >> 32) as usize) >> (32 - slots.trailing_zeros())
+}
+
+#[inline]
+fn entry_of(hash: u64, number: u32) -> u64 {
+    hash >> 32 << 32 | u64::from(number)
 }
 
 fn bits(position: DVec3) -> [u64; 3] {
@@ -134,8 +144,8 @@ struct Part<'a, C, P> {
 impl<C: Fn(usize) -> [DVec3; 3] + Sync, P: Fn(usize) + Sync> Part<'_, C, P> {
     fn weld(&self, first: usize, triangles: &mut [[u32; 3]]) -> Vertices {
         if triangles.len() <= self.leaf {
-            // A closed mesh has half as many vertices as triangles.
-            let mut vertices = Vertices::with_capacity(triangles.len() / 2 + 2);
+            // A closed mesh has half as many vertices as triangles, and a part of one some more.
+            let mut vertices = Vertices::with_capacity(triangles.len() / 8 * 5 + 2);
             for (index, triangle) in triangles.iter_mut().enumerate() {
                 let corners = (self.corners)(first + index);
                 *triangle = corners.map(|corner| vertices.number(corner));
