@@ -1,18 +1,19 @@
 use super::error::FormatError;
-use super::{ply_header, stl};
+use super::{off, ply_header, stl};
 use std::path::Path;
 
 /// A kind of file that holds a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MeshKind {
     Obj,
+    Off,
     Ply,
     Stl,
     TriangleText,
 }
 
 /// What a mesh file may be, for messages.
-const MESHES: &str = "a mesh (OBJ, PLY, STL, or triangle text)";
+const MESHES: &str = "a mesh (OBJ, PLY, STL, OFF, or triangle text)";
 
 /// How many lines, empty ones aside, are looked at for a word that tells the kind.
 const LINES: usize = 200;
@@ -41,11 +42,8 @@ pub(super) fn mesh_kind(path: &Path, bytes: &[u8]) -> Result<MeshKind, FormatErr
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return found("an empty file");
     }
-    if ply_header::is_ply(bytes) {
-        return Ok(MeshKind::Ply);
-    }
-    if stl::is_binary(bytes) || stl::is_ascii(bytes) {
-        return Ok(MeshKind::Stl);
+    if let Some(kind) = told_by_content(bytes) {
+        return Ok(kind);
     }
     if let Some(kind) = foreign_kind(bytes) {
         // A binary STL begins with anything, and a damaged one is not known by its length.
@@ -70,10 +68,25 @@ pub(super) fn mesh_kind(path: &Path, bytes: &[u8]) -> Result<MeshKind, FormatErr
         Ok(MeshKind::Obj)
     } else if has_extension(path, "stl") {
         Ok(MeshKind::Stl)
+    } else if has_extension(path, "off") {
+        Ok(MeshKind::Off)
     } else if has_extension(path, "txt") {
         Ok(MeshKind::TriangleText)
     } else {
         found("text of another kind")
+    }
+}
+
+/// The kind of mesh whose first bytes, or whose length, are like no other's.
+fn told_by_content(bytes: &[u8]) -> Option<MeshKind> {
+    if ply_header::is_ply(bytes) {
+        Some(MeshKind::Ply)
+    } else if stl::is_binary(bytes) || stl::is_ascii(bytes) {
+        Some(MeshKind::Stl)
+    } else if off::is_off(bytes) {
+        Some(MeshKind::Off)
+    } else {
+        None
     }
 }
 
@@ -110,6 +123,12 @@ pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
         && space.is_ascii_whitespace()
     {
         return Some("a PNM image");
+    }
+    match told_by_content(bytes) {
+        Some(MeshKind::Ply) => return Some("a PLY mesh"),
+        Some(MeshKind::Stl) => return Some("an STL mesh"),
+        Some(MeshKind::Off) => return Some("an OFF mesh"),
+        Some(MeshKind::Obj | MeshKind::TriangleText) | None => {}
     }
     let text = String::from_utf8_lossy(head);
     let text = text.trim_start();
@@ -165,6 +184,8 @@ mod tests {
             kind("a.obj", "ply\r\nformat ascii 1.0\n"),
             Some(MeshKind::Ply)
         );
+        assert_eq!(kind("a", "# c\nCOFF\n"), Some(MeshKind::Off));
+        assert_eq!(kind("a.off", "3 1 0\n"), Some(MeshKind::Off));
         let stl = Some(MeshKind::Stl);
         assert_eq!(kind("a", "solid cube\n facet normal 0 0 1\n"), stl);
         let binary = [&b"solid"[..], &[0; 75], &[1, 0, 0, 0], &[9; 50]].concat();

@@ -3,13 +3,17 @@ use super::files::Files;
 use super::kind::{MeshKind, mesh_kind};
 use super::parsed::Parsed;
 use super::scene_file::FileKind;
-use super::{Progress, obj, ply, stl, triangle_text};
+use super::unpack::{inner_name, unpack};
+use super::{Progress, obj, off, ply, stl, triangle_text};
 use crate::quote;
 use crate::scene::{BENT, Mesh};
 use std::path::{Path, PathBuf};
 
 /// The most warnings of one file that are told one by one.
 const WARNING_LIMIT: usize = 32;
+
+/// How much of reading a compressed file's bytes is unpacking them.
+const UNPACKING: f32 = 0.5;
 
 /// What a mesh file holds.
 #[derive(Debug)]
@@ -31,7 +35,14 @@ pub(super) fn read(
     progress: Progress<'_>,
 ) -> Result<MeshFile, FormatError> {
     let budget = files.budget();
-    let (kind, parsed) = match mesh_kind(path, bytes)? {
+    let unpacked = unpack(path, bytes, budget, &|share| progress(share * UNPACKING))?;
+    let (bytes, packing) = match &unpacked {
+        Some((contents, packing)) => (&**contents, Some(*packing)),
+        None => (bytes, None),
+    };
+    let start = if packing.is_some() { UNPACKING } else { 0.0 };
+    let progress: Progress<'_> = &|share| progress(start + share * (1.0 - start));
+    let (kind, parsed) = match mesh_kind(&inner_name(path), bytes)? {
         MeshKind::Obj => {
             let obj = obj::read(path, bytes, files, progress)?;
             let parsed = Parsed {
@@ -42,6 +53,7 @@ pub(super) fn read(
             };
             (FileKind::Obj, parsed)
         }
+        MeshKind::Off => (FileKind::Off, off::read(path, bytes, budget, progress)?),
         MeshKind::Ply => (FileKind::Ply, ply::read(path, bytes, budget, progress)?),
         MeshKind::Stl => (FileKind::Stl, stl::read(path, bytes, budget, progress)?),
         MeshKind::TriangleText => {
@@ -58,8 +70,12 @@ pub(super) fn read(
         mesh: data,
         texture,
         mut warnings,
-        notes,
+        mut notes,
     } = parsed;
+    if let Some(packing) = packing {
+        notes.insert(0, format!("unpacked from {packing}: {} bytes", bytes.len()));
+    }
+    drop(unpacked);
     let kept = data.stored_bytes();
     let share = budget.share(path, "the mesh", data.bytes() + kept)?;
     let mesh = Mesh::new(data);
@@ -102,7 +118,7 @@ fn rounding(path: &Path, mesh: &Mesh) -> Option<String> {
 
 /// What an object is called that is named after its file.
 pub(super) fn name(path: &Path) -> String {
-    path.file_stem().map_or_else(
+    inner_name(path).file_stem().map_or_else(
         || "object".to_owned(),
         |stem| stem.to_string_lossy().into_owned(),
     )

@@ -13,6 +13,7 @@ mod mesh_file;
 mod mtl;
 mod obj;
 mod obj_text;
+mod off;
 mod parsed;
 mod ply;
 mod ply_header;
@@ -27,6 +28,7 @@ mod stl;
 mod texture;
 mod tokens;
 mod triangle_text;
+mod unpack;
 mod weld;
 
 pub use error::{FormatError, Place};

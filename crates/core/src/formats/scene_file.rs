@@ -14,6 +14,8 @@ pub enum FileKind {
     Obj,
     /// The triangle text of the original RayCast.
     TriangleText,
+    /// OFF.
+    Off,
     /// PLY, ASCII or binary.
     Ply,
     /// STL, ASCII or binary.
@@ -26,6 +28,7 @@ impl std::fmt::Display for FileKind {
             Self::Scene => "scene file",
             Self::Obj => "OBJ",
             Self::TriangleText => "triangle text",
+            Self::Off => "OFF",
             Self::Ply => "PLY",
             Self::Stl => "STL",
         })
