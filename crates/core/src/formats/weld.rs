@@ -12,6 +12,9 @@ pub(super) struct Vertices {
     /// (linear probing: Knuth, "The Art of Computer Programming", volume 3, 1973); [`EMPTY`] where
     /// there is none. A power of two of them.
     slots: Vec<u64>,
+    /// Vertices met lately, by their hashes' lower bits: most corners are at one of them, and a few
+    /// pages of memory are nearer than a table of many.
+    recent: Vec<u32>,
     /// Drawn for each table, so that no file can be made whose corners all share a slot. What is
     /// found does not depend on it.
     seeds: [u64; 3],
@@ -19,13 +22,17 @@ pub(super) struct Vertices {
 
 const EMPTY: u64 = u64::MAX;
 
+/// Twice the vertices of two rows of a mesh of some millions of triangles. A power of two.
+const RECENT: usize = 1 << 13;
+
 impl Vertices {
     /// None, with room for so many.
     pub(super) fn with_capacity(vertices: usize) -> Self {
         let random = RandomState::new();
         Self {
             positions: Vec::with_capacity(vertices),
-            slots: vec![EMPTY; (2 * vertices).next_power_of_two().max(2)],
+            slots: vec![EMPTY; (vertices + vertices / 2).next_power_of_two().max(4)],
+            recent: vec![u32::MAX; RECENT],
             seeds: [0, 1, 2].map(|number: u64| random.hash_one(number)),
         }
     }
@@ -37,6 +44,20 @@ impl Vertices {
         let position = position + DVec3::ZERO;
         let key = bits(position);
         let hash = self.hash(key);
+        let recent = self.recent[hash as usize % RECENT];
+        if self
+            .positions
+            .get(recent as usize)
+            .is_some_and(|p| bits(*p) == key)
+        {
+            return recent;
+        }
+        let number = self.look_up(position, key, hash);
+        self.recent[hash as usize % RECENT] = number;
+        number
+    }
+
+    fn look_up(&mut self, position: DVec3, key: [u64; 3], hash: u64) -> u32 {
         let mask = self.slots.len() - 1;
         let mut slot = first_slot(hash, self.slots.len());
         loop {
@@ -54,7 +75,7 @@ impl Vertices {
         let number = self.positions.len() as u32;
         self.slots[slot] = entry_of(hash, number);
         self.positions.push(position);
-        if 2 * self.positions.len() > self.slots.len() {
+        if self.positions.len() > self.slots.len() / 4 * 3 {
             self.grow();
         }
         number

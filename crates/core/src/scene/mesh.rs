@@ -291,17 +291,17 @@ impl Mesh {
     }
 
     /// The mesh's own normals, as stored.
-    pub(super) fn normals(&self) -> Option<&Attribute<Vec3>> {
+    pub(crate) fn normals(&self) -> Option<&Attribute<Vec3>> {
         self.normals.as_ref()
     }
 
     /// Texture coordinates, as stored.
-    pub(super) fn uvs(&self) -> Option<&Attribute<Vec2>> {
+    pub(crate) fn uvs(&self) -> Option<&Attribute<Vec2>> {
         self.uvs.as_ref()
     }
 
     /// A material's number a triangle, as stored; empty where the file has none.
-    pub(super) fn material_of_triangle(&self) -> &[u32] {
+    pub(crate) fn material_of_triangle(&self) -> &[u32] {
         &self.material_of_triangle
     }
 
@@ -353,7 +353,7 @@ impl Mesh {
 /// offset is a multiple of the power of two just below `hi − lo`, so it is one of `ulp` or finer
 /// differences stay exact; it is within half of that power of the middle, so what is left is at
 /// most `hi − lo` long: 24 bits hold it exactly.
-fn recentring_offset(bounds: &Bounds) -> DVec3 {
+pub(crate) fn recentring_offset(bounds: &Bounds) -> DVec3 {
     if bounds.is_empty() {
         return DVec3::ZERO;
     }
