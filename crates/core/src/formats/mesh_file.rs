@@ -6,7 +6,7 @@ use super::scene_file::FileKind;
 use super::unpack::{inner_name, unpack};
 use super::{Progress, obj, off, ply, stl, triangle_text};
 use crate::quote;
-use crate::scene::{BENT, Mesh};
+use crate::scene::{BENT, Mesh, UpAxis};
 use std::path::{Path, PathBuf};
 
 /// The most warnings of one file that are told one by one.
@@ -27,11 +27,13 @@ pub(super) struct MeshFile {
     pub(super) notes: Vec<String>,
 }
 
-/// Reads the bytes of a mesh file of any kind, and through `files` what it names.
+/// Reads the bytes of a mesh file of any kind, and through `files` what it names; `up_axis` is what
+/// is up where the file does not say.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
     files: &dyn Files,
+    up_axis: UpAxis,
     progress: Progress<'_>,
 ) -> Result<MeshFile, FormatError> {
     let budget = files.budget();
@@ -67,7 +69,7 @@ pub(super) fn read(
         }
     };
     let Parsed {
-        mesh: data,
+        mesh: mut data,
         texture,
         mut warnings,
         mut notes,
@@ -76,6 +78,10 @@ pub(super) fn read(
         notes.insert(0, format!("unpacked from {packing}: {} bytes", bytes.len()));
     }
     drop(unpacked);
+    up_axis.turn(&mut data);
+    notes.push(format!(
+        "units and up axis: not said; {up_axis} is taken to be up"
+    ));
     let kept = data.stored_bytes();
     let share = budget.share(path, "the mesh", data.bytes() + kept)?;
     let mesh = Mesh::new(data);

@@ -68,7 +68,8 @@ pub fn read_mesh(path: &Path, progress: Progress<'_>) -> Result<Mesh, FormatErro
     let budget = Budget::default();
     let disk = Disk::new(&budget);
     let contents = disk.read(path, By::Person, &|share| progress(share * READING))?;
-    let read = mesh_file::read(path, &contents, &disk, &|share| {
+    let up_axis = budget.limits().up_axis;
+    let read = mesh_file::read(path, &contents, &disk, up_axis, &|share| {
         progress(READING + share * (1.0 - READING));
     })?;
     Ok(read.mesh)
@@ -116,12 +117,14 @@ pub fn read_scene_within(
     if kind::is_scene(path, &contents) {
         return scene_read::read(path, &contents, &disk, &rest);
     }
-    let read = mesh_file::read(path, &contents, &disk, &rest)?;
+    let up_axis = budget.limits().up_axis;
+    let read = mesh_file::read(path, &contents, &disk, up_axis, &rest)?;
     drop(contents);
     budget.add_triangles(path, read.mesh.triangles().len() as u64)?;
     let mut warnings = read.warnings;
     let mut object = Object::new(mesh_file::name(path), Arc::new(read.mesh));
     object.source = Some(disk.source(path));
+    object.up_axis = up_axis;
     if let Some(image) = read.texture {
         match decode_texture(&disk, &image, By::Mesh(path)) {
             Ok(texture) => {

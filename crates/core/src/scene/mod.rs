@@ -7,6 +7,7 @@ mod mesh;
 mod object;
 mod texture;
 mod transform;
+mod up_axis;
 
 pub use bounds::Bounds;
 pub use color::{Color, ColorRule};
@@ -15,3 +16,4 @@ pub(crate) use mesh::{is_storable, recentring_offset};
 pub use object::{Object, Scene, SceneError};
 pub use texture::{Crop, Texture};
 pub use transform::Transform;
+pub use up_axis::UpAxis;

@@ -2,7 +2,7 @@ use super::super::files::Held;
 use super::super::limits::Budget;
 use super::super::mesh_file;
 use super::*;
-use crate::scene::{Attribute, Color, Material, Mesh, MeshData, Object, Transform};
+use crate::scene::{Attribute, Color, Material, Mesh, MeshData, Object, Transform, UpAxis};
 use glam::{DVec3, Vec2, Vec3};
 use serde_json::Value;
 use std::path::Path;
@@ -40,7 +40,8 @@ fn read(scene: &Scene, name: &str, bytes: &[u8]) -> Mesh {
     let resolve = |name: &str| (name == "a.mtl").then(|| library.clone());
     let budget = Budget::default();
     let files = Held::new(&resolve, &budget);
-    let read = mesh_file::read(Path::new(name), bytes, &files, &|_| ()).expect(name);
+    let up_axis = UpAxis::default();
+    let read = mesh_file::read(Path::new(name), bytes, &files, up_axis, &|_| ()).expect(name);
     let text = String::from_utf8_lossy(bytes);
     assert_eq!(read.warnings, [""; 0], "{name}: {text}");
     read.mesh
