@@ -30,6 +30,7 @@ Examples:
   raycast render bunny.obj -o close.png --orbit 40,10,0.2 --size 1920x1080 --samples 4
   raycast render spot.obj -o spot.png --mode texture --texture spot_texture.png
   raycast render bunny.obj -o part.png --tiles 3x2 --sub-camera 1,0
+  raycast convert bunny.obj -o bunny.ply
   raycast info bunny.obj";
 
 /// Look at meshes through exact rays, in a window or without one.
@@ -71,6 +72,8 @@ pub enum Command {
     Cast(CastArgs),
     /// Put fragments together into the picture that the full camera would have made
     Stitch(StitchArgs),
+    /// Write the meshes of files in another format
+    Convert(ConvertArgs),
     /// Tell what files hold
     Info(InfoArgs),
     /// Measure frame times on this machine; prints JSON
@@ -302,6 +305,36 @@ pub struct StitchArgs {
     /// The image to write: .png, .ppm, .jpg or .exr
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
+}
+
+/// `raycast convert`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+The scene's meshes are written each in its place: transforms are applied. Triangles keep their order and
+their numbers; those that no ray can meet are written too, and counted. Coordinates are what they were,
+bit for bit, where the format's numbers hold them; else it is told how many vertices are moved, and how
+far. A .ply has double precision where single does not do; a .glb, single precision about its nodes; an
+.stl, single precision alone. Kept are normals, texture coordinates, colours of vertices and of
+materials where the format has them (an .obj has its materials in an .mtl beside it); what is not kept
+is told.
+
+Examples:
+  raycast convert bunny.obj -o bunny.glb
+  raycast convert scan.ply.gz -o scan.stl --ascii
+  raycast convert scene.raycast.toml -o scene.obj")]
+pub struct ConvertArgs {
+    /// Meshes or scene files
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// The mesh to write: .obj, .ply, .stl, .glb or .txt (triangle text)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Write a .ply or an .stl as text [default: binary]
+    #[arg(long)]
+    pub ascii: bool,
+    /// How files are read.
+    #[command(flatten)]
+    pub reading: ReadingArgs,
 }
 
 /// `raycast info`.

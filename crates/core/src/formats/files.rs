@@ -50,11 +50,97 @@ pub(super) struct Contents<'b> {
     _share: Share<'b>,
 }
 
+impl<'b> Contents<'b> {
+    /// Bytes for which there is a share.
+    pub(super) fn new(bytes: Vec<u8>, share: Share<'b>) -> Self {
+        Self {
+            bytes,
+            _share: share,
+        }
+    }
+}
+
 impl Deref for Contents<'_> {
     type Target = [u8];
 
     fn deref(&self) -> &[u8] {
         &self.bytes
+    }
+}
+
+/// Bytes that come from somewhere, counted before there is room for them.
+pub(super) struct Filling<'b> {
+    path: PathBuf,
+    bytes: Vec<u8>,
+    share: Share<'b>,
+    /// How many are expected.
+    length: usize,
+}
+
+impl<'b> Filling<'b> {
+    /// None yet, and nobody knows how many there will be.
+    pub(super) fn new(path: &Path, budget: &'b Budget) -> Result<Self, FormatError> {
+        Self::with_length(path, budget, 0)
+    }
+
+    fn with_length(path: &Path, budget: &'b Budget, length: u64) -> Result<Self, FormatError> {
+        let share = budget.share(path, "the file", length)?;
+        let length = usize::try_from(length).unwrap_or(usize::MAX);
+        let mut bytes = Vec::new();
+        bytes
+            .try_reserve_exact(length)
+            .map_err(|error| FormatError::refused(path, None, &error.to_string()))?;
+        Ok(Self {
+            path: path.to_owned(),
+            bytes,
+            share,
+            length,
+        })
+    }
+
+    /// Reads to the end of a source: `more` puts at most so many more bytes behind those that there
+    /// are, and says how many; none at the end. Within, the source's own failure.
+    ///
+    /// # Errors
+    /// More than the budget has left.
+    pub(super) fn read(
+        &mut self,
+        more: &mut dyn FnMut(&mut Vec<u8>, u64) -> io::Result<usize>,
+    ) -> Result<io::Result<()>, FormatError> {
+        const STEP: usize = 1 << 20;
+        loop {
+            let bytes = &mut self.bytes;
+            let mut step = self.length.saturating_sub(bytes.len()).min(STEP);
+            if step == 0 {
+                // Is this the end? A byte tells, in room that is small.
+                let mut byte = Vec::new();
+                match more(&mut byte, 1) {
+                    Err(error) => return Ok(Err(error)),
+                    Ok(0) => return Ok(Ok(())),
+                    Ok(_) => {}
+                }
+                if bytes.len() + STEP > bytes.capacity() {
+                    // The old buffer is there until the new one is filled.
+                    let capacity = (bytes.len() + STEP).max(2 * bytes.capacity());
+                    let both = (bytes.capacity() + capacity) as u64;
+                    self.share.grow(&self.path, "the file", both)?;
+                    bytes
+                        .try_reserve_exact(capacity - bytes.len())
+                        .map_err(|error| {
+                            FormatError::refused(&self.path, None, &error.to_string())
+                        })?;
+                }
+                bytes.extend(byte);
+                step = STEP - 1;
+            }
+            if let Err(error) = more(bytes, step as u64) {
+                return Ok(Err(error));
+            }
+        }
+    }
+
+    pub(super) fn into_contents(self) -> Contents<'b> {
+        Contents::new(self.bytes, self.share)
     }
 }
 
@@ -110,40 +196,16 @@ impl Files for Disk<'_> {
         let mut file = open(path, pipes).map_err(refused)?;
         self.opened.add(self.source(path));
         let length = file.metadata().map_err(refused)?.len();
-        let mut share = self.budget.share(path, "the file", length)?;
-        let mut bytes = Vec::new();
-        bytes
-            .try_reserve_exact(usize::try_from(length).unwrap_or(usize::MAX))
-            .map_err(|error| FormatError::refused(path, None, &error.to_string()))?;
-        // The length is what the system says: a pipe has none, and grows as it is read.
-        const STEP: usize = 1 << 20;
-        loop {
-            let mut step = (length as usize).saturating_sub(bytes.len()).min(STEP);
-            if step == 0 {
-                // Is this the end? A byte tells, without room for more.
-                let mut byte = [0];
-                if file.read(&mut byte).map_err(refused)? == 0 {
-                    break;
-                }
-                if bytes.len() + STEP > bytes.capacity() {
-                    // The old buffer is there until the new one is filled.
-                    let capacity = (bytes.len() + STEP).max(2 * bytes.capacity());
-                    share.grow(path, "the file", (bytes.capacity() + capacity) as u64)?;
-                    bytes
-                        .try_reserve_exact(capacity - bytes.len())
-                        .map_err(|error| FormatError::refused(path, None, &error.to_string()))?;
-                }
-                bytes.push(byte[0]);
-                step = STEP - 1;
-            }
-            let mut part = (&mut file).take(step as u64);
-            part.read_to_end(&mut bytes).map_err(refused)?;
-            progress((bytes.len() as f32 / length.max(1) as f32).min(1.0));
-        }
-        Ok(Contents {
-            bytes,
-            _share: share,
-        })
+        let mut filling = Filling::with_length(path, self.budget, length)?;
+        let mut done = 0;
+        let read = filling.read(&mut |bytes, most| {
+            let read = (&mut file).take(most).read_to_end(bytes)?;
+            done += read;
+            progress((done as f32 / length.max(1) as f32).min(1.0));
+            Ok(read)
+        })?;
+        read.map_err(refused)?;
+        Ok(filling.into_contents())
     }
 
     fn source(&self, path: &Path) -> PathBuf {

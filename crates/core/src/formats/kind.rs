@@ -1,15 +1,19 @@
 use super::error::FormatError;
+use super::{off, ply_header, stl};
 use std::path::Path;
 
 /// A kind of file that holds a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MeshKind {
     Obj,
+    Off,
+    Ply,
+    Stl,
     TriangleText,
 }
 
 /// What a mesh file may be, for messages.
-const MESHES: &str = "a mesh (OBJ, or triangle text)";
+const MESHES: &str = "a mesh (OBJ, PLY, STL, OFF, or triangle text)";
 
 /// How many lines, empty ones aside, are looked at for a word that tells the kind.
 const LINES: usize = 200;
@@ -38,7 +42,14 @@ pub(super) fn mesh_kind(path: &Path, bytes: &[u8]) -> Result<MeshKind, FormatErr
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return found("an empty file");
     }
+    if let Some(kind) = told_by_content(bytes) {
+        return Ok(kind);
+    }
     if let Some(kind) = foreign_kind(bytes) {
+        // A binary STL begins with anything, and a damaged one is not known by its length.
+        if kind == BINARY && has_extension(path, "stl") {
+            return Ok(MeshKind::Stl);
+        }
         return found(kind);
     }
     if is_scene(path, bytes) {
@@ -55,6 +66,10 @@ pub(super) fn mesh_kind(path: &Path, bytes: &[u8]) -> Result<MeshKind, FormatErr
     }
     if has_extension(path, "obj") {
         Ok(MeshKind::Obj)
+    } else if has_extension(path, "stl") {
+        Ok(MeshKind::Stl)
+    } else if has_extension(path, "off") {
+        Ok(MeshKind::Off)
     } else if has_extension(path, "txt") {
         Ok(MeshKind::TriangleText)
     } else {
@@ -62,10 +77,25 @@ pub(super) fn mesh_kind(path: &Path, bytes: &[u8]) -> Result<MeshKind, FormatErr
     }
 }
 
-/// What a file that is neither OBJ nor triangle text looks like; `None` where nothing gives it
-/// away.
+/// The kind of mesh whose first bytes, or whose length, are like no other's.
+fn told_by_content(bytes: &[u8]) -> Option<MeshKind> {
+    if ply_header::is_ply(bytes) {
+        Some(MeshKind::Ply)
+    } else if stl::is_binary(bytes) || stl::is_ascii(bytes) {
+        Some(MeshKind::Stl)
+    } else if off::is_off(bytes) {
+        Some(MeshKind::Off)
+    } else {
+        None
+    }
+}
+
+/// What looks like nothing else.
+const BINARY: &str = "binary data";
+
+/// What a file that holds no mesh of a kind we know looks like; `None` where nothing gives it away.
 pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
-    const SIGNATURES: [(&[u8], &str); 17] = [
+    const SIGNATURES: [(&[u8], &str); 15] = [
         (b"\x89PNG", "a PNG image"),
         (b"\xff\xd8\xff", "a JPEG image"),
         (b"\x76\x2f\x31\x01", "an OpenEXR image"),
@@ -74,15 +104,13 @@ pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
         (b"MM\0*", "a TIFF image"),
         (b"RIFF", "a RIFF file (WebP, perhaps)"),
         (b"glTF", "a binary glTF mesh (GLB), which is not read yet"),
-        (b"ply\n", "a PLY mesh, which is not read yet"),
-        (b"ply\r", "a PLY mesh, which is not read yet"),
         (b"Kaydara FBX Binary", "an FBX file"),
         (b"BLENDER", "a Blender file"),
         (b"PK\x03\x04", "a ZIP archive"),
         (b"\x1f\x8b", "a gzip archive"),
         (b"%PDF", "a PDF document"),
-        (b"\xff\xfe", "UTF-16 text (save it as UTF-8)"),
-        (b"\xfe\xff", "UTF-16 text (save it as UTF-8)"),
+        (b"\xff\xfe", "UTF-16 text"),
+        (b"\xfe\xff", "UTF-16 text"),
     ];
     let head = &bytes[..bytes.len().min(4096)];
     if let Some((_, kind)) = SIGNATURES
@@ -96,25 +124,21 @@ pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
     {
         return Some("a PNM image");
     }
-    // A binary STL has 80 bytes of anything, a count, and 50 bytes a triangle.
-    if let Some(&[a, b, c, d]) = bytes.get(80..84)
-        && bytes.len() as u64 == 84 + 50 * u64::from(u32::from_le_bytes([a, b, c, d]))
-        && head.contains(&0)
-    {
-        return Some("a binary STL mesh, which is not read yet");
+    match told_by_content(bytes) {
+        Some(MeshKind::Ply) => return Some("a PLY mesh"),
+        Some(MeshKind::Stl) => return Some("an STL mesh"),
+        Some(MeshKind::Off) => return Some("an OFF mesh"),
+        Some(MeshKind::Obj | MeshKind::TriangleText) | None => {}
     }
     let text = String::from_utf8_lossy(head);
     let text = text.trim_start();
-    if text.starts_with("solid") && text.contains("facet") {
-        return Some("an STL mesh, which is not read yet");
-    }
     if text.starts_with('{') && text.contains("\"asset\"") {
         return Some("a glTF mesh, which is not read yet");
     }
     if text.starts_with('<') {
         return Some("XML or HTML");
     }
-    head.contains(&0).then_some("binary data")
+    head.contains(&0).then_some(BINARY)
 }
 
 /// The first lines that are neither empty nor comments, without the space around them.
@@ -156,6 +180,19 @@ mod tests {
         assert_eq!(kind("a", "\u{feff}v 0 0 0"), obj);
         assert_eq!(kind("a.OBJ", "nothing of note"), obj);
         assert_eq!(kind("a.txt", "nothing of note"), text);
+        assert_eq!(
+            kind("a.obj", "ply\r\nformat ascii 1.0\n"),
+            Some(MeshKind::Ply)
+        );
+        assert_eq!(kind("a", "# c\nCOFF\n"), Some(MeshKind::Off));
+        assert_eq!(kind("a.off", "3 1 0\n"), Some(MeshKind::Off));
+        let stl = Some(MeshKind::Stl);
+        assert_eq!(kind("a", "solid cube\n facet normal 0 0 1\n"), stl);
+        let binary = [&b"solid"[..], &[0; 75], &[1, 0, 0, 0], &[9; 50]].concat();
+        assert_eq!(mesh_kind(Path::new("a.obj"), &binary).ok(), stl);
+        let cut = &binary[..100];
+        assert_eq!(mesh_kind(Path::new("a.stl"), cut).ok(), stl);
+        assert!(mesh_kind(Path::new("a.obj"), cut).is_err());
         assert_eq!(kind("a.md", "nothing of note"), None);
         // However lines end, as many of them are looked at.
         for line in ["# c\n", "# c\r\n", "# c\r"] {
@@ -180,9 +217,6 @@ mod tests {
         check(b"P6\n1 1\n255\n", "PNM");
         check(b"glTF\x02\0\0\0", "GLB");
         check(b"{\"asset\": {}}", "a glTF mesh");
-        check(b"ply\nformat ascii 1.0\n", "PLY");
-        check(b"solid cube\n facet normal 0 0 1\n", "STL");
-        check(&[&[0; 80][..], &[1, 0, 0, 0], &[9; 50]].concat(), "STL");
         check(b"\x7fELF\x02\0", "binary data");
         check(b"[camera]\neye = [0, 0, 1]\n", "a scene file");
     }

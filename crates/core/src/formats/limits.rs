@@ -1,8 +1,9 @@
 use super::error::FormatError;
+use crate::scene::UpAxis;
 use std::cell::Cell;
 use std::path::Path;
 
-/// How much reading may take. What a file claims is held against these before anything is
+/// How much reading may take, and what it does where files do not say. What a file claims is held against these before anything is
 /// allocated for it, so that a small file cannot ask for all memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
@@ -16,6 +17,9 @@ pub struct Limits {
     /// Whether a mesh's material libraries and textures are followed anywhere, not only into its
     /// own folder and the one above.
     pub follow_anywhere: bool,
+    /// What is up in a mesh file that is read for itself, and does not say; scene files say it for
+    /// their objects.
+    pub up_axis: UpAxis,
 }
 
 impl Default for Limits {
@@ -26,6 +30,7 @@ impl Default for Limits {
             pixels: 1 << 28,
             triangles: 1 << 27,
             follow_anywhere: false,
+            up_axis: UpAxis::Y,
         }
     }
 }

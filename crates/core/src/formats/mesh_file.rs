@@ -1,14 +1,19 @@
 use super::error::FormatError;
 use super::files::Files;
 use super::kind::{MeshKind, mesh_kind};
+use super::parsed::Parsed;
 use super::scene_file::FileKind;
-use super::{Progress, obj, triangle_text};
+use super::unpack::{inner_name, unpack};
+use super::{Progress, obj, off, ply, stl, triangle_text};
 use crate::quote;
-use crate::scene::{BENT, Mesh};
+use crate::scene::{BENT, Mesh, UpAxis};
 use std::path::{Path, PathBuf};
 
 /// The most warnings of one file that are told one by one.
 const WARNING_LIMIT: usize = 32;
+
+/// How much of reading a compressed file's bytes is unpacking them.
+const UNPACKING: f32 = 0.5;
 
 /// What a mesh file holds.
 #[derive(Debug)]
@@ -18,26 +23,65 @@ pub(super) struct MeshFile {
     /// The image that its materials name for all of it.
     pub(super) texture: Option<PathBuf>,
     pub(super) warnings: Vec<String>,
+    /// What [`Parsed::notes`] says.
+    pub(super) notes: Vec<String>,
 }
 
-/// Reads the bytes of a mesh file of any kind, and through `files` what it names.
+/// Reads the bytes of a mesh file of any kind, and through `files` what it names; `up_axis` is what
+/// is up where the file does not say.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
     files: &dyn Files,
+    up_axis: UpAxis,
     progress: Progress<'_>,
 ) -> Result<MeshFile, FormatError> {
     let budget = files.budget();
-    let (kind, data, texture, mut warnings) = match mesh_kind(path, bytes)? {
+    let unpacked = unpack(path, bytes, budget, &|share| progress(share * UNPACKING))?;
+    let (bytes, packing) = match &unpacked {
+        Some((contents, packing)) => (&**contents, Some(*packing)),
+        None => (bytes, None),
+    };
+    let start = if packing.is_some() { UNPACKING } else { 0.0 };
+    let progress: Progress<'_> = &|share| progress(start + share * (1.0 - start));
+    let (kind, parsed) = match mesh_kind(&inner_name(path), bytes)? {
         MeshKind::Obj => {
             let obj = obj::read(path, bytes, files, progress)?;
-            (FileKind::Obj, obj.mesh, obj.texture, obj.warnings)
+            let parsed = Parsed {
+                mesh: obj.mesh,
+                texture: obj.texture,
+                warnings: obj.warnings,
+                notes: Vec::new(),
+            };
+            (FileKind::Obj, parsed)
         }
+        MeshKind::Off => (FileKind::Off, off::read(path, bytes, budget, progress)?),
+        MeshKind::Ply => (FileKind::Ply, ply::read(path, bytes, budget, progress)?),
+        MeshKind::Stl => (FileKind::Stl, stl::read(path, bytes, budget, progress)?),
         MeshKind::TriangleText => {
             let (mesh, warnings) = triangle_text::read(path, bytes, budget, progress)?;
-            (FileKind::TriangleText, mesh, None, warnings)
+            let parsed = Parsed {
+                mesh,
+                warnings,
+                ..Parsed::default()
+            };
+            (FileKind::TriangleText, parsed)
         }
     };
+    let Parsed {
+        mesh: mut data,
+        texture,
+        mut warnings,
+        mut notes,
+    } = parsed;
+    if let Some(packing) = packing {
+        notes.insert(0, format!("unpacked from {packing}: {} bytes", bytes.len()));
+    }
+    drop(unpacked);
+    up_axis.turn(&mut data);
+    notes.push(format!(
+        "units and up axis: not said; {up_axis} is taken to be up"
+    ));
     let kept = data.stored_bytes();
     let share = budget.share(path, "the mesh", data.bytes() + kept)?;
     let mesh = Mesh::new(data);
@@ -50,6 +94,7 @@ pub(super) fn read(
         mesh,
         texture,
         warnings,
+        notes,
     })
 }
 
@@ -79,7 +124,7 @@ fn rounding(path: &Path, mesh: &Mesh) -> Option<String> {
 
 /// What an object is called that is named after its file.
 pub(super) fn name(path: &Path) -> String {
-    path.file_stem().map_or_else(
+    inner_name(path).file_stem().map_or_else(
         || "object".to_owned(),
         |stem| stem.to_string_lossy().into_owned(),
     )

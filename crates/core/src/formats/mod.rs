@@ -1,28 +1,47 @@
 //! Reading files: meshes, textures, scene files. The one place in the core that touches a disk.
 
+mod at_vertices;
 mod error;
+mod face_colors;
 mod files;
+mod glb_write;
 mod guard;
 mod jpeg;
 mod kind;
 mod limits;
 mod lines;
 mod mesh_file;
+mod mesh_write;
 mod mtl;
 mod obj;
 mod obj_text;
+mod obj_write;
+mod off;
+mod parsed;
+mod ply;
+mod ply_header;
+mod ply_values;
+mod ply_write;
 mod polygon;
 mod ray_file;
 mod scene_file;
 mod scene_read;
 mod scene_toml;
 mod scene_write;
+mod stl;
+mod stl_write;
 mod texture;
+mod tokens;
 mod triangle_text;
+mod triangle_text_write;
+mod unpack;
+mod weld;
+mod write_parts;
 
 pub use error::{FormatError, Place};
 pub use guard::panic_is_caught;
 pub use limits::{Budget, Limits};
+pub use mesh_write::{MeshFormat, WriteError, Written, write_materials, write_meshes};
 pub use ray_file::{HIT_BYTES, RAY_BYTES, decode_ray, encode_hit};
 pub use scene_file::{CameraFile, FileKind, ImageFile, SceneFile, ShadingFile};
 pub use scene_write::SaveError;
@@ -49,7 +68,8 @@ pub fn read_mesh(path: &Path, progress: Progress<'_>) -> Result<Mesh, FormatErro
     let budget = Budget::default();
     let disk = Disk::new(&budget);
     let contents = disk.read(path, By::Person, &|share| progress(share * READING))?;
-    let read = mesh_file::read(path, &contents, &disk, &|share| {
+    let up_axis = budget.limits().up_axis;
+    let read = mesh_file::read(path, &contents, &disk, up_axis, &|share| {
         progress(READING + share * (1.0 - READING));
     })?;
     Ok(read.mesh)
@@ -97,12 +117,14 @@ pub fn read_scene_within(
     if kind::is_scene(path, &contents) {
         return scene_read::read(path, &contents, &disk, &rest);
     }
-    let read = mesh_file::read(path, &contents, &disk, &rest)?;
+    let up_axis = budget.limits().up_axis;
+    let read = mesh_file::read(path, &contents, &disk, up_axis, &rest)?;
     drop(contents);
     budget.add_triangles(path, read.mesh.triangles().len() as u64)?;
     let mut warnings = read.warnings;
     let mut object = Object::new(mesh_file::name(path), Arc::new(read.mesh));
     object.source = Some(disk.source(path));
+    object.up_axis = up_axis;
     if let Some(image) = read.texture {
         match decode_texture(&disk, &image, By::Mesh(path)) {
             Ok(texture) => {
@@ -118,6 +140,7 @@ pub fn read_scene_within(
             objects: vec![object],
         },
         warnings,
+        notes: read.notes,
         opened: disk.opened(),
         ..SceneFile::default()
     })

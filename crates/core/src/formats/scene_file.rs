@@ -14,6 +14,12 @@ pub enum FileKind {
     Obj,
     /// The triangle text of the original RayCast.
     TriangleText,
+    /// OFF.
+    Off,
+    /// PLY, ASCII or binary.
+    Ply,
+    /// STL, ASCII or binary.
+    Stl,
 }
 
 impl std::fmt::Display for FileKind {
@@ -22,6 +28,9 @@ impl std::fmt::Display for FileKind {
             Self::Scene => "scene file",
             Self::Obj => "OBJ",
             Self::TriangleText => "triangle text",
+            Self::Off => "OFF",
+            Self::Ply => "PLY",
+            Self::Stl => "STL",
         })
     }
 }
@@ -42,6 +51,8 @@ pub struct SceneFile {
     pub shading: Option<ShadingFile>,
     /// What was not as it should be, and did not matter enough to stop: a line each. Never saved.
     pub warnings: Vec<String>,
+    /// What the files are, say of themselves, and hold that is not used: a line each. Never saved.
+    pub notes: Vec<String>,
     /// Every file that was opened on the way, each once: the scene file itself, meshes, their
     /// material libraries, textures, and those that could be opened and then not be read. Nothing
     /// should be written over them. Absolute, or relative where they came from a caller's own store
@@ -87,6 +98,7 @@ impl SceneFile {
         self.image.samples = self.image.samples.or(other.image.samples);
         self.shading = self.shading.or(other.shading);
         self.warnings.extend(other.warnings);
+        self.notes.extend(other.notes);
         let known: HashSet<PathBuf> = self.opened.iter().cloned().collect();
         let new = other
             .opened

@@ -11,7 +11,7 @@ use super::{Progress, texture};
 use crate::camera::{ImagePlane, Placement, PlacementError, Projection};
 use crate::quote::{self, quote};
 use crate::ranges::{self, OutOfRange};
-use crate::scene::{Bounds, COORDINATE_LIMIT, Mesh, Object, Scene, Texture, Transform};
+use crate::scene::{Bounds, COORDINATE_LIMIT, Mesh, Object, Scene, Texture, Transform, UpAxis};
 use crate::shade::{Background, Shading, Wireframe};
 use glam::DVec3;
 use std::collections::HashMap;
@@ -42,11 +42,11 @@ pub(super) fn read(
         let line = error.span().map(|span| line_at(bytes, span.start));
         FormatError::refused(path, line, &shorten(error.message()))
     })?;
-    let mut warnings = Vec::new();
+    let (mut warnings, mut notes) = (Vec::new(), Vec::new());
     let camera = parsed.camera.map(|camera| reader.camera(&camera));
     let image = reader.image(&parsed.image)?;
     let shading = reader.shading(parsed.shading.as_ref(), &parsed.image)?;
-    let objects = reader.objects(&parsed.objects, progress, &mut warnings)?;
+    let objects = reader.objects(&parsed.objects, progress, &mut warnings, &mut notes)?;
     let scene = Scene { objects };
     let mut unseen = unseen(path, &scene);
     mesh_file::limit_warnings(path, &mut unseen);
@@ -59,6 +59,7 @@ pub(super) fn read(
         image,
         shading,
         warnings,
+        notes,
         opened: files.opened(),
     })
 }
@@ -272,10 +273,11 @@ impl Reader<'_> {
         tables: &[Spanned<ObjectToml>],
         progress: Progress<'_>,
         warnings: &mut Vec<String>,
+        notes: &mut Vec<String>,
     ) -> Result<Vec<Object>, FormatError> {
         // Parents first: they cost nothing, and a fault in them is known before anything is read.
         let parents = self.parents(tables)?;
-        let mut meshes: Shared<Arc<Mesh>> = HashMap::new();
+        let mut meshes: HashMap<(PathBuf, UpAxis), Arc<Mesh>> = HashMap::new();
         let mut textures: Shared<Arc<Texture>> = HashMap::new();
         let mut objects = Vec::with_capacity(tables.len());
         let share = 1.0 / tables.len().max(1) as f32;
@@ -284,16 +286,20 @@ impl Reader<'_> {
             let step = |part: f32| progress((index as f32 + part) * share);
             let mesh_path = beside(self.path, table.mesh.get_ref());
             let source = self.files.source(&mesh_path);
-            let mesh = match meshes.get(&source) {
+            let up_axis = table.up_axis.map_or(UpAxis::default(), Into::into);
+            let key = (source.clone(), up_axis);
+            let mesh = match meshes.get(&key) {
                 Some(mesh) => Arc::clone(mesh),
                 None => {
                     let bytes = self.bytes(&table.mesh, &mesh_path, &|part| step(part * 0.5))?;
-                    let read = mesh_file::read(&mesh_path, &bytes, self.files, &|part| {
+                    let read = mesh_file::read(&mesh_path, &bytes, self.files, up_axis, &|part| {
                         step(0.5 + part * 0.5);
                     })?;
+                    let path = quote::path(&mesh_path);
+                    notes.extend(read.notes.iter().map(|note| format!("{path}: {note}")));
                     warnings.extend(read.warnings);
                     let mesh = Arc::new(read.mesh);
-                    meshes.insert(source.clone(), Arc::clone(&mesh));
+                    meshes.insert(key, Arc::clone(&mesh));
                     mesh
                 }
             };
@@ -305,6 +311,7 @@ impl Reader<'_> {
             };
             let mut object = Object::new(name, mesh);
             object.source = Some(source);
+            object.up_axis = up_axis;
             object.parent = parent;
             if let Some(color) = table.color {
                 object.color = color.rule(table.seed);
@@ -506,6 +513,27 @@ texture = "t.ppm"
         assert!(Arc::ptr_eq(&image(moon), &image(plain)));
         assert_eq!(moon.source.as_deref(), Some(Path::new("parts/a.obj")));
         assert_eq!(moon.mesh.materials()[0].color, Color([0, 255, 0]));
+    }
+
+    #[test]
+    fn an_object_says_what_is_up_in_its_file() {
+        let text = "[[object]]\nmesh = \"b.txt\"\n[[object]]\nmesh = \"b.txt\"\nup-axis = \"z\"\n";
+        let file = parse(text);
+        let corner = |index: usize| file.scene.objects[index].mesh.corners(0).expect("corners")[2];
+        assert_eq!(corner(0), glam::Vec3::Y);
+        assert_eq!(corner(1), glam::Vec3::NEG_Z);
+        let saved = file
+            .to_toml(Path::new("/nowhere"))
+            .expect("it can be saved");
+        assert_eq!(saved.matches("up-axis").count(), 1, "{saved}");
+        let again = parse(&saved);
+        assert_eq!(again.scene.content(), file.scene.content());
+        assert_eq!(again.scene.objects[1].up_axis, UpAxis::Z);
+        assert!(
+            file.notes[1].ends_with("z is taken to be up"),
+            "{:?}",
+            file.notes
+        );
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The tables of a `.raycast.toml`, as they stand in the file.
 
 use crate::camera::Projection;
-use crate::scene::{Color, ColorRule};
+use crate::scene::{Color, ColorRule, UpAxis};
 use crate::shade::{Filter, Mode, TextureProjection};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 use toml::Spanned;
@@ -87,11 +87,13 @@ pub(super) struct ShadingToml {
 }
 
 #[derive(Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(super) struct ObjectToml {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) name: Option<String>,
     pub(super) mesh: Spanned<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) up_axis: Option<UpAxisToml>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) color: Option<ColorRuleToml>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -204,6 +206,7 @@ words!(ProjectionToml for Projection { Perspective, Orthographic });
 words!(ModeToml for Mode {
     Color, Flat, Smooth, Normals, Depth, Barycentric, Uv, Texture, Wireframe
 });
+words!(UpAxisToml for UpAxis { Y, Z });
 words!(FilterToml for Filter { Nearest, Bilinear });
 words!(TextureProjectionToml for TextureProjection { Uv, Triplanar });
 

@@ -6,7 +6,7 @@ use super::scene_toml::{
 };
 use crate::camera::Projection;
 use crate::quote::shorten;
-use crate::scene::{Scene, SceneError, Transform};
+use crate::scene::{Scene, SceneError, Transform, UpAxis};
 use crate::shade::{Background, Shading};
 use std::path::Path;
 use toml::Spanned;
@@ -175,6 +175,7 @@ fn object(
     Ok(ObjectToml {
         name: Some(names[index].clone()),
         mesh: named(source)?,
+        up_axis: (object.up_axis != UpAxis::default()).then(|| object.up_axis.into()),
         color: Some(color),
         seed,
         texture,

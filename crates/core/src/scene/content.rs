@@ -27,6 +27,7 @@ fn add_object(hash: &mut Digester, object: &Object) {
         color,
         texture,
         source: _,
+        up_axis: _,
         texture_source: _,
     } = object;
     let Transform {

@@ -1,5 +1,6 @@
 use super::{Bounds, Color};
 use glam::{DVec3, Vec2, Vec3};
+use rayon::prelude::*;
 use robust::{Coord, orient2d};
 use std::mem::size_of;
 
@@ -169,42 +170,22 @@ impl Mesh {
     /// Checks and stores `data`: recentres it where it lies further from zero than it is long,
     /// and drops triangles that no ray could meet, with a count.
     pub fn new(data: MeshData) -> Self {
-        let mut dropped = Dropped::default();
-        let mut usable = Vec::with_capacity(data.triangles.len());
-        for (number, triangle) in data.triangles.iter().enumerate() {
-            let corners = triangle.map(|i| data.positions.get(i as usize));
-            let [Some(a), Some(b), Some(c)] = corners else {
-                dropped.bad_index += 1;
-                continue;
-            };
-            let reach = a.abs().max(b.abs()).max(c.abs()).max_element();
-            if !(a.is_finite() && b.is_finite() && c.is_finite()) {
-                dropped.not_finite += 1;
-            } else if reach > COORDINATE_LIMIT {
-                dropped.too_far += 1;
-            } else {
-                usable.push(number as u32);
-            }
-        }
-
-        let bounds = Bounds::around(
-            usable
-                .iter()
-                .flat_map(|&number| data.triangles[number as usize])
-                .map(|i| data.positions[i as usize]),
-        );
+        let triangles = &data.triangles;
+        let (usable, mut dropped, bounds) = usable(&data);
         let offset = recentring_offset(&bounds);
         let positions: Vec<Vec3> = data
             .positions
-            .iter()
+            .par_iter()
+            .with_min_len(CHUNK)
             .map(|p| (*p - offset).as_vec3())
             .collect();
 
-        let mut rounding = Measure::new(&data.positions, &positions, offset);
-        let kept: Vec<u32> = usable
-            .into_iter()
-            .filter(|&number| {
-                let triangle = data.triangles[number as usize];
+        let moves = Moves::new(&data.positions, &positions, offset);
+        let keep = |numbers: &[u32]| {
+            let mut dropped = Dropped::default();
+            let mut rounding = Measure::new(&moves);
+            let is_kept = |number: &u32| {
+                let triangle = triangles[*number as usize];
                 let [a, b, c] = triangle.map(|i| positions[i as usize]);
                 if !has_no_area(a, b, c) {
                     rounding.add(triangle);
@@ -217,9 +198,20 @@ impl Mesh {
                     dropped.rounded_away += 1;
                 }
                 false
-            })
-            .collect();
-        let rounding = rounding.rounding;
+            };
+            let kept: Vec<u32> = numbers.iter().copied().filter(is_kept).collect();
+            (kept, dropped, rounding)
+        };
+        let parts: Vec<_> = usable.par_chunks(CHUNK).map(keep).collect();
+        let mut rounding = Measure::new(&moves);
+        let mut kept = Vec::with_capacity(parts.iter().map(|(kept, ..)| kept.len()).sum());
+        for (part, less, moved) in parts {
+            kept.extend(part);
+            dropped.zero_area += less.zero_area;
+            dropped.rounded_away += less.rounded_away;
+            rounding.join(&moved);
+        }
+        let rounding = rounding.rounding();
 
         let material_of_triangle = if data.materials.is_empty() {
             Vec::new()
@@ -299,17 +291,17 @@ impl Mesh {
     }
 
     /// The mesh's own normals, as stored.
-    pub(super) fn normals(&self) -> Option<&Attribute<Vec3>> {
+    pub(crate) fn normals(&self) -> Option<&Attribute<Vec3>> {
         self.normals.as_ref()
     }
 
     /// Texture coordinates, as stored.
-    pub(super) fn uvs(&self) -> Option<&Attribute<Vec2>> {
+    pub(crate) fn uvs(&self) -> Option<&Attribute<Vec2>> {
         self.uvs.as_ref()
     }
 
     /// A material's number a triangle, as stored; empty where the file has none.
-    pub(super) fn material_of_triangle(&self) -> &[u32] {
+    pub(crate) fn material_of_triangle(&self) -> &[u32] {
         &self.material_of_triangle
     }
 
@@ -361,7 +353,7 @@ impl Mesh {
 /// offset is a multiple of the power of two just below `hi − lo`, so it is one of `ulp` or finer
 /// differences stay exact; it is within half of that power of the middle, so what is left is at
 /// most `hi − lo` long: 24 bits hold it exactly.
-fn recentring_offset(bounds: &Bounds) -> DVec3 {
+pub(crate) fn recentring_offset(bounds: &Bounds) -> DVec3 {
     if bounds.is_empty() {
         return DVec3::ZERO;
     }
@@ -417,51 +409,128 @@ fn has_no_area_in_doubles(a: DVec3, b: DVec3, c: DVec3) -> bool {
     is_flat(0, 1) && is_flat(1, 2) && is_flat(2, 0)
 }
 
-/// Measures how far corners were moved.
-struct Measure<'m> {
-    positions: &'m [DVec3],
-    /// By how much each was moved, squared; empty if none was.
-    moves: Vec<f64>,
-    rounding: Rounding,
+/// Triangles, or vertices, that are worth a task of their own.
+const CHUNK: usize = 1 << 15;
+
+/// The numbers of the triangles whose corners are there, finite and near enough; how many others
+/// there are; and the box around them.
+fn usable(data: &MeshData) -> (Vec<u32>, Dropped, Bounds) {
+    let part = |(part, triangles): (usize, &[[u32; 3]])| {
+        let mut numbers = Vec::with_capacity(triangles.len());
+        let mut dropped = Dropped::default();
+        let mut bounds = Bounds::EMPTY;
+        for (index, triangle) in triangles.iter().enumerate() {
+            let Some([a, b, c]) = data.corners(*triangle) else {
+                dropped.bad_index += 1;
+                continue;
+            };
+            let reach = a.abs().max(b.abs()).max(c.abs()).max_element();
+            if !(a.is_finite() && b.is_finite() && c.is_finite()) {
+                dropped.not_finite += 1;
+            } else if reach > COORDINATE_LIMIT {
+                dropped.too_far += 1;
+            } else {
+                numbers.push((part * CHUNK + index) as u32);
+                bounds.min = bounds.min.min(a).min(b).min(c);
+                bounds.max = bounds.max.max(a).max(b).max(c);
+            }
+        }
+        (numbers, dropped, bounds)
+    };
+    let parts: Vec<_> = data
+        .triangles
+        .par_chunks(CHUNK)
+        .enumerate()
+        .map(part)
+        .collect();
+    let mut numbers = Vec::with_capacity(parts.iter().map(|(part, ..)| part.len()).sum());
+    let mut dropped = Dropped::default();
+    let mut bounds = Bounds::EMPTY;
+    for (part, less, around) in parts {
+        numbers.extend(part);
+        dropped.bad_index += less.bad_index;
+        dropped.not_finite += less.not_finite;
+        dropped.too_far += less.too_far;
+        bounds = bounds.union(around);
+    }
+    (numbers, dropped, bounds)
 }
 
-impl<'m> Measure<'m> {
+/// By how much storing each vertex moves it.
+struct Moves<'m> {
+    positions: &'m [DVec3],
+    /// Squared; empty if none was moved.
+    squared: Vec<f64>,
+}
+
+impl<'m> Moves<'m> {
     fn new(positions: &'m [DVec3], stored: &[Vec3], offset: DVec3) -> Self {
         let moved = |(from, to): (&DVec3, &Vec3)| {
             // Both differences are exact or nearly: of numbers that are close.
             ((*from - offset) - to.as_dvec3()).length_squared()
         };
-        let mut moves: Vec<f64> = positions.iter().zip(stored).map(moved).collect();
-        if moves.iter().all(|squared| *squared == 0.0) {
-            moves.clear();
-        }
+        let all = positions.par_iter().zip(stored).with_min_len(CHUNK);
+        // NaN is a move, as of what is not finite.
+        let is_moved = all.clone().any(|pair| moved(pair) != 0.0);
+        let squared = if is_moved {
+            all.map(moved).collect()
+        } else {
+            Vec::new()
+        };
+        Self { positions, squared }
+    }
+}
+
+/// Measures how far corners were moved.
+struct Measure<'m> {
+    moves: &'m Moves<'m>,
+    /// The furthest, squared.
+    distance: f64,
+    /// The furthest as a share of an edge, squared.
+    share: f64,
+    bent: u32,
+}
+
+impl<'m> Measure<'m> {
+    fn new(moves: &'m Moves<'m>) -> Self {
         Self {
-            positions,
             moves,
-            rounding: Rounding::default(),
+            distance: 0.0,
+            share: 0.0,
+            bent: 0,
         }
     }
 
     /// Takes note of a kept triangle.
     #[inline]
     fn add(&mut self, triangle: [u32; 3]) {
-        if self.moves.is_empty() {
+        let Moves { positions, squared } = self.moves;
+        if squared.is_empty() {
             return;
         }
-        let [a, b, c] = triangle.map(|i| self.positions[i as usize]);
-        let [i, j, k] = triangle.map(|i| self.moves[i as usize]);
+        let [a, b, c] = triangle.map(|i| positions[i as usize]);
+        let [i, j, k] = triangle.map(|i| squared[i as usize]);
         let moved = i.max(j).max(k);
         let edge = |from: DVec3, to: DVec3| from.distance_squared(to);
         let edge = edge(a, b).min(edge(b, c)).min(edge(c, a));
-        let rounding = &mut self.rounding;
-        // Squares spare the roots, but for those that count.
-        if moved > rounding.distance * rounding.distance {
-            rounding.distance = moved.sqrt();
+        self.distance = self.distance.max(moved);
+        self.share = self.share.max(moved / edge);
+        self.bent += u32::from(moved > BENT * BENT * edge);
+    }
+
+    /// Takes over what another has noted.
+    fn join(&mut self, other: &Self) {
+        self.distance = self.distance.max(other.distance);
+        self.share = self.share.max(other.share);
+        self.bent += other.bent;
+    }
+
+    fn rounding(&self) -> Rounding {
+        Rounding {
+            distance: self.distance.sqrt(),
+            share_of_edge: self.share.sqrt(),
+            bent: self.bent,
         }
-        if moved > rounding.share_of_edge * rounding.share_of_edge * edge {
-            rounding.share_of_edge = (moved / edge).sqrt();
-        }
-        rounding.bent += u32::from(moved > BENT * BENT * edge);
     }
 }
 

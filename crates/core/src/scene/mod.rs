@@ -7,11 +7,13 @@ mod mesh;
 mod object;
 mod texture;
 mod transform;
+mod up_axis;
 
 pub use bounds::Bounds;
 pub use color::{Color, ColorRule};
-pub(crate) use mesh::is_storable;
 pub use mesh::{Attribute, BENT, COORDINATE_LIMIT, Dropped, Material, Mesh, MeshData, Rounding};
+pub(crate) use mesh::{is_storable, recentring_offset};
 pub use object::{Object, Scene, SceneError};
 pub use texture::{Crop, Texture};
 pub use transform::Transform;
+pub use up_axis::UpAxis;

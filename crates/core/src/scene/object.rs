@@ -1,4 +1,4 @@
-use super::{Bounds, Color, ColorRule, Mesh, Texture, Transform};
+use super::{Bounds, Color, ColorRule, Mesh, Texture, Transform, UpAxis};
 use crate::quote::shorten;
 use glam::{DAffine3, DVec3};
 use std::path::PathBuf;
@@ -22,6 +22,8 @@ pub struct Object {
     /// The file that its mesh was read from, for saving the scene: absolute, or relative where the
     /// mesh came from a caller's own store of files.
     pub source: Option<PathBuf>,
+    /// Which axis of that file was taken to be up: its mesh was turned when it was read.
+    pub up_axis: UpAxis,
     /// The file that its texture was read from, likewise.
     pub texture_source: Option<PathBuf>,
 }
@@ -37,6 +39,7 @@ impl Object {
             color: ColorRule::File,
             texture: None,
             source: None,
+            up_axis: UpAxis::Y,
             texture_source: None,
         }
     }

@@ -1,5 +1,7 @@
+use super::values;
 use clap::Args;
 use raycast_core::formats::{Budget, Limits};
+use raycast_core::scene::UpAxis;
 use std::str::FromStr;
 
 /// How much reading files may take, and what is followed.
@@ -14,6 +16,10 @@ pub struct ReadingArgs {
     /// above
     #[arg(long)]
     pub follow_anywhere: bool,
+    /// Which axis is up in mesh files that do not say (scene files say it for their objects): z turns
+    /// (x, y, z) to (x, z, -y) [default: y]
+    #[arg(long, value_name = "AXIS", value_parser = values::named(values::UP_AXES))]
+    pub up_axis: Option<UpAxis>,
 }
 
 impl ReadingArgs {
@@ -21,6 +27,7 @@ impl ReadingArgs {
     pub fn limits(&self) -> Limits {
         let mut limits = Limits {
             follow_anywhere: self.follow_anywhere,
+            up_axis: self.up_axis.unwrap_or_default(),
             ..Limits::default()
         };
         for limit in &self.limits {
@@ -95,12 +102,14 @@ mod tests {
                 .map(|text| limit(text).expect("a limit"))
                 .collect(),
             follow_anywhere: true,
+            up_axis: Some(UpAxis::Z),
         };
         let expected = Limits {
             bytes: 3 << 30,
             pixels: 1 << 20,
             triangles: 2048,
             follow_anywhere: true,
+            up_axis: UpAxis::Z,
         };
         assert_eq!(args.limits(), expected);
         assert_eq!(ReadingArgs::default().limits(), Limits::default());

@@ -6,7 +6,7 @@ use raycast_core::camera::{ImagePlane, Projection, check_step};
 use raycast_core::glam::DVec3;
 use raycast_core::ranges;
 use raycast_core::render::Precision;
-use raycast_core::scene::{Color, ColorRule, Crop};
+use raycast_core::scene::{Color, ColorRule, Crop, UpAxis};
 use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
 use std::str::FromStr;
 
@@ -54,6 +54,8 @@ pub(super) const FILTERS: Names<Filter> =
 
 pub(super) const PRECISIONS: Names<Precision> =
     &[("fast", Precision::Fast), ("exact", Precision::Exact)];
+
+pub(super) const UP_AXES: Names<UpAxis> = &[("y", UpAxis::Y), ("z", UpAxis::Z)];
 
 pub(super) const CULLS: Names<Cull> = &[("none", Cull::None), ("back", Cull::Back)];
 

@@ -26,6 +26,8 @@ struct FileInfo {
     tree_bytes_per_triangle: f64,
     objects: Vec<ObjectInfo>,
     warnings: Vec<String>,
+    /// What the file is, says of itself, and holds that is not used.
+    notes: Vec<String>,
 }
 
 /// What an object is.
@@ -153,6 +155,7 @@ fn inspect(path: &Path, reading: &ReadingArgs) -> Result<FileInfo, Failure> {
         kind,
         scene,
         warnings,
+        notes,
         camera,
         image,
         ..
@@ -182,6 +185,7 @@ fn inspect(path: &Path, reading: &ReadingArgs) -> Result<FileInfo, Failure> {
         tree_bytes_per_triangle: tree_bytes as f64 / accel.len().max(1) as f64,
         objects: scene.objects.iter().map(ObjectInfo::from).collect(),
         warnings,
+        notes,
     })
 }
 
@@ -202,6 +206,9 @@ fn describe(info: &FileInfo) -> String {
             info.tree_bytes_per_triangle, info.build_ms
         ),
     );
+    for note in &info.notes {
+        line("note", note.clone());
+    }
     for warning in &info.warnings {
         line("warning", warning.clone());
     }
@@ -224,7 +231,7 @@ fn describe(info: &FileInfo) -> String {
             line("colors", "at vertices".to_owned());
         }
         if !object.materials.is_empty() {
-            line("materials", object.materials.join(", "));
+            line("materials", some_of(&object.materials));
         }
         if let Some([width, height]) = object.texture {
             line("texture", format!("{width}x{height}"));
@@ -270,6 +277,16 @@ fn vector([x, y, z]: [f64; 3]) -> String {
     format!("{x} {y} {z}")
 }
 
+/// The first of many names, and how many more there are: a file of coloured faces has one a colour.
+fn some_of(names: &[String]) -> String {
+    const MOST: usize = 12;
+    let first = names[..names.len().min(MOST)].join(", ");
+    match names.len().saturating_sub(MOST) {
+        0 => first,
+        more => format!("{first} and {more} more"),
+    }
+}
+
 fn yes_no(is: bool) -> String {
     if is { "yes" } else { "no" }.to_owned()
 }
@@ -302,6 +319,7 @@ mod tests {
             tree_bytes_per_triangle: 100.0,
             objects: scene.objects.iter().map(ObjectInfo::from).collect(),
             warnings: vec!["part.obj: no such material".to_owned()],
+            notes: vec!["binary".to_owned()],
         }
     }
 
@@ -313,6 +331,7 @@ mod tests {
             "{text}"
         );
         assert!(text.contains("size       1 1 0.1"), "{text}");
+        assert!(text.contains("note       binary"), "{text}");
         // 0.1 is 1.49e-9 from the nearest single, and no edge is shorter than 1.
         let rounded = "rounded    by at most 1.49e-9, and 1.49e-7 % of an edge";
         assert!(text.contains(rounded), "{text}");

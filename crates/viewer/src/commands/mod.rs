@@ -2,6 +2,7 @@
 
 mod bench;
 mod cast;
+mod convert;
 mod info;
 mod render;
 mod report;
@@ -49,6 +50,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Cast(args) => cast::run(&args),
         Command::Stitch(args) => stitch::run(&args),
+        Command::Convert(args) => convert::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Report(args) => report::run(&args),

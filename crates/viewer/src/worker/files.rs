@@ -401,7 +401,12 @@ fn dialog(kind: PromptKind, suggested: &str) -> DialogAnswer {
     let path = match kind {
         PromptKind::Open => dialog
             .set_title("Open a mesh or a scene")
-            .add_filter("Meshes and scenes", &["obj", "txt", "tri", "toml"])
+            .add_filter(
+                "Meshes and scenes",
+                &[
+                    "obj", "ply", "stl", "off", "txt", "tri", "toml", "gz", "zst",
+                ],
+            )
             .add_filter("All files", &["*"])
             .pick_file(),
         PromptKind::Texture => dialog

@@ -1,0 +1,310 @@
+//! Binary glTF 2.0 (Khronos Group, "glTF 2.0 Specification", 2021).
+
+use super::mesh_write::{WriteError, Written};
+use super::write_parts::{Joined, Part, Parts};
+use crate::scene::Color;
+use crate::shade::srgb::linear;
+use glam::{DVec3, Vec3};
+use serde_json::{Value, json};
+use std::io::{self, Write};
+
+/// The most primitives of an object: its triangles keep their order, so each run of triangles of one
+/// material is one, which is too many where colours are at random.
+const PRIMITIVE_LIMIT: usize = 4096;
+
+const FLOAT: u32 = 5126;
+const UNSIGNED_SHORT: u32 = 5123;
+const UNSIGNED_INT: u32 = 5125;
+const ARRAY_BUFFER: u32 = 34962;
+const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+
+/// Writes GLB: a node and a mesh an object. Positions are single precision, about the node's
+/// translation where the object lies far from zero.
+pub(super) fn write(
+    parts: &Parts<'_>,
+    out: &mut dyn Write,
+    written: &mut Written,
+) -> Result<(), WriteError> {
+    let objects: Vec<Object<'_, '_>> = parts.parts.iter().map(Object::of).collect();
+    written.vertices = objects
+        .iter()
+        .map(|object| object.joined.vertices.len() as u64)
+        .sum();
+    if objects.iter().any(|object| object.lost_colors) {
+        written
+            .lost
+            .push("colours of vertices, which not all have".to_owned());
+    }
+    if objects.iter().any(|object| object.lost_materials) {
+        written
+            .lost
+            .push("materials that change too often".to_owned());
+    }
+    let mut tables = Tables::default();
+    for object in &objects {
+        object.describe(&mut tables);
+    }
+    let Tables {
+        bytes,
+        views,
+        accessors,
+        materials,
+        meshes,
+        nodes,
+    } = tables;
+    let mut json = json!({
+        "asset": { "version": "2.0", "generator": "RayCast" },
+        "scene": 0,
+        "scenes": [{ "nodes": (0..nodes.len()).collect::<Vec<_>>() }],
+        "nodes": nodes,
+    });
+    // Lists may not be empty.
+    for (name, list) in [
+        ("meshes", meshes),
+        ("materials", materials),
+        ("accessors", accessors),
+        ("bufferViews", views),
+    ] {
+        if !list.is_empty() {
+            json[name] = list.into();
+        }
+    }
+    if bytes > 0 {
+        json["buffers"] = json!([{ "byteLength": bytes }]);
+    }
+    let mut json = json.to_string().into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let total = 12 + 8 + json.len() as u64 + if bytes > 0 { 8 + bytes } else { 0 };
+    let length = u32::try_from(total).map_err(|_| WriteError::TooMany {
+        what: format!("{total} bytes"),
+        format: "GLB",
+    })?;
+    out.write_all(b"glTF")?;
+    out.write_all(&2u32.to_le_bytes())?;
+    out.write_all(&length.to_le_bytes())?;
+    out.write_all(&(json.len() as u32).to_le_bytes())?;
+    out.write_all(b"JSON")?;
+    out.write_all(&json)?;
+    if bytes > 0 {
+        // No longer than the file, whose length was checked.
+        out.write_all(&(bytes as u32).to_le_bytes())?;
+        out.write_all(b"BIN\0")?;
+        for object in &objects {
+            object.write(out)?;
+        }
+    }
+    parts.count_moves(written, |part, position| {
+        part.offset + (position - part.offset).as_vec3().as_dvec3()
+    });
+    Ok(())
+}
+
+/// The JSON's lists, and how long the buffer is so far.
+#[derive(Default)]
+struct Tables {
+    bytes: u64,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+    materials: Vec<Value>,
+    meshes: Vec<Value>,
+    nodes: Vec<Value>,
+}
+
+impl Tables {
+    /// Adds a view of the buffer's next bytes; its number.
+    fn view(&mut self, bytes: u64, target: u32) -> usize {
+        self.views.push(json!({
+            "buffer": 0,
+            "byteOffset": self.bytes,
+            "byteLength": bytes,
+            "target": target,
+        }));
+        self.bytes += bytes;
+        self.views.len() - 1
+    }
+
+    /// Adds an accessor; its number.
+    fn accessor(&mut self, accessor: Value) -> usize {
+        self.accessors.push(accessor);
+        self.accessors.len() - 1
+    }
+}
+
+/// An object, made ready.
+struct Object<'p, 's> {
+    part: &'p Part<'s>,
+    joined: Joined,
+    colors: Option<Vec<Color>>,
+    lost_colors: bool,
+    lost_materials: bool,
+    /// Where triangles of another material begin: the first, and the material.
+    runs: Vec<(usize, Option<u32>)>,
+}
+
+impl<'p, 's> Object<'p, 's> {
+    fn of(part: &'p Part<'s>) -> Self {
+        let colors = part.vertex_colors();
+        let materials = part.mesh.materials().len();
+        let material = |number: usize| {
+            let material = part.mesh.material_of_triangle().get(number).copied();
+            material.filter(|&material| (material as usize) < materials)
+        };
+        let mut runs: Vec<(usize, Option<u32>)> = Vec::new();
+        for number in 0..part.triangles.len() {
+            let material = material(number);
+            if runs.last().is_none_or(|(_, last)| *last != material) {
+                runs.push((number, material));
+                if runs.len() > PRIMITIVE_LIMIT {
+                    break;
+                }
+            }
+        }
+        let lost_materials = runs.len() > PRIMITIVE_LIMIT;
+        if lost_materials {
+            runs = vec![(0, None)];
+        }
+        Self {
+            part,
+            joined: part.joined(),
+            lost_colors: colors.is_none() && !part.mesh.vertex_colors().is_empty(),
+            lost_materials,
+            colors,
+            runs,
+        }
+    }
+
+    fn position(&self, vertex: &[u32; 3]) -> Vec3 {
+        let position = self.part.positions[vertex[0] as usize];
+        (position - self.part.offset).as_vec3()
+    }
+
+    /// Describes what [`Object::write`] writes.
+    fn describe(&self, tables: &mut Tables) {
+        let part = self.part;
+        let mut node = json!({ "name": part.name });
+        if part.offset != DVec3::ZERO {
+            node["translation"] = json!(part.offset.to_array());
+        }
+        if part.triangles.is_empty() {
+            tables.nodes.push(node);
+            return;
+        }
+        let vertices = &self.joined.vertices;
+        let count = vertices.len();
+        let mut attributes = json!({});
+        let mut attribute =
+            |tables: &mut Tables, name: &str, kind: &str, size: u64, float: bool| {
+                let view = tables.view(size * count as u64, ARRAY_BUFFER);
+                let mut accessor = json!({
+                    "bufferView": view,
+                    "componentType": if float { FLOAT } else { UNSIGNED_SHORT },
+                    "count": count,
+                    "type": kind,
+                });
+                if name == "POSITION" {
+                    let positions = vertices.iter().map(|vertex| self.position(vertex));
+                    let ends = positions
+                        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), p| {
+                            (min.min(p), max.max(p))
+                        });
+                    accessor["min"] = json!(ends.0.to_array());
+                    accessor["max"] = json!(ends.1.to_array());
+                }
+                if !float {
+                    accessor["normalized"] = true.into();
+                }
+                attributes[name] = tables.accessor(accessor).into();
+            };
+        attribute(tables, "POSITION", "VEC3", 12, true);
+        if part.normals.is_some() {
+            attribute(tables, "NORMAL", "VEC3", 12, true);
+        }
+        if part.mesh.has_uvs() {
+            attribute(tables, "TEXCOORD_0", "VEC2", 8, true);
+        }
+        if self.colors.is_some() {
+            attribute(tables, "COLOR_0", "VEC4", 8, false);
+        }
+        let first_material = tables.materials.len();
+        let used: &[_] = if self.runs.iter().any(|(_, material)| material.is_some()) {
+            part.mesh.materials()
+        } else {
+            &[]
+        };
+        tables.materials.extend(used.iter().map(|material| {
+            let [r, g, b] = linear(material.color).to_array();
+            json!({
+                "name": material.name,
+                "pbrMetallicRoughness": {
+                    "baseColorFactor": [r, g, b, 1.0],
+                    "metallicFactor": 0.0,
+                },
+                "doubleSided": true,
+            })
+        }));
+        let triangles = self.joined.triangles.len();
+        let view = tables.view(12 * triangles as u64, ELEMENT_ARRAY_BUFFER);
+        let ends = self.runs.iter().skip(1).map(|run| run.0).chain([triangles]);
+        let mut primitives = Vec::new();
+        for (&(first, material), end) in self.runs.iter().zip(ends) {
+            let indices = tables.accessor(json!({
+                "bufferView": view,
+                "byteOffset": 12 * first,
+                "componentType": UNSIGNED_INT,
+                "count": 3 * (end - first),
+                "type": "SCALAR",
+            }));
+            let mut primitive = json!({ "attributes": attributes, "indices": indices });
+            if let Some(material) = material {
+                primitive["material"] = (first_material + material as usize).into();
+            }
+            primitives.push(primitive);
+        }
+        tables
+            .meshes
+            .push(json!({ "name": part.name, "primitives": primitives }));
+        node["mesh"] = (tables.meshes.len() - 1).into();
+        tables.nodes.push(node);
+    }
+
+    /// Writes the object's bytes of the buffer.
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let part = self.part;
+        if part.triangles.is_empty() {
+            return Ok(());
+        }
+        let vertices = &self.joined.vertices;
+        let mut floats = |numbers: &[f32]| {
+            let mut numbers = numbers.iter();
+            numbers.try_for_each(|number| out.write_all(&number.to_le_bytes()))
+        };
+        for vertex in vertices {
+            floats(&self.position(vertex).to_array())?;
+        }
+        if part.normals.is_some() {
+            for &[_, normal, _] in vertices {
+                floats(&part.normal(normal).to_array())?;
+            }
+        }
+        if part.mesh.has_uvs() {
+            for &[.., uv] in vertices {
+                let uv = part.uv(uv);
+                // Its origin is the top left.
+                floats(&[uv.x, 1.0 - uv.y])?;
+            }
+        }
+        if let Some(colors) = &self.colors {
+            for &[position, ..] in vertices {
+                let [r, g, b] = linear(colors[position as usize]).to_array();
+                for channel in [r, g, b, 1.0] {
+                    let channel = (channel * f32::from(u16::MAX)).round() as u16;
+                    out.write_all(&channel.to_le_bytes())?;
+                }
+            }
+        }
+        for index in self.joined.triangles.as_flattened() {
+            out.write_all(&index.to_le_bytes())?;
+        }
+        Ok(())
+    }
+}

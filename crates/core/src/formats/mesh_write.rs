@@ -1,0 +1,129 @@
+//! Writing a scene's meshes, in their places, in a format of meshes.
+
+use super::write_parts::Parts;
+use super::{glb_write, obj_write, ply_write, stl_write, triangle_text_write};
+use crate::scene::{Scene, SceneError};
+use std::io::{self, Write};
+
+/// A format that meshes are written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MeshFormat {
+    /// OBJ, its materials in a library beside it.
+    Obj,
+    /// PLY, little-endian or as text: one list of triangles.
+    Ply {
+        /// As text.
+        ascii: bool,
+    },
+    /// STL, binary or as text: corners in single precision, and nothing else.
+    Stl {
+        /// As text.
+        ascii: bool,
+    },
+    /// Binary glTF 2.0.
+    Glb,
+    /// The triangle text of the original RayCast: corners, and nothing else.
+    TriangleText,
+}
+
+impl MeshFormat {
+    /// The format that a file's name asks for, by its extension in any case; `ascii` asks for text
+    /// where there is a choice. `None` for a name that asks for none.
+    pub fn from_name(name: &str, ascii: bool) -> Option<Self> {
+        let (_, extension) = name.rsplit_once('.')?;
+        Some(match extension.to_ascii_lowercase().as_str() {
+            "obj" => Self::Obj,
+            "ply" => Self::Ply { ascii },
+            "stl" => Self::Stl { ascii },
+            "glb" => Self::Glb,
+            "txt" | "tri" => Self::TriangleText,
+            _ => return None,
+        })
+    }
+}
+
+/// What was written, and what the format could not hold.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Written {
+    /// Triangles, those that no ray can meet among them: numbers stay.
+    pub triangles: u64,
+    /// Triangles that no ray can meet.
+    pub dropped: u64,
+    /// Those of them whose corners cannot be written (they are not there, not finite or too far): in
+    /// their place there is a triangle without area.
+    pub emptied: u64,
+    /// Vertices.
+    pub vertices: u64,
+    /// Vertices of triangles that rays can meet which the format's numbers do not hold.
+    pub moved: u64,
+    /// How far the furthest of them was moved, in the scene's units.
+    pub largest_move: f64,
+    /// What the scene has and the file has not, in words.
+    pub lost: Vec<String>,
+}
+
+/// Why meshes were not written.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// The system's refusal.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// Parents that do not exist, or go round in a circle, or a transform that is not finite.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// More than the format can hold.
+    #[error("{what} are more than {format} can hold")]
+    TooMany {
+        /// How much of what.
+        what: String,
+        /// The format.
+        format: &'static str,
+    },
+}
+
+/// Writes the meshes of a scene, each in its place, object by object in their order. `library` is the
+/// name by which an OBJ names the file of [`write_materials`]; without it an OBJ has no materials.
+///
+/// What is read from the file has the same triangles in the same order, with the same corners where
+/// the format's numbers hold them: decimals of text are the shortest that are read as the same number.
+///
+/// # Errors
+/// Those of `out`; a scene that cannot be placed; more than the format can hold.
+pub fn write_meshes(
+    scene: &Scene,
+    format: MeshFormat,
+    library: Option<&str>,
+    out: &mut dyn Write,
+) -> Result<Written, WriteError> {
+    let parts = Parts::of(scene)?;
+    let mut written = parts.written();
+    match format {
+        MeshFormat::Obj => obj_write::write(&parts, library, out, &mut written),
+        MeshFormat::Ply { ascii } => ply_write::write(&parts, ascii, out, &mut written),
+        MeshFormat::Stl { ascii } => stl_write::write(&parts, ascii, out, &mut written),
+        MeshFormat::Glb => glb_write::write(&parts, out, &mut written),
+        MeshFormat::TriangleText => triangle_text_write::write(&parts, out, &mut written),
+    }?;
+    let textures = scene
+        .objects
+        .iter()
+        .filter(|object| object.texture.is_some())
+        .count();
+    if textures > 0 {
+        written.lost.push(format!("textures of {textures} objects"));
+    }
+    Ok(written)
+}
+
+/// Writes the material library (MTL) of what [`write_meshes`] writes as OBJ; whether there is any
+/// material at all.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_materials(scene: &Scene, out: &mut dyn Write) -> io::Result<bool> {
+    obj_write::write_library(scene, out)
+}
+
+#[cfg(test)]
+#[path = "mesh_write/tests.rs"]
+mod tests;

@@ -1,0 +1,353 @@
+use super::super::files::Held;
+use super::super::limits::Budget;
+use super::super::mesh_file;
+use super::*;
+use crate::scene::{Attribute, Color, Material, Mesh, MeshData, Object, Transform, UpAxis};
+use glam::{DVec3, Vec2, Vec3};
+use serde_json::Value;
+use std::path::Path;
+use std::sync::Arc;
+
+/// The formats that are read, too, by the names of their files.
+const READ: [(&str, MeshFormat); 6] = [
+    ("a.obj", MeshFormat::Obj),
+    ("a.ply", MeshFormat::Ply { ascii: false }),
+    ("a.PLY", MeshFormat::Ply { ascii: true }),
+    ("a.stl", MeshFormat::Stl { ascii: false }),
+    ("a.STL", MeshFormat::Stl { ascii: true }),
+    ("a.txt", MeshFormat::TriangleText),
+];
+
+fn scene(meshes: impl IntoIterator<Item = MeshData>) -> Scene {
+    let objects = meshes
+        .into_iter()
+        .enumerate()
+        .map(|(number, data)| Object::new(format!("object\n{number}"), Arc::new(Mesh::new(data))));
+    Scene {
+        objects: objects.collect(),
+    }
+}
+
+fn bytes(scene: &Scene, format: MeshFormat) -> (Vec<u8>, Written) {
+    let mut bytes = Vec::new();
+    let written = write_meshes(scene, format, Some("a.mtl"), &mut bytes).expect("it is written");
+    (bytes, written)
+}
+
+fn read(scene: &Scene, name: &str, bytes: &[u8]) -> Mesh {
+    let mut library = Vec::new();
+    write_materials(scene, &mut library).expect("a list takes all");
+    let resolve = |name: &str| (name == "a.mtl").then(|| library.clone());
+    let budget = Budget::default();
+    let files = Held::new(&resolve, &budget);
+    let up_axis = UpAxis::default();
+    let read = mesh_file::read(Path::new(name), bytes, &files, up_axis, &|_| ()).expect(name);
+    let text = String::from_utf8_lossy(bytes);
+    assert_eq!(read.warnings, [""; 0], "{name}: {text}");
+    read.mesh
+}
+
+/// The corners of a triangle in the file's coordinates, bit for bit.
+fn corners(mesh: &Mesh, number: u32) -> [[u64; 3]; 3] {
+    let corners = mesh.corners(number).expect("a corner");
+    corners.map(|corner| {
+        // One zero of the two.
+        let corner = mesh.offset() + corner.as_dvec3() + DVec3::ZERO;
+        corner.to_array().map(f64::to_bits)
+    })
+}
+
+/// Single-precision coordinates of some decades, with everything that a mesh may have.
+fn rich() -> MeshData {
+    let places: [[f32; 3]; 5] = [
+        [0.1, -0.0, 3e-9],
+        [1.0, 0.2, 0.3],
+        [0.7, 1.1, -0.25],
+        [-12345.678, 1e-20, 0.3333333],
+        [5.0, 5.0, 5.0],
+    ];
+    MeshData {
+        positions: places
+            .map(|place| Vec3::from_array(place).as_dvec3())
+            .to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3], [1, 1, 2], [3, 1, 0]],
+        normals: Some(Attribute {
+            values: vec![Vec3::Z, Vec3::X],
+            indices: Some(vec![[0, 0, 1], [1, 1, 0], [0; 3], [1; 3]]),
+        }),
+        uvs: Some(Attribute {
+            values: vec![Vec2::ZERO, Vec2::X, Vec2::new(0.1, 0.75), Vec2::ONE],
+            indices: Some(vec![[0, 1, 2], [2, 3, 0], [0; 3], [1, 2, 3]]),
+        }),
+        materials: vec![
+            Material {
+                name: "a b".to_owned(),
+                color: Color([1, 2, 3]),
+            },
+            Material {
+                name: "b".to_owned(),
+                color: Color([254, 128, 7]),
+            },
+        ],
+        material_of_triangle: vec![0, 1, u32::MAX, 0],
+        colors: Vec::new(),
+    }
+}
+
+#[test]
+fn what_is_read_is_written_and_read_again() {
+    let scene = scene([rich()]);
+    let mesh = &scene.objects[0].mesh;
+    for (name, format) in READ {
+        let (bytes, written) = bytes(&scene, format);
+        assert_eq!(
+            (written.triangles, written.dropped, written.moved),
+            (4, 1, 0),
+            "{name}"
+        );
+        let again = read(&scene, name, &bytes);
+        assert_eq!(again.kept(), mesh.kept(), "{name}");
+        for &number in mesh.kept() {
+            assert_eq!(corners(&again, number), corners(mesh, number), "{name}");
+        }
+        let keeps = matches!(format, MeshFormat::Obj | MeshFormat::Ply { .. });
+        for &number in mesh.kept() {
+            let color = |mesh: &Mesh| mesh.material(number).map(|material| material.color);
+            if keeps {
+                assert_eq!(
+                    again.corner_normals(number),
+                    mesh.corner_normals(number),
+                    "{name}"
+                );
+                assert_eq!(again.corner_uvs(number), mesh.corner_uvs(number), "{name}");
+                assert_eq!(color(&again), color(mesh), "{name}");
+            } else {
+                assert_eq!(
+                    written.lost,
+                    ["normals", "texture coordinates", "materials"]
+                );
+            }
+        }
+        // From any to any.
+        let between = Scene::from(again);
+        for (other, format) in READ {
+            let (bytes, _) = self::bytes(&between, format);
+            let last = read(&between, other, &bytes);
+            assert_eq!(last.kept(), mesh.kept(), "{name} to {other}");
+            for &number in mesh.kept() {
+                assert_eq!(
+                    corners(&last, number),
+                    corners(mesh, number),
+                    "{name} to {other}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn colours_of_vertices_stay() {
+    let mut data = rich();
+    data.materials.clear();
+    data.colors = (0..5u8)
+        .map(|n| Some(Color([n, 50 * n, 255 - n])))
+        .collect();
+    let scene = scene([data]);
+    for (name, format) in &READ[..3] {
+        let (bytes, _) = bytes(&scene, *format);
+        let again = read(&scene, name, &bytes);
+        for number in 0..4 {
+            let expected = scene.objects[0].mesh.corner_colors(number);
+            assert_eq!(again.corner_colors(number), expected, "{name}");
+        }
+    }
+}
+
+#[test]
+fn moves_are_counted() {
+    let far = MeshData {
+        positions: vec![
+            DVec3::new(1e7 + 0.123456789, 0.0, 0.0),
+            DVec3::new(1e7 + 1.0, 0.0, 0.0),
+            DVec3::new(1e7, 1.0, 0.0),
+        ],
+        triangles: vec![[0, 1, 2]],
+        ..MeshData::default()
+    };
+    let scene = scene([far]);
+    let mesh = &scene.objects[0].mesh;
+    for (name, format) in READ {
+        let (bytes, written) = bytes(&scene, format);
+        let again = read(&scene, name, &bytes);
+        if matches!(format, MeshFormat::Stl { .. }) {
+            // Singles near 1e7 are a unit apart.
+            assert_eq!(written.moved, 1, "{name}");
+            assert!(
+                (written.largest_move - 0.123456789).abs() < 1e-7,
+                "{written:?}"
+            );
+        } else {
+            assert_eq!((written.moved, written.largest_move), (0, 0.0), "{name}");
+            assert_eq!(corners(&again, 0), corners(mesh, 0), "{name}");
+        }
+    }
+    assert_eq!(bytes(&scene, MeshFormat::Glb).1.moved, 0);
+}
+
+/// A reader of doubles moves these to another origin, and the decimals of singles are not the singles.
+#[test]
+fn far_singles_stay() {
+    let far = MeshData {
+        positions: [[1.0, 0.3f32, 0.007446289], [1.0, 0.3, 0.1], [1.1, 0.3, 0.7]]
+            .map(|place| Vec3::from_array(place).as_dvec3())
+            .to_vec(),
+        triangles: vec![[0, 1, 2]],
+        ..MeshData::default()
+    };
+    let scene = scene([far]);
+    let mesh = &scene.objects[0].mesh;
+    assert!(mesh.offset() != DVec3::ZERO);
+    for (name, format) in READ {
+        let (bytes, written) = bytes(&scene, format);
+        assert_eq!(written.moved, 0, "{name}");
+        let again = read(&scene, name, &bytes);
+        assert_eq!(corners(&again, 0), corners(mesh, 0), "{name}");
+    }
+}
+
+#[test]
+fn dropped_triangles_keep_their_numbers() {
+    let mut data = rich();
+    data.positions.push(DVec3::NAN);
+    data.positions.push(DVec3::X * 1e300);
+    data.triangles
+        .splice(1..1, [[0, 1, 5], [0, 1, 99], [6, 0, 1]]);
+    for all in [&mut data.normals.as_mut().expect("normals").indices] {
+        all.as_mut().expect("indices").splice(1..1, [[0; 3]; 3]);
+    }
+    data.uvs = None;
+    data.materials.clear();
+    let scene = scene([data]);
+    let mesh = &scene.objects[0].mesh;
+    for (name, format) in READ {
+        let (bytes, written) = bytes(&scene, format);
+        let counts = (written.triangles, written.dropped, written.emptied);
+        assert_eq!(counts, (7, 4, 3), "{name}");
+        let again = read(&scene, name, &bytes);
+        assert_eq!(again.kept(), mesh.kept(), "{name}");
+        assert_eq!(again.dropped().total(), 4, "{name}");
+    }
+}
+
+#[test]
+fn objects_are_written_where_they_stand() {
+    let mut scene = scene([rich(), rich()]);
+    scene.objects[1].transform = Transform {
+        translate: DVec3::new(0.0, 100.0, 0.0),
+        rotate: DVec3::new(0.0, 0.0, 30.0),
+        scale: DVec3::splat(2.0),
+    };
+    scene.objects[1].parent = Some(0);
+    let place = scene.world_from_objects().expect("transforms")[1];
+    let mesh = &scene.objects[1].mesh;
+    for (name, format) in READ {
+        let (bytes, written) = bytes(&scene, format);
+        let again = read(&scene, name, &bytes);
+        assert_eq!(again.kept(), [0, 1, 3, 4, 5, 7], "{name}");
+        let told = "that there are 2 objects".to_owned();
+        assert_eq!(
+            written.lost.contains(&told),
+            format != MeshFormat::Obj,
+            "{name}"
+        );
+        for (found, expected) in again
+            .corners(4)
+            .into_iter()
+            .flatten()
+            .zip(mesh.corners(0).expect("corners"))
+        {
+            let expected = place.transform_point3(expected.as_dvec3());
+            assert!((found.as_dvec3() - expected).length() < 1e-5, "{name}");
+        }
+    }
+    let (text, _) = bytes(&scene, MeshFormat::Obj);
+    let text = String::from_utf8(text).expect("text");
+    assert!(text.contains("\no object 1\n"), "{text}");
+}
+
+#[test]
+fn materials_of_one_name_are_told_apart() {
+    let mut other = rich();
+    other.materials[1].color = Color([9; 3]);
+    let scene = scene([rich(), other]);
+    let (bytes, _) = bytes(&scene, MeshFormat::Obj);
+    let again = read(&scene, "a.obj", &bytes);
+    let color = |number| again.material(number).map(|material| material.color);
+    assert_eq!(
+        [1, 5].map(color),
+        [Some(Color([254, 128, 7])), Some(Color([9; 3]))]
+    );
+}
+
+#[test]
+fn a_glb_is_laid_out_as_it_says() {
+    let mut scene = scene([rich(), rich()]);
+    scene.objects[1].transform.translate = DVec3::new(1e6, 0.0, 0.0);
+    let (bytes, written) = bytes(&scene, MeshFormat::Glb);
+    assert_eq!(&bytes[..8], b"glTF\x02\0\0\0");
+    let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four")) as usize;
+    assert_eq!(word(8), bytes.len());
+    let json: Value = serde_json::from_slice(&bytes[20..20 + word(12)]).expect("JSON");
+    let buffer = &bytes[28 + word(12)..];
+    assert_eq!(word(20 + word(12)), buffer.len());
+    assert_eq!(json["buffers"][0]["byteLength"], buffer.len());
+    let numbers = |accessor: &Value, of: usize| -> Vec<[u8; 4]> {
+        let accessor = &json["accessors"][accessor.as_u64().expect("a number") as usize];
+        let view = accessor["bufferView"].as_u64().expect("a number") as usize;
+        let at = |value: &Value| value["byteOffset"].as_u64().unwrap_or(0) as usize;
+        let start = at(&json["bufferViews"][view]) + at(accessor);
+        let count = accessor["count"].as_u64().expect("a count") as usize * of;
+        buffer[start..start + 4 * count].as_chunks().0.to_vec()
+    };
+    let mut triangles = 0;
+    for (index, object) in scene.objects.iter().enumerate() {
+        let node = &json["nodes"][index];
+        let mesh = &json["meshes"][node["mesh"].as_u64().expect("a mesh") as usize];
+        let translation = &node["translation"][0];
+        let x = translation.as_f64().unwrap_or(0.0);
+        let place = object.transform.translate;
+        let mut number = 0;
+        for primitive in mesh["primitives"].as_array().expect("a list") {
+            let positions = numbers(&primitive["attributes"]["POSITION"], 3);
+            let position = |index: usize| {
+                let number =
+                    |axis: usize| f64::from(f32::from_le_bytes(positions[3 * index + axis]));
+                DVec3::new(x + number(0), number(1), number(2))
+            };
+            for triangle in numbers(&primitive["indices"], 1).as_chunks::<3>().0 {
+                let corners = triangle.map(|index| position(u32::from_le_bytes(index) as usize));
+                let expected = object.mesh.corners(number).expect("corners");
+                for (corner, expected) in corners.into_iter().zip(expected) {
+                    let moved = (corner - (place + expected.as_dvec3())).length();
+                    assert!(moved <= written.largest_move, "{moved} {written:?}");
+                }
+                let material = object.mesh.material(number).map(|material| &material.name);
+                let named = primitive["material"].as_u64();
+                let named = named.map(|index| &json["materials"][index as usize]["name"]);
+                assert_eq!(named.and_then(Value::as_str), material.map(String::as_str));
+                number += 1;
+            }
+        }
+        triangles += number;
+    }
+    assert_eq!(triangles, 8);
+    assert_eq!(json["nodes"][0].get("translation"), None);
+}
+
+#[test]
+fn names_ask_for_formats() {
+    let format = |name| MeshFormat::from_name(name, true);
+    assert_eq!(format("a.b.PLY"), Some(MeshFormat::Ply { ascii: true }));
+    assert_eq!(format("tri"), None);
+    assert_eq!(format("a.off"), None);
+}

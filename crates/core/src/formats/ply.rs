@@ -1,0 +1,637 @@
+//! PLY, ASCII and binary of both byte orders (Turk, "The PLY Polygon File Format", 1994).
+//!
+//! Vertices: `x y z`, normals `nx ny nz`, colours `red green blue`, texture coordinates `s t`, `u v` or
+//! `texture_u texture_v`. Faces: the list `vertex_indices` or `vertex_index`, colours, and texture
+//! coordinates at corners as the list `texcoord`. Triangle strips: the list `vertex_indices` of the
+//! element `tristrips`. All else is passed over and named.
+
+use super::Progress;
+use super::at_vertices::at_vertices;
+use super::error::FormatError;
+use super::face_colors;
+use super::files::beside;
+use super::limits::Budget;
+use super::parsed::Parsed;
+use super::ply_header::{self, Element, Encoding, Header, Property, Scalar};
+use super::ply_values::{Ascii, Binary, Values};
+use super::polygon::{self, Polygon};
+use super::tokens::Found;
+use crate::quote;
+use crate::scene::{Attribute, Color, MeshData};
+use glam::{DVec3, Vec2, Vec3};
+use std::mem::size_of;
+use std::path::Path;
+
+/// No index: a corner without a value.
+const NONE: u32 = u32::MAX;
+
+/// Reads a PLY.
+pub(super) fn read(
+    path: &Path,
+    bytes: &[u8],
+    budget: &Budget,
+    progress: Progress<'_>,
+) -> Result<Parsed, FormatError> {
+    let header = ply_header::read(path, bytes)?;
+    match header.encoding {
+        Encoding::Ascii => body(
+            path,
+            &header,
+            Ascii::new(bytes, header.body),
+            budget,
+            progress,
+        ),
+        Encoding::LittleEndian => {
+            let values = Binary::<false>::new(bytes, header.body);
+            body(path, &header, values, budget, progress)
+        }
+        Encoding::BigEndian => {
+            let values = Binary::<true>::new(bytes, header.body);
+            body(path, &header, values, budget, progress)
+        }
+    }
+}
+
+/// What a property of a vertex is: a place in [`Row`].
+pub(super) type Slot = usize;
+
+/// The numbers of a vertex or a face.
+pub(super) type Row = [f64; UNUSED + 1];
+
+const POSITION: Slot = 0;
+const NORMAL: Slot = 3;
+const COLOR: Slot = 6;
+const UV: Slot = 9;
+/// All that is not used.
+const UNUSED: Slot = 11;
+
+/// A vertex's or a face's properties, and what each of them is.
+pub(super) struct Layout {
+    pub(super) properties: Vec<(Property, Slot)>,
+    /// What makes 0 to 255 of a colour's channel.
+    color_scale: f64,
+}
+
+impl Layout {
+    /// Of an element: of properties with these names, each whole group that it has.
+    fn of(element: &Element, groups: &[(&[&str], Slot)]) -> Self {
+        let properties = element.properties.iter();
+        let mut properties: Vec<_> = properties.map(|p| (p.clone(), UNUSED)).collect();
+        let mut color_scale = 1.0;
+        for &(names, slot) in groups {
+            let places: Option<Vec<usize>> = names
+                .iter()
+                .map(|name| {
+                    let is_it = |(p, _): &(Property, Slot)| p.length.is_none() && p.name == *name;
+                    properties.iter().position(is_it)
+                })
+                .collect();
+            let is_taken = properties.iter().any(|(_, taken)| *taken == slot);
+            if let Some(places) = places.filter(|_| !is_taken) {
+                if slot == COLOR {
+                    color_scale = match properties[places[0]].0.kind {
+                        Scalar::F32 | Scalar::F64 => 255.0,
+                        Scalar::U16 => 255.0 / 65535.0,
+                        _ => 1.0,
+                    };
+                }
+                for (index, place) in places.into_iter().enumerate() {
+                    properties[place].1 = slot + index;
+                }
+            }
+        }
+        Self {
+            properties,
+            color_scale,
+        }
+    }
+
+    fn has(&self, slot: Slot) -> bool {
+        self.properties.iter().any(|(_, of)| *of == slot)
+    }
+
+    /// Bytes of one in a binary file; `None` where there are lists, which decide it.
+    pub(super) fn stride(&self) -> Option<usize> {
+        let bytes = |(property, _): &(Property, Slot)| match property.length {
+            None => Some(property.kind.bytes()),
+            Some(_) => None,
+        };
+        self.properties.iter().map(bytes).sum()
+    }
+
+    fn color(&self, row: &Row) -> Color {
+        // A cast saturates, and makes 0 of what is no number.
+        let byte = |channel: usize| (row[COLOR + channel] * self.color_scale).round() as u8;
+        Color([byte(0), byte(1), byte(2)])
+    }
+
+    /// The names of what is not used.
+    fn unused(&self) -> Vec<String> {
+        let unused = self.properties.iter().filter(|(_, slot)| *slot == UNUSED);
+        unused.map(|(property, _)| property.name.clone()).collect()
+    }
+}
+
+/// What vertices have, one beside the other; what they do not have is empty.
+pub(super) struct Columns<'a> {
+    positions: &'a mut [DVec3],
+    normals: &'a mut [Vec3],
+    colors: &'a mut [Option<Color>],
+    uvs: &'a mut [Vec2],
+}
+
+impl<'a> Columns<'a> {
+    pub(super) fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// The first `count`, and the others.
+    pub(super) fn split(self, count: usize) -> (Self, Self) {
+        let (positions, more_positions) = self.positions.split_at_mut(count);
+        let (normals, more_normals) = self.normals.split_at_mut(count.min(self.normals.len()));
+        let (colors, more_colors) = self.colors.split_at_mut(count.min(self.colors.len()));
+        let (uvs, more_uvs) = self.uvs.split_at_mut(count.min(self.uvs.len()));
+        let first = Self {
+            positions,
+            normals,
+            colors,
+            uvs,
+        };
+        let others = Self {
+            positions: more_positions,
+            normals: more_normals,
+            colors: more_colors,
+            uvs: more_uvs,
+        };
+        (first, others)
+    }
+
+    #[inline]
+    pub(super) fn set(&mut self, index: usize, row: &Row, layout: &Layout) {
+        let three = |slot| DVec3::new(row[slot], row[slot + 1], row[slot + 2]);
+        self.positions[index] = three(POSITION);
+        if let Some(normal) = self.normals.get_mut(index) {
+            *normal = three(NORMAL).normalize_or_zero().as_vec3();
+        }
+        if let Some(color) = self.colors.get_mut(index) {
+            *color = Some(layout.color(row));
+        }
+        if let Some(uv) = self.uvs.get_mut(index) {
+            *uv = Vec2::new(row[UV] as f32, row[UV + 1] as f32);
+        }
+    }
+}
+
+fn body<V: Values>(
+    path: &Path,
+    header: &Header,
+    values: V,
+    budget: &Budget,
+    progress: Progress<'_>,
+) -> Result<Parsed, FormatError> {
+    let mut parsed = Parsed::default();
+    parsed.notes.push(
+        match header.encoding {
+            Encoding::Ascii => "ASCII",
+            Encoding::LittleEndian => "binary, little-endian",
+            Encoding::BigEndian => "binary, big-endian",
+        }
+        .to_owned(),
+    );
+    let named = |name: &str| header.elements.iter().find(|element| element.name == name);
+    let vertices = named("vertex").map_or(0, |element| element.count);
+    // Indices have 32 bits, of which one stands for none.
+    let Some(vertices) = u32::try_from(vertices).ok().filter(|count| *count < NONE) else {
+        let found = format!("{vertices}");
+        let expected = format!("fewer than {NONE} vertices");
+        return Err(FormatError::unexpected(path, None, expected, found));
+    };
+    let mut reader = Reader {
+        path,
+        budget,
+        values,
+        vertices,
+        mesh: MeshData::default(),
+        normals: Vec::new(),
+        uvs: Vec::new(),
+        polygons: Vec::new(),
+        corner_uvs: Vec::new(),
+        uv_triangles: Vec::new(),
+        face_colors: Vec::new(),
+        small: 0,
+        notes: Vec::new(),
+    };
+    let count = header.elements.len().max(1) as f32;
+    for (index, element) in header.elements.iter().enumerate() {
+        let step = |share: f32| progress(0.9 * (index as f32 + share) / count);
+        match element.name.as_str() {
+            "vertex" => reader.vertices(element, &step)?,
+            "face" => reader.faces(element, &step)?,
+            "tristrips" => reader.strips(element)?,
+            name => {
+                reader.pass(element)?;
+                let count = element.count;
+                let name = plain(name);
+                reader
+                    .notes
+                    .push(format!("not used: {count} of element {name}"));
+            }
+        }
+        step(1.0);
+    }
+    let left = reader.values.left();
+    let Reader {
+        mut mesh,
+        normals,
+        uvs,
+        polygons,
+        corner_uvs,
+        uv_triangles,
+        face_colors,
+        small,
+        notes,
+        ..
+    } = reader;
+    parsed.notes.extend(notes);
+    if mesh.triangles.is_empty() {
+        let found = match (vertices, small) {
+            (1.., 0) => format!("none: it has {vertices} points alone, which are not shown"),
+            (_, 1..) => format!("{small} of fewer than three corners"),
+            _ => "none".to_owned(),
+        };
+        return Err(FormatError::unexpected(path, None, "faces", found));
+    }
+    if !uv_triangles.is_empty() {
+        mesh.uvs = Some(Attribute {
+            values: corner_uvs,
+            indices: Some(uv_triangles),
+        });
+    }
+    if !face_colors.is_empty() {
+        face_colors::set(&mut mesh, face_colors);
+    }
+    let uncut = polygon::cut(&mut mesh, &polygons);
+    mesh.normals = at_vertices(normals, &mesh.triangles, |normal| *normal != Vec3::ZERO);
+    if mesh.uvs.is_none() {
+        mesh.uvs = at_vertices(uvs, &mesh.triangles, |uv| uv.is_finite());
+    }
+    parsed.mesh = mesh;
+    parsed.texture = header.texture.as_deref().map(|name| beside(path, name));
+    let told = quote::path(path);
+    let counts = [
+        (
+            header.odd_lines,
+            "header lines that are not known, which are passed over",
+        ),
+        (
+            small,
+            "faces of fewer than three corners, which are passed over",
+        ),
+        (left, "bytes behind its last element, which are passed over"),
+    ];
+    for (count, what) in counts.into_iter().filter(|(count, _)| *count > 0) {
+        parsed.warnings.push(format!("{told}: {what}: {count}"));
+    }
+    parsed.warnings.extend(uncut.warnings(path));
+    progress(1.0);
+    Ok(parsed)
+}
+
+struct Reader<'a, V> {
+    path: &'a Path,
+    budget: &'a Budget,
+    values: V,
+    /// How many vertices the header says there are.
+    vertices: u32,
+    mesh: MeshData,
+    normals: Vec<Vec3>,
+    uvs: Vec<Vec2>,
+    polygons: Vec<Polygon>,
+    /// Texture coordinates at faces' corners, and the triangles that have them.
+    corner_uvs: Vec<Vec2>,
+    uv_triangles: Vec<[u32; 3]>,
+    /// A colour a triangle, where faces have colours.
+    face_colors: Vec<Option<Color>>,
+    /// Faces of fewer than three corners.
+    small: usize,
+    notes: Vec<String>,
+}
+
+impl<V: Values> Reader<'_, V> {
+    #[cold]
+    fn fault(&self, element: &Element, found: &Found) -> FormatError {
+        let expected = format!("a number of element {}", plain(&element.name));
+        self.values.fault(self.path, &expected, found)
+    }
+
+    /// An element's count, if the file is long enough to hold as many.
+    fn count(&self, element: &Element) -> Result<usize, FormatError> {
+        let least: u64 = element
+            .properties
+            .iter()
+            .map(|property| V::least_bytes(property.length.unwrap_or(property.kind)) as u64)
+            .sum();
+        let left = self.values.left() as u64;
+        // The last number of a text has nothing behind it.
+        if least > 0 && element.count > (left + 1) / least {
+            let expected = format!("{} of element {}", element.count, plain(&element.name));
+            let found = Found::Word(format!("{left} bytes for them: it is cut short"));
+            return Err(self.values.fault(self.path, &expected, &found));
+        }
+        let count = usize::try_from(element.count).unwrap_or(usize::MAX);
+        // Elements without properties are nothing at all.
+        Ok(if least == 0 { 0 } else { count })
+    }
+
+    fn vertices(&mut self, element: &Element, step: &dyn Fn(f32)) -> Result<(), FormatError> {
+        let layout = Layout::of(
+            element,
+            &[
+                (&["x", "y", "z"], POSITION),
+                (&["nx", "ny", "nz"], NORMAL),
+                (&["red", "green", "blue"], COLOR),
+                (&["diffuse_red", "diffuse_green", "diffuse_blue"], COLOR),
+                (&["r", "g", "b"], COLOR),
+                (&["s", "t"], UV),
+                (&["u", "v"], UV),
+                (&["texture_u", "texture_v"], UV),
+                (&["texture_s", "texture_t"], UV),
+            ],
+        );
+        if !layout.has(POSITION) {
+            let expected = "vertices with properties `x`, `y` and `z`";
+            return Err(FormatError::unexpected(self.path, None, expected, "others"));
+        }
+        self.note_unused("vertices", layout.unused());
+        let count = self.count(element)?;
+        let of = |slot| if layout.has(slot) { count } else { 0 };
+        let (normals, colors, uvs) = (of(NORMAL), of(COLOR), of(UV));
+        let bytes = count * size_of::<DVec3>()
+            + normals * size_of::<Vec3>()
+            + colors * size_of::<Option<Color>>()
+            + uvs * size_of::<Vec2>();
+        // What is read is counted again as a mesh once all is there.
+        drop(self.budget.share(self.path, "the mesh", bytes as u64)?);
+        self.mesh.positions = vec![DVec3::ZERO; count];
+        self.mesh.colors = vec![None; colors];
+        self.normals = vec![Vec3::ZERO; normals];
+        self.uvs = vec![Vec2::ZERO; uvs];
+        let columns = Columns {
+            positions: &mut self.mesh.positions,
+            normals: &mut self.normals,
+            colors: &mut self.mesh.colors,
+            uvs: &mut self.uvs,
+        };
+        let read = self.values.vertices(&layout, columns, step);
+        read.map_err(|found| self.fault(element, &found))
+    }
+
+    fn note_unused(&mut self, of: &str, unused: Vec<String>) {
+        if !unused.is_empty() {
+            let names: Vec<_> = unused.iter().map(|name| plain(name)).collect();
+            let names = quote::shorten(&names.join(", "));
+            self.notes
+                .push(format!("not used: properties of {of}: {names}"));
+        }
+    }
+
+    fn faces(&mut self, element: &Element, step: &dyn Fn(f32)) -> Result<(), FormatError> {
+        let mut layout = Layout::of(element, &[(&["red", "green", "blue"], COLOR)]);
+        let list = |layout: &Layout, names: &[&str]| {
+            let mut properties = layout.properties.iter();
+            properties.position(|(property, _)| {
+                property.length.is_some() && names.contains(&property.name.as_str())
+            })
+        };
+        let count = self.count(element)?;
+        let Some(indices) = list(&layout, &["vertex_indices", "vertex_index"]) else {
+            if count == 0 {
+                return Ok(());
+            }
+            let expected = "faces with a list `vertex_indices` or `vertex_index`";
+            return Err(FormatError::unexpected(self.path, None, expected, "others"));
+        };
+        let texcoords = list(&layout, &["texcoord"]);
+        let has_colors = layout.has(COLOR);
+        // Named as used.
+        for place in [Some(indices), texcoords].into_iter().flatten() {
+            layout.properties[place].1 = POSITION;
+        }
+        self.note_unused("faces", layout.unused());
+        let first = self.mesh.triangles.len();
+        if texcoords.is_none() && !has_colors && first == 0 {
+            // At first as if all were triangles, which most files have.
+            let bytes = count as u64 * size_of::<[u32; 3]>() as u64;
+            if count as u64 <= self.budget.triangles_left() {
+                drop(self.budget.share(self.path, "the mesh", bytes)?);
+                let read = self
+                    .values
+                    .triangles(&layout, indices, count, self.vertices);
+                if let Some(triangles) = read {
+                    self.mesh.triangles = triangles;
+                    return Ok(());
+                }
+            }
+        }
+        let mut share = self.budget.share(self.path, "the mesh", 0)?;
+        let mut corners = Vec::new();
+        let mut uvs = Vec::new();
+        for number in 0..count {
+            let mut row: Row = [0.0; UNUSED + 1];
+            corners.clear();
+            uvs.clear();
+            for (place, (property, slot)) in layout.properties.iter().enumerate() {
+                let read = match property.length {
+                    None => self
+                        .values
+                        .value(property.kind)
+                        .map(|value| row[*slot] = value),
+                    Some(length) if place == indices => {
+                        self.corners(length, property.kind, &mut corners)?;
+                        Ok(())
+                    }
+                    Some(length) if Some(place) == texcoords => {
+                        self.values
+                            .list(length, property.kind, |value| uvs.push(value as f32))
+                    }
+                    Some(length) => self.values.list(length, property.kind, |_| ()),
+                };
+                read.map_err(|found| self.fault(element, &found))?;
+            }
+            let before = self.mesh.triangles.len();
+            self.face(&corners)?;
+            let after = self.mesh.triangles.len();
+            if has_colors {
+                self.face_colors.resize(before, None);
+                self.face_colors.resize(after, Some(layout.color(&row)));
+            }
+            if uvs.len() == 2 * corners.len() && after > before {
+                let (pairs, _) = uvs.as_chunks::<2>();
+                let first = self.corner_uvs.len() as u32;
+                self.corner_uvs
+                    .extend(pairs.iter().map(|uv| Vec2::from_array(*uv)));
+                self.uv_triangles.resize(before, [NONE; 3]);
+                let fan = 1..corners.len() as u32 - 1;
+                let triangles = fan.map(|next| [first, first + next, first + next + 1]);
+                self.uv_triangles.extend(triangles);
+            }
+            if number % 16_384 == 0 {
+                let held = after * size_of::<[u32; 3]>()
+                    + self.polygons.len() * size_of::<Polygon>()
+                    + self.corner_uvs.len() * size_of::<Vec2>()
+                    + self.uv_triangles.len() * size_of::<[u32; 3]>()
+                    + self.face_colors.len() * size_of::<Option<Color>>();
+                // A list that is full doubles, and the old one stays until the new one is filled.
+                share.grow(self.path, "the mesh", 3 * held as u64)?;
+                step(number as f32 / count as f32);
+            }
+        }
+        if !self.uv_triangles.is_empty() {
+            let triangles = self.mesh.triangles.len();
+            self.uv_triangles.resize(triangles, [NONE; 3]);
+        }
+        Ok(())
+    }
+
+    /// The indices of a list, each of a vertex that is there.
+    fn corners(
+        &mut self,
+        length: Scalar,
+        kind: Scalar,
+        corners: &mut Vec<u32>,
+    ) -> Result<(), FormatError> {
+        let read = self
+            .values
+            .list(length, kind, |value| corners.push(index(value)));
+        read.map_err(|found| {
+            self.values
+                .fault(self.path, "a list of vertex indices", &found)
+        })?;
+        match corners.iter().find(|corner| **corner >= self.vertices) {
+            None => Ok(()),
+            Some(_) => Err(self.bad_index()),
+        }
+    }
+
+    #[cold]
+    fn bad_index(&self) -> FormatError {
+        let expected = match self.vertices {
+            0 => "vertices in the file".to_owned(),
+            vertices => format!("vertex indices from 0 to {}", vertices - 1),
+        };
+        let found = Found::Word("another in the list that ends here".to_owned());
+        self.values.fault(self.path, &expected, &found)
+    }
+
+    /// Adds a face as a fan.
+    fn face(&mut self, corners: &[u32]) -> Result<(), FormatError> {
+        let [first, second, ref rest @ ..] = *corners else {
+            self.small += 1;
+            return Ok(());
+        };
+        if rest.is_empty() {
+            self.small += 1;
+            return Ok(());
+        }
+        self.check_sum(rest.len())?;
+        if rest.len() > 1 {
+            self.polygons.push(Polygon {
+                first: self.mesh.triangles.len() as u32,
+                triangles: rest.len() as u32,
+            });
+        }
+        let mut last = second;
+        for &next in rest {
+            self.mesh.triangles.push([first, last, next]);
+            last = next;
+        }
+        Ok(())
+    }
+
+    fn check_sum(&self, more: usize) -> Result<(), FormatError> {
+        let sum = (self.mesh.triangles.len() + more) as u64;
+        if sum > self.budget.triangles_left() {
+            self.budget.add_triangles(self.path, sum)?;
+        }
+        Ok(())
+    }
+
+    /// Triangle strips, one behind the other, each ended by −1; every second triangle is turned.
+    fn strips(&mut self, element: &Element) -> Result<(), FormatError> {
+        let count = self.count(element)?;
+        let mut share = self.budget.share(self.path, "the mesh", 0)?;
+        for _ in 0..count {
+            for property in &element.properties {
+                let is_strip = ["vertex_indices", "vertex_index"].contains(&&*property.name);
+                let read = match property.length {
+                    None => self.values.value(property.kind).map(|_| ()),
+                    Some(length) if !is_strip => self.values.list(length, property.kind, |_| ()),
+                    Some(length) => {
+                        let mut strip = Vec::new();
+                        let push = |value: f64| strip.push((value != -1.0).then(|| index(value)));
+                        let read = self.values.list(length, property.kind, push);
+                        let held = (size_of::<[u32; 3]>() + 8) * strip.len();
+                        share.grow(self.path, "the mesh", 3 * held as u64)?;
+                        for strip in strip.split(Option::is_none) {
+                            self.check_sum(strip.len())?;
+                            for (number, corners) in strip.windows(3).enumerate() {
+                                let corner = |i: usize| corners[i].unwrap_or(NONE);
+                                let [a, b, c] = [0, 1, 2].map(corner);
+                                if [a, b, c].iter().any(|corner| *corner >= self.vertices) {
+                                    return Err(self.bad_index());
+                                }
+                                let turned = if number % 2 == 0 {
+                                    [a, b, c]
+                                } else {
+                                    [b, a, c]
+                                };
+                                self.mesh.triangles.push(turned);
+                            }
+                        }
+                        read
+                    }
+                };
+                read.map_err(|found| self.fault(element, &found))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Passes over an element.
+    fn pass(&mut self, element: &Element) -> Result<(), FormatError> {
+        for _ in 0..self.count(element)? {
+            for property in &element.properties {
+                let read = match property.length {
+                    None => self.values.value(property.kind).map(|_| ()),
+                    Some(length) => self.values.list(length, property.kind, |_| ()),
+                };
+                read.map_err(|found| self.fault(element, &found))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A name of the file as it is, or quoted where it is unlike names.
+fn plain(name: &str) -> String {
+    let is_plain = name.bytes().all(|byte| byte.is_ascii_graphic());
+    if is_plain {
+        quote::shorten(name)
+    } else {
+        quote::quote(name)
+    }
+}
+
+/// The index that a number is; [`NONE`] where it is none.
+pub(super) fn index(value: f64) -> u32 {
+    let index = value as u32;
+    if f64::from(index) == value {
+        index
+    } else {
+        NONE
+    }
+}
+
+#[cfg(test)]
+#[path = "ply/tests.rs"]
+mod tests;

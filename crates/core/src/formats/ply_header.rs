@@ -1,0 +1,279 @@
+//! The header of a PLY file (Turk, "The PLY Polygon File Format", 1994): what its body holds.
+
+use super::error::{FormatError, quote};
+use std::path::Path;
+
+/// How the numbers of the body are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Encoding {
+    Ascii,
+    LittleEndian,
+    BigEndian,
+}
+
+/// A kind of number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Scalar {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Scalar {
+    fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "char" | "int8" => Self::I8,
+            "uchar" | "uint8" => Self::U8,
+            "short" | "int16" => Self::I16,
+            "ushort" | "uint16" => Self::U16,
+            "int" | "int32" => Self::I32,
+            "uint" | "uint32" => Self::U32,
+            "float" | "float32" => Self::F32,
+            "double" | "float64" => Self::F64,
+            _ => return None,
+        })
+    }
+
+    /// Bytes of one.
+    pub(super) fn bytes(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+}
+
+/// What an element has: a number, or a list of numbers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Property {
+    pub(super) name: String,
+    pub(super) kind: Scalar,
+    /// How a list's length is written; `None` for a single number.
+    pub(super) length: Option<Scalar>,
+}
+
+/// A kind of thing, and how many of it there are.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Element {
+    pub(super) name: String,
+    pub(super) count: u64,
+    pub(super) properties: Vec<Property>,
+}
+
+/// All of a header.
+#[derive(Clone, Debug)]
+pub(super) struct Header {
+    pub(super) encoding: Encoding,
+    pub(super) elements: Vec<Element>,
+    /// The image that a comment of VCGLIB's names.
+    pub(super) texture: Option<String>,
+    /// Lines that are none of a header's.
+    pub(super) odd_lines: usize,
+    /// Where the body begins.
+    pub(super) body: usize,
+}
+
+/// The most properties of all elements together: each is looked at for each element of its kind.
+const PROPERTY_LIMIT: usize = 1000;
+
+/// Whether these are the bytes of a PLY.
+pub(super) fn is_ply(bytes: &[u8]) -> bool {
+    bytes.strip_prefix(b"ply").is_some_and(|rest| {
+        let line = rest.split(|byte| matches!(byte, b'\n' | b'\r')).next();
+        line.is_some_and(|line| line.len() < rest.len() && line.trim_ascii().is_empty())
+    })
+}
+
+/// Reads a header.
+///
+/// # Errors
+/// The first line that is wrong.
+pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Header, FormatError> {
+    // All lines end as the first does: a body may begin with a byte that looks like a line's end.
+    let first = bytes.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+    let first = first.unwrap_or(bytes.len());
+    let end = match bytes.get(first..) {
+        Some([b'\r', b'\n', ..]) | None => b'\n',
+        Some(rest) => rest.first().copied().unwrap_or(b'\n'),
+    };
+    let mut header = Header {
+        encoding: Encoding::Ascii,
+        elements: Vec::new(),
+        texture: None,
+        odd_lines: 0,
+        body: 0,
+    };
+    let mut has_format = false;
+    let mut properties = 0;
+    let mut number = 0;
+    loop {
+        let rest = &bytes[header.body..];
+        let Some(length) = memchr::memchr(end, rest) else {
+            let found = "the file's end: it is cut short";
+            let line = Some(number + 1);
+            return Err(FormatError::unexpected(path, line, "`end_header`", found));
+        };
+        number += 1;
+        header.body += length + 1;
+        let line = String::from_utf8_lossy(&rest[..length]);
+        let fault = |expected: &str| {
+            let found = quote(line.trim());
+            Err(FormatError::unexpected(path, Some(number), expected, found))
+        };
+        let mut words = line.split_whitespace();
+        let word = words.next().unwrap_or_default();
+        match word {
+            "" | "obj_info" => {}
+            "ply" if number == 1 => {}
+            "comment" => {
+                if words.next() == Some("TextureFile") {
+                    let name = line.split_once("TextureFile").map(|(_, name)| name.trim());
+                    header.texture = name.filter(|name| !name.is_empty()).map(str::to_owned);
+                }
+            }
+            "format" => {
+                header.encoding = match words.next() {
+                    Some("ascii") => Encoding::Ascii,
+                    Some("binary_little_endian") => Encoding::LittleEndian,
+                    Some("binary_big_endian") => Encoding::BigEndian,
+                    _ => {
+                        return fault(
+                            "`format` with ascii, binary_little_endian or binary_big_endian",
+                        );
+                    }
+                };
+                has_format = true;
+            }
+            "element" => {
+                let name = words.next().map(str::to_owned);
+                let count = words.next().and_then(|count| count.parse().ok());
+                let Some((name, count)) = name.zip(count) else {
+                    return fault("`element`, a name and a count");
+                };
+                if header.elements.iter().any(|element| element.name == name) {
+                    return fault("one element of a name");
+                }
+                header.elements.push(Element {
+                    name,
+                    count,
+                    properties: Vec::new(),
+                });
+            }
+            "property" => {
+                properties += 1;
+                if properties > PROPERTY_LIMIT {
+                    return fault(&format!("at most {PROPERTY_LIMIT} properties"));
+                }
+                let words: Vec<&str> = words.collect();
+                let property = match words[..] {
+                    ["list", length, kind, name] => {
+                        let length = Scalar::named(length);
+                        let kind = Scalar::named(kind);
+                        let both = length.zip(kind);
+                        both.map(|(length, kind)| (name, kind, Some(length)))
+                    }
+                    [kind, name] => Scalar::named(kind).map(|kind| (name, kind, None)),
+                    _ => None,
+                };
+                let Some((name, kind, length)) = property else {
+                    return fault(
+                        "`property`, a type and a name, or `list`, two types and a name (types being \
+                         char, uchar, short, ushort, int, uint, float and double)",
+                    );
+                };
+                let Some(element) = header.elements.last_mut() else {
+                    return fault("`element` before its properties");
+                };
+                element.properties.push(Property {
+                    name: name.to_owned(),
+                    kind,
+                    length,
+                });
+            }
+            "end_header" => break,
+            _ => header.odd_lines += 1,
+        }
+    }
+    if !has_format {
+        let expected = "a line `format`";
+        return Err(FormatError::unexpected(path, None, expected, "none"));
+    }
+    Ok(header)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header(text: &str) -> Result<Header, String> {
+        assert!(is_ply(text.as_bytes()), "{text}");
+        read(Path::new("a.ply"), text.as_bytes()).map_err(|error| error.to_string())
+    }
+
+    const TEXT: &str = "ply\nformat binary_big_endian 1.0\ncomment TextureFile a b.png\n\
+        made by hand\nelement vertex 2\nproperty float x\nelement face 0\n\
+        property list uint8 int32 vertex_indices\nend_header\n\nrest";
+
+    #[test]
+    fn lines_end_as_the_first_does() {
+        for end in ["\n", "\r\n", "\r"] {
+            let text = TEXT.replace('\n', end);
+            let header = header(&text).expect("a good header");
+            assert_eq!(&text[header.body..], format!("{end}rest"));
+            assert_eq!(header.encoding, Encoding::BigEndian);
+            assert_eq!(header.texture.as_deref(), Some("a b.png"));
+            assert_eq!(header.odd_lines, 1);
+            assert_eq!(header.elements[1].properties[0].length, Some(Scalar::U8));
+        }
+    }
+
+    #[test]
+    fn says_where_and_what() {
+        for (from, to, told) in [
+            ("big", "middle", "a.ply:2: expected `format` with ascii"),
+            (
+                "vertex 2",
+                "vertex -2",
+                "a.ply:5: expected `element`, a name and a count",
+            ),
+            (
+                "float x",
+                "half x",
+                "a.ply:6: expected `property`, a type and a name",
+            ),
+            (
+                "element face 0",
+                "element vertex 3",
+                "a.ply:7: expected one element of a name",
+            ),
+            (
+                "element vertex 2\n",
+                "",
+                "a.ply:5: expected `element` before its properties",
+            ),
+            (
+                "end_header",
+                "end",
+                "a.ply:11: expected `end_header`, found the file's end",
+            ),
+            (
+                "format",
+                "comment",
+                "a.ply: expected a line `format`, found none",
+            ),
+        ] {
+            let error = header(&TEXT.replace(from, to)).expect_err(told);
+            assert!(error.starts_with(told), "{error}");
+        }
+        for text in ["ply", "plywood\n", "Ply\n"] {
+            assert!(!is_ply(text.as_bytes()), "{text}");
+        }
+    }
+}

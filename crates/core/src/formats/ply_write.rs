@@ -1,0 +1,182 @@
+use super::mesh_write::{WriteError, Written};
+use super::write_parts::{Joined, Part, Parts, Shortest};
+use crate::scene::Color;
+use glam::DVec3;
+use std::io::{self, Write};
+
+/// What vertices and faces have.
+struct Columns {
+    doubles: bool,
+    normals: bool,
+    uvs: bool,
+    colors: bool,
+    face_colors: bool,
+}
+
+/// Writes PLY, little-endian or as text: one list of vertices and one of triangles. Coordinates are
+/// double precision where single does not hold them all.
+pub(super) fn write(
+    parts: &Parts<'_>,
+    ascii: bool,
+    out: &mut dyn Write,
+    written: &mut Written,
+) -> Result<(), WriteError> {
+    let joined: Vec<Joined> = parts.parts.iter().map(Part::joined).collect();
+    let vertices: usize = joined.iter().map(|part| part.vertices.len()).sum();
+    if vertices >= i32::MAX as usize {
+        return Err(WriteError::TooMany {
+            what: format!("{vertices} vertices"),
+            format: "PLY",
+        });
+    }
+    written.vertices = vertices as u64;
+    let colors: Vec<Option<Vec<Color>>> = parts.parts.iter().map(Part::vertex_colors).collect();
+    let columns = Columns {
+        doubles: !parts.is_single,
+        normals: parts.has(|part| part.normals.is_some()),
+        uvs: parts.has(|part| part.mesh.has_uvs()),
+        // Of all or none: a vertex without colour would get one.
+        colors: colors.iter().all(Option::is_some) && !colors.is_empty(),
+        face_colors: parts.has(|part| !part.mesh.materials().is_empty()),
+    };
+    if !columns.colors && parts.has(|part| !part.mesh.vertex_colors().is_empty()) {
+        written
+            .lost
+            .push("colours of vertices, which not all have".to_owned());
+    }
+    header(&columns, ascii, vertices, written.triangles, out)?;
+    let mut row = Row { ascii, out };
+    for ((part, joined), colors) in parts.parts.iter().zip(&joined).zip(&colors) {
+        for &[position, normal, uv] in &joined.vertices {
+            for number in part.positions[position as usize].to_array() {
+                if ascii {
+                    write!(row.out, "{} ", parts.decimal(number))?;
+                } else if columns.doubles {
+                    row.out.write_all(&number.to_le_bytes())?;
+                } else {
+                    row.out.write_all(&(number as f32).to_le_bytes())?;
+                }
+            }
+            if columns.normals {
+                for number in part.normal(normal).to_array() {
+                    row.single(number)?;
+                }
+            }
+            if columns.uvs {
+                for number in part.uv(uv).to_array() {
+                    row.single(number)?;
+                }
+            }
+            if let Some(colors) = colors.as_ref().filter(|_| columns.colors) {
+                row.color(colors[position as usize])?;
+            }
+            row.end()?;
+        }
+    }
+    let mut first = 0;
+    for (part, joined) in parts.parts.iter().zip(&joined) {
+        for (number, triangle) in joined.triangles.iter().enumerate() {
+            row.number(3u8, &[3])?;
+            for corner in triangle {
+                let index = first + corner;
+                row.number(index, &index.to_le_bytes())?;
+            }
+            if columns.face_colors {
+                let material = part.mesh.material(number as u32);
+                row.color(material.map_or(Color::DEFAULT, |material| material.color))?;
+            }
+            row.end()?;
+        }
+        first += joined.vertices.len() as u32;
+    }
+    if columns.doubles {
+        parts.count_moves(written, |_, position| position);
+    } else {
+        parts.count_moves(written, |_, position: DVec3| position.as_vec3().as_dvec3());
+    }
+    if columns.face_colors {
+        written.lost.push("names of materials".to_owned());
+    }
+    parts.lose_names(written);
+    Ok(())
+}
+
+fn header(
+    columns: &Columns,
+    ascii: bool,
+    vertices: usize,
+    triangles: u64,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let format = if ascii {
+        "ascii"
+    } else {
+        "binary_little_endian"
+    };
+    writeln!(out, "ply\nformat {format} 1.0\ncomment written by RayCast")?;
+    writeln!(out, "element vertex {vertices}")?;
+    let mut properties = |kind: &str, names: &[&str]| {
+        names
+            .iter()
+            .try_for_each(|name| writeln!(out, "property {kind} {name}"))
+    };
+    let kind = if columns.doubles { "double" } else { "float" };
+    properties(kind, &["x", "y", "z"])?;
+    if columns.normals {
+        properties("float", &["nx", "ny", "nz"])?;
+    }
+    if columns.uvs {
+        properties("float", &["s", "t"])?;
+    }
+    const COLOR: [&str; 3] = ["red", "green", "blue"];
+    if columns.colors {
+        properties("uchar", &COLOR)?;
+    }
+    writeln!(
+        out,
+        "element face {triangles}\nproperty list uchar int vertex_indices"
+    )?;
+    if columns.face_colors {
+        COLOR
+            .iter()
+            .try_for_each(|name| writeln!(out, "property uchar {name}"))?;
+    }
+    writeln!(out, "end_header")
+}
+
+/// Numbers as text, a line an element, or as they are in memory.
+struct Row<'o> {
+    ascii: bool,
+    out: &'o mut dyn Write,
+}
+
+impl Row<'_> {
+    fn number<T>(&mut self, number: T, bytes: &[u8]) -> io::Result<()>
+    where
+        T: Copy + Into<f64> + std::fmt::Display + std::fmt::LowerExp,
+    {
+        if self.ascii {
+            write!(self.out, "{} ", Shortest(number))
+        } else {
+            self.out.write_all(bytes)
+        }
+    }
+
+    fn single(&mut self, number: f32) -> io::Result<()> {
+        self.number(number, &number.to_le_bytes())
+    }
+
+    fn color(&mut self, Color(channels): Color) -> io::Result<()> {
+        channels
+            .iter()
+            .try_for_each(|channel| self.number(*channel, &[*channel]))
+    }
+
+    fn end(&mut self) -> io::Result<()> {
+        if self.ascii {
+            writeln!(self.out)
+        } else {
+            Ok(())
+        }
+    }
+}

@@ -1,0 +1,451 @@
+//! STL, ASCII and binary (3D Systems, "StereoLithography Interface Specification", 1988).
+
+use super::Progress;
+use super::error::{FormatError, quote};
+use super::face_colors;
+use super::limits::Budget;
+use super::parsed::Parsed;
+use super::polygon::{self, Polygon};
+use super::tokens::{Found, Tokens};
+use super::weld::{Vertices, weld};
+use crate::quote;
+use crate::scene::{Color, MeshData};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use std::mem::size_of;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Bytes of a binary file before its first facet: 80 of anything, and a count.
+const HEADER: usize = 84;
+
+/// Bytes of a binary facet: a normal and three corners of three floats each, and two of anything.
+const FACET: usize = 50;
+
+type Facet = [u8; FACET];
+
+/// Whether these are the bytes of a binary STL: what its count says is as long as they are. A binary
+/// file may begin as an ASCII one does; an ASCII one has no such count, which would be of millions of
+/// facets.
+pub(super) fn is_binary(bytes: &[u8]) -> bool {
+    let count = bytes.first_chunk::<HEADER>().map(count);
+    count.is_some_and(|count| bytes.len() as u64 == length_of(count))
+}
+
+/// Whether these are the bytes of an ASCII STL.
+pub(super) fn is_ascii(bytes: &[u8]) -> bool {
+    let head = bytes[..bytes.len().min(4096)].trim_ascii_start();
+    let mut words = Tokens::new(head, 0, None);
+    let first = words.next().unwrap_or_default();
+    first.eq_ignore_ascii_case(b"solid") && {
+        words.rest_of_line();
+        words.next().is_some_and(|word| {
+            word.eq_ignore_ascii_case(b"facet") || word.eq_ignore_ascii_case(b"endsolid")
+        })
+    }
+}
+
+fn count(header: &[u8; HEADER]) -> u32 {
+    let [.., a, b, c, d] = *header;
+    u32::from_le_bytes([a, b, c, d])
+}
+
+fn length_of(count: u32) -> u64 {
+    HEADER as u64 + FACET as u64 * u64::from(count)
+}
+
+/// Reads an STL: corners in one place become one vertex, and normals are the geometry's.
+pub(super) fn read(
+    path: &Path,
+    bytes: &[u8],
+    budget: &Budget,
+    progress: Progress<'_>,
+) -> Result<Parsed, FormatError> {
+    if !is_binary(bytes) && is_ascii(bytes) {
+        ascii(path, bytes, budget, progress)
+    } else {
+        binary(path, bytes, budget, progress)
+    }
+}
+
+fn no_triangles(path: &Path) -> FormatError {
+    FormatError::unexpected(path, None, "facets", "none")
+}
+
+fn binary(
+    path: &Path,
+    bytes: &[u8],
+    budget: &Budget,
+    progress: Progress<'_>,
+) -> Result<Parsed, FormatError> {
+    let Some((header, behind)) = bytes.split_first_chunk::<HEADER>() else {
+        let expected = format!("the {HEADER} bytes that a binary STL begins with");
+        let found = format!("{}: it is cut short", bytes.len());
+        return Err(FormatError::unexpected(path, None, expected, found));
+    };
+    let count = count(header);
+    let (facets, rest) = behind.as_chunks::<FACET>();
+    let Some(facets) = facets.get(..count as usize) else {
+        let expected = format!(
+            "{count} facets, as the count at byte 80 says: {} bytes",
+            length_of(count)
+        );
+        let found = format!(
+            "{} whole ones in {} bytes: it is cut short",
+            facets.len(),
+            bytes.len()
+        );
+        return Err(FormatError::unexpected(path, None, expected, found));
+    };
+    if facets.is_empty() {
+        return Err(no_triangles(path));
+    }
+    if u64::from(count) > budget.triangles_left() {
+        budget.add_triangles(path, count.into())?;
+    }
+    let mut parsed = Parsed::default();
+    parsed.notes.push("binary".to_owned());
+    let name = header[..80].split(|&byte| byte == 0).next();
+    let name = name.unwrap_or_default().trim_ascii();
+    if !name.is_empty() {
+        let name = quote(&String::from_utf8_lossy(name));
+        parsed.notes.push(format!("header: {name}"));
+    }
+    let left = rest.len() as u64 + (behind.len() as u64 - rest.len() as u64)
+        - FACET as u64 * u64::from(count);
+    if left > 0 {
+        let path = quote::path(path);
+        parsed.warnings.push(format!(
+            "{path}: {left} bytes behind the last of its {count} facets, which are passed over"
+        ));
+    }
+
+    // As many vertices as a closed mesh has; more are counted once they are there, and are no more
+    // than the file's own bytes allow.
+    let of = |vertices: usize| {
+        let vertex = size_of::<DVec3>() + 3 * size_of::<u32>();
+        (facets.len() * size_of::<[u32; 3]>() + vertices * vertex) as u64
+    };
+    let mut share = budget.share(path, "the mesh", of(facets.len() / 2))?;
+    let done = AtomicUsize::new(0);
+    let (positions, triangles) = weld(facets.len(), &|index| corners(&facets[index]), &|more| {
+        let done = done.fetch_add(more, Ordering::Relaxed) + more;
+        progress(0.9 * done as f32 / facets.len() as f32);
+    });
+    share.grow(path, "the mesh", of(positions.len()))?;
+    parsed.mesh = MeshData {
+        positions,
+        triangles,
+        ..MeshData::default()
+    };
+    if facets.par_iter().any(|facet| attribute(facet) != 0) {
+        color(header, facets, &mut parsed);
+    }
+    progress(1.0);
+    Ok(parsed)
+}
+
+fn corners(facet: &Facet) -> [DVec3; 3] {
+    let (floats, _) = facet.as_chunks::<4>();
+    let float = |index: usize| f32::from_le_bytes(floats[index]);
+    // The normal comes first.
+    [3, 6, 9].map(|first| Vec3::new(float(first), float(first + 1), float(first + 2)).as_dvec3())
+}
+
+fn attribute(facet: &Facet) -> u16 {
+    u16::from_le_bytes([facet[48], facet[49]])
+}
+
+/// Gives the mesh the colours that are in its facets' last two bytes, as one of two programs puts
+/// them there: five bits a channel, and one that says whether there is a colour.
+fn color(header: &[u8; HEADER], facets: &[Facet], parsed: &mut Parsed) {
+    const VALID: u16 = 1 << 15;
+    let five = |bits: u16| {
+        let bits = (bits & 31) as u8;
+        bits << 3 | bits >> 2
+    };
+    let attributes = facets.iter().map(attribute);
+    if let Some(at) = memchr::memmem::find(&header[..80 - 4], b"COLOR=") {
+        // Magics: red lowest, the bit says that the facet has the object's colour.
+        let object = match header.get(at + 6..at + 9) {
+            Some(&[r, g, b]) => Color([r, g, b]),
+            _ => Color::DEFAULT,
+        };
+        let colors = attributes.map(|bits| {
+            Some(match bits & VALID {
+                0 => Color([five(bits), five(bits >> 5), five(bits >> 10)]),
+                _ => object,
+            })
+        });
+        face_colors::set(&mut parsed.mesh, colors);
+        parsed
+            .notes
+            .push("colours of facets as Magics writes them".to_owned());
+    } else if facets
+        .par_iter()
+        .all(|facet| attribute(facet) == 0 || attribute(facet) & VALID != 0)
+    {
+        // VisCAM and SolidView: blue lowest, the bit says that the facet has a colour.
+        let colors = attributes.map(|bits| {
+            let color = Color([five(bits >> 10), five(bits >> 5), five(bits)]);
+            (bits & VALID != 0).then_some(color)
+        });
+        face_colors::set(&mut parsed.mesh, colors);
+        parsed
+            .notes
+            .push("colours of facets as VisCAM writes them".to_owned());
+    } else {
+        let count = attributes.filter(|bits| *bits != 0).count();
+        parsed
+            .notes
+            .push(format!("not used: attribute bytes of {count} facets"));
+    }
+}
+
+fn ascii(
+    path: &Path,
+    bytes: &[u8],
+    budget: &Budget,
+    progress: Progress<'_>,
+) -> Result<Parsed, FormatError> {
+    let mut words = Tokens::new(bytes, 0, None);
+    let mut share = budget.share(path, "the mesh", 0)?;
+    let mut vertices = Vertices::with_capacity(0);
+    let mut triangles: Vec<[u32; 3]> = Vec::new();
+    let mut polygons = Vec::new();
+    let mut facet: Vec<u32> = Vec::new();
+    let (mut in_solid, mut in_facet) = (false, false);
+    let mut solids = 0;
+    while let Some(word) = words.next() {
+        let is = |expected: &str| word.eq_ignore_ascii_case(expected.as_bytes());
+        let fault =
+            |words: &Tokens<'_>, expected| Err(words.fault(path, expected, &Found::word(word)));
+        if in_facet {
+            if is("vertex") {
+                let position = words
+                    .point()
+                    .map_err(|found| words.fault(path, "three numbers behind `vertex`", &found))?;
+                facet.push(vertices.number(position));
+            } else if is("endfacet") {
+                in_facet = false;
+                let [first, second, ref rest @ ..] = facet[..] else {
+                    return fault(&words, "three vertices in a facet");
+                };
+                if rest.is_empty() {
+                    return fault(&words, "three vertices in a facet");
+                }
+                let sum = (triangles.len() + rest.len()) as u64;
+                if sum > budget.triangles_left() {
+                    budget.add_triangles(path, sum)?;
+                }
+                if rest.len() > 1 {
+                    polygons.push(Polygon {
+                        first: triangles.len() as u32,
+                        triangles: rest.len() as u32,
+                    });
+                }
+                let mut last = second;
+                for &next in rest {
+                    triangles.push([first, last, next]);
+                    last = next;
+                }
+                if triangles.len() % 16_384 == 0 {
+                    progress(0.9 * words.at() as f32 / bytes.len() as f32);
+                }
+            } else if !(is("outer") || is("loop") || is("endloop")) {
+                return fault(&words, "`vertex`, `endloop` or `endfacet`");
+            }
+            // A list that is full doubles, and the old one stays until the new one is filled.
+            let held = 3
+                * (vertices.len() * (size_of::<DVec3>() + 3 * size_of::<u32>())
+                    + triangles.len() * size_of::<[u32; 3]>());
+            if facet.len() < 2 || facet.len() % 16_384 == 0 {
+                share.grow(path, "the mesh", (held + 4 * facet.len()) as u64)?;
+            }
+        } else if is("facet") && in_solid {
+            in_facet = true;
+            facet.clear();
+            // Its normal: the geometry has one of its own.
+            words.rest_of_line();
+        } else if is("endsolid") && in_solid {
+            in_solid = false;
+            words.rest_of_line();
+        } else if is("solid") && !in_solid {
+            in_solid = true;
+            solids += 1;
+            words.rest_of_line();
+        } else {
+            let expected = if in_solid {
+                "`facet` or `endsolid`"
+            } else {
+                "`solid`"
+            };
+            return fault(&words, expected);
+        }
+    }
+    if in_facet {
+        return Err(words.fault(path, "`endfacet`", &Found::End));
+    }
+    if triangles.is_empty() {
+        return Err(no_triangles(path));
+    }
+    let mut parsed = Parsed::default();
+    parsed.notes.push("ASCII".to_owned());
+    if solids > 1 {
+        parsed
+            .notes
+            .push(format!("solids: {solids}, which are parts of one object"));
+    }
+    if in_solid {
+        let path = quote::path(path);
+        parsed.warnings.push(format!(
+            "{path}: its last solid has no `endsolid`: is it cut short?"
+        ));
+    }
+    parsed.mesh.positions = vertices.into_positions();
+    parsed.mesh.triangles = triangles;
+    let uncut = polygon::cut(&mut parsed.mesh, &polygons);
+    parsed.warnings.extend(uncut.warnings(path));
+    Ok(parsed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(bytes: &[u8]) -> Result<Parsed, String> {
+        read(Path::new("a.stl"), bytes, &Budget::default(), &|_| ())
+            .map_err(|error| error.to_string())
+    }
+
+    fn facet(corners: [[f32; 3]; 3], attribute: u16) -> Vec<u8> {
+        let normal = [9.0f32; 3];
+        let floats = normal.iter().chain(corners.as_flattened());
+        let mut bytes: Vec<u8> = floats.flat_map(|float| float.to_le_bytes()).collect();
+        bytes.extend(attribute.to_le_bytes());
+        bytes
+    }
+
+    fn file(header: &str, facets: &[Vec<u8>]) -> Vec<u8> {
+        let mut bytes = header.as_bytes().to_vec();
+        bytes.resize(80, 0);
+        bytes.extend((facets.len() as u32).to_le_bytes());
+        bytes.extend(facets.concat());
+        bytes
+    }
+
+    const A: [[f32; 3]; 3] = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]];
+    const B: [[f32; 3]; 3] = [[-0., 0., -0.], [0., 1., 0.], [0., 0., 2.]];
+
+    #[test]
+    fn binary_corners_are_welded() {
+        for header in ["solid of a kind", ""] {
+            let bytes = file(header, &[facet(A, 0), facet(B, 0)]);
+            assert!(is_binary(&bytes));
+            let parsed = parse(&bytes).expect("a good file");
+            assert_eq!(parsed.mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
+            assert_eq!(parsed.mesh.positions[3], DVec3::new(0.0, 0.0, 2.0));
+            assert!(parsed.mesh.materials.is_empty());
+            assert_eq!(parsed.warnings, [""; 0]);
+        }
+    }
+
+    #[test]
+    fn colours_are_those_of_two_programs() {
+        let red = 31 | 8 << 5;
+        let colors = |header: &str, attributes: [u16; 2]| {
+            let bytes = file(header, &[facet(A, attributes[0]), facet(B, attributes[1])]);
+            let Parsed { mesh, notes, .. } = parse(&bytes).expect("a good file");
+            let color = |&material: &u32| mesh.materials.get(material as usize).map(|m| m.color);
+            let colors: Vec<_> = mesh.material_of_triangle.iter().map(color).collect();
+            (colors, notes.last().cloned().unwrap_or_default())
+        };
+        let (found, note) = colors("COLOR=\u{1}\u{2}\u{3}\u{4}", [red, 0x8000]);
+        assert_eq!(found, [Some(Color([255, 66, 0])), Some(Color([1, 2, 3]))]);
+        assert!(note.contains("Magics"), "{note}");
+        let (found, note) = colors("", [0x8000 | red, 0]);
+        assert_eq!(found, [Some(Color([0, 66, 255])), None]);
+        assert!(note.contains("VisCAM"), "{note}");
+        let (found, note) = colors("", [7, 0]);
+        assert_eq!(found, []);
+        assert_eq!(note, "not used: attribute bytes of 1 facets");
+    }
+
+    #[test]
+    fn solids_are_parts_of_one_object() {
+        let text = "solid a b\r\nFACET normal nan nan nan\nouter loop\nvertex 0 0 0\n\
+            vertex 1 0 0\nvertex 0 1 0\nendloop endfacet endsolid a b\nsolid\nendsolid\n\
+            solid c\n facet normal 0 0 1\n outer loop\n vertex -0 0.0 0\n vertex 0 1 0\n\
+            vertex 0 1 1e0\n vertex 0 0 1\n endloop\n endfacet\n";
+        let parsed = parse(text.as_bytes()).expect("a good file");
+        assert_eq!(parsed.mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
+        assert_eq!(
+            parsed.notes,
+            ["ASCII", "solids: 3, which are parts of one object"]
+        );
+        let told = "a.stl: its last solid has no `endsolid`: is it cut short?";
+        assert_eq!(parsed.warnings, [told]);
+    }
+
+    #[test]
+    fn says_where_and_what() {
+        let check = |bytes: &[u8], expected: &str| {
+            assert_eq!(parse(bytes).expect_err("a bad file"), expected);
+        };
+        let whole = file("", &[facet(A, 0), facet(B, 0)]);
+        check(
+            &whole[..whole.len() - 1],
+            "a.stl: expected 2 facets, as the count at byte 80 says: 184 bytes, found 1 whole ones \
+             in 183 bytes: it is cut short",
+        );
+        check(
+            &whole[..83],
+            "a.stl: expected the 84 bytes that a binary STL begins with, found 83: it is cut short",
+        );
+        check(&file("", &[]), "a.stl: expected facets, found none");
+        check(
+            b"solid a\nendsolid a\n",
+            "a.stl: expected facets, found none",
+        );
+        let longer = [&whole[..], b"abc"].concat();
+        let told = "a.stl: 3 bytes behind the last of its 2 facets, which are passed over";
+        assert_eq!(parse(&longer).expect("a good file").warnings, [told]);
+        let start = "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n";
+        let with = |rest: &str| format!("{start}{rest}").into_bytes();
+        check(
+            &with("vertex 0 x 0"),
+            "a.stl:6: expected three numbers behind `vertex`, found \"x\"",
+        );
+        check(
+            &with("vertex 0 1"),
+            "a.stl:6: expected three numbers behind `vertex`, found the file's end: it is cut short",
+        );
+        check(
+            &with("endloop\nendfacet"),
+            "a.stl:7: expected three vertices in a facet, found \"endfacet\"",
+        );
+        check(
+            &with("vertex 0 1 0\nendloop\n\n"),
+            "a.stl:7: expected `endfacet`, found the file's end: it is cut short",
+        );
+        check(
+            &with("facet"),
+            "a.stl:6: expected `vertex`, `endloop` or `endfacet`, found \"facet\"",
+        );
+        check(
+            b"solid a\nendsolid\nfacet",
+            "a.stl:3: expected `solid`, found \"facet\"",
+        );
+    }
+
+    #[test]
+    fn triangles_are_counted_before_they_are_there() {
+        let budget = Budget::new(super::super::Limits {
+            triangles: 1,
+            ..Default::default()
+        });
+        let bytes = file("", &[facet(A, 0), facet(B, 0)]);
+        let told = read(Path::new("a.stl"), &bytes, &budget, &|_| ()).expect_err("too many");
+        assert!(told.to_string().contains("limit `triangles`"), "{told}");
+    }
+}

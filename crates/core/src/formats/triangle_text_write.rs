@@ -1,0 +1,23 @@
+use super::mesh_write::{WriteError, Written};
+use super::write_parts::Parts;
+use std::io::Write;
+
+/// Writes triangle text: corners alone, an object behind the other.
+pub(super) fn write(
+    parts: &Parts<'_>,
+    out: &mut dyn Write,
+    written: &mut Written,
+) -> Result<(), WriteError> {
+    for part in &parts.parts {
+        for triangle in part.triangles.iter() {
+            for (index, corner) in part.corners(*triangle).into_iter().enumerate() {
+                let [x, y, z] = corner.to_array().map(|number| parts.decimal(number));
+                let end = if index < 2 { ";" } else { "\n" };
+                write!(out, "({x},{y},{z}){end}")?;
+            }
+        }
+    }
+    parts.count_moves(written, |_, position| position);
+    parts.lose_attributes(written);
+    Ok(())
+}

@@ -1,0 +1,230 @@
+//! Equal corners made one vertex, numbered in the order in which they come.
+
+use glam::DVec3;
+use rayon::prelude::*;
+use std::hash::{BuildHasher, RandomState};
+
+/// Vertices, each once.
+#[derive(Debug)]
+pub(super) struct Vertices {
+    positions: Vec<DVec3>,
+    /// A hash above a vertex's number, in the slot that the hash's upper bits name or in one behind it
+    /// (linear probing: Knuth, "The Art of Computer Programming", volume 3, 1973); [`EMPTY`] where
+    /// there is none. A power of two of them.
+    slots: Vec<u64>,
+    /// Vertices met lately, by their hashes' lower bits: most corners are at one of them, and a few
+    /// pages of memory are nearer than a table of many.
+    recent: Vec<u32>,
+    /// Drawn for each table, so that no file can be made whose corners all share a slot. What is
+    /// found does not depend on it.
+    seeds: [u64; 3],
+}
+
+const EMPTY: u64 = u64::MAX;
+
+/// Twice the vertices of two rows of a mesh of some millions of triangles. A power of two.
+const RECENT: usize = 1 << 13;
+
+impl Vertices {
+    /// None, with room for so many.
+    pub(super) fn with_capacity(vertices: usize) -> Self {
+        let random = RandomState::new();
+        Self {
+            positions: Vec::with_capacity(vertices),
+            slots: vec![EMPTY; (vertices + vertices / 2).next_power_of_two().max(4)],
+            recent: vec![u32::MAX; RECENT],
+            seeds: [0, 1, 2].map(|number: u64| random.hash_one(number)),
+        }
+    }
+
+    /// The number of the vertex at a position, both zeros being one; a new one if there is none.
+    #[inline]
+    pub(super) fn number(&mut self, position: DVec3) -> u32 {
+        // Adding zero makes one zero of the two.
+        let position = position + DVec3::ZERO;
+        let key = bits(position);
+        let hash = self.hash(key);
+        let recent = self.recent[hash as usize % RECENT];
+        if self
+            .positions
+            .get(recent as usize)
+            .is_some_and(|p| bits(*p) == key)
+        {
+            return recent;
+        }
+        let number = self.look_up(position, key, hash);
+        self.recent[hash as usize % RECENT] = number;
+        number
+    }
+
+    fn look_up(&mut self, position: DVec3, key: [u64; 3], hash: u64) -> u32 {
+        let mask = self.slots.len() - 1;
+        let mut slot = first_slot(hash, self.slots.len());
+        loop {
+            let entry = self.slots[slot];
+            if entry == EMPTY {
+                break;
+            }
+            // Only what has the hash is looked at: it lies elsewhere in memory.
+            let number = entry as u32;
+            if (entry ^ hash) >> 32 == 0 && bits(self.positions[number as usize]) == key {
+                return number;
+            }
+            slot = (slot + 1) & mask;
+        }
+        let number = self.positions.len() as u32;
+        self.slots[slot] = entry_of(hash, number);
+        self.positions.push(position);
+        if self.positions.len() > self.slots.len() / 4 * 3 {
+            self.grow();
+        }
+        number
+    }
+
+    /// The vertices by number.
+    pub(super) fn into_positions(self) -> Vec<DVec3> {
+        self.positions
+    }
+
+    /// How many there are.
+    pub(super) fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    #[cold]
+    fn grow(&mut self) {
+        let count = 2 * self.slots.len();
+        let mut slots = vec![EMPTY; count];
+        for &entry in self.slots.iter().filter(|entry| **entry != EMPTY) {
+            let mut slot = first_slot(entry, count);
+            while slots[slot] != EMPTY {
+                slot = (slot + 1) & (count - 1);
+            }
+            slots[slot] = entry;
+        }
+        self.slots = slots;
+    }
+
+    /// Folded multiplication (Wang Yi, "wyhash", 2019).
+    #[inline]
+    fn hash(&self, [x, y, z]: [u64; 3]) -> u64 {
+        let fold = |a: u64, b: u64| {
+            let product = u128::from(a) * u128::from(b);
+            (product as u64) ^ (product >> 64) as u64
+        };
+        let [a, b, c] = self.seeds;
+        fold(fold(x ^ a, y ^ b) ^ z, c | 1)
+    }
+}
+
+/// The slot that the upper half of a hash names, of up to 2³² slots.
+#[inline]
+fn first_slot(hash: u64, slots: usize) -> usize {
+    ((hash >> 32) as usize) >> (32 - slots.trailing_zeros())
+}
+
+#[inline]
+fn entry_of(hash: u64, number: u32) -> u64 {
+    hash >> 32 << 32 | u64::from(number)
+}
+
+fn bits(position: DVec3) -> [u64; 3] {
+    position.to_array().map(f64::to_bits)
+}
+
+/// Fewer triangles than these are not worth a task of their own.
+const FEWEST: usize = 1 << 14;
+
+/// The vertices and triangles that `count` triangles of these corners have. `progress` is told of
+/// triangles that are done, from any thread.
+///
+/// Halves are welded side by side, and the second's vertices looked up among the first's: the order
+/// of vertices is that of welding one corner after the other.
+pub(super) fn weld(
+    count: usize,
+    corners: &(impl Fn(usize) -> [DVec3; 3] + Sync),
+    progress: &(impl Fn(usize) + Sync),
+) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let mut triangles = vec![[0; 3]; count];
+    let leaf = count.div_ceil(rayon::current_num_threads()).max(FEWEST);
+    let part = Part {
+        leaf,
+        corners,
+        progress,
+    };
+    let vertices = part.weld(0, &mut triangles);
+    (vertices.into_positions(), triangles)
+}
+
+struct Part<'a, C, P> {
+    leaf: usize,
+    corners: &'a C,
+    progress: &'a P,
+}
+
+impl<C: Fn(usize) -> [DVec3; 3] + Sync, P: Fn(usize) + Sync> Part<'_, C, P> {
+    fn weld(&self, first: usize, triangles: &mut [[u32; 3]]) -> Vertices {
+        if triangles.len() <= self.leaf {
+            // A closed mesh has half as many vertices as triangles, and a part of one some more.
+            let mut vertices = Vertices::with_capacity(triangles.len() / 8 * 5 + 2);
+            for (index, triangle) in triangles.iter_mut().enumerate() {
+                let corners = (self.corners)(first + index);
+                *triangle = corners.map(|corner| vertices.number(corner));
+                if index % FEWEST == FEWEST - 1 {
+                    (self.progress)(FEWEST);
+                }
+            }
+            return vertices;
+        }
+        let half = triangles.len() / 2;
+        let (left, right) = triangles.split_at_mut(half);
+        let (mut vertices, others) =
+            rayon::join(|| self.weld(first, left), || self.weld(first + half, right));
+        let others = others.into_positions();
+        let numbers: Vec<u32> = others.iter().map(|p| vertices.number(*p)).collect();
+        right
+            .par_iter_mut()
+            .with_min_len(FEWEST)
+            .for_each(|triangle| *triangle = triangle.map(|other| numbers[other as usize]));
+        vertices
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+    use std::collections::HashMap;
+
+    #[test]
+    fn the_order_is_that_of_one_corner_after_the_other() {
+        let mut random = Random(7);
+        // Few places, so that most corners meet others.
+        let mut coordinate = || (random.unit() * 40.0).floor() * 0.5 - 10.0;
+        let corners: Vec<[DVec3; 3]> = (0..3 * FEWEST)
+            .map(|_| [0; 3].map(|_| DVec3::new(coordinate(), coordinate(), -0.0)))
+            .collect();
+        let (positions, triangles) = weld(corners.len(), &|index| corners[index], &|_| ());
+        let mut numbers = HashMap::new();
+        let mut expected = Vec::new();
+        for corner in corners.iter().flatten() {
+            let key = (*corner + DVec3::ZERO).to_array().map(f64::to_bits);
+            let next = numbers.len() as u32;
+            expected.push(*numbers.entry(key).or_insert(next));
+        }
+        assert_eq!(triangles.as_flattened(), expected);
+        assert_eq!(positions.len(), numbers.len());
+        for (corners, triangle) in corners.iter().zip(&triangles) {
+            assert_eq!(*corners, triangle.map(|i| positions[i as usize]));
+        }
+        assert!(positions.iter().all(|p| p.z.is_sign_positive()));
+    }
+
+    #[test]
+    fn what_is_no_number_is_equal_to_itself() {
+        let mut vertices = Vertices::with_capacity(0);
+        let nan = DVec3::NAN;
+        assert_eq!([nan, DVec3::X, nan].map(|p| vertices.number(p)), [0, 1, 0]);
+        assert_eq!(vertices.len(), 2);
+    }
+}

@@ -1,0 +1,41 @@
+use super::MeshData;
+use glam::{DVec3, Vec3};
+
+/// Which axis of a file points up; in a scene it is y.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum UpAxis {
+    /// As in a scene: nothing is turned.
+    #[default]
+    Y,
+    /// As in much of CAD and scanning: (x, y, z) becomes (x, z, −y). No number is rounded.
+    Z,
+}
+
+impl UpAxis {
+    /// Turns a mesh's positions and normals so that what was up is.
+    pub(crate) fn turn(self, mesh: &mut MeshData) {
+        if self == Self::Y {
+            return;
+        }
+        for position in &mut mesh.positions {
+            // A difference, for zero has one sign then.
+            *position = DVec3::new(position.x, position.z, 0.0 - position.y);
+        }
+        for normal in mesh
+            .normals
+            .iter_mut()
+            .flat_map(|normals| &mut normals.values)
+        {
+            *normal = Vec3::new(normal.x, normal.z, 0.0 - normal.y);
+        }
+    }
+}
+
+impl std::fmt::Display for UpAxis {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Y => "y",
+            Self::Z => "z",
+        })
+    }
+}
