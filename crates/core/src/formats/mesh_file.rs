@@ -1,11 +1,15 @@
 use super::error::FormatError;
 use super::files::Files;
 use super::kind::{MeshKind, mesh_kind};
+use super::limits::Budget;
 use super::scene_file::FileKind;
 use super::{Progress, obj, triangle_text};
 use crate::quote;
-use crate::scene::{BENT, Mesh};
+use crate::scene::{BENT, Mesh, MeshData, Object, Transform};
+use glam::DAffine3;
+use std::mem::size_of;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The most warnings of one file that are told one by one.
 const WARNING_LIMIT: usize = 32;
@@ -14,10 +18,45 @@ const WARNING_LIMIT: usize = 32;
 #[derive(Debug)]
 pub(super) struct MeshFile {
     pub(super) kind: FileKind,
-    pub(super) mesh: Mesh,
+    /// One or more, in the order of their numbers.
+    pub(super) objects: Vec<MeshObject>,
+    pub(super) warnings: Vec<String>,
+}
+
+/// A mesh where its file places it.
+#[derive(Clone, Debug)]
+pub(super) struct MeshObject {
+    pub(super) name: String,
+    /// One for all objects that the file gives the same mesh.
+    pub(super) mesh: Arc<Mesh>,
+    /// Which of the file's mesh nodes it is; `None` in files that have no nodes.
+    pub(super) node: Option<u32>,
+    pub(super) world_from_object: DAffine3,
     /// The image that its materials name for all of it.
     pub(super) texture: Option<PathBuf>,
-    pub(super) warnings: Vec<String>,
+}
+
+impl MeshObject {
+    /// The only object of a file, named after it.
+    fn whole(path: &Path, mesh: Arc<Mesh>, texture: Option<PathBuf>) -> Self {
+        Self {
+            name: name(path),
+            mesh,
+            node: None,
+            world_from_object: DAffine3::IDENTITY,
+            texture,
+        }
+    }
+
+    /// The object in a scene; its texture is another file, and the caller's.
+    pub(super) fn placed(&self, source: PathBuf) -> Object {
+        Object {
+            transform: Transform::from_matrix(self.world_from_object),
+            source: Some(source),
+            node: self.node,
+            ..Object::new(self.name.clone(), Arc::clone(&self.mesh))
+        }
+    }
 }
 
 /// Reads the bytes of a mesh file of any kind, and through `files` what it names.
@@ -28,29 +67,62 @@ pub(super) fn read(
     progress: Progress<'_>,
 ) -> Result<MeshFile, FormatError> {
     let budget = files.budget();
-    let (kind, data, texture, mut warnings) = match mesh_kind(path, bytes)? {
+    let mut file = match mesh_kind(path, bytes)? {
         MeshKind::Obj => {
             let obj = obj::read(path, bytes, files, progress)?;
-            (FileKind::Obj, obj.mesh, obj.texture, obj.warnings)
+            let mut warnings = obj.warnings;
+            let mesh = store(path, obj.mesh, budget, &mut warnings)?;
+            MeshFile {
+                kind: FileKind::Obj,
+                objects: vec![MeshObject::whole(path, mesh, obj.texture)],
+                warnings,
+            }
         }
         MeshKind::TriangleText => {
-            let (mesh, warnings) = triangle_text::read(path, bytes, budget, progress)?;
-            (FileKind::TriangleText, mesh, None, warnings)
+            let (mesh, mut warnings) = triangle_text::read(path, bytes, budget, progress)?;
+            let mesh = store(path, mesh, budget, &mut warnings)?;
+            MeshFile {
+                kind: FileKind::TriangleText,
+                objects: vec![MeshObject::whole(path, mesh, None)],
+                warnings,
+            }
         }
     };
+    limit_warnings(path, &mut file.warnings);
+    progress(1.0);
+    Ok(file)
+}
+
+/// Checks and stores a mesh, counted.
+pub(super) fn store(
+    path: &Path,
+    data: MeshData,
+    budget: &Budget,
+    warnings: &mut Vec<String>,
+) -> Result<Arc<Mesh>, FormatError> {
     let kept = data.stored_bytes();
     let share = budget.share(path, "the mesh", data.bytes() + kept)?;
     let mesh = Mesh::new(data);
     share.keep(kept);
     warnings.extend(rounding(path, &mesh));
-    limit_warnings(path, &mut warnings);
-    progress(1.0);
-    Ok(MeshFile {
-        kind,
-        mesh,
-        texture,
-        warnings,
-    })
+    Ok(Arc::new(mesh))
+}
+
+/// Counts objects of a scene, and all their triangles, those of a shared mesh each time.
+pub(super) fn count_objects(
+    path: &Path,
+    objects: &[MeshObject],
+    budget: &Budget,
+) -> Result<(), FormatError> {
+    // The object, its transforms by matrix, and the names, twice while they are made.
+    let names: usize = objects.iter().map(|object| object.name.len()).sum();
+    let bytes = 2 * (objects.len() * (size_of::<Object>() + size_of::<DAffine3>()) + names);
+    let share = budget.share(path, "the list of objects", bytes as u64)?;
+    share.keep(bytes as u64);
+    for object in objects {
+        budget.add_triangles(path, object.mesh.triangles().len() as u64)?;
+    }
+    Ok(())
 }
 
 /// Keeps the first warnings, and counts the rest.
