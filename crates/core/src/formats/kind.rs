@@ -1,15 +1,18 @@
 use super::error::FormatError;
+use super::gltf_json;
 use std::path::Path;
 
 /// A kind of file that holds a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MeshKind {
     Obj,
+    Gltf,
+    Threemf,
     TriangleText,
 }
 
 /// What a mesh file may be, for messages.
-const MESHES: &str = "a mesh (OBJ, or triangle text)";
+const MESHES: &str = "a mesh (OBJ, glTF, 3MF, or triangle text)";
 
 /// How many lines, empty ones aside, are looked at for a word that tells the kind.
 const LINES: usize = 200;
@@ -38,6 +41,12 @@ pub(super) fn mesh_kind(path: &Path, bytes: &[u8]) -> Result<MeshKind, FormatErr
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return found("an empty file");
     }
+    if is_gltf(path, bytes) {
+        return Ok(MeshKind::Gltf);
+    }
+    if is_threemf(path, bytes) {
+        return Ok(MeshKind::Threemf);
+    }
     if let Some(kind) = foreign_kind(bytes) {
         return found(kind);
     }
@@ -62,10 +71,24 @@ pub(super) fn mesh_kind(path: &Path, bytes: &[u8]) -> Result<MeshKind, FormatErr
     }
 }
 
+/// Whether a file is a glTF: a GLB, or JSON that names glTF's one table that must be there.
+fn is_gltf(path: &Path, bytes: &[u8]) -> bool {
+    let text = without_mark(bytes).trim_ascii_start();
+    bytes.starts_with(gltf_json::MAGIC)
+        || (text.starts_with(b"{")
+            && (has_extension(path, "gltf") || memchr::memmem::find(text, b"\"asset\"").is_some()))
+}
+
+/// Whether a file is a 3MF: an archive that has a model, whose name is not compressed.
+fn is_threemf(path: &Path, bytes: &[u8]) -> bool {
+    bytes.starts_with(b"PK\x03\x04")
+        && (has_extension(path, "3mf") || memchr::memmem::find(bytes, b".model").is_some())
+}
+
 /// What a file that is neither OBJ nor triangle text looks like; `None` where nothing gives it
 /// away.
 pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
-    const SIGNATURES: [(&[u8], &str); 17] = [
+    const SIGNATURES: [(&[u8], &str); 16] = [
         (b"\x89PNG", "a PNG image"),
         (b"\xff\xd8\xff", "a JPEG image"),
         (b"\x76\x2f\x31\x01", "an OpenEXR image"),
@@ -73,7 +96,6 @@ pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
         (b"II*\0", "a TIFF image"),
         (b"MM\0*", "a TIFF image"),
         (b"RIFF", "a RIFF file (WebP, perhaps)"),
-        (b"glTF", "a binary glTF mesh (GLB), which is not read yet"),
         (b"ply\n", "a PLY mesh, which is not read yet"),
         (b"ply\r", "a PLY mesh, which is not read yet"),
         (b"Kaydara FBX Binary", "an FBX file"),
@@ -107,9 +129,6 @@ pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
     let text = text.trim_start();
     if text.starts_with("solid") && text.contains("facet") {
         return Some("an STL mesh, which is not read yet");
-    }
-    if text.starts_with('{') && text.contains("\"asset\"") {
-        return Some("a glTF mesh, which is not read yet");
     }
     if text.starts_with('<') {
         return Some("XML or HTML");
@@ -156,6 +175,18 @@ mod tests {
         assert_eq!(kind("a", "\u{feff}v 0 0 0"), obj);
         assert_eq!(kind("a.OBJ", "nothing of note"), obj);
         assert_eq!(kind("a.txt", "nothing of note"), text);
+        let gltf = Some(MeshKind::Gltf);
+        assert_eq!(kind("a.obj", "glTF\u{2}\0\0\0"), gltf);
+        assert_eq!(kind("a", " {\"x\": 1, \"asset\": {}}"), gltf);
+        assert_eq!(kind("a.gltf", "{}"), gltf);
+        assert_eq!(kind("a.json", "{}"), None);
+        let archive = "PK\u{3}\u{4}";
+        assert_eq!(kind("a.3mf", archive), Some(MeshKind::Threemf));
+        assert_eq!(
+            kind("a.zip", &format!("{archive}3D/x.model")),
+            Some(MeshKind::Threemf)
+        );
+        assert_eq!(kind("a.zip", archive), None);
         assert_eq!(kind("a.md", "nothing of note"), None);
         // However lines end, as many of them are looked at.
         for line in ["# c\n", "# c\r\n", "# c\r"] {
@@ -178,8 +209,7 @@ mod tests {
         check(b"\xff\xd8\xff\xe0\x00\x10JFIF", "JPEG");
         check(b"\x76\x2f\x31\x01\x02", "OpenEXR");
         check(b"P6\n1 1\n255\n", "PNM");
-        check(b"glTF\x02\0\0\0", "GLB");
-        check(b"{\"asset\": {}}", "a glTF mesh");
+        check(b"PK\x03\x04", "a ZIP archive");
         check(b"ply\nformat ascii 1.0\n", "PLY");
         check(b"solid cube\n facet normal 0 0 1\n", "STL");
         check(&[&[0; 80][..], &[1, 0, 0, 0], &[9; 50]].concat(), "STL");

@@ -2,8 +2,9 @@ use super::error::FormatError;
 use super::files::Files;
 use super::kind::{MeshKind, mesh_kind};
 use super::limits::Budget;
+use super::placed::Placed;
 use super::scene_file::FileKind;
-use super::{Progress, obj, triangle_text};
+use super::{Progress, gltf, obj, threemf, triangle_text};
 use crate::quote;
 use crate::scene::{BENT, Mesh, MeshData, Object, Transform};
 use glam::DAffine3;
@@ -21,6 +22,8 @@ pub(super) struct MeshFile {
     /// One or more, in the order of their numbers.
     pub(super) objects: Vec<MeshObject>,
     pub(super) warnings: Vec<String>,
+    /// What the file says of itself, and holds that is not used.
+    pub(super) notes: Vec<String>,
 }
 
 /// A mesh where its file places it.
@@ -76,7 +79,16 @@ pub(super) fn read(
                 kind: FileKind::Obj,
                 objects: vec![MeshObject::whole(path, mesh, obj.texture)],
                 warnings,
+                notes: Vec::new(),
             }
+        }
+        MeshKind::Gltf => {
+            let placed = gltf::read(path, bytes, files, progress)?;
+            several(path, FileKind::Gltf, placed, budget)?
+        }
+        MeshKind::Threemf => {
+            let placed = threemf::read(path, bytes, budget, progress)?;
+            several(path, FileKind::Threemf, placed, budget)?
         }
         MeshKind::TriangleText => {
             let (mesh, mut warnings) = triangle_text::read(path, bytes, budget, progress)?;
@@ -85,12 +97,45 @@ pub(super) fn read(
                 kind: FileKind::TriangleText,
                 objects: vec![MeshObject::whole(path, mesh, None)],
                 warnings,
+                notes: Vec::new(),
             }
         }
     };
     limit_warnings(path, &mut file.warnings);
     progress(1.0);
     Ok(file)
+}
+
+/// Checks and stores what a file of several objects gives.
+fn several(
+    path: &Path,
+    kind: FileKind,
+    placed: Placed,
+    budget: &Budget,
+) -> Result<MeshFile, FormatError> {
+    let mut warnings = placed.warnings;
+    let meshes: Vec<Arc<Mesh>> = placed
+        .meshes
+        .into_iter()
+        .map(|data| store(path, data, budget, &mut warnings))
+        .collect::<Result<_, _>>()?;
+    let objects = placed
+        .nodes
+        .into_iter()
+        .zip(0..)
+        .map(|(node, number)| MeshObject {
+            name: node.name,
+            mesh: Arc::clone(&meshes[node.mesh]),
+            node: Some(number),
+            world_from_object: node.world_from_object,
+            texture: None,
+        });
+    Ok(MeshFile {
+        kind,
+        objects: objects.collect(),
+        warnings,
+        notes: placed.notes,
+    })
 }
 
 /// Checks and stores a mesh, counted.

@@ -2,6 +2,12 @@
 
 mod error;
 mod files;
+mod gltf;
+mod gltf_data;
+mod gltf_json;
+mod gltf_material;
+mod gltf_mesh;
+mod gltf_nodes;
 mod guard;
 mod jpeg;
 mod kind;
@@ -11,6 +17,7 @@ mod mesh_file;
 mod mtl;
 mod obj;
 mod obj_text;
+mod placed;
 mod polygon;
 mod ray_file;
 mod scene_file;
@@ -18,6 +25,9 @@ mod scene_read;
 mod scene_toml;
 mod scene_write;
 mod texture;
+mod threemf;
+mod threemf_model;
+mod threemf_package;
 mod triangle_text;
 
 pub use error::{FormatError, Place};
@@ -129,6 +139,7 @@ pub fn read_scene_within(
         kind: read.kind,
         scene: Scene { objects },
         warnings,
+        notes: read.notes,
         opened: disk.opened(),
         ..SceneFile::default()
     })

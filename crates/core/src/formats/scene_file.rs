@@ -12,6 +12,10 @@ pub enum FileKind {
     Scene,
     /// A Wavefront OBJ.
     Obj,
+    /// A glTF 2.0, as JSON or as a GLB: in metres, Y up.
+    Gltf,
+    /// A 3MF, Z up.
+    Threemf,
     /// The triangle text of the original RayCast.
     TriangleText,
 }
@@ -21,6 +25,8 @@ impl std::fmt::Display for FileKind {
         f.write_str(match self {
             Self::Scene => "scene file",
             Self::Obj => "OBJ",
+            Self::Gltf => "glTF",
+            Self::Threemf => "3MF",
             Self::TriangleText => "triangle text",
         })
     }
@@ -42,6 +48,8 @@ pub struct SceneFile {
     pub shading: Option<ShadingFile>,
     /// What was not as it should be, and did not matter enough to stop: a line each. Never saved.
     pub warnings: Vec<String>,
+    /// What the files are, say of themselves, and hold that is not used: a line each. Never saved.
+    pub notes: Vec<String>,
     /// Every file that was opened on the way, each once: the scene file itself, meshes, their
     /// material libraries, textures, and those that could be opened and then not be read. Nothing
     /// should be written over them. Absolute, or relative where they came from a caller's own store
@@ -87,6 +95,7 @@ impl SceneFile {
         self.image.samples = self.image.samples.or(other.image.samples);
         self.shading = self.shading.or(other.shading);
         self.warnings.extend(other.warnings);
+        self.notes.extend(other.notes);
         let known: HashSet<PathBuf> = self.opened.iter().cloned().collect();
         let new = other
             .opened

@@ -59,6 +59,7 @@ pub(super) fn read(
         image,
         shading,
         warnings,
+        notes: Vec::new(),
         opened: files.opened(),
     })
 }

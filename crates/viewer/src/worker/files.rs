@@ -401,7 +401,10 @@ fn dialog(kind: PromptKind, suggested: &str) -> DialogAnswer {
     let path = match kind {
         PromptKind::Open => dialog
             .set_title("Open a mesh or a scene")
-            .add_filter("Meshes and scenes", &["obj", "txt", "tri", "toml"])
+            .add_filter(
+                "Meshes and scenes",
+                &["obj", "gltf", "glb", "3mf", "txt", "tri", "toml"],
+            )
             .add_filter("All files", &["*"])
             .pick_file(),
         PromptKind::Texture => dialog
