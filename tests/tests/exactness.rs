@@ -154,6 +154,7 @@ fn several_objects_in_their_places() {
                     translate: random.in_cube() * 2.0,
                     rotate: random.in_cube() * 180.0,
                     scale: DVec3::ONE + random.in_cube() * 1.5,
+                    ..Transform::IDENTITY
                 },
                 parent: (i > 3).then_some(i - 2),
                 ..Object::new(format!("object {i}"), Arc::new(mesh))

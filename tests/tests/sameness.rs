@@ -41,6 +41,7 @@ fn stage() -> Stage {
             translate: DVec3::new(0.7, 0.4, 0.2),
             rotate: DVec3::new(10.0, 20.0, 30.0),
             scale: DVec3::splat(0.6),
+            ..Transform::IDENTITY
         },
         ..Object::new("sphere", Arc::new(meshes::sphere(DVec3::ZERO, 1.0, 40)))
     };
@@ -49,6 +50,7 @@ fn stage() -> Stage {
             translate: DVec3::new(-2.0, -0.7, 2.0),
             rotate: DVec3::new(-90.0, 0.0, 0.0),
             scale: DVec3::new(0.125, 0.125, 0.03),
+            ..Transform::IDENTITY
         },
         ..Object::new("hills", Arc::new(meshes::integer_heights(32, 1)))
     };

@@ -173,10 +173,7 @@ impl Figure {
         let mut materials = Vec::new();
         let material_of_triangle = self.colors.iter().map(|&color| {
             *numbers.entry(color).or_insert_with(|| {
-                materials.push(Material {
-                    name: color.to_string(),
-                    color,
-                });
+                materials.push(Material::new(color.to_string(), color));
                 materials.len() as u32 - 1
             })
         });

@@ -122,6 +122,7 @@ fn furnished() -> Stage {
             translate,
             rotate: DVec3::new(20.0, 30.0, 40.0),
             scale: DVec3::new(1.0, 0.5, 0.8),
+            ..Transform::IDENTITY
         },
         ..Object::new("object", mesh.clone())
     };

@@ -11,7 +11,7 @@ pub(super) fn set(mesh: &mut MeshData, colors: impl IntoIterator<Item = Option<C
     let mut number = |color: Color| {
         *numbers.entry(color).or_insert_with(|| {
             let name = color.to_string();
-            materials.push(Material { name, color });
+            materials.push(Material::new(name, color));
             materials.len() as u32 - 1
         })
     };

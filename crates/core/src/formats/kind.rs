@@ -1,19 +1,21 @@
 use super::error::FormatError;
-use super::{off, ply_header, stl};
+use super::{gltf_json, off, ply_header, stl};
 use std::path::Path;
 
 /// A kind of file that holds a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MeshKind {
     Obj,
+    Gltf,
     Off,
     Ply,
     Stl,
+    Threemf,
     TriangleText,
 }
 
 /// What a mesh file may be, for messages.
-const MESHES: &str = "a mesh (OBJ, PLY, STL, OFF, or triangle text)";
+const MESHES: &str = "a mesh (OBJ, glTF, PLY, STL, OFF, 3MF, or triangle text)";
 
 /// How many lines, empty ones aside, are looked at for a word that tells the kind.
 const LINES: usize = 200;
@@ -44,6 +46,12 @@ pub(super) fn mesh_kind(path: &Path, bytes: &[u8]) -> Result<MeshKind, FormatErr
     }
     if let Some(kind) = told_by_content(bytes) {
         return Ok(kind);
+    }
+    if is_gltf(path, bytes) {
+        return Ok(MeshKind::Gltf);
+    }
+    if is_threemf(path, bytes) {
+        return Ok(MeshKind::Threemf);
     }
     if let Some(kind) = foreign_kind(bytes) {
         // A binary STL begins with anything, and a damaged one is not known by its length.
@@ -77,6 +85,20 @@ pub(super) fn mesh_kind(path: &Path, bytes: &[u8]) -> Result<MeshKind, FormatErr
     }
 }
 
+/// Whether a file is a glTF: a GLB, or JSON that names glTF's one table that must be there.
+fn is_gltf(path: &Path, bytes: &[u8]) -> bool {
+    let text = without_mark(bytes).trim_ascii_start();
+    bytes.starts_with(gltf_json::MAGIC)
+        || (text.starts_with(b"{")
+            && (has_extension(path, "gltf") || memchr::memmem::find(text, b"\"asset\"").is_some()))
+}
+
+/// Whether a file is a 3MF: an archive that has a model, whose name is not compressed.
+fn is_threemf(path: &Path, bytes: &[u8]) -> bool {
+    bytes.starts_with(b"PK\x03\x04")
+        && (has_extension(path, "3mf") || memchr::memmem::find(bytes, b".model").is_some())
+}
+
 /// The kind of mesh whose first bytes, or whose length, are like no other's.
 fn told_by_content(bytes: &[u8]) -> Option<MeshKind> {
     if ply_header::is_ply(bytes) {
@@ -103,7 +125,7 @@ pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
         (b"II*\0", "a TIFF image"),
         (b"MM\0*", "a TIFF image"),
         (b"RIFF", "a RIFF file (WebP, perhaps)"),
-        (b"glTF", "a binary glTF mesh (GLB), which is not read yet"),
+        (b"glTF", "a GLB mesh"),
         (b"Kaydara FBX Binary", "an FBX file"),
         (b"BLENDER", "a Blender file"),
         (b"PK\x03\x04", "a ZIP archive"),
@@ -128,13 +150,10 @@ pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
         Some(MeshKind::Ply) => return Some("a PLY mesh"),
         Some(MeshKind::Stl) => return Some("an STL mesh"),
         Some(MeshKind::Off) => return Some("an OFF mesh"),
-        Some(MeshKind::Obj | MeshKind::TriangleText) | None => {}
+        _ => {}
     }
     let text = String::from_utf8_lossy(head);
     let text = text.trim_start();
-    if text.starts_with('{') && text.contains("\"asset\"") {
-        return Some("a glTF mesh, which is not read yet");
-    }
     if text.starts_with('<') {
         return Some("XML or HTML");
     }
@@ -193,6 +212,18 @@ mod tests {
         let cut = &binary[..100];
         assert_eq!(mesh_kind(Path::new("a.stl"), cut).ok(), stl);
         assert!(mesh_kind(Path::new("a.obj"), cut).is_err());
+        let gltf = Some(MeshKind::Gltf);
+        assert_eq!(kind("a.obj", "glTF\u{2}\0\0\0"), gltf);
+        assert_eq!(kind("a", " {\"x\": 1, \"asset\": {}}"), gltf);
+        assert_eq!(kind("a.gltf", "{}"), gltf);
+        assert_eq!(kind("a.json", "{}"), None);
+        let archive = "PK\u{3}\u{4}";
+        assert_eq!(kind("a.3mf", archive), Some(MeshKind::Threemf));
+        assert_eq!(
+            kind("a.zip", &format!("{archive}3D/x.model")),
+            Some(MeshKind::Threemf)
+        );
+        assert_eq!(kind("a.zip", archive), None);
         assert_eq!(kind("a.md", "nothing of note"), None);
         // However lines end, as many of them are looked at.
         for line in ["# c\n", "# c\r\n", "# c\r"] {
@@ -215,8 +246,7 @@ mod tests {
         check(b"\xff\xd8\xff\xe0\x00\x10JFIF", "JPEG");
         check(b"\x76\x2f\x31\x01\x02", "OpenEXR");
         check(b"P6\n1 1\n255\n", "PNM");
-        check(b"glTF\x02\0\0\0", "GLB");
-        check(b"{\"asset\": {}}", "a glTF mesh");
+        check(b"PK\x03\x04", "a ZIP archive");
         check(b"\x7fELF\x02\0", "binary data");
         check(b"[camera]\neye = [0, 0, 1]\n", "a scene file");
     }

@@ -1,13 +1,18 @@
 use super::error::FormatError;
 use super::files::Files;
 use super::kind::{MeshKind, mesh_kind};
+use super::limits::Budget;
 use super::parsed::Parsed;
+use super::placed::Placed;
 use super::scene_file::FileKind;
 use super::unpack::{inner_name, unpack};
-use super::{Progress, obj, off, ply, stl, triangle_text};
+use super::{Progress, gltf, obj, off, ply, stl, threemf, triangle_text};
 use crate::quote;
-use crate::scene::{BENT, Mesh, UpAxis};
+use crate::scene::{BENT, Mesh, MeshData, Object, Transform, UpAxis};
+use glam::DAffine3;
+use std::mem::size_of;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The most warnings of one file that are told one by one.
 const WARNING_LIMIT: usize = 32;
@@ -19,12 +24,47 @@ const UNPACKING: f32 = 0.5;
 #[derive(Debug)]
 pub(super) struct MeshFile {
     pub(super) kind: FileKind,
-    pub(super) mesh: Mesh,
+    /// One or more, in the order of their numbers.
+    pub(super) objects: Vec<MeshObject>,
+    pub(super) warnings: Vec<String>,
+    /// What the file says of itself, and holds that is not used.
+    pub(super) notes: Vec<String>,
+}
+
+/// A mesh where its file places it.
+#[derive(Clone, Debug)]
+pub(super) struct MeshObject {
+    pub(super) name: String,
+    /// One for all objects that the file gives the same mesh.
+    pub(super) mesh: Arc<Mesh>,
+    /// Which of the file's mesh nodes it is; `None` in files that have no nodes.
+    pub(super) node: Option<u32>,
+    pub(super) world_from_object: DAffine3,
     /// The image that its materials name for all of it.
     pub(super) texture: Option<PathBuf>,
-    pub(super) warnings: Vec<String>,
-    /// What [`Parsed::notes`] says.
-    pub(super) notes: Vec<String>,
+}
+
+impl MeshObject {
+    /// The only object of a file, named after it.
+    fn whole(path: &Path, mesh: Arc<Mesh>, texture: Option<PathBuf>) -> Self {
+        Self {
+            name: name(path),
+            mesh,
+            node: None,
+            world_from_object: DAffine3::IDENTITY,
+            texture,
+        }
+    }
+
+    /// The object in a scene; its texture is another file, and the caller's.
+    pub(super) fn placed(&self, source: PathBuf) -> Object {
+        Object {
+            transform: Transform::from_matrix(self.world_from_object),
+            source: Some(source),
+            node: self.node,
+            ..Object::new(self.name.clone(), Arc::clone(&self.mesh))
+        }
+    }
 }
 
 /// Reads the bytes of a mesh file of any kind, and through `files` what it names; `up_axis` is what
@@ -44,7 +84,36 @@ pub(super) fn read(
     };
     let start = if packing.is_some() { UNPACKING } else { 0.0 };
     let progress: Progress<'_> = &|share| progress(start + share * (1.0 - start));
+    let unpacked_from =
+        packing.map(|packing| format!("unpacked from {packing}: {} bytes", bytes.len()));
     let (kind, parsed) = match mesh_kind(&inner_name(path), bytes)? {
+        MeshKind::Gltf => {
+            let placed = gltf::read(path, bytes, files, progress)?;
+            drop(unpacked);
+            return several(
+                path,
+                FileKind::Gltf,
+                placed,
+                unpacked_from,
+                budget,
+                progress,
+            );
+        }
+        MeshKind::Threemf => {
+            let mut placed = threemf::read(path, bytes, budget, progress)?;
+            drop(unpacked);
+            for node in &mut placed.nodes {
+                node.world_from_object = up_axis.y_up() * node.world_from_object;
+            }
+            return several(
+                path,
+                FileKind::Threemf,
+                placed,
+                unpacked_from,
+                budget,
+                progress,
+            );
+        }
         MeshKind::Obj => {
             let obj = obj::read(path, bytes, files, progress)?;
             let parsed = Parsed {
@@ -74,28 +143,91 @@ pub(super) fn read(
         mut warnings,
         mut notes,
     } = parsed;
-    if let Some(packing) = packing {
-        notes.insert(0, format!("unpacked from {packing}: {} bytes", bytes.len()));
-    }
     drop(unpacked);
+    notes.splice(0..0, unpacked_from);
     up_axis.turn(&mut data);
     notes.push(format!(
         "units and up axis: not said; {up_axis} is taken to be up"
     ));
+    let mesh = store(path, data, budget, &mut warnings)?;
+    limit_warnings(path, &mut warnings);
+    progress(1.0);
+    Ok(MeshFile {
+        kind,
+        objects: vec![MeshObject::whole(path, mesh, texture)],
+        warnings,
+        notes,
+    })
+}
+
+/// Checks and stores what a file of several objects gives.
+fn several(
+    path: &Path,
+    kind: FileKind,
+    placed: Placed,
+    unpacked_from: Option<String>,
+    budget: &Budget,
+    progress: Progress<'_>,
+) -> Result<MeshFile, FormatError> {
+    let mut warnings = placed.warnings;
+    let meshes: Vec<Arc<Mesh>> = placed
+        .meshes
+        .into_iter()
+        .map(|data| store(path, data, budget, &mut warnings))
+        .collect::<Result<_, _>>()?;
+    let objects = placed
+        .nodes
+        .into_iter()
+        .zip(0..)
+        .map(|(node, number)| MeshObject {
+            name: node.name,
+            mesh: Arc::clone(&meshes[node.mesh]),
+            node: Some(number),
+            world_from_object: node.world_from_object,
+            texture: None,
+        });
+    limit_warnings(path, &mut warnings);
+    progress(1.0);
+    let mut notes = placed.notes;
+    notes.splice(0..0, unpacked_from);
+    Ok(MeshFile {
+        kind,
+        objects: objects.collect(),
+        warnings,
+        notes,
+    })
+}
+
+/// Checks and stores a mesh, counted.
+pub(super) fn store(
+    path: &Path,
+    data: MeshData,
+    budget: &Budget,
+    warnings: &mut Vec<String>,
+) -> Result<Arc<Mesh>, FormatError> {
     let kept = data.stored_bytes();
     let share = budget.share(path, "the mesh", data.bytes() + kept)?;
     let mesh = Mesh::new(data);
     share.keep(kept);
     warnings.extend(rounding(path, &mesh));
-    limit_warnings(path, &mut warnings);
-    progress(1.0);
-    Ok(MeshFile {
-        kind,
-        mesh,
-        texture,
-        warnings,
-        notes,
-    })
+    Ok(Arc::new(mesh))
+}
+
+/// Counts objects of a scene, and all their triangles, those of a shared mesh each time.
+pub(super) fn count_objects(
+    path: &Path,
+    objects: &[MeshObject],
+    budget: &Budget,
+) -> Result<(), FormatError> {
+    // The object, its transforms by matrix, and the names, twice while they are made.
+    let names: usize = objects.iter().map(|object| object.name.len()).sum();
+    let bytes = 2 * (objects.len() * (size_of::<Object>() + size_of::<DAffine3>()) + names);
+    let share = budget.share(path, "the list of objects", bytes as u64)?;
+    share.keep(bytes as u64);
+    for object in objects {
+        budget.add_triangles(path, object.mesh.triangles().len() as u64)?;
+    }
+    Ok(())
 }
 
 /// Keeps the first warnings, and counts the rest.

@@ -5,6 +5,12 @@ mod error;
 mod face_colors;
 mod files;
 mod glb_write;
+mod gltf;
+mod gltf_data;
+mod gltf_json;
+mod gltf_material;
+mod gltf_mesh;
+mod gltf_nodes;
 mod guard;
 mod jpeg;
 mod kind;
@@ -18,6 +24,7 @@ mod obj_text;
 mod obj_write;
 mod off;
 mod parsed;
+mod placed;
 mod ply;
 mod ply_header;
 mod ply_values;
@@ -31,6 +38,9 @@ mod scene_write;
 mod stl;
 mod stl_write;
 mod texture;
+mod threemf;
+mod threemf_model;
+mod threemf_package;
 mod tokens;
 mod triangle_text;
 mod triangle_text_write;
@@ -46,7 +56,7 @@ pub use ray_file::{HIT_BYTES, RAY_BYTES, decode_ray, encode_hit};
 pub use scene_file::{CameraFile, FileKind, ImageFile, SceneFile, ShadingFile};
 pub use scene_write::SaveError;
 
-use crate::scene::{Mesh, Object, Scene, Texture};
+use crate::scene::{Mesh, Scene, Texture};
 use files::{By, Disk, Files, Held};
 use std::path::Path;
 use std::sync::Arc;
@@ -59,11 +69,12 @@ const READING: f32 = 0.2;
 
 /// Reads a mesh file; its kind is known from the content where it can be, else from the extension.
 ///
-/// What [`read_scene`] would warn of (materials that cannot be read) is passed over.
+/// What [`read_scene`] would warn of (materials that cannot be read) is passed over. The mesh of a
+/// glTF or 3MF file is in its own space: where its node places it is not told.
 ///
 /// # Errors
 /// A file that cannot be read, or is not a mesh of a kind we know: with file, line and what was
-/// expected; more than the default [`Limits`].
+/// expected; more than the default [`Limits`]; more objects than one.
 pub fn read_mesh(path: &Path, progress: Progress<'_>) -> Result<Mesh, FormatError> {
     let budget = Budget::default();
     let disk = Disk::new(&budget);
@@ -72,7 +83,15 @@ pub fn read_mesh(path: &Path, progress: Progress<'_>) -> Result<Mesh, FormatErro
     let read = mesh_file::read(path, &contents, &disk, up_axis, &|share| {
         progress(READING + share * (1.0 - READING));
     })?;
-    Ok(read.mesh)
+    let count = read.objects.len();
+    let mut objects = read.objects.into_iter();
+    match (objects.next(), count) {
+        (Some(object), 1) => Ok(Arc::unwrap_or_clone(object.mesh)),
+        _ => {
+            let found = format!("{count} objects");
+            Err(FormatError::unexpected(path, None, "one mesh", found))
+        }
+    }
 }
 
 /// Reads an image file as a texture: PNG, JPEG or PNM, known by its content.
@@ -93,8 +112,8 @@ pub fn read_texture_within(path: &Path, budget: &Budget) -> Result<Texture, Form
 }
 
 /// Reads a scene file (`.raycast.toml`) and every mesh and texture that it names, or a mesh file as
-/// a scene of one object named after the file, with the texture that its materials name for all
-/// of it.
+/// a scene of the objects that it places: a glTF or 3MF file's mesh nodes, depth first; else one,
+/// named after the file, with the texture that its materials name for all of it.
 ///
 /// # Errors
 /// As [`read_mesh`]; a scene file that does not parse, with its line.
@@ -120,25 +139,26 @@ pub fn read_scene_within(
     let up_axis = budget.limits().up_axis;
     let read = mesh_file::read(path, &contents, &disk, up_axis, &rest)?;
     drop(contents);
-    budget.add_triangles(path, read.mesh.triangles().len() as u64)?;
+    mesh_file::count_objects(path, &read.objects, budget)?;
     let mut warnings = read.warnings;
-    let mut object = Object::new(mesh_file::name(path), Arc::new(read.mesh));
-    object.source = Some(disk.source(path));
-    object.up_axis = up_axis;
-    if let Some(image) = read.texture {
-        match decode_texture(&disk, &image, By::Mesh(path)) {
-            Ok(texture) => {
-                object.texture = Some(Arc::new(texture));
-                object.texture_source = Some(disk.source(&image));
+    let source = disk.source(path);
+    let mut objects = Vec::with_capacity(read.objects.len());
+    for found in read.objects {
+        let mut object = found.placed(source.clone());
+        if let Some(image) = found.texture {
+            match decode_texture(&disk, &image, By::Mesh(path)) {
+                Ok(texture) => {
+                    object.texture = Some(Arc::new(texture));
+                    object.texture_source = Some(disk.source(&image));
+                }
+                Err(error) => warnings.push(error.to_string()),
             }
-            Err(error) => warnings.push(error.to_string()),
         }
+        objects.push(object);
     }
     Ok(SceneFile {
         kind: read.kind,
-        scene: Scene {
-            objects: vec![object],
-        },
+        scene: Scene { objects },
         warnings,
         notes: read.notes,
         opened: disk.opened(),

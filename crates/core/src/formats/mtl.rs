@@ -56,10 +56,7 @@ fn convert(material: tobj::Material) -> MtlMaterial {
             .as_deref()
             .and_then(image_name)
             .map(str::to_owned),
-        material: Material {
-            name: material.name,
-            color,
-        },
+        material: Material::new(material.name, color),
     }
 }
 

@@ -12,6 +12,10 @@ pub enum FileKind {
     Scene,
     /// A Wavefront OBJ.
     Obj,
+    /// A glTF 2.0, as JSON or as a GLB: in metres, Y up.
+    Gltf,
+    /// A 3MF, Z up.
+    Threemf,
     /// The triangle text of the original RayCast.
     TriangleText,
     /// OFF.
@@ -27,6 +31,8 @@ impl std::fmt::Display for FileKind {
         f.write_str(match self {
             Self::Scene => "scene file",
             Self::Obj => "OBJ",
+            Self::Gltf => "glTF",
+            Self::Threemf => "3MF",
             Self::TriangleText => "triangle text",
             Self::Off => "OFF",
             Self::Ply => "PLY",

@@ -2,7 +2,7 @@ use super::error::{FormatError, shorten};
 use super::files::{By, Contents, Files, beside};
 use super::guard::guarded;
 use super::kind::without_mark;
-use super::mesh_file;
+use super::mesh_file::{self, MeshObject};
 use super::scene_file::{CameraFile, FileKind, ImageFile, SceneFile};
 use super::scene_toml::{
     BackgroundToml, CameraToml, ImageToml, ObjectToml, SceneToml, ShadingToml,
@@ -11,9 +11,9 @@ use super::{Progress, texture};
 use crate::camera::{ImagePlane, Placement, PlacementError, Projection};
 use crate::quote::{self, quote};
 use crate::ranges::{self, OutOfRange};
-use crate::scene::{Bounds, COORDINATE_LIMIT, Mesh, Object, Scene, Texture, Transform, UpAxis};
+use crate::scene::{Bounds, COORDINATE_LIMIT, Object, Scene, Texture, Transform, UpAxis};
 use crate::shade::{Background, Shading, Wireframe};
-use glam::DVec3;
+use glam::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -115,6 +115,21 @@ fn line_at(bytes: &[u8], offset: usize) -> usize {
 
 /// What objects share: a file is read once.
 type Shared<T> = HashMap<PathBuf, T>;
+
+/// A transform of all that a file places, for an object that the file places by a map of its own.
+fn within(transform: &Transform, world_from_object: DAffine3) -> Transform {
+    let matrix = if transform.matrix == DAffine3::IDENTITY {
+        world_from_object
+    } else if world_from_object == DAffine3::IDENTITY {
+        transform.matrix
+    } else {
+        transform.matrix * world_from_object
+    };
+    Transform {
+        matrix,
+        ..*transform
+    }
+}
 
 struct Reader<'a> {
     path: &'a Path,
@@ -277,74 +292,148 @@ impl Reader<'_> {
     ) -> Result<Vec<Object>, FormatError> {
         // Parents first: they cost nothing, and a fault in them is known before anything is read.
         let parents = self.parents(tables)?;
-        let mut meshes: HashMap<(PathBuf, UpAxis), Arc<Mesh>> = HashMap::new();
+        let mut meshes: HashMap<(PathBuf, UpAxis), Vec<MeshObject>> = HashMap::new();
         let mut textures: Shared<Arc<Texture>> = HashMap::new();
-        let mut objects = Vec::with_capacity(tables.len());
+        let mut objects: Vec<Object> = Vec::with_capacity(tables.len());
+        let mut first_objects = Vec::with_capacity(tables.len());
         let share = 1.0 / tables.len().max(1) as f32;
-        for (index, (table, parent)) in tables.iter().zip(parents).enumerate() {
+        for (index, table) in tables.iter().enumerate() {
             let table = table.get_ref();
             let step = |part: f32| progress((index as f32 + part) * share);
             let mesh_path = beside(self.path, table.mesh.get_ref());
             let source = self.files.source(&mesh_path);
             let up_axis = table.up_axis.map_or(UpAxis::default(), Into::into);
             let key = (source.clone(), up_axis);
-            let mesh = match meshes.get(&key) {
-                Some(mesh) => Arc::clone(mesh),
-                None => {
-                    let bytes = self.bytes(&table.mesh, &mesh_path, &|part| step(part * 0.5))?;
-                    let read = mesh_file::read(&mesh_path, &bytes, self.files, up_axis, &|part| {
-                        step(0.5 + part * 0.5);
-                    })?;
-                    let path = quote::path(&mesh_path);
-                    notes.extend(read.notes.iter().map(|note| format!("{path}: {note}")));
-                    warnings.extend(read.warnings);
-                    let mesh = Arc::new(read.mesh);
-                    meshes.insert(key, Arc::clone(&mesh));
-                    mesh
+            if !meshes.contains_key(&key) {
+                let bytes = self.bytes(&table.mesh, &mesh_path, &|part| step(part * 0.5))?;
+                let read = mesh_file::read(&mesh_path, &bytes, self.files, up_axis, &|part| {
+                    step(0.5 + part * 0.5);
+                })?;
+                let path = quote::path(&mesh_path);
+                notes.extend(read.notes.iter().map(|note| format!("{path}: {note}")));
+                warnings.extend(read.warnings);
+                meshes.insert(key.clone(), read.objects);
+            }
+            let read = meshes.get(&key).map_or(&[][..], Vec::as_slice);
+            let found = self.named_nodes(table, read)?;
+            mesh_file::count_objects(self.path, found, self.files.budget())?;
+            let texture = match &table.texture {
+                Some(named) => {
+                    let path = beside(self.path, named.get_ref());
+                    let source = self.files.source(&path);
+                    let texture = match textures.get(&source) {
+                        Some(texture) => Arc::clone(texture),
+                        None => {
+                            let bytes = self.bytes(named, &path, &|_| ())?;
+                            let texture =
+                                Arc::new(texture::decode(&path, &bytes, self.files.budget())?);
+                            textures.insert(source.clone(), Arc::clone(&texture));
+                            texture
+                        }
+                    };
+                    Some((texture, source))
                 }
+                None => None,
             };
-            let triangles = mesh.triangles().len() as u64;
-            self.files.budget().add_triangles(self.path, triangles)?;
-            let name = match &table.name {
-                Some(name) => name.clone(),
-                None => mesh_file::name(&mesh_path),
-            };
-            let mut object = Object::new(name, mesh);
-            object.source = Some(source);
-            object.up_axis = up_axis;
-            object.parent = parent;
-            if let Some(color) = table.color {
-                object.color = color.rule(table.seed);
-            }
-            if let Some(named) = &table.texture {
-                let path = beside(self.path, named.get_ref());
-                let source = self.files.source(&path);
-                let texture = match textures.get(&source) {
-                    Some(texture) => Arc::clone(texture),
-                    None => {
-                        let bytes = self.bytes(named, &path, &|_| ())?;
-                        let texture =
-                            Arc::new(texture::decode(&path, &bytes, self.files.budget())?);
-                        textures.insert(source.clone(), Arc::clone(&texture));
-                        texture
-                    }
+            let transform = self.transform(table)?;
+            first_objects.push(objects.len());
+            for placed in found {
+                let mut object = placed.placed(source.clone());
+                if let Some(name) = &table.name {
+                    object.name = match found {
+                        [_] => name.clone(),
+                        _ => format!("{name}: {}", placed.name),
+                    };
+                }
+                object.transform = match &table.node {
+                    // What names its node has all of its place in its table.
+                    Some(_) => transform,
+                    None => within(&transform, placed.world_from_object),
                 };
-                object.texture = Some(texture);
-                object.texture_source = Some(source);
+                if let Some(color) = table.color {
+                    object.color = color.rule(table.seed);
+                }
+                if let Some((texture, source)) = &texture {
+                    object.texture = Some(Arc::clone(texture));
+                    object.texture_source = Some(source.clone());
+                }
+                objects.push(object);
             }
-            let place = |value: &Option<Spanned<[f64; 3]>>, default| match value {
-                Some(value) => self.vector(value),
-                None => Ok(default),
-            };
-            object.transform = Transform {
-                translate: place(&table.translate, DVec3::ZERO)?,
-                rotate: place(&table.rotate, DVec3::ZERO)?,
-                scale: place(&table.scale, DVec3::ONE)?,
-            };
-            objects.push(object);
+        }
+        first_objects.push(objects.len());
+        for (index, parent) in parents.into_iter().enumerate() {
+            let Some(parent) = parent else { continue };
+            let count = first_objects[parent + 1] - first_objects[parent];
+            if let (2.., Some(named)) = (count, &tables[index].get_ref().parent) {
+                let found = format!("{}, a file of {count} objects", quote(named.get_ref()));
+                return Err(self.fault(named, "the name of one object as parent", &found));
+            }
+            for object in &mut objects[first_objects[index]..first_objects[index + 1]] {
+                object.parent = Some(first_objects[parent]);
+            }
         }
         progress(1.0);
         Ok(objects)
+    }
+
+    /// Those of a file's objects that a table stands for: the one that it names, else all.
+    fn named_nodes<'o>(
+        &self,
+        table: &ObjectToml,
+        read: &'o [MeshObject],
+    ) -> Result<&'o [MeshObject], FormatError> {
+        let Some(node) = &table.node else {
+            return Ok(read);
+        };
+        let number = *node.get_ref();
+        // A file without nodes has none to name.
+        let nodes = read.iter().filter(|object| object.node.is_some()).count();
+        match read.get(number as usize).filter(|_| nodes > 0) {
+            Some(object) => Ok(std::slice::from_ref(object)),
+            None => {
+                let expected =
+                    format!("the number of one of the file's {nodes} mesh nodes, from 0");
+                Err(self.fault(node, &expected, &number.to_string()))
+            }
+        }
+    }
+
+    fn transform(&self, table: &ObjectToml) -> Result<Transform, FormatError> {
+        let place = |value: &Option<Spanned<[f64; 3]>>, default| match value {
+            Some(value) => self.vector(value),
+            None => Ok(default),
+        };
+        Ok(Transform {
+            translate: place(&table.translate, DVec3::ZERO)?,
+            rotate: place(&table.rotate, DVec3::ZERO)?,
+            scale: place(&table.scale, DVec3::ONE)?,
+            matrix: match &table.matrix {
+                Some(matrix) => self.matrix(matrix)?,
+                None => DAffine3::IDENTITY,
+            },
+        })
+    }
+
+    /// An affine map: three rows of four finite numbers, and perhaps a fourth, 0 0 0 1.
+    fn matrix(&self, value: &Spanned<Vec<f64>>) -> Result<DAffine3, FormatError> {
+        let numbers = value.get_ref();
+        if numbers.len() != 12 && numbers.len() != 16 {
+            let found = format!("{}", numbers.len());
+            return Err(self.fault(value, "a matrix of 12 or 16 numbers, row by row", &found));
+        }
+        if let Some(number) = numbers.iter().find(|number| !number.is_finite()) {
+            return Err(self.fault(value, "finite numbers", &number.to_string()));
+        }
+        let (rows, last) = numbers.split_at(12);
+        if !last.is_empty() && last != [0.0, 0.0, 0.0, 1.0] {
+            let found = format!("{last:?}");
+            return Err(self.fault(value, "0, 0, 0, 1 as a matrix's last row", &found));
+        }
+        let column = |at: usize| DVec3::new(rows[at], rows[4 + at], rows[8 + at]);
+        Ok(DAffine3 {
+            matrix3: DMat3::from_cols(column(0), column(1), column(2)),
+            translation: column(3),
+        })
     }
 
     /// The bytes of a file that the scene names.
@@ -670,6 +759,47 @@ texture = "t.ppm"
             }
             assert_eq!(again.to_toml(Path::new("/nowhere")).ok(), Some(saved));
         }
+    }
+
+    #[test]
+    fn a_matrix_places_an_object_and_is_saved_with_its_bits() {
+        let object = |more: &str| format!("[[object]]\nmesh = \"b.txt\"\n{more}\n");
+        let rows = "1, 0.1, -0.0, 4, 0, 1e-300, 2, 0.3, 5, 0, 3, 1e17";
+        let twelve = parse(&object(&format!("scale = [2, 2, 2]\nmatrix = [{rows}]")));
+        let found = twelve.scene.objects[0].transform;
+        assert_eq!(found.matrix.translation, DVec3::new(4.0, 0.3, 1e17));
+        assert_eq!(found.matrix.matrix3.y_axis, DVec3::new(0.1, 1e-300, 0.0));
+        assert_eq!(found.scale, DVec3::splat(2.0));
+        let sixteen = parse(&object(&format!("matrix = [{rows}, 0, 0, 0, 1]")));
+        let bits = |file: &SceneFile| {
+            let matrix = file.scene.objects[0].transform.matrix;
+            matrix.to_cols_array().map(f64::to_bits)
+        };
+        assert_eq!(bits(&sixteen), bits(&twelve));
+        let saved = sixteen.to_toml(Path::new("")).expect("it can be saved");
+        assert_eq!(bits(&parse(&saved)), bits(&twelve), "{saved}");
+
+        for (matrix, told) in [
+            (
+                "[1, 2, 3]",
+                "scene:3: expected a matrix of 12 or 16 numbers, row by row, found 3",
+            ),
+            (
+                "[1, 0, 0, 0, 0, 1, 0, 0, 0, 0, inf, 0]",
+                "scene:3: expected finite numbers, found inf",
+            ),
+            (
+                "[1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 4, 5, 6, 1]",
+                "scene:3: expected 0, 0, 0, 1 as a matrix's last row, found [4.0, 5.0, 6.0, 1.0]",
+            ),
+        ] {
+            let error = read_scene_from(&object(&format!("matrix = {matrix}")), &files);
+            assert_eq!(error.expect_err("a bad matrix").to_string(), told);
+        }
+        let node = read_scene_from(&object("node = 0"), &files).expect_err("no nodes");
+        let told =
+            "scene:3: expected the number of one of the file's 0 mesh nodes, from 0, found 0";
+        assert_eq!(node.to_string(), told);
     }
 
     #[test]

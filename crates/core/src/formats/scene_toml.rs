@@ -92,6 +92,9 @@ pub(super) struct ObjectToml {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) name: Option<String>,
     pub(super) mesh: Spanned<String>,
+    /// Of a file of several mesh nodes the one meant, from 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) node: Option<Spanned<u32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) up_axis: Option<UpAxisToml>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -106,6 +109,9 @@ pub(super) struct ObjectToml {
     pub(super) rotate: Option<Spanned<[f64; 3]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) scale: Option<Spanned<[f64; 3]>>,
+    /// 12 or 16 numbers, row by row.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) matrix: Option<Spanned<Vec<f64>>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) parent: Option<Spanned<String>>,
 }

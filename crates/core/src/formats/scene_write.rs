@@ -8,6 +8,7 @@ use crate::camera::Projection;
 use crate::quote::shorten;
 use crate::scene::{Scene, SceneError, Transform, UpAxis};
 use crate::shade::{Background, Shading};
+use glam::DAffine3;
 use std::path::Path;
 use toml::Spanned;
 
@@ -170,18 +171,39 @@ fn object(
         translate,
         rotate,
         scale,
+        matrix,
     } = object.transform;
     let at_rest = Transform::IDENTITY;
     Ok(ObjectToml {
         name: Some(names[index].clone()),
         mesh: named(source)?,
         up_axis: (object.up_axis != UpAxis::default()).then(|| object.up_axis.into()),
+        node: object.node.map(spanned),
         color: Some(color),
         seed,
         texture,
         translate: (translate != at_rest.translate).then(|| spanned(translate.to_array())),
         rotate: (rotate != at_rest.rotate).then(|| spanned(rotate.to_array())),
         scale: (scale != at_rest.scale).then(|| spanned(scale.to_array())),
+        matrix: rows(matrix).map(spanned),
         parent: object.parent.map(|parent| spanned(names[parent].clone())),
     })
+}
+
+/// A matrix row by row; `None` for the one that changes nothing, to the last bit.
+fn rows(matrix: DAffine3) -> Option<Vec<f64>> {
+    let bits = |map: DAffine3| map.to_cols_array().map(f64::to_bits);
+    if bits(matrix) == bits(DAffine3::IDENTITY) {
+        return None;
+    }
+    let [x, y, z] = [
+        matrix.matrix3.row(0),
+        matrix.matrix3.row(1),
+        matrix.matrix3.row(2),
+    ];
+    let rows = [x, y, z].into_iter().zip(matrix.translation.to_array());
+    Some(
+        rows.flat_map(|(row, moved)| [row.x, row.y, row.z, moved])
+            .collect(),
+    )
 }

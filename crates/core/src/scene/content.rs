@@ -1,7 +1,7 @@
 use super::mesh::Attribute;
-use super::{Color, ColorRule, Mesh, Object, Scene, Texture, Transform};
+use super::{Color, ColorRule, Material, Mesh, Object, Scene, Texture, Transform};
 use crate::digest::{Digest, Digester};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DAffine3, DVec3, Vec2, Vec3};
 
 impl Scene {
     /// A checksum of all that decides pictures of the scene: triangles, normals, texture coordinates,
@@ -17,6 +17,9 @@ impl Scene {
     }
 }
 
+/// Stands before what few scenes have, so that others keep their checksum: no count is as large.
+const MORE: u64 = u64::MAX;
+
 fn add_object(hash: &mut Digester, object: &Object) {
     // Field by field: what an object gets one day must be considered here.
     let Object {
@@ -29,17 +32,23 @@ fn add_object(hash: &mut Digester, object: &Object) {
         source: _,
         up_axis: _,
         texture_source: _,
+        node: _,
     } = object;
     let Transform {
         translate,
         rotate,
         scale,
+        matrix,
     } = transform;
     hash.doubles(
         [translate, rotate, scale]
             .into_iter()
             .flat_map(DVec3::to_array),
     );
+    if *matrix != DAffine3::IDENTITY {
+        hash.number(MORE);
+        hash.doubles(matrix.to_cols_array());
+    }
     hash.number(parent.map_or(0, |parent| parent as u64 + 1));
     match *color {
         ColorRule::File => hash.number(0),
@@ -84,6 +93,23 @@ fn add_mesh(hash: &mut Digester, mesh: &Mesh) {
     }
     hash.number(mesh.material_of_triangle().len() as u64);
     hash.words(mesh.material_of_triangle().iter().copied());
+    for (number, material) in mesh.materials().iter().enumerate() {
+        let Material {
+            name: _,
+            color: _,
+            texture,
+            by_vertex,
+        } = material;
+        if *by_vertex || texture.is_some() {
+            hash.number(MORE);
+            hash.number(number as u64);
+            hash.number((*by_vertex).into());
+            match texture {
+                None => hash.number(0),
+                Some(texture) => add_texture(hash, texture),
+            }
+        }
+    }
 }
 
 fn add_attribute<T: Copy, const N: usize>(
@@ -123,7 +149,7 @@ fn add_color(hash: &mut Digester, Color([r, g, b]): Color) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Material, MeshData};
+    use crate::scene::MeshData;
     use std::path::PathBuf;
     use std::sync::Arc;
 
@@ -140,14 +166,8 @@ mod tests {
                 indices: None,
             }),
             materials: vec![
-                Material {
-                    name: "a".to_owned(),
-                    color: Color([1, 2, 3]),
-                },
-                Material {
-                    name: "b".to_owned(),
-                    color: Color([4, 5, 6]),
-                },
+                Material::new("a", Color([1, 2, 3])),
+                Material::new("b", Color([4, 5, 6])),
             ],
             material_of_triangle: vec![0, 1],
             colors: vec![Some(Color([7, 8, 9])), None, None, None],
@@ -172,7 +192,7 @@ mod tests {
     #[test]
     fn all_that_decides_a_picture_counts() {
         let mut digests = vec![scene(data(), |_| ()).content(), Scene::default().content()];
-        let changes: [fn(&mut MeshData); 12] = [
+        let changes: [fn(&mut MeshData); 15] = [
             |data| data.colors[0] = Some(Color([7, 8, 10])),
             |data| data.colors.swap(0, 1),
             |data| data.positions[1].x = 1f64.next_up() as f32 as f64 + 1e-7,
@@ -185,16 +205,20 @@ mod tests {
             |data| data.uvs.as_mut().expect("coordinates").values[0].x = 0.5,
             |data| data.materials[1].color = Color([4, 5, 7]),
             |data| data.material_of_triangle = vec![1, 0],
+            |data| data.materials[0].by_vertex = true,
+            |data| data.materials[0].texture = texture(1),
+            |data| data.materials[1].texture = texture(1),
         ];
         for change in changes {
             let mut data = data();
             change(&mut data);
             digests.push(scene(data, |_| ()).content());
         }
-        let changes: [fn(&mut Object); 9] = [
+        let changes: [fn(&mut Object); 10] = [
             |object| object.transform.translate.y = 1e-300,
             |object| object.transform.rotate.y = 1.0,
             |object| object.transform.scale.y = 2.0,
+            |object| object.transform.matrix.translation.y = 1e-300,
             |object| object.parent = Some(0),
             |object| object.color = ColorRule::Uniform(Color([0; 3])),
             |object| object.color = ColorRule::PerTriangle { seed: 0 },

@@ -1,8 +1,9 @@
-use super::{Bounds, Color};
+use super::{Bounds, Color, Texture};
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use robust::{Coord, orient2d};
 use std::mem::size_of;
+use std::sync::Arc;
 
 /// The largest distance from zero along an axis at which a vertex is kept: beyond it, products
 /// of single-precision coordinates would near the end of their range.
@@ -45,6 +46,22 @@ pub struct Material {
     pub name: String,
     /// Diffuse colour.
     pub color: Color,
+    /// An image for the surfaces that have it.
+    pub texture: Option<Arc<Texture>>,
+    /// Whether the file's colours of vertices go before its own, where all three corners have one.
+    pub by_vertex: bool,
+}
+
+impl Material {
+    /// One colour alone.
+    pub fn new(name: impl Into<String>, color: Color) -> Self {
+        Self {
+            name: name.into(),
+            color,
+            texture: None,
+            by_vertex: false,
+        }
+    }
 }
 
 /// How many triangles were dropped, by reason. They keep their numbers and are never met.

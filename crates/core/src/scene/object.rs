@@ -26,6 +26,8 @@ pub struct Object {
     pub up_axis: UpAxis,
     /// The file that its texture was read from, likewise.
     pub texture_source: Option<PathBuf>,
+    /// Which of that file's mesh nodes it is, from 0, depth first; `None` where it is the whole file.
+    pub node: Option<u32>,
 }
 
 impl Object {
@@ -41,13 +43,33 @@ impl Object {
             source: None,
             up_axis: UpAxis::Y,
             texture_source: None,
+            node: None,
         }
+    }
+
+    /// The image on one of its triangles: the object's own, else, in the file's colours, that of the
+    /// triangle's material.
+    #[inline]
+    pub fn texture_on(&self, triangle: u32) -> Option<&Texture> {
+        let texture = match &self.texture {
+            None if self.color == ColorRule::File => self.mesh.material(triangle)?.texture.as_ref(),
+            texture => texture.as_ref(),
+        };
+        texture.map(|texture| &**texture)
+    }
+
+    /// Whether any triangle may have an image.
+    pub fn has_texture(&self) -> bool {
+        let mut materials = self.mesh.materials().iter();
+        self.texture.is_some()
+            || (self.color == ColorRule::File && materials.any(|m| m.texture.is_some()))
     }
 
     /// The sRGB colours that the file gives a triangle's corners, where they are its own: no rule
     /// and no material goes before them.
     pub fn corner_colors(&self, triangle: u32) -> Option<[Color; 3]> {
-        if self.color != ColorRule::File || self.mesh.material(triangle).is_some() {
+        let material = self.mesh.material(triangle);
+        if self.color != ColorRule::File || material.is_some_and(|m| !m.by_vertex) {
             return None;
         }
         self.mesh.corner_colors(triangle)

@@ -1,7 +1,7 @@
 use crate::math;
 use glam::{DAffine3, DQuat, DVec3};
 
-/// Where an object stands in its parent: scaled first, then rotated, then translated.
+/// Where an object stands in its parent: by the matrix first, then scaled, rotated, and translated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
     /// Translation in the parent's units.
@@ -10,6 +10,9 @@ pub struct Transform {
     pub rotate: DVec3,
     /// Factors along the axes; a negative one mirrors.
     pub scale: DVec3,
+    /// Any affine map, before the scale: where a file placed the mesh by a matrix, which need not be
+    /// made of the three others.
+    pub matrix: DAffine3,
 }
 
 impl Transform {
@@ -18,22 +21,47 @@ impl Transform {
         translate: DVec3::ZERO,
         rotate: DVec3::ZERO,
         scale: DVec3::ONE,
+        matrix: DAffine3::IDENTITY,
     };
+
+    /// The transform that a matrix is: by itself it is kept to the last bit.
+    pub fn from_matrix(matrix: DAffine3) -> Self {
+        Self {
+            matrix,
+            ..Self::IDENTITY
+        }
+    }
 
     /// The transform as a map from the object's space to its parent's.
     pub fn parent_from_object(&self) -> DAffine3 {
+        let is_matrix = Self {
+            matrix: DAffine3::IDENTITY,
+            ..*self
+        } == Self::IDENTITY;
+        if is_matrix {
+            return self.matrix;
+        }
         // A rotation of zero must not round anything.
         let rotation = if self.rotate == DVec3::ZERO {
             DQuat::IDENTITY
         } else {
             rotation(self.rotate)
         };
-        DAffine3::from_scale_rotation_translation(self.scale, rotation, self.translate)
+        let placed =
+            DAffine3::from_scale_rotation_translation(self.scale, rotation, self.translate);
+        if self.matrix == DAffine3::IDENTITY {
+            placed
+        } else {
+            placed * self.matrix
+        }
     }
 
     /// Whether every number is finite.
     pub fn is_finite(&self) -> bool {
-        self.translate.is_finite() && self.rotate.is_finite() && self.scale.is_finite()
+        self.translate.is_finite()
+            && self.rotate.is_finite()
+            && self.scale.is_finite()
+            && self.matrix.is_finite()
     }
 }
 
@@ -71,5 +99,27 @@ mod tests {
         // +Y goes to +Z about x, and +Z to +X about y.
         let moved = transform.parent_from_object().transform_vector3(DVec3::Y);
         assert!((moved - DVec3::X).length() < 1e-15, "{moved}");
+    }
+
+    #[test]
+    fn a_matrix_keeps_its_bits_and_stands_before_the_scale() {
+        let matrix = DAffine3::from_cols_array(&[
+            0.1, 0.2, -0.0, 1e-300, 0.7, 3.0, 0.3, 1.0, 1e9, 0.1, 0.2, 0.3,
+        ]);
+        let alone = Transform::from_matrix(matrix);
+        let bits = |map: DAffine3| map.to_cols_array().map(f64::to_bits);
+        assert_eq!(bits(alone.parent_from_object()), bits(matrix));
+        let scaled = Transform {
+            scale: DVec3::splat(2.0),
+            translate: DVec3::X,
+            ..alone
+        };
+        let point = DVec3::new(1.0, 2.0, 3.0);
+        let expected = matrix.transform_point3(point) * 2.0 + DVec3::X;
+        let found = scaled.parent_from_object().transform_point3(point);
+        assert!(
+            (found - expected).length() <= 1e-15 * expected.length(),
+            "{found}"
+        );
     }
 }

@@ -1,5 +1,5 @@
 use super::MeshData;
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 /// Which axis of a file points up; in a scene it is y.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -12,6 +12,14 @@ pub enum UpAxis {
 }
 
 impl UpAxis {
+    /// What turns a place so that what was up is: no number is rounded.
+    pub(crate) fn y_up(self) -> DAffine3 {
+        match self {
+            Self::Y => DAffine3::IDENTITY,
+            Self::Z => DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y)),
+        }
+    }
+
     /// Turns a mesh's positions and normals so that what was up is.
     pub(crate) fn turn(self, mesh: &mut MeshData) {
         if self == Self::Y {

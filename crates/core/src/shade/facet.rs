@@ -16,7 +16,7 @@ pub(super) struct Needs {
     pub(super) color: bool,
     /// The file's colours at its corners.
     pub(super) corner_colors: bool,
-    /// The object's texture.
+    /// The texture.
     pub(super) texture: bool,
     /// Texture coordinates themselves.
     pub(super) uvs: bool,
@@ -28,6 +28,8 @@ pub(super) struct Needs {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Facet {
     pub(super) object: u32,
+    /// Its number in its object, where it has a texture.
+    pub(super) triangle: u32,
     /// The unit normal in world space, towards the eye.
     pub(super) normal: Vec3,
     /// The mesh's own normals at the corners, in world space.
@@ -58,6 +60,7 @@ impl Facet {
     /// Of which nothing is known.
     pub(super) const NONE: Self = Self {
         object: 0,
+        triangle: 0,
         normal: Vec3::ZERO,
         normals: None,
         color: Vec3::ZERO,

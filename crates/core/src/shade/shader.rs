@@ -104,7 +104,7 @@ impl<'a> Shader<'a> {
                 .objects
                 .iter()
                 .map(|object| {
-                    let unplaced = object.texture.is_some()
+                    let unplaced = object.has_texture()
                         && (shading.projection == TextureProjection::Triplanar
                             || !object.mesh.has_uvs());
                     unplaced.then(|| Triplanar::new(&object.mesh))
@@ -305,9 +305,9 @@ impl<'a> Shader<'a> {
             facet.corner_colors = colors.map(|colors| colors.map(srgb::linear));
         }
         if needs.texture {
+            facet.triangle = triangle;
             facet.texture = object
-                .texture
-                .as_ref()
+                .texture_on(triangle)
                 .and_then(|_| self.mapping(number, object, triangle));
         }
         if needs.uvs {
@@ -441,14 +441,15 @@ impl<'a> Shader<'a> {
         to_eye * (1.0 / to_eye.length())
     }
 
-    /// The triangle's colour and its object's texture, mixed in linear light.
+    /// The triangle's colour and its texture, mixed in linear light.
     #[inline]
     pub(super) fn surface_color(&self, facet: &Facet, hit: &PrimitiveHit) -> Vec3 {
         let color = facet.color_at(hit.u, hit.v);
         let Some(mapping) = &facet.texture else {
             return color;
         };
-        let Some(texture) = &self.scene.objects[facet.object as usize].texture else {
+        let object = &self.scene.objects[facet.object as usize];
+        let Some(texture) = object.texture_on(facet.triangle) else {
             return color;
         };
         let [r, g, b, a] = self.texture_color(facet, mapping, texture, hit);
@@ -505,7 +506,7 @@ fn needs(scene: &Scene, shading: &Shading) -> Needs {
         objects.any(|o| o.color == ColorRule::File && !o.mesh.vertex_colors().is_empty())
     };
     let has_normals = || scene.objects.iter().any(|object| object.mesh.has_normals());
-    let has_texture = || scene.objects.iter().any(|object| object.texture.is_some());
+    let has_texture = || scene.objects.iter().any(Object::has_texture);
     Needs {
         normal: matches!(shading.mode, Mode::Flat | Mode::Smooth | Mode::Normals),
         middle: shading.mode == Mode::Flat,

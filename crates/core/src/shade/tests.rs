@@ -6,7 +6,7 @@ use crate::camera::{Camera, ImagePlane, Placement, Projection, Rect};
 use crate::hit::{Cull, Detail, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::scene::{
-    Attribute, Color, ColorRule, Mesh, MeshData, Object, Scene, Texture, Transform,
+    Attribute, Color, ColorRule, Material, Mesh, MeshData, Object, Scene, Texture, Transform,
 };
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
@@ -253,6 +253,45 @@ fn textures_mix_with_colors_in_linear_light() {
             }
         }
     }
+}
+
+/// Of two triangles one has a material with an image; an object's own image goes before it, and no
+/// colour but the file's leaves it.
+#[test]
+fn a_material_puts_its_texture_on_its_triangles_alone() {
+    let texture = |texel: [u8; 3]| {
+        let [r, g, b] = texel;
+        Texture::new(1, 1, vec![[r, g, b, 255]]).map(Arc::new)
+    };
+    let plain = Material::new("plain", Color([9, 8, 7]));
+    let image = Material {
+        texture: texture([0, 200, 255]),
+        ..Material::new("image", Color([200, 100, 50]))
+    };
+    let of = |color: ColorRule, own: Option<Arc<Texture>>| {
+        let mut textured = object(MeshData {
+            materials: vec![plain.clone(), image.clone()],
+            material_of_triangle: vec![1, 0],
+            ..square()
+        });
+        textured.color = color;
+        textured.texture = own;
+        let bench = Bench::new(vec![textured], front());
+        // Below the diagonal is the first triangle, above it the second.
+        [(22.5, 17.5), (17.5, 12.5)].map(|(x, y)| bench.color(mode(Mode::Texture), x, y))
+    };
+    let near = |found: [[f32; 4]; 2], expected: [[u8; 3]; 2]| {
+        for (found, expected) in found.iter().zip(expected.map(linear)) {
+            for channel in 0..4 {
+                let off = (found[channel] - expected[channel]).abs();
+                assert!(off < 1e-6, "{found:?}, not {expected:?}");
+            }
+        }
+    };
+    near(of(ColorRule::File, None), [[0, 200, 255], [9, 8, 7]]);
+    near(of(ColorRule::File, texture([1, 2, 3])), [[1, 2, 3]; 2]);
+    let grey = Color([50; 3]);
+    near(of(ColorRule::Uniform(grey), None), [[50; 3]; 2]);
 }
 
 #[test]

@@ -81,10 +81,7 @@ fn rules_and_materials_go_before_colours_of_vertices() {
     uniform.color = ColorRule::Uniform(GREY);
     let shown = color(uniform, 0, Mode::Color, (0.0, 0.0));
     assert_eq!(shown, [100, 100, 100, 255]);
-    let material = Material {
-        name: "grey".to_owned(),
-        color: GREY,
-    };
+    let material = Material::new("grey", GREY);
     let with_material = object(MeshData {
         materials: vec![material],
         material_of_triangle: vec![0, u32::MAX],

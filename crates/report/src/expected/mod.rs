@@ -66,7 +66,7 @@ impl<'a> Expected<'a> {
         } else {
             [Single::UNKNOWN; 2]
         };
-        let repeat = |object: &Object| object.texture.as_ref().map(|_| Repeat::of(&object.mesh));
+        let repeat = |object: &Object| object.has_texture().then(|| Repeat::of(&object.mesh));
         Self {
             stage,
             camera,
@@ -212,7 +212,7 @@ impl<'a> Expected<'a> {
     /// The triangle's colour and the texture, mixed in linear light.
     fn surface_color(&self, hit: &Hit<'_>) -> Vector<24> {
         let color = self.own_color(hit);
-        let Some(texture) = &hit.object.texture else {
+        let Some(texture) = hit.object.texture_on(hit.triangle) else {
             return color;
         };
         if self.shading.blend <= 0.0 {

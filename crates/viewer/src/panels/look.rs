@@ -9,7 +9,7 @@ use crate::ui::input::MODES;
 use egui::{Button, Ui, vec2};
 use raycast_core::Cull;
 use raycast_core::ranges::WIDEST_LINE;
-use raycast_core::scene::{Color, ColorRule};
+use raycast_core::scene::{Color, ColorRule, Object};
 use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
@@ -168,10 +168,11 @@ fn colors(ui: &mut Ui, state: &State, out: &mut Commands) {
 }
 
 fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
-    let textured = state
-        .document
-        .as_ref()
-        .is_some_and(|document| document.scene.objects.iter().any(|o| o.texture.is_some()));
+    let has = |is_so: fn(&Object) -> bool| {
+        let document = state.document.as_ref();
+        document.is_some_and(|document| document.scene.objects.iter().any(is_so))
+    };
+    let removable = has(|object| object.texture.is_some());
     row(ui, "Texture", "An image on the surface", |ui, _| {
         let load = Button::new("Load…").min_size(vec2(60.0, 0.0));
         let hint = "Put an image on every object";
@@ -182,7 +183,7 @@ fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
         {
             out.push(Command::Ask(PromptKind::Texture));
         }
-        if textured
+        if removable
             && ui
                 .button("Remove")
                 .on_hover_text("Take all textures off")
@@ -191,7 +192,7 @@ fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
             out.push(Command::RemoveTextures);
         }
     });
-    if !textured {
+    if !has(Object::has_texture) {
         return;
     }
     let shading = &state.settings.shading;

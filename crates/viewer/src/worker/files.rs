@@ -404,7 +404,8 @@ fn dialog(kind: PromptKind, suggested: &str) -> DialogAnswer {
             .add_filter(
                 "Meshes and scenes",
                 &[
-                    "obj", "ply", "stl", "off", "txt", "tri", "toml", "gz", "zst",
+                    "obj", "gltf", "glb", "ply", "stl", "off", "3mf", "txt", "tri", "toml", "gz",
+                    "zst",
                 ],
             )
             .add_filter("All files", &["*"])

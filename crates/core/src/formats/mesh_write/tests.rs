@@ -44,7 +44,10 @@ fn read(scene: &Scene, name: &str, bytes: &[u8]) -> Mesh {
     let read = mesh_file::read(Path::new(name), bytes, &files, up_axis, &|_| ()).expect(name);
     let text = String::from_utf8_lossy(bytes);
     assert_eq!(read.warnings, [""; 0], "{name}: {text}");
-    read.mesh
+    let [object] = &read.objects[..] else {
+        panic!("{name}: {} objects", read.objects.len());
+    };
+    Mesh::clone(&object.mesh)
 }
 
 /// The corners of a triangle in the file's coordinates, bit for bit.
@@ -80,14 +83,8 @@ fn rich() -> MeshData {
             indices: Some(vec![[0, 1, 2], [2, 3, 0], [0; 3], [1, 2, 3]]),
         }),
         materials: vec![
-            Material {
-                name: "a b".to_owned(),
-                color: Color([1, 2, 3]),
-            },
-            Material {
-                name: "b".to_owned(),
-                color: Color([254, 128, 7]),
-            },
+            Material::new("a b", Color([1, 2, 3])),
+            Material::new("b", Color([254, 128, 7])),
         ],
         material_of_triangle: vec![0, 1, u32::MAX, 0],
         colors: Vec::new(),
@@ -246,6 +243,7 @@ fn objects_are_written_where_they_stand() {
         translate: DVec3::new(0.0, 100.0, 0.0),
         rotate: DVec3::new(0.0, 0.0, 30.0),
         scale: DVec3::splat(2.0),
+        ..Transform::IDENTITY
     };
     scene.objects[1].parent = Some(0);
     let place = scene.world_from_objects().expect("transforms")[1];

@@ -1,0 +1,251 @@
+//! glTF 2.0, as JSON or as a GLB.
+//!
+//! Every number that names something, and every offset, stride and count, is held against what is there
+//! before it is used: accessors are read here, since libraries refuse `KHR_mesh_quantization`.
+
+use super::Progress;
+use super::error::{FormatError, quote};
+use super::files::Files;
+use super::gltf_data::Data;
+use super::gltf_json::{self, MAGIC, Root};
+use super::gltf_material::Materials;
+use super::gltf_mesh::{self, Told};
+use super::gltf_nodes::{self, MeshNode};
+use super::kind::without_mark;
+use super::placed::{Placed, PlacedMesh};
+use crate::quote;
+use std::collections::HashMap;
+use std::path::Path;
+
+#[cfg(test)]
+mod tests;
+
+/// Extensions that what is shown needs nothing of, or that are read.
+const KNOWN: [&str; 6] = [
+    "KHR_lights_punctual",
+    "KHR_mesh_quantization",
+    "KHR_technique_webgl",
+    "KHR_techniques_webgl",
+    "KHR_texture_transform",
+    "KHR_xmp_json_ld",
+];
+
+/// Extensions of which all is shown that there is.
+const READ: [&str; 3] = [
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
+
+/// Reads a glTF file or a GLB, and through `files` its buffers and images.
+///
+/// Meshes are in their own spaces. Skins and morphs are as they are at rest, in the place of their node.
+pub(super) fn read(
+    path: &Path,
+    bytes: &[u8],
+    files: &dyn Files,
+    progress: Progress<'_>,
+) -> Result<Placed, FormatError> {
+    let (json, binary) = match bytes.starts_with(MAGIC) {
+        true => chunks(path, bytes)?,
+        false => (without_mark(bytes), None),
+    };
+    let is_binary = bytes.starts_with(MAGIC);
+    let (root, _share) = gltf_json::parse(path, json, is_binary, files.budget())?;
+    check_version(path, &root)?;
+    let data = Data::new(path, &root, binary, files);
+    let mesh_nodes = gltf_nodes::mesh_nodes(&data)?;
+    let mut materials = Materials::new(&data);
+    let mut told = Told::default();
+    let mut placed = Placed::default();
+    let mut meshes: HashMap<u32, usize> = HashMap::new();
+    for (done, node) in mesh_nodes.iter().enumerate() {
+        let mesh = match meshes.get(&node.mesh) {
+            Some(&mesh) => mesh,
+            None => {
+                let mesh = gltf_mesh::read(&data, &mut materials, node.mesh, &mut told)?;
+                placed.meshes.push(mesh);
+                meshes.insert(node.mesh, placed.meshes.len() - 1);
+                placed.meshes.len() - 1
+            }
+        };
+        placed.nodes.push(PlacedMesh {
+            name: name(path, &root, node, done, mesh_nodes.len()),
+            mesh,
+            world_from_object: node.world_from_node,
+        });
+        progress((done + 1) as f32 / mesh_nodes.len() as f32);
+    }
+    if placed.meshes.iter().all(|mesh| mesh.triangles.is_empty()) {
+        let found = match mesh_nodes.len() {
+            0 => "no node with a mesh".to_owned(),
+            _ if told.points_and_lines > 0 => "points and lines alone".to_owned(),
+            count => format!("none in {count} nodes"),
+        };
+        return Err(FormatError::unexpected(path, None, "triangles", found));
+    }
+    placed.notes = notes(&root, &materials);
+    placed.warnings = warnings(path, &mesh_nodes, &told);
+    placed.warnings.append(&mut materials.warnings);
+    Ok(placed)
+}
+
+/// What is not shown, or not as the file has it: a line a kind.
+fn warnings(path: &Path, nodes: &[MeshNode<'_>], told: &Told) -> Vec<String> {
+    let path = quote::path(path);
+    let skinned = nodes.iter().filter(|node| node.node.skin.is_some()).count();
+    let counts = [
+        (
+            told.points_and_lines,
+            "primitives of points or lines, which are not shown",
+        ),
+        (
+            told.empty,
+            "primitives without positions, which are not shown",
+        ),
+        (
+            told.loose_corners,
+            "corners behind the last whole triangle, which are passed over",
+        ),
+        (skinned, "nodes with skins, which are shown at rest"),
+        (
+            told.morphs,
+            "meshes with morph targets, which are shown at rest",
+        ),
+        (
+            told.wraps,
+            "primitives whose image is clamped or mirrored, which is shown repeated",
+        ),
+    ];
+    let told = counts.iter().filter(|(count, _)| *count > 0);
+    told.map(|(count, what)| format!("{path}: {what}: {count}"))
+        .collect()
+}
+
+/// What the file says of itself, and what is there and not used.
+fn notes(root: &Root<'_>, materials: &Materials<'_, '_>) -> Vec<String> {
+    let mut unused = materials.unused();
+    let lists = [
+        (root.animations.len(), "animations"),
+        (root.cameras.len(), "cameras"),
+        (root.scenes.len().saturating_sub(1), "other scenes"),
+    ];
+    let lists = lists.iter().filter(|(count, _)| *count > 0);
+    unused.extend(lists.map(|(count, what)| format!("{what} ({count})")));
+    /// How many extensions are told by name.
+    const NAMED: usize = 8;
+    let unread = |name: &&String| !READ.contains(&name.as_str());
+    let extensions: Vec<&String> = root.extensions_used.iter().filter(unread).collect();
+    unused.extend(extensions.iter().take(NAMED).map(|name| quote(name)));
+    if extensions.len() > NAMED {
+        unused.push(format!("{} more extensions", extensions.len() - NAMED));
+    }
+    let mut notes = vec!["unit: metre; up axis: Y".to_owned()];
+    if !unused.is_empty() {
+        notes.push(format!("not used: {}", unused.join(", ")));
+    }
+    notes
+}
+
+/// What an object is called: as its node, its mesh, or the file.
+fn name(path: &Path, root: &Root<'_>, node: &MeshNode<'_>, number: usize, count: usize) -> String {
+    let mesh = root.meshes.get(node.mesh as usize);
+    let given = node.node.name.as_ref();
+    let given = given.or_else(|| mesh.and_then(|mesh| mesh.name.as_ref()));
+    match given.filter(|name| !name.is_empty()) {
+        // Names are shown in lists: what is longer than any is cut.
+        Some(name) => name.chars().take(200).collect(),
+        None => {
+            let file = path.file_stem().unwrap_or_default().to_string_lossy();
+            match count {
+                1 => file.into_owned(),
+                _ => format!("{file} {}", number + 1),
+            }
+        }
+    }
+}
+
+/// # Errors
+/// Another version than 2; extensions that the file cannot be shown without, by name.
+fn check_version(path: &Path, root: &Root<'_>) -> Result<(), FormatError> {
+    let version = &root.asset.version;
+    if version != "2" && !version.starts_with("2.") {
+        let found = quote(version);
+        return Err(FormatError::unexpected(path, None, "glTF version 2", found));
+    }
+    // What tells of materials changes how a surface looks, and not what there is.
+    let is_known =
+        |name: &String| KNOWN.contains(&name.as_str()) || name.starts_with("KHR_materials_");
+    let mut unknown = root
+        .extensions_required
+        .iter()
+        .filter(|name| !is_known(name));
+    let Some(first) = unknown.next() else {
+        return Ok(());
+    };
+    let mut found = match first.as_str() {
+        "KHR_draco_mesh_compression" => "Draco compression".to_owned(),
+        "EXT_meshopt_compression" | "KHR_meshopt_compression" => "meshopt compression".to_owned(),
+        "EXT_texture_webp" => "WebP images".to_owned(),
+        "KHR_texture_basisu" => "KTX2 images".to_owned(),
+        "EXT_mesh_gpu_instancing" => "instancing on the GPU".to_owned(),
+        _ => "one that is not known".to_owned(),
+    };
+    found = format!("{} ({found})", quote(first));
+    let more = unknown.count();
+    if more > 0 {
+        found.push_str(&format!(" and {more} more"));
+    }
+    let expected = "no extensions that it needs but those that are read";
+    Err(FormatError::unexpected(path, None, expected, found))
+}
+
+/// A GLB's JSON, and its binary chunk.
+fn chunks<'b>(path: &Path, bytes: &'b [u8]) -> Result<(&'b [u8], Option<&'b [u8]>), FormatError> {
+    const JSON: &[u8] = b"JSON";
+    const BINARY: &[u8] = b"BIN\0";
+    let fault = |at: usize, expected: &str, found: String| {
+        let reason = format!("byte {at}: expected {expected}, found {found}");
+        FormatError::refused(path, None, &reason)
+    };
+    let number = |at: usize| match bytes.get(at..at + 4) {
+        Some(&[a, b, c, d]) => Ok(u32::from_le_bytes([a, b, c, d])),
+        _ => Err(fault(at, "a GLB's header", "the file's end".to_owned())),
+    };
+    let version = number(4)?;
+    if version != 2 {
+        return Err(fault(4, "GLB version 2", version.to_string()));
+    }
+    let length = number(8)? as usize;
+    if length > bytes.len() {
+        let found = format!("{}: it is cut short", bytes.len());
+        return Err(fault(8, &format!("a file of {length} bytes"), found));
+    }
+    let chunk = |at: usize| -> Result<Option<(&'b [u8], &'b [u8], usize)>, FormatError> {
+        if length.saturating_sub(at) < 8 {
+            return Ok(None);
+        }
+        let size = number(at)? as usize;
+        let left = length - at - 8;
+        if size > left {
+            let expected = format!("a chunk of at most {left} bytes");
+            return Err(fault(at, &expected, size.to_string()));
+        }
+        let behind = at + 8 + size;
+        Ok(Some((
+            &bytes[at + 4..at + 8],
+            &bytes[at + 8..behind],
+            behind,
+        )))
+    };
+    let Some((JSON, json, mut at)) = chunk(12)? else {
+        return Err(fault(12, "a chunk of JSON", "none".to_owned()));
+    };
+    while let Some((kind, content, behind)) = chunk(at)? {
+        if kind == BINARY {
+            return Ok((json, Some(content)));
+        }
+        at = behind;
+    }
+    Ok((json, None))
+}

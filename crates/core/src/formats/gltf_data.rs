@@ -1,0 +1,421 @@
+//! A glTF file's bytes: buffers, views of them, and the numbers that accessors find there.
+
+use super::Progress;
+use super::error::{FormatError, quote};
+use super::files::{By, Contents, Files, beside};
+use super::gltf_json::{Accessor, Root};
+use super::limits::Share;
+use base64::Engine;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use percent_encoding::percent_decode_str;
+use std::cell::OnceCell;
+use std::ops::Deref;
+use std::path::{Path, PathBuf};
+
+/// Base64 as data URIs have it; some writers leave the padding out.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &base64::alphabet::STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+);
+
+/// A glTF file and the bytes that it names, each read when it is first asked for.
+pub(super) struct Data<'d> {
+    pub(super) path: &'d Path,
+    pub(super) root: &'d Root<'d>,
+    pub(super) files: &'d dyn Files,
+    /// A GLB's binary chunk.
+    binary: Option<&'d [u8]>,
+    buffers: Vec<OnceCell<Bytes<'d>>>,
+}
+
+/// Bytes from wherever they are.
+pub(super) enum Bytes<'d> {
+    Binary(&'d [u8]),
+    File(Contents<'d>, PathBuf),
+    Decoded { bytes: Vec<u8>, _share: Share<'d> },
+}
+
+impl Deref for Bytes<'_> {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        match self {
+            Self::Binary(bytes) => bytes,
+            Self::File(contents, _) => contents,
+            Self::Decoded { bytes, .. } => bytes,
+        }
+    }
+}
+
+/// What a file names that it does not have.
+fn no_such(index: u32, count: usize, what: &str) -> String {
+    format!("number {index}, of {count} {what}")
+}
+
+impl<'d> Data<'d> {
+    pub(super) fn new(
+        path: &'d Path,
+        root: &'d Root<'d>,
+        binary: Option<&'d [u8]>,
+        files: &'d dyn Files,
+    ) -> Self {
+        Self {
+            path,
+            root,
+            files,
+            binary,
+            buffers: root.buffers.iter().map(|_| OnceCell::new()).collect(),
+        }
+    }
+
+    /// A fault at a place in the JSON.
+    pub(super) fn fault(&self, place: &str, expected: &str, found: &str) -> FormatError {
+        let reason = format!("{place}: expected {expected}, found {found}");
+        FormatError::refused(self.path, None, &reason)
+    }
+
+    /// One of a list of the file's, by its index.
+    pub(super) fn one<'l, T>(
+        &self,
+        list: &'l [T],
+        index: u32,
+        place: &str,
+        what: &str,
+    ) -> Result<&'l T, FormatError> {
+        list.get(index as usize).ok_or_else(|| {
+            let found = no_such(index, list.len(), what);
+            self.fault(place, &format!("one of the file's {what}"), &found)
+        })
+    }
+
+    /// The bytes that a URI stands for: in itself, or a file beside this one.
+    pub(super) fn resource(&self, place: &str, uri: &str) -> Result<Bytes<'d>, FormatError> {
+        let budget = self.files.budget();
+        if let Some(data) = uri.strip_prefix("data:") {
+            let Some((kind, data)) = data.split_once(',') else {
+                return Err(self.fault(place, "`,` in a data URI", &quote(data)));
+            };
+            let share = budget.share(self.path, "a data URI", data.len() as u64)?;
+            let bytes = if kind.ends_with(";base64") {
+                BASE64
+                    .decode(data)
+                    .map_err(|error| self.fault(place, "base64", &error.to_string()))?
+            } else {
+                percent_decode_str(data).collect()
+            };
+            return Ok(Bytes::Decoded {
+                bytes,
+                _share: share,
+            });
+        }
+        if uri.contains("://") {
+            let found = format!("{}, which is not fetched", quote(uri));
+            return Err(self.fault(place, "a file", &found));
+        }
+        let name = percent_decode_str(uri).decode_utf8_lossy();
+        let path = beside(self.path, &name);
+        let none: Progress<'_> = &|_| ();
+        let contents = self.files.read(&path, By::Mesh(self.path), none)?;
+        Ok(Bytes::File(contents, path))
+    }
+
+    /// A buffer's bytes.
+    fn buffer(&self, index: u32, place: &str) -> Result<&[u8], FormatError> {
+        let buffer = self.one(&self.root.buffers, index, place, "buffers")?;
+        let place = format!("buffers[{index}]");
+        let cell = self.one(&self.buffers, index, &place, "buffers")?;
+        if cell.get().is_none() {
+            let bytes = match (&*buffer.uri, self.binary) {
+                ("", Some(binary)) if index == 0 => Bytes::Binary(binary),
+                ("", _) => {
+                    return Err(self.fault(&place, "a URI, or a GLB's binary chunk", "none"));
+                }
+                (uri, _) => self.resource(&place, uri).map_err(|error| match error {
+                    FormatError::Io { .. } => {
+                        let reason = format!("{place}: {error}");
+                        FormatError::refused(self.path, None, &reason)
+                    }
+                    error => error,
+                })?,
+            };
+            // It was empty a moment ago, and nobody else can fill it.
+            let _ = cell.set(bytes);
+        }
+        let bytes: &[u8] = cell.get().map_or(&[], |bytes| bytes);
+        match usize::try_from(buffer.byte_length) {
+            Ok(length) if length <= bytes.len() => Ok(&bytes[..length]),
+            _ => {
+                let expected = format!("{} bytes", buffer.byte_length);
+                Err(self.fault(&place, &expected, &bytes.len().to_string()))
+            }
+        }
+    }
+
+    /// A view's bytes, and its stride.
+    pub(super) fn view(
+        &self,
+        index: u32,
+        place: &str,
+    ) -> Result<(&[u8], Option<u64>), FormatError> {
+        let view = self.one(&self.root.buffer_views, index, place, "buffer views")?;
+        let place = format!("bufferViews[{index}]");
+        let buffer = self.buffer(view.buffer, &place)?;
+        let bytes = part(buffer, view.byte_offset, view.byte_length).ok_or_else(|| {
+            let expected = format!("a part of the buffer's {} bytes", buffer.len());
+            let found = format!("{} from {}", view.byte_length, view.byte_offset);
+            self.fault(&place, &expected, &found)
+        })?;
+        Ok((bytes, view.byte_stride))
+    }
+
+    /// An accessor, with every offset, stride and count held against what is there. `shapes` are
+    /// those that are expected.
+    pub(super) fn accessor(
+        &self,
+        index: u32,
+        place: &str,
+        shapes: &[&str],
+    ) -> Result<Numbers<'_>, FormatError> {
+        let accessor = self.one(&self.root.accessors, index, place, "accessors")?;
+        let place = format!("accessors[{index}]");
+        let Accessor {
+            component_type,
+            normalized,
+            count,
+            ..
+        } = *accessor;
+        if !shapes.contains(&&*accessor.shape) {
+            return Err(self.fault(&place, &shapes.join(" or "), &quote(&accessor.shape)));
+        }
+        let component = self.component(component_type, &place)?;
+        let width = match &*accessor.shape {
+            "SCALAR" => 1,
+            "VEC2" => 2,
+            "VEC3" => 3,
+            _ => 4,
+        };
+        let size = component.size() * width;
+        let (bytes, stride) = match accessor.buffer_view {
+            Some(view) => {
+                let (bytes, stride) = self.view(view, &place)?;
+                let stride = stride.unwrap_or(size as u64);
+                if stride < size as u64 {
+                    let expected = format!("a stride of {size} bytes or more");
+                    return Err(self.fault(&place, &expected, &stride.to_string()));
+                }
+                (
+                    self.elements(&place, bytes, accessor.byte_offset, (count, stride, size))?,
+                    stride,
+                )
+            }
+            // Zeros take no place in a file: no more of them are believed than there are bytes in it.
+            None => {
+                let mut most = 0;
+                for buffer in 0..self.buffers.len() as u32 {
+                    most += self.buffer(buffer, &place)?.len() as u64;
+                }
+                if count > most {
+                    let expected =
+                        format!("at most {most} elements, one for each byte of the buffers");
+                    return Err(self.fault(&place, &expected, &count.to_string()));
+                }
+                (&[][..], 0)
+            }
+        };
+        let sparse = match &accessor.sparse {
+            None => None,
+            Some(sparse) => {
+                let part = format!("{place}.sparse");
+                if sparse.count > count {
+                    let expected = format!("at most {count} elements");
+                    return Err(self.fault(&part, &expected, &sparse.count.to_string()));
+                }
+                let indices = &sparse.indices;
+                let kind = self.component(indices.component_type, &part)?;
+                let bytes = self.view(indices.buffer_view, &part)?.0;
+                let packed = (sparse.count, kind.size() as u64, kind.size());
+                let places = Numbers {
+                    bytes: self.elements(&part, bytes, indices.byte_offset, packed)?,
+                    stride: kind.size(),
+                    component: kind,
+                    normalized: false,
+                    count: sparse.count as usize,
+                    width: 1,
+                    sparse: None,
+                };
+                let places = self.indices(&places, &part)?;
+                if let Some(&outside) = places.iter().find(|&&at| u64::from(at) >= count) {
+                    let expected = format!("indices below {count}");
+                    return Err(self.fault(&part, &expected, &outside.to_string()));
+                }
+                let bytes = self.view(sparse.values.buffer_view, &part)?.0;
+                let packed = (sparse.count, size as u64, size);
+                let values = self.elements(&part, bytes, sparse.values.byte_offset, packed)?;
+                Some((places, values))
+            }
+        };
+        Ok(Numbers {
+            bytes,
+            stride: stride as usize,
+            component,
+            normalized,
+            count: count as usize,
+            width,
+            sparse,
+        })
+    }
+
+    /// The bytes of `count` elements of `size` bytes, `stride` apart.
+    fn elements<'b>(
+        &self,
+        place: &str,
+        bytes: &'b [u8],
+        offset: u64,
+        (count, stride, size): (u64, u64, usize),
+    ) -> Result<&'b [u8], FormatError> {
+        let length = match count.checked_sub(1) {
+            None => Some(0),
+            Some(before) => before
+                .checked_mul(stride)
+                .and_then(|before| before.checked_add(size as u64)),
+        };
+        length
+            .and_then(|length| part(bytes, offset, length))
+            .ok_or_else(|| {
+                let expected = format!("{count} elements {stride} bytes apart, from byte {offset}");
+                let found = format!("a view of {} bytes", bytes.len());
+                self.fault(place, &expected, &found)
+            })
+    }
+
+    fn component(&self, number: u32, place: &str) -> Result<Component, FormatError> {
+        Ok(match number {
+            5120 => Component::I8,
+            5121 => Component::U8,
+            5122 => Component::I16,
+            5123 => Component::U16,
+            5125 => Component::U32,
+            5126 => Component::F32,
+            other => {
+                let expected = "a component type (5120 to 5123, 5125 or 5126)";
+                return Err(self.fault(place, expected, &other.to_string()));
+            }
+        })
+    }
+
+    /// Whole numbers that name something.
+    pub(super) fn indices(
+        &self,
+        numbers: &Numbers<'_>,
+        place: &str,
+    ) -> Result<Vec<u32>, FormatError> {
+        if !matches!(
+            numbers.component,
+            Component::U8 | Component::U16 | Component::U32
+        ) {
+            let found = "signed ones or fractions";
+            return Err(self.fault(place, "unsigned numbers", found));
+        }
+        Ok(numbers.values([0.0], |[index]| index as u32))
+    }
+}
+
+/// So many bytes from an offset, where they are there.
+fn part(bytes: &[u8], offset: u64, length: u64) -> Option<&[u8]> {
+    let start = usize::try_from(offset).ok()?;
+    let end = usize::try_from(offset.checked_add(length)?).ok()?;
+    bytes.get(start..end)
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Component {
+    I8,
+    U8,
+    I16,
+    U16,
+    U32,
+    F32,
+}
+
+impl Component {
+    fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::U32 | Self::F32 => 4,
+        }
+    }
+
+    /// The number in its bytes, which there must be enough of.
+    #[inline(always)]
+    fn read(self, bytes: &[u8], normalized: bool) -> f64 {
+        let unsigned = |value: u32, most: u32| match normalized {
+            true => f64::from(value) / f64::from(most),
+            false => f64::from(value),
+        };
+        let signed = |value: i32, most: i32| match normalized {
+            true => (f64::from(value) / f64::from(most)).max(-1.0),
+            false => f64::from(value),
+        };
+        match (self, bytes) {
+            (Self::I8, &[a, ..]) => signed((a as i8).into(), i8::MAX.into()),
+            (Self::U8, &[a, ..]) => unsigned(a.into(), u8::MAX.into()),
+            (Self::I16, &[a, b, ..]) => signed(i16::from_le_bytes([a, b]).into(), i16::MAX.into()),
+            (Self::U16, &[a, b, ..]) => {
+                unsigned(u16::from_le_bytes([a, b]).into(), u16::MAX.into())
+            }
+            (Self::U32, &[a, b, c, d, ..]) => unsigned(u32::from_le_bytes([a, b, c, d]), u32::MAX),
+            (Self::F32, &[a, b, c, d, ..]) => f32::from_le_bytes([a, b, c, d]).into(),
+            _ => 0.0,
+        }
+    }
+}
+
+/// What an accessor finds: `count` elements of `width` numbers.
+pub(super) struct Numbers<'d> {
+    /// From the first element to the last; empty where all are zero.
+    bytes: &'d [u8],
+    stride: usize,
+    component: Component,
+    normalized: bool,
+    pub(super) count: usize,
+    width: usize,
+    /// The places of other values, and those.
+    sparse: Option<(Vec<u32>, &'d [u8])>,
+}
+
+impl Numbers<'_> {
+    /// The elements as `make` makes them; what they lack of N numbers is that of `default`.
+    pub(super) fn values<const N: usize, T: Clone>(
+        &self,
+        default: [f64; N],
+        make: impl Fn([f64; N]) -> T,
+    ) -> Vec<T> {
+        let width = self.width.min(N);
+        let size = self.component.size();
+        let element = |bytes: &[u8]| {
+            let mut numbers = default;
+            for (number, bytes) in numbers[..width].iter_mut().zip(bytes.chunks(size)) {
+                *number = self.component.read(bytes, self.normalized);
+            }
+            make(numbers)
+        };
+        let mut values: Vec<T> = if self.bytes.is_empty() {
+            let mut zero = default;
+            zero[..width].fill(0.0);
+            vec![make(zero); self.count]
+        } else {
+            let at = |index: usize| &self.bytes[index * self.stride..];
+            (0..self.count).map(|index| element(at(index))).collect()
+        };
+        if let Some((places, replaced)) = &self.sparse {
+            let replaced = replaced.chunks_exact(size * self.width);
+            for (&place, bytes) in places.iter().zip(replaced) {
+                if let Some(value) = values.get_mut(place as usize) {
+                    *value = element(bytes);
+                }
+            }
+        }
+        values
+    }
+}

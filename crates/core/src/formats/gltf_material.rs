@@ -1,0 +1,306 @@
+//! A glTF file's materials: base colours and their images.
+
+use super::error::FormatError;
+use super::gltf_data::{Bytes, Data};
+use super::gltf_json::{Material as MaterialJson, TextureInfo, TextureTransform};
+use super::texture;
+use crate::math;
+use crate::quote;
+use crate::scene::{Color, Material, Texture};
+use crate::shade::srgb;
+use glam::{DVec2, Vec2};
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+
+/// White, opaque.
+const WHITE: [f64; 4] = [1.0; 4];
+
+/// A material's base colour, as the file has it.
+#[derive(Clone, Copy)]
+pub(super) struct Base<'d> {
+    /// Linear light.
+    pub(super) factor: [f64; 4],
+    pub(super) texture: Option<&'d TextureInfo>,
+}
+
+/// The materials of one file, and what was made of their images.
+pub(super) struct Materials<'m, 'd> {
+    data: &'m Data<'d>,
+    /// By image; `None` for one that cannot be read, which is told once.
+    images: HashMap<u32, Option<Arc<Texture>>>,
+    /// By image and factor.
+    tinted: HashMap<(u32, [u64; 3]), Arc<Texture>>,
+    /// Materials that were used, by what is not shown of them.
+    unused: BTreeMap<&'static str, usize>,
+    is_told: Vec<bool>,
+    pub(super) warnings: Vec<String>,
+}
+
+impl<'m, 'd> Materials<'m, 'd> {
+    pub(super) fn new(data: &'m Data<'d>) -> Self {
+        Self {
+            data,
+            images: HashMap::new(),
+            tinted: HashMap::new(),
+            unused: BTreeMap::new(),
+            is_told: vec![false; data.root.materials.len()],
+            warnings: Vec::new(),
+        }
+    }
+
+    /// A material's base colour.
+    pub(super) fn base(&self, index: u32, place: &str) -> Result<Base<'d>, FormatError> {
+        let list: &'d [MaterialJson] = &self.data.root.materials;
+        let material = self.data.one(list, index, place, "materials")?;
+        let other = material.extensions.specular_glossiness.as_ref();
+        let pbr = &material.pbr_metallic_roughness;
+        Ok(match other {
+            Some(other) => Base {
+                factor: other.diffuse_factor.unwrap_or(WHITE),
+                texture: other.diffuse_texture.as_ref(),
+            },
+            None => Base {
+                factor: pbr.base_color_factor.unwrap_or(WHITE),
+                texture: pbr.base_color_texture.as_ref(),
+            },
+        })
+    }
+
+    /// A material as scenes have it, with its image where there are coordinates for it.
+    pub(super) fn material(
+        &mut self,
+        index: u32,
+        has_coordinates: bool,
+        by_vertex: bool,
+    ) -> Result<Material, FormatError> {
+        let place = format!("materials[{index}]");
+        let base = self.base(index, &place)?;
+        let json = self
+            .data
+            .one(&self.data.root.materials, index, &place, "materials")?;
+        self.tell(index, json);
+        let texture = match base.texture {
+            Some(info) if has_coordinates => self.texture(info, base.factor, &place)?,
+            _ => None,
+        };
+        let name = json.name.clone();
+        Ok(Material {
+            texture,
+            by_vertex,
+            ..Material::new(
+                name.unwrap_or_else(|| format!("material {index}")),
+                color(base.factor),
+            )
+        })
+    }
+
+    /// Takes note of what a material has that is not shown.
+    fn tell(&mut self, index: u32, material: &MaterialJson) {
+        let Some(is_told) = self.is_told.get_mut(index as usize) else {
+            return;
+        };
+        if std::mem::replace(is_told, true) {
+            return;
+        }
+        let emits = material.emissive_texture.is_some()
+            || material
+                .emissive_factor
+                .is_some_and(|factor| factor != [0.0; 3]);
+        let is_see_through = material
+            .alpha_mode
+            .as_deref()
+            .is_some_and(|mode| mode != "OPAQUE");
+        let metal = &material.pbr_metallic_roughness.metallic_roughness_texture;
+        let parts = [
+            (metal.is_some(), "images of metal and roughness"),
+            (material.normal_texture.is_some(), "images of normals"),
+            (material.occlusion_texture.is_some(), "images of occlusion"),
+            (emits, "light of their own"),
+            (is_see_through, "opacity"),
+        ];
+        for (_, part) in parts.iter().filter(|(has, _)| *has) {
+            *self.unused.entry(part).or_default() += 1;
+        }
+    }
+
+    /// What used materials have and is not shown: a list for a message.
+    pub(super) fn unused(&self) -> Vec<String> {
+        let of = |(what, count): (&&str, &usize)| format!("{what} ({count} materials)");
+        self.unused.iter().map(of).collect()
+    }
+
+    fn texture(
+        &mut self,
+        info: &TextureInfo,
+        factor: [f64; 4],
+        place: &str,
+    ) -> Result<Option<Arc<Texture>>, FormatError> {
+        let root = self.data.root;
+        let json = self
+            .data
+            .one(&root.textures, info.index, place, "textures")?;
+        let place = format!("textures[{}]", info.index);
+        let Some(source) = json.source else {
+            let path = quote::path(self.data.path);
+            let told = format!("{path}: {place}: its image is of a kind that is not read");
+            if !self.warnings.contains(&told) {
+                self.warnings.push(told);
+            }
+            return Ok(None);
+        };
+        self.data.one(&root.images, source, &place, "images")?;
+        let image = match self.images.get(&source) {
+            Some(image) => image.clone(),
+            None => {
+                let image = match self.image(source) {
+                    Ok(image) => Some(Arc::new(image)),
+                    Err(told) => {
+                        self.warnings.push(told);
+                        None
+                    }
+                };
+                self.images.insert(source, image.clone());
+                image
+            }
+        };
+        let Some(image) = image else {
+            return Ok(None);
+        };
+        let [r, g, b, _] = factor;
+        let is_plain = [r, g, b] == [1.0; 3] && image.texels().iter().all(|texel| texel[3] == 255);
+        if is_plain {
+            return Ok(Some(image));
+        }
+        let key = (source, [r, g, b].map(f64::to_bits));
+        if let Some(tinted) = self.tinted.get(&key) {
+            return Ok(Some(Arc::clone(tinted)));
+        }
+        let bytes = 4 * image.texels().len() as u64;
+        let share = self
+            .data
+            .files
+            .budget()
+            .share(self.data.path, "a tinted image", bytes)?;
+        let Some(tinted) = tint(&image, [r, g, b]).map(Arc::new) else {
+            return Ok(None);
+        };
+        share.keep(bytes);
+        self.tinted.insert(key, Arc::clone(&tinted));
+        Ok(Some(tinted))
+    }
+
+    /// An image; in one line why there is none.
+    fn image(&self, index: u32) -> Result<Texture, String> {
+        let data = self.data;
+        let place = format!("images[{index}]");
+        let budget = data.files.budget();
+        let decode = |bytes: &[u8]| {
+            texture::decode(data.path, bytes, budget)
+                .map_err(|error| format!("{}: {place}: {}", quote::path(data.path), error.reason()))
+        };
+        let Some(image) = data.root.images.get(index as usize) else {
+            return Err(format!(
+                "{}: {place}: there is none",
+                quote::path(data.path)
+            ));
+        };
+        if let Some(view) = image.buffer_view {
+            let (bytes, _) = data.view(view, &place).map_err(|error| error.to_string())?;
+            return decode(bytes);
+        }
+        let resource = data
+            .resource(&place, &image.uri)
+            .map_err(|error| error.to_string())?;
+        match &resource {
+            Bytes::File(bytes, path) => {
+                texture::decode(path, bytes, budget).map_err(|error| error.to_string())
+            }
+            bytes => decode(bytes),
+        }
+    }
+}
+
+/// A colour of linear light.
+pub(super) fn color([r, g, b, _]: [f64; 4]) -> Color {
+    let tables = srgb::tables();
+    Color([r, g, b].map(|channel| tables.encode(channel as f32)))
+}
+
+/// An image times a factor, in linear light. It is opaque: opacity is not shown, and what is see-through
+/// may be any colour.
+fn tint(image: &Texture, factor: [f64; 3]) -> Option<Texture> {
+    let tables = srgb::tables();
+    let levels = factor.map(|factor| {
+        std::array::from_fn::<u8, 256, _>(|level| {
+            let light = f64::from(tables.decode(level as u8)) * factor;
+            tables.encode(light as f32)
+        })
+    });
+    let [r, g, b] = &levels;
+    let texels = image.texels().iter().map(|&[x, y, z, _]| {
+        let at = usize::from;
+        [r[at(x)], g[at(y)], b[at(z)], 255]
+    });
+    Texture::new(image.width(), image.height(), texels.collect())
+}
+
+/// How a texture's coordinates are moved (`KHR_texture_transform`), and turned upright: glTF's origin is
+/// the image's top left, a scene's its bottom left.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Coordinates {
+    offset: DVec2,
+    /// Sine and cosine.
+    turn: (f64, f64),
+    scale: DVec2,
+}
+
+impl Coordinates {
+    /// As they are, turned upright.
+    pub(super) const PLAIN: Self = Self {
+        offset: DVec2::ZERO,
+        turn: (0.0, 1.0),
+        scale: DVec2::ONE,
+    };
+
+    pub(super) fn of(info: &TextureInfo) -> Self {
+        let Some(TextureTransform {
+            offset,
+            rotation,
+            scale,
+            ..
+        }) = &info.extensions.transform
+        else {
+            return Self::PLAIN;
+        };
+        Self {
+            offset: DVec2::from_array(*offset),
+            turn: math::sin_cos(*rotation),
+            scale: scale.map_or(DVec2::ONE, DVec2::from_array),
+        }
+    }
+
+    /// Which of a mesh's sets of coordinates a texture goes by.
+    pub(super) fn set(info: &TextureInfo) -> u32 {
+        let moved = info.extensions.transform.as_ref();
+        moved
+            .and_then(|moved| moved.tex_coord)
+            .unwrap_or(info.tex_coord)
+    }
+
+    pub(super) fn bits(&self) -> [u64; 6] {
+        let Self {
+            offset,
+            turn: (sin, cos),
+            scale,
+        } = self;
+        [offset.x, offset.y, *sin, *cos, scale.x, scale.y].map(f64::to_bits)
+    }
+
+    /// Scaled, turned counter-clockwise as seen (v points down there), moved.
+    pub(super) fn apply(&self, [u, v]: [f64; 2]) -> Vec2 {
+        let (sin, cos) = self.turn;
+        let (u, v) = (u * self.scale.x, v * self.scale.y);
+        let turned = DVec2::new(cos * u + sin * v, cos * v - sin * u) + self.offset;
+        DVec2::new(turned.x, 1.0 - turned.y).as_vec2()
+    }
+}

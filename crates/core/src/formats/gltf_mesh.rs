@@ -1,0 +1,352 @@
+//! A glTF mesh: its primitives as one list of triangles.
+
+use super::error::FormatError;
+use super::gltf_data::Data;
+use super::gltf_json::Primitive;
+use super::gltf_material::{Base, Coordinates, Materials, color};
+use super::limits::Share;
+use crate::scene::{Attribute, Color, MeshData};
+use glam::{DVec3, Vec2, Vec3};
+use std::collections::HashMap;
+use std::mem::size_of;
+
+/// No index.
+const NONE: u32 = u32::MAX;
+
+/// What a file's meshes have and is not shown.
+#[derive(Debug, Default)]
+pub(super) struct Told {
+    /// Primitives of points or lines.
+    pub(super) points_and_lines: usize,
+    /// Primitives without positions.
+    pub(super) empty: usize,
+    /// Corners behind the last whole triangle.
+    pub(super) loose_corners: usize,
+    /// Meshes with morph targets.
+    pub(super) morphs: usize,
+    /// Primitives whose image is clamped or mirrored, where that shows.
+    pub(super) wraps: usize,
+}
+
+/// What decides a primitive's vertices: those that agree in all of it are stored once.
+#[derive(PartialEq, Eq, Hash)]
+struct Key {
+    positions: u32,
+    normals: Option<u32>,
+    uvs: Option<(u32, [u64; 6])>,
+    colors: Option<(u32, [u64; 3])>,
+}
+
+/// Lists that grow primitive by primitive.
+struct Builder<'b, 'm, 'd> {
+    data: &'b Data<'d>,
+    materials: &'b mut Materials<'m, 'd>,
+    share: Share<'d>,
+    mesh: MeshData,
+    normals: Vec<Vec3>,
+    uvs: Vec<Vec2>,
+    firsts: HashMap<Key, u32>,
+    /// Numbers in the mesh by those in the file, and whether vertices have colours.
+    numbers: HashMap<(u32, bool), u32>,
+}
+
+/// A mesh's triangles, in the order of its primitives.
+pub(super) fn read<'d>(
+    data: &Data<'d>,
+    materials: &mut Materials<'_, 'd>,
+    index: u32,
+    told: &mut Told,
+) -> Result<MeshData, FormatError> {
+    let place = format!("meshes[{index}]");
+    let json = data.one(&data.root.meshes, index, "nodes", "meshes")?;
+    let mut builder = Builder {
+        data,
+        materials,
+        share: data.files.budget().share(data.path, "the mesh", 0)?,
+        mesh: MeshData::default(),
+        normals: Vec::new(),
+        uvs: Vec::new(),
+        firsts: HashMap::new(),
+        numbers: HashMap::new(),
+    };
+    for (number, primitive) in json.primitives.iter().enumerate() {
+        builder.add(&format!("{place}.primitives[{number}]"), primitive, told)?;
+    }
+    let has_morphs = json.primitives.iter().any(|p| !p.targets.is_empty());
+    told.morphs += usize::from(has_morphs);
+    Ok(builder.finish())
+}
+
+impl Builder<'_, '_, '_> {
+    fn add(
+        &mut self,
+        place: &str,
+        primitive: &Primitive,
+        told: &mut Told,
+    ) -> Result<(), FormatError> {
+        let data = self.data;
+        let mode = primitive.mode.unwrap_or(4);
+        match mode {
+            0..=3 => {
+                told.points_and_lines += 1;
+                return Ok(());
+            }
+            4..=6 => {}
+            other => return Err(data.fault(place, "a mode from 0 to 6", &other.to_string())),
+        }
+        let Some(&positions) = primitive.attributes.get("POSITION") else {
+            told.empty += 1;
+            return Ok(());
+        };
+        let base = match primitive.material {
+            Some(material) => Some(self.materials.base(material, place)?),
+            None => None,
+        };
+        let named = |name: &str| primitive.attributes.get(name).copied();
+        let coordinates = base.and_then(|base| base.texture).map_or_else(
+            // Without a texture they are there to be shown themselves.
+            || named("TEXCOORD_0").map(|uvs| (uvs, Coordinates::PLAIN)),
+            |info| {
+                let name = format!("TEXCOORD_{}", Coordinates::set(info));
+                named(&name).map(|uvs| (uvs, Coordinates::of(info)))
+            },
+        );
+        let colors = named("COLOR_0");
+        let (first, count) =
+            self.vertices(place, positions, named("NORMAL"), coordinates, colors, base)?;
+        if let (Some(info), Some(_)) = (base.and_then(|base| base.texture), coordinates)
+            && self.is_wrapped(info.index, first, count)
+        {
+            told.wraps += 1;
+        }
+        let corners = match primitive.indices {
+            None => (0..count).collect(),
+            Some(index) => self.corners(place, index, count)?,
+        };
+        let triangles = match mode {
+            4 => corners.len() / 3,
+            _ => corners.len().saturating_sub(2),
+        };
+        told.loose_corners += match mode {
+            4 => corners.len() % 3,
+            _ if triangles == 0 => corners.len(),
+            _ => 0,
+        };
+        let all = self.mesh.triangles.len() + triangles;
+        let budget = data.files.budget();
+        if all as u64 > budget.triangles_left() {
+            budget.add_triangles(data.path, all as u64)?;
+        }
+        self.count(all)?;
+        self.mesh.triangles.reserve_exact(triangles);
+        let triangle = |[a, b, c]: [u32; 3]| [first + a, first + b, first + c];
+        match mode {
+            4 => {
+                let whole = corners
+                    .chunks_exact(3)
+                    .map(|c| triangle([c[0], c[1], c[2]]));
+                self.mesh.triangles.extend(whole);
+            }
+            5 => {
+                // Every other one is turned, so that all face one way.
+                let strip = corners.windows(3).enumerate().map(|(at, c)| match at % 2 {
+                    0 => triangle([c[0], c[1], c[2]]),
+                    _ => triangle([c[0], c[2], c[1]]),
+                });
+                self.mesh.triangles.extend(strip);
+            }
+            _ => {
+                let fan = corners.get(1..).unwrap_or_default().windows(2);
+                let fan = fan.map(|c| triangle([c[0], c[1], corners[0]]));
+                self.mesh.triangles.extend(fan);
+            }
+        }
+        let material = match primitive.material {
+            None => NONE,
+            Some(material) => self.material(material, coordinates.is_some(), colors.is_some())?,
+        };
+        self.mesh.material_of_triangle.resize(all, material);
+        Ok(())
+    }
+
+    /// Takes what the lists hold, and will with so many triangles, from the budget.
+    fn count(&mut self, triangles: usize) -> Result<(), FormatError> {
+        // A triangle: its corners in the file's list, in ours, of its attributes, and its material.
+        let triangle = 3 * size_of::<[u32; 3]>() + size_of::<u32>();
+        let vertex =
+            size_of::<DVec3>() + size_of::<Vec3>() + size_of::<Vec2>() + size_of::<Option<Color>>();
+        let bytes = triangle * triangles + 2 * vertex * self.mesh.positions.len();
+        self.share.grow(self.data.path, "the mesh", bytes as u64)
+    }
+
+    /// The first of a primitive's vertices, and how many they are.
+    fn vertices(
+        &mut self,
+        place: &str,
+        positions: u32,
+        normals: Option<u32>,
+        uvs: Option<(u32, Coordinates)>,
+        colors: Option<u32>,
+        base: Option<Base<'_>>,
+    ) -> Result<(u32, u32), FormatError> {
+        let data = self.data;
+        let found = data.accessor(positions, place, &["VEC3"])?;
+        let [r, g, b, _] = base.map_or([1.0; 4], |base| base.factor);
+        let key = Key {
+            positions,
+            normals,
+            uvs: uvs.map(|(uvs, coordinates)| (uvs, coordinates.bits())),
+            colors: colors.map(|colors| (colors, [r, g, b].map(f64::to_bits))),
+        };
+        let first = self.mesh.positions.len();
+        let count = found.count;
+        if let Some(&first) = self.firsts.get(&key) {
+            return Ok((first, count as u32));
+        }
+        let all = first as u64 + count as u64;
+        if all >= u64::from(NONE) {
+            let expected = format!("fewer than {NONE} vertices in a mesh");
+            return Err(data.fault(place, &expected, &all.to_string()));
+        }
+        let vertex = 2 * (size_of::<DVec3>() + size_of::<Vec3>() + size_of::<Vec2>() + 8);
+        self.share
+            .grow(data.path, "the mesh", vertex as u64 * all)?;
+        self.firsts.insert(key, first as u32);
+        let other = |index: u32, name: &str, shapes: &[&str]| {
+            let place = format!("{place}.attributes.{name}");
+            let numbers = data.accessor(index, &place, shapes)?;
+            if numbers.count != count {
+                let expected = format!("as many as positions, {count}");
+                return Err(data.fault(&place, &expected, &numbers.count.to_string()));
+            }
+            Ok(numbers)
+        };
+        if let Some(normals) = normals {
+            let normals = other(normals, "NORMAL", &["VEC3"])?;
+            let unit = |normal| DVec3::from_array(normal).normalize_or_zero().as_vec3();
+            self.normals.resize(first, Vec3::ZERO);
+            self.normals.extend(normals.values([0.0; 3], unit));
+        }
+        if let Some((uvs, coordinates)) = uvs {
+            let uvs = other(uvs, "TEXCOORD", &["VEC2"])?;
+            self.uvs.resize(first, Vec2::NAN);
+            self.uvs
+                .extend(uvs.values([0.0; 2], |uv| coordinates.apply(uv)));
+        }
+        if let Some(colors) = colors {
+            let colors = other(colors, "COLOR_0", &["VEC3", "VEC4"])?;
+            self.mesh.colors.resize(first, None);
+            let mixed = colors.values([0.0, 0.0, 0.0, 1.0], |[x, y, z, a]| {
+                Some(color([x * r, y * g, z * b, a]))
+            });
+            self.mesh.colors.extend(mixed);
+        }
+        let positions = found.values([0.0; 3], DVec3::from_array);
+        if self.mesh.positions.is_empty() {
+            self.mesh.positions = positions;
+        } else {
+            self.mesh.positions.extend(positions);
+        }
+        Ok((first as u32, count as u32))
+    }
+
+    /// A primitive's indices, each of a vertex that there is.
+    fn corners(&self, place: &str, index: u32, count: u32) -> Result<Vec<u32>, FormatError> {
+        let data = self.data;
+        let place = format!("{place}.indices");
+        let numbers = data.accessor(index, &place, &["SCALAR"])?;
+        let bytes = numbers.count * size_of::<u32>();
+        let _share = data
+            .files
+            .budget()
+            .share(data.path, "the indices", bytes as u64)?;
+        let corners = data.indices(&numbers, &place)?;
+        match corners.iter().position(|&corner| corner >= count) {
+            None => Ok(corners),
+            Some(at) => {
+                let expected = format!("indices of its {count} vertices");
+                let found = format!("{} as number {at}", corners[at]);
+                Err(data.fault(&place, &expected, &found))
+            }
+        }
+    }
+
+    /// A material's number in the mesh.
+    fn material(
+        &mut self,
+        index: u32,
+        has_coordinates: bool,
+        by_vertex: bool,
+    ) -> Result<u32, FormatError> {
+        if let Some(&number) = self.numbers.get(&(index, by_vertex)) {
+            return Ok(number);
+        }
+        let material = self.materials.material(index, has_coordinates, by_vertex)?;
+        let number = self.mesh.materials.len() as u32;
+        self.mesh.materials.push(material);
+        // One without coordinates may be used again with some.
+        if has_coordinates {
+            self.numbers.insert((index, by_vertex), number);
+        }
+        Ok(number)
+    }
+
+    /// Whether a texture is not repeated, and coordinates leave it.
+    fn is_wrapped(&self, texture: u32, first: u32, count: u32) -> bool {
+        /// REPEAT, of OpenGL.
+        const REPEAT: u32 = 10497;
+        let root = self.data.root;
+        let sampler = root.textures.get(texture as usize).and_then(|t| t.sampler);
+        let Some(sampler) = sampler.and_then(|index| root.samplers.get(index as usize)) else {
+            return false;
+        };
+        let repeats = |wrap: Option<u32>| wrap.unwrap_or(REPEAT) == REPEAT;
+        if repeats(sampler.wrap_s) && repeats(sampler.wrap_t) {
+            return false;
+        }
+        let (first, count) = (first as usize, count as usize);
+        let uvs = self.uvs.get(first..first + count).unwrap_or_default();
+        uvs.iter()
+            .any(|uv| uv.min_element() < 0.0 || uv.max_element() > 1.0)
+    }
+
+    fn finish(self) -> MeshData {
+        let Self {
+            mut mesh,
+            mut normals,
+            mut uvs,
+            ..
+        } = self;
+        let count = mesh.positions.len();
+        if !normals.is_empty() {
+            normals.resize(count, Vec3::ZERO);
+        }
+        if !uvs.is_empty() {
+            uvs.resize(count, Vec2::NAN);
+        }
+        mesh.normals = attribute(normals, &mesh.triangles, |normal| *normal != Vec3::ZERO);
+        mesh.uvs = attribute(uvs, &mesh.triangles, |uv| uv.is_finite());
+        mesh
+    }
+}
+
+/// Values of vertices, by the triangles' own indices where all are good; a triangle with one that is not
+/// has none.
+fn attribute<T>(
+    values: Vec<T>,
+    triangles: &[[u32; 3]],
+    is_good: impl Fn(&T) -> bool,
+) -> Option<Attribute<T>> {
+    if values.is_empty() {
+        return None;
+    }
+    let indices = (!values.iter().all(&is_good)).then(|| {
+        let all_good = |triangle: &&[u32; 3]| {
+            let mut corners = triangle.iter();
+            corners.all(|&i| values.get(i as usize).is_some_and(&is_good))
+        };
+        let kept = |triangle| Some(triangle).filter(all_good).map_or([NONE; 3], |t| *t);
+        triangles.iter().map(kept).collect()
+    });
+    Some(Attribute { values, indices })
+}

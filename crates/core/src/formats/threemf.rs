@@ -1,0 +1,214 @@
+//! 3MF, with colours, base materials and the production extension.
+
+use super::Progress;
+use super::error::{FormatError, quote};
+use super::limits::Budget;
+use super::placed::{NODE_LIMIT, Placed, PlacedMesh};
+use super::threemf_model::{self, Instance, Model, Shape};
+use super::threemf_package::Package;
+use crate::quote;
+use crate::scene::MeshData;
+use glam::DAffine3;
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::path::Path;
+
+#[cfg(test)]
+mod tests;
+
+/// Model parts, by the order in which they were first asked for.
+#[derive(Default)]
+struct Models {
+    names: HashMap<String, usize>,
+    models: Vec<Model>,
+    /// The parts' own names.
+    parts: Vec<String>,
+}
+
+/// What is left to do on the way through the tree.
+enum Step {
+    /// Places an object: named in a part, within what is outside.
+    Enter(usize, Instance, DAffine3),
+    /// An object of a part is done.
+    Leave((usize, u32)),
+}
+
+/// Reads a 3MF file.
+///
+/// What is built is placed, depth first; an object that is built twice is two nodes of one mesh. Numbers
+/// are in the file's unit.
+pub(super) fn read(
+    path: &Path,
+    bytes: &[u8],
+    budget: &Budget,
+    progress: Progress<'_>,
+) -> Result<Placed, FormatError> {
+    let mut package = Package::open(path, bytes, budget)?;
+    let root = package.model()?;
+    let mut models = Models::default();
+    let mut share = budget.share(path, "the models", 0)?;
+    let mut held = 0;
+    let mut triangles = 0;
+    let mut model = |package: &mut Package<'_>, models: &mut Models, name: &str| {
+        let key = name.trim_start_matches('/').to_ascii_lowercase();
+        if let Some(&number) = models.names.get(&key) {
+            return Ok(number);
+        }
+        let part = package.part(name)?;
+        // A vertex of 30 characters becomes 24 bytes, a triangle of as many 24, in lists that double.
+        held += 3 * part.text.len() as u64;
+        share.grow(path, "the models", held)?;
+        let left = budget.triangles_left().saturating_sub(triangles);
+        let model = threemf_model::read(package, &part, left)?;
+        let meshes = model.objects.values().map(|object| match &object.shape {
+            Shape::Mesh(mesh) => mesh.triangles.len() as u64,
+            Shape::Components(_) | Shape::Taken(_) => 0,
+        });
+        triangles += meshes.sum::<u64>();
+        models.names.insert(key, models.models.len());
+        models.models.push(model);
+        models.parts.push(part.name);
+        Ok::<_, FormatError>(models.models.len() - 1)
+    };
+    let root = model(&mut package, &mut models, &root)?;
+    progress(0.5);
+
+    let mut placed = Placed::default();
+    let mut on_the_way: HashSet<(usize, u32)> = HashSet::new();
+    let mut steps: Vec<Step> = Vec::new();
+    let mut count = 0;
+    let items = models.models[root].items.iter().rev();
+    steps.extend(items.map(|item| Step::Enter(root, item.clone(), DAffine3::IDENTITY)));
+    while let Some(step) = steps.pop() {
+        let (named_in, instance, world_from_outer) = match step {
+            Step::Enter(named_in, instance, world_from_outer) => {
+                (named_in, instance, world_from_outer)
+            }
+            Step::Leave(key) => {
+                on_the_way.remove(&key);
+                continue;
+            }
+        };
+        let place = |models: &Models, reason: &str| {
+            let line = Some(instance.line);
+            package.fault(&models.parts[named_in], line, reason)
+        };
+        count += 1;
+        if count > NODE_LIMIT {
+            let reason = format!("more than {NODE_LIMIT} items and components");
+            return Err(place(&models, &reason));
+        }
+        let number = match &instance.part {
+            Some(name) => model(&mut package, &mut models, name)?,
+            None => named_in,
+        };
+        let id = instance.object;
+        let world_from_object = if instance.outer_from_object == DAffine3::IDENTITY {
+            world_from_outer
+        } else if world_from_outer == DAffine3::IDENTITY {
+            instance.outer_from_object
+        } else {
+            world_from_outer * instance.outer_from_object
+        };
+        let fault =
+            |reason: &str| package.fault(&models.parts[named_in], Some(instance.line), reason);
+        if !world_from_object.is_finite() {
+            return Err(fault(
+                "expected a place of finite numbers, found one beyond them",
+            ));
+        }
+        let Some(object) = models.models[number].objects.get_mut(&id) else {
+            let reason = format!("expected the number of an object, found {id}");
+            return Err(fault(&reason));
+        };
+        let mesh = match &mut object.shape {
+            Shape::Taken(mesh) => *mesh,
+            Shape::Mesh(mesh) => {
+                let data: MeshData = std::mem::take(mesh);
+                placed.meshes.push(data);
+                object.shape = Shape::Taken(placed.meshes.len() - 1);
+                placed.meshes.len() - 1
+            }
+            Shape::Components(components) => {
+                if !on_the_way.insert((number, id)) {
+                    return Err(fault(&format!("object {id} is a part of itself")));
+                }
+                steps.push(Step::Leave((number, id)));
+                let inner = components.iter().rev().cloned();
+                steps.extend(inner.map(|inner| Step::Enter(number, inner, world_from_object)));
+                continue;
+            }
+        };
+        placed.nodes.push(PlacedMesh {
+            name: object
+                .name
+                .as_ref()
+                .map_or_else(String::new, |name| name.chars().take(200).collect()),
+            mesh,
+            world_from_object,
+        });
+    }
+    progress(0.9);
+    if placed.meshes.iter().all(|mesh| mesh.triangles.is_empty()) {
+        let found = match placed.nodes.len() {
+            0 => "nothing that is built".to_owned(),
+            nodes => format!("none in {nodes} objects"),
+        };
+        return Err(FormatError::unexpected(path, None, "triangles", found));
+    }
+    name_the_nameless(path, &mut placed.nodes);
+    tell(path, &models, root, &mut placed);
+    progress(1.0);
+    Ok(placed)
+}
+
+/// Names objects without a name after the file.
+fn name_the_nameless(path: &Path, nodes: &mut [PlacedMesh]) {
+    let file = path.file_stem().unwrap_or_default().to_string_lossy();
+    let count = nodes.len();
+    for (number, node) in nodes.iter_mut().enumerate() {
+        if node.name.is_empty() {
+            node.name = match count {
+                1 => file.to_string(),
+                _ => format!("{file} {}", number + 1),
+            };
+        }
+    }
+}
+
+/// Says what is not shown, and what the file says of itself.
+fn tell(path: &Path, models: &Models, root: usize, placed: &mut Placed) {
+    let mixed: usize = models.models.iter().map(|model| model.mixed).sum();
+    if mixed > 0 {
+        placed.warnings.push(format!(
+            "{}: triangles whose corners have different colours, of which the first is shown: {mixed}",
+            quote::path(path)
+        ));
+    }
+    let unit = quote(&models.models[root].unit);
+    placed
+        .notes
+        .push(format!("unit: {}; up axis: Z", unit.trim_matches('"')));
+    let mut unused: BTreeMap<&str, usize> = BTreeMap::new();
+    for (what, count) in models.models.iter().flat_map(|model| &model.unused) {
+        *unused.entry(what).or_default() += count;
+    }
+    let hidden = models
+        .models
+        .iter()
+        .flat_map(|model| model.objects.values());
+    let hidden = hidden
+        .filter(|object| matches!(object.shape, Shape::Mesh(_)))
+        .count();
+    if hidden > 0 {
+        unused.insert("meshes that are not built", hidden);
+    }
+    if !unused.is_empty() {
+        let unused = unused
+            .iter()
+            .map(|(what, count)| format!("{what} ({count})"));
+        let unused: Vec<String> = unused.collect();
+        placed
+            .notes
+            .push(format!("not used: {}", unused.join(", ")));
+    }
+}
