@@ -306,6 +306,7 @@ impl Reader<'_> {
             let mut object = Object::new(name, mesh);
             object.source = Some(source);
             object.parent = parent;
+            object.visible = table.visible.unwrap_or(true);
             if let Some(color) = table.color {
                 object.color = color.rule(table.seed);
             }

@@ -106,6 +106,8 @@ pub(super) struct ObjectToml {
     pub(super) scale: Option<Spanned<[f64; 3]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) parent: Option<Spanned<String>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) visible: Option<bool>,
 }
 
 /// A colour as `#rrggbb`.

@@ -182,5 +182,6 @@ fn object(
         rotate: (rotate != at_rest.rotate).then(|| spanned(rotate.to_array())),
         scale: (scale != at_rest.scale).then(|| spanned(scale.to_array())),
         parent: object.parent.map(|parent| spanned(names[parent].clone())),
+        visible: (!object.visible).then_some(false),
     })
 }

@@ -28,6 +28,7 @@ fn add_object(hash: &mut Digester, object: &Object) {
         texture,
         source: _,
         texture_source: _,
+        visible,
     } = object;
     let Transform {
         translate,
@@ -55,6 +56,10 @@ fn add_object(hash: &mut Digester, object: &Object) {
     match texture {
         None => hash.number(0),
         Some(texture) => add_texture(hash, texture),
+    }
+    // Nothing is added where all is visible: checksums made before objects could be hidden still hold.
+    if !visible {
+        hash.bytes(b"hidden");
     }
 }
 

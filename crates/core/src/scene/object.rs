@@ -24,6 +24,9 @@ pub struct Object {
     pub source: Option<PathBuf>,
     /// The file that its texture was read from, likewise.
     pub texture_source: Option<PathBuf>,
+    /// Whether rays can meet it. A hidden object keeps its number, and its triangles theirs; what moves
+    /// with it stays where it is.
+    pub visible: bool,
 }
 
 impl Object {
@@ -38,6 +41,7 @@ impl Object {
             texture: None,
             source: None,
             texture_source: None,
+            visible: true,
         }
     }
 
@@ -152,7 +156,7 @@ impl Scene {
             .sum()
     }
 
-    /// The box around everything, in world space; empty if there is nothing, or no valid
+    /// The box around everything that is visible, in world space; empty if there is nothing, or no valid
     /// placement.
     pub fn bounds(&self) -> Bounds {
         let Ok(transforms) = self.world_from_objects() else {
@@ -161,6 +165,7 @@ impl Scene {
         self.objects
             .iter()
             .zip(transforms)
+            .filter(|(object, _)| object.visible)
             .map(|(object, world_from_object)| {
                 if world_from_object == DAffine3::IDENTITY {
                     return object.mesh.bounds();
@@ -179,7 +184,7 @@ impl Scene {
             .fold(Bounds::EMPTY, Bounds::union)
     }
 
-    /// The smallest sphere about the bounds' middle that holds everything: centre and radius.
+    /// The smallest sphere about the bounds' middle that holds everything visible: centre and radius.
     ///
     /// The origin and zero for an empty scene.
     pub fn bounding_sphere(&self) -> (DVec3, f64) {
@@ -188,7 +193,8 @@ impl Scene {
             return (center, 0.0);
         };
         let mut squared: f64 = 0.0;
-        for (object, world_from_object) in self.objects.iter().zip(transforms) {
+        let placed = self.objects.iter().zip(transforms);
+        for (object, world_from_object) in placed.filter(|(object, _)| object.visible) {
             let mesh = &object.mesh;
             for corner in mesh
                 .kept()
