@@ -6,9 +6,6 @@ use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, po
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Tiles beyond these are too many to be seen apart.
-const MOST_TILES: usize = 20_000;
-
 /// The overlay, kept from frame to frame while nothing changes.
 #[derive(Default)]
 pub struct TileOverlay {
@@ -26,7 +23,7 @@ impl TileOverlay {
     /// Draws over a picture that fills `rect`.
     pub fn show(&mut self, painter: &Painter, canvas: &Canvas, rect: Rect, overlay: Overlay) {
         let (columns, rows) = canvas.size();
-        if columns == 0 || rows == 0 || canvas.notes().len() > MOST_TILES {
+        if columns == 0 || rows == 0 {
             return;
         }
         let scale = rect.size() / egui::vec2(columns as f32, rows as f32);

@@ -10,7 +10,7 @@ use raycast_core::accel::CastCounts;
 use raycast_core::render::Pass;
 
 pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Commands) {
-    section(ui, "Rendering", true, |ui| {
+    section(ui, "Rendering", false, |ui| {
         row(ui, "Threads", "Render threads", |ui, label| {
             let cores = default_threads();
             let number = Number {

@@ -10,7 +10,7 @@ use egui::{Ui, vec2};
 use raycast_core::camera::Grid;
 
 pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Commands) {
-    section(ui, "Tiles", true, |ui| {
+    section(ui, "Tiles", false, |ui| {
         split(ui, state, out);
         row(ui, "Show", "What is drawn over the picture", |ui, _| {
             let overlay = state.overlay;
