@@ -6,6 +6,9 @@ use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, po
 use std::sync::Arc;
 use std::time::Duration;
 
+/// The lowest tile, in points, whose number can be read.
+pub const LEAST_FOR_NUMBERS: f32 = 17.0;
+
 /// The overlay, kept from frame to frame while nothing changes.
 #[derive(Default)]
 pub struct TileOverlay {
@@ -107,10 +110,12 @@ fn borders(painter: &Painter, canvas: &Canvas, rect: Rect, place: impl Fn(u32, u
 }
 
 fn number(painter: &Painter, area: Rect, number: u32) {
-    let size = (area.height() * 0.42).min(area.width() / 3.2).min(20.0);
-    if size < 7.0 {
+    if area.height() < LEAST_FOR_NUMBERS || area.width() < LEAST_FOR_NUMBERS {
         return;
     }
+    let size = (area.height() * 0.42)
+        .min(area.width() / 3.2)
+        .clamp(7.0, 20.0);
     let center = area.center();
     let font = FontId::proportional(size.round());
     let text = number.to_string();

@@ -94,7 +94,12 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Comman
         } else {
             dash()
         };
-        fact(ui, "Time", "From the request to the full picture", &time);
+        fact(
+            ui,
+            "Time",
+            "From the request to the full picture; at rest, to the last of its samples",
+            &time,
+        );
         if let Some(document) = &state.document {
             fact(
                 ui,

@@ -45,6 +45,7 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
     let typing = in_text || state.is_typing();
     // Arrows go from one control to another once one has the keyboard.
     let is_in_controls = context.memory(|memory| memory.focused().is_some());
+    let in_menu = egui::Popup::is_any_open(context);
     let is_asked = state.question.is_some() || state.replacing.is_some();
     context.input(|input| {
         let mut commands = Vec::new();
@@ -60,8 +61,8 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
                 continue;
             };
             if key == Key::Escape {
-                // A number that is being typed has its own use for it.
-                if !in_text || state.is_typing() {
+                // A number that is being typed has its own use for it, and so has a menu.
+                if (!in_text || state.is_typing()) && !in_menu {
                     commands.push(Command::Dismiss);
                 }
                 continue;

@@ -695,6 +695,88 @@ mod tests {
     }
 
     #[test]
+    fn good_files_open_beside_bad_ones_which_are_told() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let write = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, text).expect("written");
+            path
+        };
+        let good = write("good.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        let bad = write("bad.obj", "v 0 0 x\n");
+        let files = files();
+        files.open(vec![bad.clone(), good.clone()], Keep::Nothing);
+        let News::Loaded(loaded) = wait(&files) else {
+            panic!("the good one opens");
+        };
+        assert_eq!(loaded.document.scene.objects.len(), 1);
+        assert_eq!(loaded.document.paths, std::slice::from_ref(&good));
+        assert!(loaded.errors.len() == 1 && loaded.errors[0].contains("bad.obj:1"));
+        assert_eq!(files.activity(), None);
+
+        files.open(vec![bad.clone()], Keep::Nothing);
+        assert!(matches!(wait(&files), News::NotOpened(text) if text.contains("bad.obj:1")));
+        files.add(vec![good, bad]);
+        assert!(matches!(
+            wait(&files),
+            News::Added { objects, errors, .. } if objects.len() == 1 && errors.len() == 1
+        ));
+    }
+
+    #[test]
+    fn nothing_is_heard_of_a_load_that_was_let_go() {
+        let files = files();
+        files.open(Vec::new(), Keep::Nothing);
+        files.cancel_load();
+        assert_eq!(files.activity(), None, "its bar goes at once");
+        // It ends by itself.
+        while !lock(&files.shared.loads).is_empty() {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        std::thread::sleep(Duration::from_millis(20));
+        assert!(files.fetch().is_empty());
+    }
+
+    #[test]
+    fn a_scene_is_saved_over_itself_and_over_no_other_open_file() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let mesh = folder.path().join("mesh.obj");
+        std::fs::write(&mesh, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("written");
+        let files = files();
+        files.open(vec![mesh.clone()], Keep::Nothing);
+        let News::Loaded(loaded) = wait(&files) else {
+            panic!("it is a good mesh");
+        };
+        let mut scene = SceneFile {
+            scene: loaded.document.scene.as_ref().clone(),
+            ..SceneFile::default()
+        };
+        scene.scene.objects[0].visible = false;
+        let path = folder.path().join("scene.raycast.toml");
+        let save = |to: &Path, own: Option<&Path>, replace| {
+            let paths = (to.to_owned(), own.map(Path::to_owned));
+            files.save_scene(scene.clone(), paths, 7, replace);
+            wait(&files)
+        };
+        assert!(matches!(save(&path, None, false), News::SceneSaved(_, 7)));
+        let read = formats::read_scene(&path, &|_| ()).expect("a scene");
+        assert!(!read.scene.objects[0].visible && read.scene.objects[0].name == "mesh");
+
+        assert!(matches!(
+            save(&path, Some(&path), false),
+            News::SceneSaved(..)
+        ));
+        for own in [None, Some(path.as_path())] {
+            assert!(matches!(save(&mesh, own, true), News::NotSaved(_)));
+        }
+        assert!(std::fs::read(&mesh).expect("the mesh").starts_with(b"v 0"));
+        let other = folder.path().join("other.toml");
+        std::fs::write(&other, "a letter").expect("written");
+        assert!(matches!(save(&other, None, false), News::Taken(there) if there.scene));
+        assert!(matches!(save(&other, None, true), News::SceneSaved(..)));
+    }
+
+    #[test]
     fn names_of_scenes() {
         assert_eq!(scene_name(&[]), "Demo scene");
         assert_eq!(scene_name(&["a/b.obj".into()]), "b.obj");

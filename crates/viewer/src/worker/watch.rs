@@ -192,7 +192,7 @@ mod tests {
         std::thread::sleep(Duration::from_millis(300));
         std::fs::write(&other, "v 1 1 1").expect("written");
         std::fs::write(&file, "v 0 0 0 \nv 1 0 0").expect("written");
-        assert_eq!(wait(&watch), [file.clone()]);
+        assert_eq!(wait(&watch), std::slice::from_ref(&file));
         // One that is being written is not whole, however slowly that goes.
         let mut writer = std::fs::File::create(&file).expect("made");
         writer.write_all(b"v 0 0 0").expect("written");
@@ -202,7 +202,7 @@ mod tests {
         }
         writer.write_all(b" and the rest").expect("written");
         drop(writer);
-        assert_eq!(wait(&watch), [file.clone()]);
+        assert_eq!(wait(&watch), std::slice::from_ref(&file));
         std::fs::rename(&other, &file).expect("moved");
         assert_eq!(wait(&watch), [file]);
     }
