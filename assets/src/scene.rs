@@ -16,7 +16,6 @@ fov = 25.0
 
 [image]
 size = [1280, 720]
-samples = 1
 background = ["#20242c", "#3a4454"]
 
 [shading]

@@ -263,7 +263,7 @@ impl Window {
 
     /// What a person does with a file.
     fn look_around(&mut self, number: u32) {
-        let mode = (1 + number % 9).to_string();
+        let mode = format!("alt+{}", 1 + number % 9);
         self.orbit(number);
         self.keys(&[&mode]);
         self.orbit(number / 2);
@@ -287,7 +287,7 @@ impl Window {
             ["png", "exr", "jpg"][number as usize % 3]
         );
         let path = self.home.path().join(&name);
-        self.insist("a saved picture", "ctrl+s", &name, |_| {
+        self.insist("a saved picture", "ctrl+e", &name, |_| {
             let start = Instant::now();
             while !path.exists() && start.elapsed() < A_WHILE {
                 std::thread::sleep(Duration::from_millis(20));
@@ -301,7 +301,7 @@ impl Window {
     fn rest(&mut self, expected: Option<Usage>) -> Usage {
         self.resize(SIZES[0]);
         self.insist(REST, "ctrl+o", REST, |window| window.shows(REST));
-        self.keys(&["3", "r"]);
+        self.keys(&["alt+3", "r"]);
         self.settle();
         // A thread that has told its news ends soon, and says so nowhere: look until it has.
         let start = Instant::now();

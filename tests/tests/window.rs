@@ -226,3 +226,73 @@ fn a_missing_file_does_not_end_the_session() {
     });
     assert_eq!(window.program.ended(), None);
 }
+
+/// What a person does in a sitting, through the keyboard alone: adds a file, hides what is marked, takes that
+/// back, names it, saves the scene, and opens it again.
+#[test]
+fn a_scene_is_put_together_saved_and_opened_again() {
+    if !can_run() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder for temporary files");
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
+    for name in ["cube.obj", "cube.mtl", "torus.obj", "torus.mtl"] {
+        std::fs::copy(assets.join(name), folder.path().join(name)).expect("copied");
+    }
+    let mut window = Window::open(&[folder.path().join("cube.obj")]);
+    let is_picture = |shot: &Shot| shot.middle().colors() > 3;
+    let cube = window.settled(is_picture);
+    let keys = |window: &Window, keys: &[&str]| {
+        window
+            .screen
+            .xdotool(&[&["key", "--delay", "60"], keys].concat());
+    };
+    let give = |window: &Window, key: &str, path: &Path| {
+        keys(window, &[key]);
+        std::thread::sleep(Duration::from_millis(500));
+        let path = path.display().to_string();
+        window.screen.xdotool(&["type", "--delay", "5", &path]);
+        keys(window, &["Return"]);
+    };
+    give(&window, "ctrl+shift+o", &folder.path().join("torus.obj"));
+    let both = window.settled(|shot| is_picture(shot) && *shot != cube);
+
+    // A click on the picture marks the object there; h hides it.
+    let middle = [(SIZE.0 / 2 - 140).to_string(), (SIZE.1 / 2).to_string()];
+    window
+        .screen
+        .xdotool(&["mousemove", &middle[0], &middle[1], "click", "1"]);
+    std::thread::sleep(Duration::from_millis(500));
+    keys(&window, &["h"]);
+    window.settled(|shot| shot.middle().difference(&both.middle()) > 0.02);
+    keys(&window, &["ctrl+z", "F2"]);
+    std::thread::sleep(Duration::from_millis(300));
+    window.screen.xdotool(&["type", "--delay", "5", "lid"]);
+    keys(&window, &["Return"]);
+
+    let scene = folder.path().join("both.raycast.toml");
+    keys(&window, &["ctrl+s"]);
+    std::thread::sleep(Duration::from_millis(500));
+    keys(&window, &["ctrl+a"]);
+    let path = scene.display().to_string();
+    window.screen.xdotool(&["type", "--delay", "5", &path]);
+    keys(&window, &["Return"]);
+    let text = window.wait_for("saved scene", |_| std::fs::read_to_string(&scene).ok());
+    assert!(
+        text.contains("\"lid\"") && !text.contains("visible"),
+        "{text}"
+    );
+    assert_eq!(text.matches("[[object]]").count(), 2, "{text}");
+
+    // It is what the command line renders, too, and the window opens.
+    let picture = folder.path().join("both.png");
+    succeed([
+        "render".as_ref(),
+        scene.as_os_str(),
+        "-o".as_ref(),
+        picture.as_os_str(),
+    ]);
+    drop(window);
+    let mut window = Window::open(&[scene]);
+    window.settled(is_picture);
+}

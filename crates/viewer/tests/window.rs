@@ -4,19 +4,29 @@
 use egui::{Key, Modifiers, PointerButton, Pos2, accesskit::Role, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use raycast_core::Accel;
 use raycast_core::camera::{FrameLock, Grid, Projection};
+use raycast_core::glam::DVec3;
+use raycast_core::scene::{Mesh, MeshData, Object, Scene};
 use raycast_core::shade::Mode;
 use raycast_viewer::panels::overlay::TileOverlay;
 use raycast_viewer::panels::{Commands, Status, window};
 use raycast_viewer::state::PromptKind;
 use raycast_viewer::state::command::Command;
-use raycast_viewer::state::update::{Effect, update};
-use raycast_viewer::state::{Resolution, State, Tint};
+use raycast_viewer::state::document::Document;
+use raycast_viewer::state::effect::{Effect, Keep};
+use raycast_viewer::state::news::{Loaded, News, receive};
+use raycast_viewer::state::update::update;
+use raycast_viewer::state::{Replacing, Resolution, State, Tint};
 use raycast_viewer::ui::canvas::Canvas;
-use raycast_viewer::ui::input::{GESTURES, KEYS, MODES};
+use raycast_viewer::ui::input::GESTURES;
+use raycast_viewer::ui::modes::MODES;
+use raycast_viewer::ui::registry::ACTIONS;
 use raycast_viewer::ui::theme;
 use raycast_viewer::worker::files::Activity;
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
 
 /// A window without the eframe around it.
 #[derive(Default)]
@@ -118,6 +128,7 @@ fn an_empty_window_says_what_to_do() {
     harness.state_mut().status.activity = Some(Activity {
         label: "Reading a mesh".to_owned(),
         share: Some(0.5),
+        can_cancel: true,
     });
     harness.run();
     assert!(harness.query_by_label(HINT).is_none());
@@ -147,6 +158,7 @@ fn every_mode_has_a_button() {
 #[test]
 fn half_the_step_doubles_the_resolution_or_zooms_as_the_lock_says() {
     let mut harness = open();
+    click(&mut harness, "Picture");
     let before = harness.state().state.plane().expect("a plane");
     click(&mut harness, "Halve the step");
     let denser = harness.state().state.plane().expect("a plane");
@@ -167,6 +179,7 @@ fn half_the_step_doubles_the_resolution_or_zooms_as_the_lock_says() {
 #[test]
 fn a_resolution_can_be_typed_and_fitted_again() {
     let mut harness = open();
+    click(&mut harness, "Picture");
     let columns = harness.state().state.size().0.to_string();
     let field = harness
         .get_all_by_role(Role::SpinButton)
@@ -190,6 +203,7 @@ fn a_resolution_can_be_typed_and_fitted_again() {
 #[test]
 fn tiles_by_grid_with_borders_and_colors() {
     let mut harness = open();
+    click(&mut harness, "Tiles");
     click(&mut harness, "Grid");
     assert!(matches!(harness.state().state.grid, Grid::Count { .. }));
     click(&mut harness, "Borders");
@@ -207,17 +221,11 @@ fn the_help_lists_every_key_and_gesture() {
     harness.key_press(Key::F1);
     harness.run();
     harness.get_by_label("Keys and gestures");
-    for entry in GESTURES.iter().chain(KEYS) {
-        assert!(
-            harness.query_all_by_label(entry.key).next().is_some(),
-            "{}",
-            entry.key
-        );
-        assert!(
-            harness.query_all_by_label(entry.does).next().is_some(),
-            "{}",
-            entry.does
-        );
+    let gestures = GESTURES.iter().flat_map(|g| [g.gesture, g.does]);
+    let with_keys = ACTIONS.iter().filter(|action| !action.keys.is_empty());
+    let names = with_keys.map(|action| action.name);
+    for text in gestures.chain(names) {
+        assert!(harness.query_all_by_label(text).next().is_some(), "{text}");
     }
     harness.key_press(Key::Escape);
     harness.run();
@@ -227,12 +235,12 @@ fn the_help_lists_every_key_and_gesture() {
 #[test]
 fn keys_work_and_stay_out_of_the_way_of_typing() {
     let mut harness = open();
+    harness.key_press_modifiers(Modifiers::ALT, Key::Num5);
     harness.key_press(Key::Num5);
-    harness.key_press(Key::O);
     harness.run();
     let state = &harness.state().state;
     assert_eq!(state.settings.shading.mode, Mode::Depth);
-    assert_eq!(state.projection, Projection::Orthographic);
+    assert_eq!(state.viewpoint.projection, Projection::Orthographic);
 
     harness.key_press_modifiers(Modifiers::COMMAND, Key::O);
     harness.run();
@@ -248,14 +256,15 @@ fn keys_work_and_stay_out_of_the_way_of_typing() {
 #[test]
 fn a_path_can_be_typed_where_the_desktop_has_no_dialog() {
     let mut harness = open();
-    click(&mut harness, "Open…");
+    click(&mut harness, "File");
+    click(&mut harness, "Open… Ctrl+O");
     assert_eq!(harness.state().effects, [Effect::Dialog(PromptKind::Open)]);
     harness.run();
     harness.event(egui::Event::Text("mesh.obj".to_owned()));
     harness.run();
     harness.key_press(Key::Enter);
     harness.run();
-    let effect = Effect::Open(vec![PathBuf::from("mesh.obj")]);
+    let effect = Effect::Open(vec![PathBuf::from("mesh.obj")], Keep::Nothing);
     assert_eq!(harness.state().effects.last(), Some(&effect));
     assert!(harness.state().state.prompt.is_none());
 }
@@ -265,10 +274,19 @@ fn a_file_is_replaced_when_the_person_says_so() {
     let path = PathBuf::from("out/picture.png");
     for (button, effects) in [
         ("Keep it", vec![]),
-        ("Replace it", vec![Effect::Replace(path.clone())]),
+        (
+            "Replace it",
+            vec![Effect::SavePicture {
+                path: path.clone(),
+                replace: true,
+            }],
+        ),
     ] {
         let mut harness = open_with(State {
-            replacing: Some(path.clone()),
+            replacing: Some(Replacing {
+                path: path.clone(),
+                scene: false,
+            }),
             ..State::default()
         });
         harness.get_by_label("out/picture.png is there already.");
@@ -293,9 +311,9 @@ fn an_error_is_shown_in_full_until_it_is_dismissed() {
 #[test]
 fn the_mouse_orbits_pans_and_zooms() {
     let mut harness = open();
-    let before = harness.state().state.orbit;
+    let before = harness.state().state.viewpoint.orbit;
     drag(&mut harness, PointerButton::Primary, Modifiers::NONE);
-    let turned = harness.state().state.orbit;
+    let turned = harness.state().state.viewpoint.orbit;
     assert!((turned.yaw - before.yaw).abs() > 1.0 && turned.pivot == before.pivot);
 
     for (button, modifiers) in [
@@ -303,14 +321,14 @@ fn the_mouse_orbits_pans_and_zooms() {
         (PointerButton::Middle, Modifiers::NONE),
         (PointerButton::Primary, Modifiers::SHIFT),
     ] {
-        let before = harness.state().state.orbit;
+        let before = harness.state().state.viewpoint.orbit;
         drag(&mut harness, button, modifiers);
-        let panned = harness.state().state.orbit;
+        let panned = harness.state().state.viewpoint.orbit;
         assert_eq!(panned.yaw, before.yaw, "{button:?}");
         assert_ne!(panned.pivot, before.pivot, "{button:?}");
     }
 
-    let before = harness.state().state.orbit;
+    let before = harness.state().state.viewpoint.orbit;
     harness.event(egui::Event::MouseWheel {
         unit: egui::MouseWheelUnit::Line,
         delta: egui::vec2(0.0, 1.0),
@@ -319,7 +337,7 @@ fn the_mouse_orbits_pans_and_zooms() {
         modifiers: Modifiers::NONE,
     });
     harness.run();
-    assert!(harness.state().state.orbit.distance < before.distance);
+    assert!(harness.state().state.viewpoint.orbit.distance < before.distance);
 }
 
 #[test]
@@ -331,4 +349,195 @@ fn the_panel_makes_room_for_the_picture() {
     let after = harness.state().state.viewport.0;
     assert!(after > before + 200, "{before} {after}");
     assert!(harness.query_by_label("Wireframe").is_none());
+}
+
+/// A window on two triangles beside one another, an object each, that came from a file.
+fn open_two() -> Harness<'static, Bench> {
+    let mesh = Arc::new(Mesh::new(MeshData {
+        positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+        triangles: vec![[0, 1, 2]],
+        ..MeshData::default()
+    }));
+    let object = |name: &str, x: f64| {
+        let mut object = Object::new(name, Arc::clone(&mesh));
+        object.transform.translate = DVec3::X * x;
+        object.source = Some(std::env::temp_dir().join("mesh.obj"));
+        object
+    };
+    let scene = Arc::new(Scene {
+        objects: vec![object("left one", 0.0), object("right one", 2.0)],
+    });
+    let mut state = State::default();
+    state.preferences.smooth = false;
+    let loaded = Loaded {
+        document: Document {
+            number: 1,
+            name: "mesh.obj".to_owned(),
+            paths: vec!["mesh.obj".into()],
+            opened: Vec::new(),
+            file: None,
+            read: Arc::clone(&scene),
+            built: Arc::clone(&scene),
+            edits: 0,
+            accel: Arc::new(Accel::build(&scene).expect("a valid scene")),
+            bounds: scene.bounds(),
+            scene,
+            load_time: Duration::ZERO,
+            build_time: Duration::ZERO,
+        },
+        keep: Keep::Nothing,
+        camera: None,
+        samples: None,
+        shading: None,
+        notes: Vec::new(),
+        errors: Vec::new(),
+    };
+    receive(&mut state, News::Loaded(Box::new(loaded)), Duration::ZERO);
+    open_with(state)
+}
+
+fn objects(harness: &Harness<'_, Bench>) -> Vec<(String, bool)> {
+    let document = harness.state().state.document.as_ref().expect("a scene");
+    let objects = document.scene.objects.iter();
+    objects.map(|o| (o.name.clone(), o.visible)).collect()
+}
+
+#[test]
+fn an_object_is_hidden_by_its_eye_and_undo_brings_it_back() {
+    let mut harness = open_two();
+    click(&mut harness, "Hide left one");
+    assert_eq!(objects(&harness)[0], ("left one".to_owned(), false));
+    assert_eq!(harness.state().effects, [Effect::Build]);
+    harness.get_by_label("Show left one");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.run();
+    assert!(objects(&harness)[0].1);
+}
+
+#[test]
+fn an_object_is_renamed_in_the_list() {
+    let mut harness = open_two();
+    click(&mut harness, "right one");
+    harness.key_press(Key::F2);
+    harness.run();
+    // The old name is marked: what is typed takes its place.
+    harness.event(egui::Event::Text("lid".to_owned()));
+    harness.run();
+    harness.key_press(Key::Enter);
+    harness.run();
+    assert_eq!(objects(&harness)[1].0, "lid");
+    assert_eq!(harness.state().state.naming, None);
+
+    harness.key_press(Key::F2);
+    harness.run();
+    harness.event(egui::Event::Text("wrong".to_owned()));
+    harness.key_press(Key::Escape);
+    harness.run();
+    assert_eq!(objects(&harness)[1].0, "lid", "Esc keeps the name");
+}
+
+#[test]
+fn the_palette_finds_a_command_and_runs_it() {
+    let mut harness = open_two();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::P);
+    harness.run();
+    // Typed at once, and no key of the window's: w would be the wireframe.
+    harness.event(egui::Event::Text("wirefr".to_owned()));
+    harness.key_press(Key::W);
+    harness.run();
+    assert!(harness.state().state.settings.shading.wireframe.is_none());
+    harness.key_press(Key::Enter);
+    harness.run();
+    let state = &harness.state().state;
+    assert!(state.settings.shading.wireframe.is_some() && state.palette.is_none());
+}
+
+#[test]
+fn a_click_pins_a_triangle_and_its_values_are_copied() {
+    let mut harness = open_two();
+    harness.key_press(Key::Num1);
+    harness.key_press(Key::F);
+    harness.run();
+    let camera = harness.state().state.camera().expect("a camera");
+    let (x, y) = camera.project(DVec3::new(0.3, 0.3, 0.0)).expect("in front");
+    let picture = harness.get_by_label("The picture").rect();
+    let at = picture.min + egui::vec2(x as f32, y as f32);
+    harness.event(egui::Event::PointerMoved(at));
+    harness.run();
+    // In one frame: a harness takes long from one to the next, and that would be no click.
+    for pressed in [true, false] {
+        harness.event(egui::Event::PointerButton {
+            pos: at,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        });
+    }
+    harness.run();
+    let pinned = harness
+        .state()
+        .state
+        .pinned
+        .clone()
+        .unwrap_or_else(|| panic!("{at}: {:?}", harness.state().asked));
+    assert_eq!(pinned.object, "left one");
+    assert!(pinned.pick.point.distance(DVec3::new(0.3, 0.3, 0.0)) < 0.02);
+    click(&mut harness, "Copy all");
+    let Some(Effect::Copy(text)) = harness.state().effects.last() else {
+        panic!("{:?}", harness.state().effects);
+    };
+    assert!(
+        text.starts_with("Object: left one\nTriangle: 0\nPoint: 0."),
+        "{text}"
+    );
+    harness.key_press(Key::Escape);
+    harness.run();
+    assert_eq!(harness.state().state.pinned, None);
+}
+
+#[test]
+fn the_axes_in_the_corner_are_clicked_to_look_along_one() {
+    let mut harness = open_two();
+    click(&mut harness, "Look from Y");
+    let orbit = harness.state().state.viewpoint.orbit;
+    assert_eq!((orbit.yaw, orbit.pitch), (0.0, 90.0));
+    harness.key_press_modifiers(Modifiers::ALT, Key::ArrowLeft);
+    harness.run();
+    assert_ne!(harness.state().state.viewpoint.orbit.pitch, 90.0);
+}
+
+#[test]
+fn the_suggested_name_is_marked_and_gives_way_to_what_is_typed_at_once() {
+    let mut harness = open_two();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    harness.run();
+    harness.event(egui::Event::Text("cover".to_owned()));
+    harness.run();
+    let prompt = harness.state().state.prompt.clone().expect("a path line");
+    assert_eq!(prompt.text, "cover.png");
+}
+
+#[test]
+fn unsaved_changes_are_asked_for_and_the_answer_is_a_button() {
+    let mut harness = open_two();
+    click(&mut harness, "Hide left one");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Q);
+    harness.run();
+    // Keys of the window's wait until there is an answer.
+    harness.key_press(Key::Num7);
+    harness.run();
+    assert_ne!(harness.state().state.viewpoint.orbit.pitch, 90.0);
+    click(&mut harness, "Don't save");
+    assert_eq!(harness.state().effects.last(), Some(&Effect::Close));
+}
+
+#[test]
+fn what_has_the_keyboard_can_be_reached_and_seen() {
+    let mut harness = open_two();
+    for _ in 0..3 {
+        harness.key_press(Key::Tab);
+        harness.run();
+    }
+    let focused = harness.ctx.memory(|memory| memory.focused());
+    assert!(focused.is_some());
 }

@@ -72,9 +72,10 @@ fn are_equal(a: &SceneFile, b: &SceneFile) -> Result<(), String> {
                 color,
                 source,
                 texture_source,
+                visible,
                 ..
             } = object;
-            format!("{transform:?} {parent:?} {color:?} {source:?} {texture_source:?}")
+            format!("{transform:?} {parent:?} {color:?} {source:?} {texture_source:?} {visible}")
         };
         differ("object", plain(a), plain(b))?;
         if a.texture != b.texture {

@@ -20,6 +20,7 @@ pub(super) struct World<'s> {
 /// A mesh in the world.
 struct Placed<'s> {
     mesh: &'s Mesh,
+    visible: bool,
     /// `None` where positions as the mesh has them are relative to the world's origin.
     world_from_object: Option<DAffine3>,
 }
@@ -47,6 +48,7 @@ impl<'s> World<'s> {
             let as_stored = world_from_object == DAffine3::IDENTITY && mesh.offset() == origin;
             Placed {
                 mesh,
+                visible: object.visible,
                 world_from_object: (!as_stored).then_some(world_from_object),
             }
         };
@@ -72,6 +74,7 @@ impl<'s> World<'s> {
         let Placed {
             mesh,
             world_from_object,
+            ..
         } = &self.objects[object];
         let corners = mesh.corners(triangle).unwrap_or([Vec3::NAN; 3]);
         let Some(world_from_object) = world_from_object else {
@@ -87,7 +90,8 @@ impl<'s> World<'s> {
     pub(super) fn reachable(&self) -> Reachable {
         let mut numbers =
             Vec::with_capacity(self.objects.iter().map(|o| o.mesh.kept().len()).sum());
-        for (object, first) in self.objects.iter().zip(&self.first_numbers) {
+        let numbered = self.objects.iter().zip(&self.first_numbers);
+        for (object, first) in numbered.filter(|(object, _)| object.visible) {
             numbers.par_extend(object.mesh.kept().par_iter().map(|kept| first + kept));
         }
         let out_of_range = AtomicU32::new(0);

@@ -5,6 +5,7 @@ mod copies;
 mod corner_hash;
 mod flatten;
 mod layout;
+mod support;
 pub(crate) mod tree;
 mod treelet;
 

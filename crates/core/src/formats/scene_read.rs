@@ -350,6 +350,7 @@ impl Reader<'_> {
                     Some(_) => transform,
                     None => within(&transform, placed.world_from_object),
                 };
+                object.visible = table.visible.unwrap_or(true);
                 if let Some(color) = table.color {
                     object.color = color.rule(table.seed);
                 }

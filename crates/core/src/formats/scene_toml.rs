@@ -114,6 +114,8 @@ pub(super) struct ObjectToml {
     pub(super) matrix: Option<Spanned<Vec<f64>>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) parent: Option<Spanned<String>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) visible: Option<bool>,
 }
 
 /// A colour as `#rrggbb`.

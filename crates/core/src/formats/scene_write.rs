@@ -187,6 +187,7 @@ fn object(
         scale: (scale != at_rest.scale).then(|| spanned(scale.to_array())),
         matrix: rows(matrix).map(spanned),
         parent: object.parent.map(|parent| spanned(names[parent].clone())),
+        visible: (!object.visible).then_some(false),
     })
 }
 

@@ -33,6 +33,7 @@ fn add_object(hash: &mut Digester, object: &Object) {
         up_axis: _,
         texture_source: _,
         node: _,
+        visible,
     } = object;
     let Transform {
         translate,
@@ -65,6 +66,10 @@ fn add_object(hash: &mut Digester, object: &Object) {
     match texture {
         None => hash.number(0),
         Some(texture) => add_texture(hash, texture),
+    }
+    // Nothing is added where all is visible: checksums made before objects could be hidden still hold.
+    if !visible {
+        hash.bytes(b"hidden");
     }
 }
 

@@ -28,6 +28,9 @@ pub struct Object {
     pub texture_source: Option<PathBuf>,
     /// Which of that file's mesh nodes it is, from 0, depth first; `None` where it is the whole file.
     pub node: Option<u32>,
+    /// Whether rays can meet it. A hidden object keeps its number, and its triangles theirs; what moves
+    /// with it stays where it is.
+    pub visible: bool,
 }
 
 impl Object {
@@ -44,6 +47,7 @@ impl Object {
             up_axis: UpAxis::Y,
             texture_source: None,
             node: None,
+            visible: true,
         }
     }
 
@@ -177,7 +181,7 @@ impl Scene {
             .sum()
     }
 
-    /// The box around everything, in world space; empty if there is nothing, or no valid
+    /// The box around everything that is visible, in world space; empty if there is nothing, or no valid
     /// placement.
     pub fn bounds(&self) -> Bounds {
         let Ok(transforms) = self.world_from_objects() else {
@@ -186,6 +190,7 @@ impl Scene {
         self.objects
             .iter()
             .zip(transforms)
+            .filter(|(object, _)| object.visible)
             .map(|(object, world_from_object)| {
                 if world_from_object == DAffine3::IDENTITY {
                     return object.mesh.bounds();
@@ -204,7 +209,7 @@ impl Scene {
             .fold(Bounds::EMPTY, Bounds::union)
     }
 
-    /// The smallest sphere about the bounds' middle that holds everything: centre and radius.
+    /// The smallest sphere about the bounds' middle that holds everything visible: centre and radius.
     ///
     /// The origin and zero for an empty scene.
     pub fn bounding_sphere(&self) -> (DVec3, f64) {
@@ -213,7 +218,8 @@ impl Scene {
             return (center, 0.0);
         };
         let mut squared: f64 = 0.0;
-        for (object, world_from_object) in self.objects.iter().zip(transforms) {
+        let placed = self.objects.iter().zip(transforms);
+        for (object, world_from_object) in placed.filter(|(object, _)| object.visible) {
             let mesh = &object.mesh;
             for corner in mesh
                 .kept()

@@ -12,17 +12,20 @@ pub mod open;
 pub mod settings;
 
 use crate::panels::{self, Commands, Status, overlay::TileOverlay};
-use crate::state::State;
-use crate::state::update::{self, Effect, News};
+use crate::state::command::Command;
+use crate::state::effect::{Effect, Keep};
+use crate::state::news::{self, News};
+use crate::state::{PromptKind, Resolution, State, update};
 use crate::ui::canvas::{self, Canvas};
 use crate::ui::{present, theme};
 use crate::worker::files::{Files, Saving};
 use crate::worker::outbox::Outbox;
 use crate::worker::render::{Renderer, Request};
+use crate::worker::watch::Watch;
 use crate::worker::{Clock, Wake};
 use log::{FrameLine, FrameLog};
 use raycast_core::camera::{Camera, Grid};
-use raycast_core::formats::Limits;
+use raycast_core::formats::{ImageFile, Limits, SceneFile};
 use raycast_core::render::Settings;
 use settings::Remembered;
 use std::path::{Path, PathBuf};
@@ -36,6 +39,7 @@ struct Wanted {
     edits: u64,
     camera: Camera,
     settings: Settings,
+    rest_samples: u32,
     grid: Grid,
     threads: usize,
 }
@@ -59,6 +63,11 @@ pub struct App {
     overlay: TileOverlay,
     renderer: Renderer,
     files: Files,
+    /// What is watched, and the files that it watches.
+    watch: Option<Watch>,
+    watched: Vec<PathBuf>,
+    /// Whether the person has said that the window may close.
+    may_close: bool,
     clock: Clock,
     log: Option<FrameLog>,
     remembers: bool,
@@ -104,8 +113,9 @@ impl App {
             remembered.restore(&mut state);
         }
         let tasks = Files::new(Arc::clone(&wake)).within(limits);
-        let renderer = Renderer::start(Arc::clone(&clock), wake, outbox, tasks.fault())?;
-        tasks.open(files);
+        let renderer =
+            Renderer::start(Arc::clone(&clock), Arc::clone(&wake), outbox, tasks.fault())?;
+        tasks.open(files, Keep::Nothing);
         Ok(Self {
             state,
             canvas: Canvas::with_presenter(
@@ -114,6 +124,9 @@ impl App {
             overlay: TileOverlay::default(),
             renderer,
             files: tasks,
+            watch: Watch::start(wake),
+            watched: Vec::new(),
+            may_close: false,
             clock,
             log,
             remembers,
@@ -128,16 +141,26 @@ impl App {
     /// Takes in what workers sent since the last frame, but for tiles of this size.
     fn take_in(&mut self, context: &egui::Context) {
         let now = (self.clock)();
-        for news in self.files.fetch() {
+        self.state.now = now;
+        let mut news = self.files.fetch();
+        if let Some(watch) = &self.watch {
+            news.extend(watch.changes().into_iter().map(News::Changed));
+        }
+        for news in news {
             if matches!(news, News::Loaded(_)) {
                 self.canvas.clear(self.generation + 1);
                 self.begin_log(now);
             }
-            let effect = update::receive(&mut self.state, news, now);
-            self.carry_out(effect);
+            let effect = news::receive(&mut self.state, news, now);
+            self.carry_out(context, effect);
         }
+        if update::advance(&mut self.state) {
+            context.request_repaint();
+        }
+        self.watch_files();
+        self.hold_closing(context);
         self.take_in_tiles(|size, shown| size != shown);
-        if let Some(next) = update::expire_toasts(&mut self.state, now) {
+        if let Some(next) = news::expire_toasts(&mut self.state, now) {
             context.request_repaint_after(next);
         }
         self.state.side_limit = context.input(|input| input.max_texture_side as u32).max(1);
@@ -146,7 +169,33 @@ impl App {
             .into_iter()
             .map(|file| file.path().to_path_buf())
             .collect();
-        self.drop_in(paths);
+        let adds = context.input(|input| input.modifiers.shift);
+        self.drop_in(context, paths, adds);
+    }
+
+    /// Watches the files of the scene that is open.
+    fn watch_files(&mut self) {
+        let (Some(watch), Some(document)) = (&self.watch, &self.state.document) else {
+            return;
+        };
+        let files = if document.opened.is_empty() {
+            &document.paths
+        } else {
+            &document.opened
+        };
+        if *files != self.watched {
+            self.watched.clone_from(files);
+            watch.watch(files.clone());
+        }
+    }
+
+    /// Keeps the window open while a person is asked about unsaved changes.
+    fn hold_closing(&mut self, context: &egui::Context) {
+        let is_closing = context.input(|input| input.viewport().close_requested());
+        if is_closing && !self.may_close && self.state.has_unsaved() {
+            context.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            update::update(&mut self.state, Command::Close);
+        }
     }
 
     /// Lets the log be written, now that it is known which files are not to be touched.
@@ -155,7 +204,7 @@ impl App {
             && let Err(failure) = log.begin(&self.files.opened())
         {
             let news = News::Failed(failure.to_string());
-            update::receive(&mut self.state, news, now);
+            news::receive(&mut self.state, news, now);
         }
     }
 
@@ -181,32 +230,54 @@ impl App {
         self.canvas.hand_over();
     }
 
-    /// Opens what was dropped: an image becomes the texture, anything else the scene.
-    fn drop_in(&mut self, paths: Vec<PathBuf>) {
+    /// Opens what was dropped: an image becomes the texture, anything else the scene, or a part of it.
+    fn drop_in(&mut self, context: &egui::Context, paths: Vec<PathBuf>, adds: bool) {
         let (images, scenes): (Vec<_>, Vec<_>) = paths.into_iter().partition(|path| is_image(path));
-        if !scenes.is_empty() {
-            self.files.open(scenes);
-        } else if let Some(image) = images.into_iter().next() {
-            self.files.load_texture(image);
-        }
+        let command = match images.into_iter().next() {
+            _ if !scenes.is_empty() && adds => Command::Add(scenes),
+            _ if !scenes.is_empty() => Command::Open(scenes),
+            Some(image) => Command::LoadTexture(image),
+            None => return,
+        };
+        let effect = update::update(&mut self.state, command);
+        self.carry_out(context, effect);
     }
 
-    fn carry_out(&mut self, effect: Option<Effect>) {
+    fn carry_out(&mut self, context: &egui::Context, effect: Option<Effect>) {
         match effect {
             None => {}
-            Some(Effect::Open(paths)) => self.files.open(paths),
+            Some(Effect::Open(paths, keep)) => self.files.open(paths, keep),
+            Some(Effect::Add(paths)) => self.files.add(paths),
+            Some(Effect::OpenNeighbor(path, step)) => self.files.open_neighbor(path, step),
             Some(Effect::OpenCase(name)) => self.files.open_case(name),
+            Some(Effect::CancelLoad) => self.files.cancel_load(),
+            Some(Effect::Build) => {
+                if let Some(document) = &self.state.document {
+                    self.files.build(Arc::clone(&document.scene));
+                }
+            }
             Some(Effect::LoadTexture(path)) => self.files.load_texture(path),
             Some(Effect::Dialog(kind)) => {
-                self.files.ask(kind, update::suggested_name(&self.state));
+                let suggested = match kind {
+                    PromptKind::Picture | PromptKind::Scene => {
+                        update::suggested_name(&self.state, kind)
+                    }
+                    _ => String::new(),
+                };
+                self.files.ask(kind, suggested);
             }
-            Some(Effect::Save(path)) => self.save_picture(path, false),
-            Some(Effect::Replace(path)) => self.save_picture(path, true),
+            Some(Effect::SavePicture { path, replace }) => self.save_picture(path, replace),
+            Some(Effect::SaveScene { path, replace }) => self.save_scene(path, replace),
+            Some(Effect::Copy(text)) => context.copy_text(text),
+            Some(Effect::Close) => {
+                self.may_close = true;
+                context.send_viewport_cmd(egui::ViewportCommand::Close);
+            }
         }
     }
 
     fn save_picture(&self, path: PathBuf, replace: bool) {
-        if let Some(view) = self.state.view() {
+        if let Some(view) = self.state.view_at_rest() {
             let state = &self.state;
             let picture = Saving {
                 view,
@@ -217,8 +288,32 @@ impl App {
         }
     }
 
+    fn save_scene(&self, path: PathBuf, replace: bool) {
+        let state = &self.state;
+        if let Some(document) = &state.document {
+            let scene = SceneFile {
+                scene: document.scene.as_ref().clone(),
+                camera: Some(state.viewpoint.to_file()),
+                image: ImageFile {
+                    size: match state.resolution {
+                        Resolution::Fixed(columns, rows) => Some((columns, rows)),
+                        Resolution::Window { .. } => None,
+                    },
+                    samples: state.samples,
+                },
+                shading: Some(state.settings.shading),
+                ..SceneFile::default()
+            };
+            let own = document.file.clone();
+            let revision = state.history.revision();
+            self.files.save_scene(scene, (path, own), revision, replace);
+        }
+    }
+
     fn show(&mut self, ui: &mut egui::Ui) {
         let context = ui.ctx().clone();
+        let preferences = &self.state.preferences;
+        theme::prefer(&context, preferences.theme, preferences.scale);
         let mut commands = std::mem::take(&mut self.commands);
         let status = Status {
             progress: self.progress(),
@@ -242,7 +337,7 @@ impl App {
                 context.request_repaint();
             }
             let effect = update::update(&mut self.state, command);
-            self.carry_out(effect);
+            self.carry_out(&context, effect);
         }
         self.commands = commands;
     }
@@ -267,6 +362,7 @@ impl App {
             edits: document.edits,
             camera: view.camera,
             settings: view.settings,
+            rest_samples: self.state.rest_samples(),
             grid: self.state.grid,
             threads: self.state.threads,
         };
@@ -285,6 +381,7 @@ impl App {
             generation: self.generation,
             document: wanted.document,
             view,
+            rest_samples: wanted.rest_samples,
             grid: wanted.grid,
             threads: wanted.threads,
         });
@@ -292,7 +389,10 @@ impl App {
 
     fn set_title(&mut self, context: &egui::Context) {
         let title = match &self.state.document {
-            Some(document) => format!("{} – RayCast", document.name),
+            Some(document) => {
+                let mark = if self.state.has_unsaved() { " *" } else { "" };
+                format!("{}{mark} – RayCast", document.name)
+            }
             None => "RayCast".to_owned(),
         };
         if title != self.title {
@@ -337,8 +437,8 @@ impl eframe::App for App {
         self.remembers
     }
 
-    fn clear_color(&self, _visuals: &egui::Visuals) -> [f32; 4] {
-        theme::PANEL.to_normalized_gamma_f32()
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        theme::of(visuals).panel.to_normalized_gamma_f32()
     }
 }
 

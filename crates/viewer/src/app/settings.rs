@@ -1,8 +1,10 @@
 //! What is remembered from one session to the next: how a person likes to work, not what was open.
 
+use crate::state::preferences::{Preferences, SCALE_RANGE, Theme};
 use crate::state::{Overlay, State, Tint, default_threads};
 use raycast_core::camera::{FrameLock, Grid};
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// Where eframe keeps it.
 pub const KEY: &str = "raycast";
@@ -19,6 +21,12 @@ pub struct Remembered {
     borders: bool,
     order: bool,
     tint: String,
+    theme: String,
+    scale: f32,
+    smooth: bool,
+    refine: bool,
+    watch: bool,
+    recent: Vec<PathBuf>,
 }
 
 impl Default for Remembered {
@@ -51,6 +59,17 @@ impl Remembered {
                 Tint::Worker => "worker",
             }
             .to_owned(),
+            theme: match state.preferences.theme {
+                Theme::System => "system",
+                Theme::Dark => "dark",
+                Theme::Light => "light",
+            }
+            .to_owned(),
+            scale: state.preferences.scale,
+            smooth: state.preferences.smooth,
+            refine: state.preferences.refine,
+            watch: state.preferences.watch,
+            recent: state.preferences.recent.clone(),
         }
     }
 
@@ -82,6 +101,23 @@ impl Remembered {
                 _ => Tint::None,
             },
         };
+        let scale = if self.scale.is_finite() {
+            self.scale
+        } else {
+            1.0
+        };
+        state.preferences = Preferences {
+            theme: match self.theme.as_str() {
+                "dark" => Theme::Dark,
+                "light" => Theme::Light,
+                _ => Theme::System,
+            },
+            scale: scale.clamp(SCALE_RANGE.0, SCALE_RANGE.1),
+            smooth: self.smooth,
+            refine: self.refine,
+            watch: self.watch,
+            recent: self.recent.clone(),
+        };
     }
 }
 
@@ -104,6 +140,14 @@ mod tests {
                 order: true,
                 tint: Tint::Worker,
             },
+            preferences: Preferences {
+                theme: Theme::Light,
+                scale: 1.5,
+                smooth: false,
+                refine: false,
+                watch: false,
+                recent: vec!["/a/b.obj".into()],
+            },
             ..State::default()
         };
         let kept = serde_json::to_string(&Remembered::of(&state)).expect("writes");
@@ -116,14 +160,16 @@ mod tests {
                 other.panel,
                 other.lock,
                 other.grid,
-                other.overlay
+                other.overlay,
+                other.preferences
             ),
             (
                 state.threads,
                 state.panel,
                 state.lock,
                 state.grid,
-                state.overlay
+                state.overlay,
+                state.preferences
             )
         );
     }

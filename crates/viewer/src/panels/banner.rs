@@ -1,13 +1,12 @@
 //! What lies over the picture: progress, the path line, errors, short messages, and what to do where
 //! there is none.
 
+use super::widgets::select_all;
 use super::{Commands, Status};
-use crate::state::PromptKind;
 use crate::state::command::Command;
-use crate::state::{Prompt, State};
+use crate::state::{Answer, Pending, Prompt, PromptKind, Replacing, State};
 use crate::ui::theme;
-use egui::{Align2, Area, Context, Frame, Id, Margin, Order, RichText, Stroke, Ui, vec2};
-use std::path::Path;
+use egui::{Align2, Area, Button, Context, Frame, Id, Margin, Order, RichText, Stroke, Ui, vec2};
 
 /// What an empty window says.
 const HINT: &str = "Open a mesh (Ctrl+O) or drop one here";
@@ -27,7 +26,9 @@ pub(super) fn show(
             .fixed_pos(room.center())
             .interactable(false)
             .show(context, |ui| {
-                let text = RichText::new(HINT).color(theme::QUIET).size(15.0);
+                // Before the backdrop, which is dark in either theme.
+                let quiet = theme::of(&egui::Visuals::dark()).quiet;
+                let text = RichText::new(HINT).color(quiet).size(15.0);
                 ui.add(egui::Label::new(text).extend());
             });
     }
@@ -36,18 +37,22 @@ pub(super) fn show(
         .order(Order::Middle)
         .fixed_pos(room.center_top() + vec2(-width * 0.5, 12.0));
     let anything = state.prompt.is_some()
+        || state.question.is_some()
         || state.replacing.is_some()
         || !state.errors.is_empty()
         || status.activity.is_some();
     if anything {
         top.show(context, |ui| {
             ui.set_width(width);
-            activity(ui, status);
+            activity(ui, status, out);
+            if let Some(pending) = &state.question {
+                unsaved(ui, state, pending, out);
+            }
             if let Some(prompt) = &state.prompt {
                 path_line(ui, prompt, out);
             }
-            if let Some(path) = &state.replacing {
-                question(ui, path, out);
+            if let Some(replacing) = &state.replacing {
+                question(ui, replacing, out);
             }
             for (index, error) in state.errors.iter().enumerate().rev().take(4) {
                 error_banner(ui, index, error, out);
@@ -62,27 +67,25 @@ pub(super) fn show(
             .interactable(false)
             .show(context, |ui| {
                 for toast in &state.toasts {
-                    card(theme::LINE).show(ui, |ui| ui.label(&toast.text));
+                    card(ui, theme::colors(ui).line).show(ui, |ui| ui.label(&toast.text));
                 }
             });
     }
 }
 
-fn card(line: egui::Color32) -> Frame {
+fn card(ui: &Ui, line: egui::Color32) -> Frame {
     Frame::new()
-        .fill(egui::Color32::from_rgba_unmultiplied(
-            0x20, 0x24, 0x2b, 0xf4,
-        ))
+        .fill(theme::colors(ui).card)
         .stroke(Stroke::new(1.0, line))
         .corner_radius(6.0)
         .inner_margin(Margin::symmetric(12, 8))
 }
 
-fn activity(ui: &mut Ui, status: &Status) {
+fn activity(ui: &mut Ui, status: &Status, out: &mut Commands) {
     let Some(activity) = &status.activity else {
         return;
     };
-    card(theme::LINE).show(ui, |ui| {
+    card(ui, theme::colors(ui).line).show(ui, |ui| {
         ui.set_width(ui.available_width());
         ui.horizontal(|ui| {
             match activity.share {
@@ -97,7 +100,16 @@ fn activity(ui: &mut Ui, status: &Status) {
                     ui.add(egui::Spinner::new().size(14.0));
                 }
             }
-            ui.label(format!("{}…", activity.label));
+            let room = ui.available_width() - 70.0;
+            ui.allocate_ui(vec2(room.max(40.0), 18.0), |ui| {
+                ui.add(egui::Label::new(format!("{}…", activity.label)).truncate());
+            });
+            if activity.can_cancel {
+                let stop = ui.button("Cancel").on_hover_text("What is open stays");
+                if stop.clicked() {
+                    out.push(Command::CancelLoad);
+                }
+            }
         });
     });
 }
@@ -105,35 +117,59 @@ fn activity(ui: &mut Ui, status: &Status) {
 fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
     let (title, action, hint) = match prompt.kind {
         PromptKind::Open => (
-            "Open a mesh or a scene",
+            "Open meshes or a scene",
             "Open",
             "path of a mesh or a .raycast.toml",
         ),
-        PromptKind::Save => (
+        PromptKind::Add => (
+            "Add meshes or a scene",
+            "Add",
+            "path of a mesh or a .raycast.toml",
+        ),
+        PromptKind::Picture => (
             "Save the picture",
             "Save",
             "a name ending in .png, .ppm, .jpg or .exr",
         ),
+        PromptKind::Scene => ("Save the scene", "Save", "a name ending in .raycast.toml"),
         PromptKind::Texture => ("Load a texture", "Load", "path of an image"),
     };
-    card(theme::ACCENT).show(ui, |ui| {
+    card(ui, theme::colors(ui).accent).show(ui, |ui| {
         ui.set_width(ui.available_width());
         let mut label = None;
         ui.horizontal(|ui| {
             label = Some(ui.label(RichText::new(title).strong()).id);
-            ui.weak(if prompt.dialog {
+            let more = if prompt.dialog {
                 "choose in the dialog, or type a path:"
             } else {
                 "type a path, or drop a file on the window:"
-            });
+            };
+            ui.add(egui::Label::new(RichText::new(more).weak()).truncate());
         });
+        let id = Id::unique("path");
+        let is_new = ui.ctx().read_response(id).is_none();
+        if is_new {
+            // Before the field is shown: it takes what is typed in this very frame. A name that is
+            // suggested is marked up to its ending, as file dialogs do it, and gives way to what is typed.
+            ui.memory_mut(|memory| memory.request_focus(id));
+            let stem = match prompt.kind {
+                PromptKind::Picture | PromptKind::Scene => prompt
+                    .text
+                    .split('.')
+                    .next()
+                    .unwrap_or_default()
+                    .chars()
+                    .count(),
+                _ => prompt.text.chars().count(),
+            };
+            select_all(ui.ctx(), id, stem);
+        }
         ui.horizontal(|ui| {
             let mut text = prompt.text.clone();
-            let room = ui.available_width() - 122.0;
             let edit = egui::TextEdit::singleline(&mut text)
-                .id(Id::unique("path"))
+                .id(id)
                 .hint_text(hint)
-                .desired_width(room);
+                .desired_width(ui.available_width() - 122.0);
             let mut response = ui.add(edit);
             if let Some(label) = label {
                 response = response.labelled_by(label);
@@ -143,13 +179,7 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
             }
             let entered =
                 response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
-            let escaped =
-                response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Escape));
-            if !response.has_focus()
-                && !entered
-                && !escaped
-                && ui.memory(|memory| memory.focused().is_none())
-            {
+            if !response.has_focus() && ui.memory(|memory| memory.focused().is_none()) {
                 response.request_focus();
             }
             let spoken = |response: egui::Response, name: String| {
@@ -160,22 +190,64 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
             if confirm.clicked() || entered {
                 out.push(Command::ConfirmPath);
             }
-            if ui.button("Cancel").clicked() || escaped {
+            if ui.button("Cancel").on_hover_text("Close (Esc)").clicked() {
                 out.push(Command::Dismiss);
+            }
+        });
+        if matches!(prompt.kind, PromptKind::Open | PromptKind::Add) {
+            let mut adding = prompt.kind == PromptKind::Add;
+            let hint = "What is open stays, and the new objects come beside it";
+            let tick = ui.checkbox(&mut adding, "Add to what is open");
+            if tick.on_hover_text(hint).changed() {
+                out.push(Command::SetAdding(adding));
+            }
+        }
+    });
+}
+
+/// What is to become of changes that no file has.
+fn unsaved(ui: &mut Ui, state: &State, pending: &Pending, out: &mut Commands) {
+    let name = state
+        .document
+        .as_ref()
+        .map_or("The scene", |document| &document.name);
+    let before = match pending {
+        Pending::Close => "closing",
+        Pending::Reload => "reading it again",
+        Pending::Open(_) | Pending::Case(_) | Pending::Neighbor(_) => "opening another",
+    };
+    card(ui, theme::colors(ui).accent).show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        let text = format!("{name} has changes that are not saved. Save them before {before}?");
+        ui.add(egui::Label::new(RichText::new(text).strong()).wrap());
+        ui.horizontal(|ui| {
+            let answers = [
+                ("Save", "Save the scene, then go on", Answer::Save),
+                ("Don't save", "Go on, and lose the changes", Answer::Discard),
+                ("Cancel", "Stay with this scene (Esc)", Answer::Stay),
+            ];
+            for (name, hint, answer) in answers {
+                let button = ui.add(Button::new(name)).on_hover_text(hint);
+                if answer == Answer::Save && ui.memory(|memory| memory.focused().is_none()) {
+                    button.request_focus();
+                }
+                if button.clicked() {
+                    out.push(Command::Answer(answer));
+                }
             }
         });
     });
 }
 
-/// Whether a picture may replace the file at `path`.
-fn question(ui: &mut Ui, path: &Path, out: &mut Commands) {
-    card(theme::ACCENT).show(ui, |ui| {
+/// Whether a file may be replaced.
+fn question(ui: &mut Ui, replacing: &Replacing, out: &mut Commands) {
+    card(ui, theme::colors(ui).accent).show(ui, |ui| {
         ui.set_width(ui.available_width());
-        let text = format!("{} is there already.", path.display());
+        let text = format!("{} is there already.", replacing.path.display());
         ui.add(egui::Label::new(RichText::new(text).strong()).wrap());
         ui.horizontal(|ui| {
             if ui.button("Replace it").clicked() {
-                out.push(Command::ReplacePicture(path.to_owned()));
+                out.push(Command::Replace);
             }
             if ui.button("Keep it").on_hover_text("Close (Esc)").clicked() {
                 out.push(Command::Dismiss);
@@ -185,13 +257,13 @@ fn question(ui: &mut Ui, path: &Path, out: &mut Commands) {
 }
 
 fn error_banner(ui: &mut Ui, index: usize, error: &str, out: &mut Commands) {
-    card(theme::ERROR).show(ui, |ui| {
+    card(ui, theme::colors(ui).error).show(ui, |ui| {
         ui.set_width(ui.available_width());
         ui.horizontal_top(|ui| {
             let room = ui.available_width() - 64.0;
             ui.vertical(|ui| {
                 ui.set_width(room);
-                let text = RichText::new(error).color(theme::ERROR);
+                let text = RichText::new(error).color(theme::colors(ui).error);
                 // The whole of it, to read and to copy.
                 ui.add(egui::Label::new(text).wrap().selectable(true));
             });

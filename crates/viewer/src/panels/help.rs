@@ -2,41 +2,61 @@
 
 use super::Commands;
 use crate::state::command::Command;
-use crate::ui::input::{GESTURES, KEYS, KeyHelp};
+use crate::ui::input::GESTURES;
+use crate::ui::registry::{ACTIONS, Chord, Menu};
 use crate::ui::theme;
-use egui::{Grid, Id, Modal, RichText, Ui};
+use egui::{Grid, Id, Modal, RichText, ScrollArea, Ui};
 
 /// Shows them over the window; a click beside them, Esc or F1 closes them.
 pub(super) fn show(context: &egui::Context, out: &mut Commands) {
     let frame = egui::Frame::popup(&context.global_style()).inner_margin(18.0);
     let modal = Modal::new(Id::unique("help")).frame(frame);
+    let window = context.content_rect();
     let response = modal.show(context, |ui| {
-        ui.set_width(500.0);
-        ui.heading("Keys and gestures");
-        ui.add_space(6.0);
-        table(ui, "Mouse", GESTURES);
-        table(ui, "Keys", KEYS);
-        ui.add_space(10.0);
-        if ui.button("Close").clicked() {
-            out.push(Command::ToggleHelp);
-        }
+        ui.set_width((window.width() - 80.0).min(520.0));
+        ui.horizontal(|ui| {
+            ui.heading("Keys and gestures");
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if ui.button("Close").clicked() {
+                    out.push(Command::ToggleHelp);
+                }
+            });
+        });
+        ui.add_space(4.0);
+        ScrollArea::vertical()
+            .max_height(window.height() - 130.0)
+            .auto_shrink([false, true])
+            .show(ui, |ui| {
+                let gestures = GESTURES.iter().map(|g| (g.gesture.to_owned(), g.does));
+                table(ui, "Mouse", gestures);
+                for menu in Menu::ALL {
+                    let actions = ACTIONS.iter();
+                    let actions = actions.filter(|a| a.menu == menu && !a.keys.is_empty());
+                    let keys = |keys: &[Chord]| {
+                        let names: Vec<_> = keys.iter().map(Chord::name).collect();
+                        names.join("   ")
+                    };
+                    table(ui, menu.name(), actions.map(|a| (keys(a.keys), a.name)));
+                }
+            });
     });
     if response.backdrop_response.clicked() {
         out.push(Command::ToggleHelp);
     }
 }
 
-fn table(ui: &mut Ui, title: &str, entries: &[KeyHelp]) {
+fn table(ui: &mut Ui, title: &str, entries: impl Iterator<Item = (String, &'static str)>) {
+    let colors = theme::colors(ui);
     ui.add_space(6.0);
-    ui.label(RichText::new(title).strong().color(theme::ACCENT));
+    ui.label(RichText::new(title).strong().color(colors.accent));
     Grid::new(title)
         .num_columns(2)
         .min_col_width(184.0)
         .spacing([16.0, 4.0])
         .show(ui, |ui| {
-            for entry in entries {
-                ui.label(RichText::new(entry.key).color(egui::Color32::WHITE));
-                ui.label(RichText::new(entry.does).color(theme::QUIET));
+            for (key, does) in entries {
+                ui.label(RichText::new(key).color(colors.strong));
+                ui.label(RichText::new(does).color(colors.quiet));
                 ui.end_row();
             }
         });

@@ -5,7 +5,7 @@ use super::widgets::{Number, choice, color, row, section, tick};
 use crate::state::PromptKind;
 use crate::state::State;
 use crate::state::command::Command;
-use crate::ui::input::MODES;
+use crate::ui::modes::MODES;
 use egui::{Button, Ui, vec2};
 use raycast_core::Cull;
 use raycast_core::ranges::WIDEST_LINE;
@@ -48,7 +48,7 @@ fn modes(ui: &mut Ui, state: &State, out: &mut Commands) {
                     let key = line * 3 + column + 1;
                     if ui
                         .add(button)
-                        .on_hover_text(format!("{hint} ({key})"))
+                        .on_hover_text(format!("{hint} (Alt+{key})"))
                         .clicked()
                     {
                         out.push(Command::SetMode(mode));
@@ -107,10 +107,22 @@ fn colors(ui: &mut Ui, state: &State, out: &mut Commands) {
     let Some(first) = objects.first().map(|object| object.color) else {
         return;
     };
+    // Where no file has colors an unlit picture has one a triangle: that is what is shown.
+    let shows_random = state.settings.shading.mode == Mode::Color
+        && objects.iter().all(|object| {
+            let mesh = &object.mesh;
+            object.color == ColorRule::File
+                && mesh.materials().is_empty()
+                && mesh.vertex_colors().is_empty()
+        });
     let kind = objects
         .iter()
         .all(|object| std::mem::discriminant(&object.color) == std::mem::discriminant(&first))
-        .then_some(first);
+        .then_some(first)
+        .map(|rule| match rule {
+            ColorRule::File if shows_random => ColorRule::PerTriangle { seed: 0 },
+            rule => rule,
+        });
     row(ui, "Colors", "How triangles get their colors", |ui, _| {
         let current = kind.map(|rule| match rule {
             ColorRule::File => 0,

@@ -1,11 +1,16 @@
 //! Parts of the window, one a file: each shows state and emits commands.
 
 mod banner;
+mod gizmo;
 mod help;
+mod highlight;
 mod look;
+mod menu;
 mod objects;
 #[allow(clippy::disallowed_methods, reason = "tints are no part of a picture")]
 pub mod overlay;
+mod palette;
+mod pick;
 mod picture;
 mod render;
 mod side;

@@ -1,70 +1,228 @@
-//! What is in the scene, and what may be put there to see where ray casters go wrong.
+//! The objects of the scene: shown and hidden, named, coloured.
 
 use super::Commands;
-use super::widgets::section;
+use super::widgets::{choice, color, item, row, section};
 use crate::state::State;
 use crate::state::command::Command;
 use crate::ui::format;
+use crate::ui::registry::{ACTIONS, action};
 use crate::ui::theme;
-use egui::{Align, Layout, RichText, ScrollArea, Ui};
-use raycast_report::cases::{self, Theme};
+use egui::{Align, Button, Id, Key, Layout, RichText, ScrollArea, Sense, TextEdit, Ui, vec2};
+use raycast_core::scene::{Color, ColorRule, Object};
+
+/// How high the list gets before it scrolls, in points.
+const HEIGHT: f32 = 150.0;
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     let Some(document) = &state.document else {
         return;
     };
     let objects = &document.scene.objects;
-    let title = format!("Objects ({})", format::count(objects.len() as u64));
-    section(ui, &title, true, |ui| {
-        let height = ui.spacing().interact_size.y;
-        ScrollArea::vertical()
-            .id_salt("objects")
-            .max_height(150.0)
-            .auto_shrink([false, true])
-            .show_rows(ui, height - 3.0, objects.len(), |ui, rows| {
-                for object in &objects[rows] {
-                    let mesh = &object.mesh;
-                    let dropped = mesh.dropped();
-                    ui.horizontal(|ui| {
-                        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                            let count = format::count(mesh.triangles().len() as u64);
-                            ui.weak(count).on_hover_text("Triangles");
-                            if dropped.total() > 0 {
-                                let text = format!("−{}", format::count(dropped.total().into()));
-                                ui.label(RichText::new(text).color(theme::ERROR)).on_hover_text(
-                                    format!(
-                                        "Left out, because no ray could meet them: {} not finite, {} out of range, {} with an index that there is not, {} without area",
-                                        dropped.not_finite, dropped.too_far, dropped.bad_index, dropped.zero_area
-                                    ),
-                                );
-                            }
-                            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                                ui.add(egui::Label::new(&object.name).truncate())
-                                    .on_hover_text(&object.name);
-                            });
-                        });
-                    });
-                }
-            });
-        hard_cases(ui, out);
+    let hidden = objects.iter().filter(|object| !object.visible).count();
+    let count = format::count(objects.len() as u64);
+    let title = match hidden {
+        0 => format!("Objects ({count})"),
+        _ => format!("Objects ({count}, {} hidden)", format::count(hidden as u64)),
+    };
+    // The title changes; what is open and what is not does not.
+    ui.push_id("objects", |ui| {
+        section(ui, &title, true, |ui| {
+            let height = ui.spacing().interact_size.y;
+            ScrollArea::vertical()
+                .id_salt("objects")
+                .max_height(HEIGHT)
+                .auto_shrink([false, true])
+                .show_rows(ui, height, objects.len(), |ui, rows| {
+                    for number in rows {
+                        object_row(ui, state, number, &objects[number], out);
+                    }
+                });
+            if let Some((number, object)) = state
+                .selected
+                .and_then(|number| Some((number, objects.get(number)?)))
+            {
+                marked(ui, state, number, object, out);
+            }
+        });
     });
 }
 
-/// A menu of the hard cases, theme by theme.
-fn hard_cases(ui: &mut Ui, out: &mut Commands) {
-    let menu = ui.menu_button("Open hard case…", |ui| {
-        for theme in Theme::ALL {
-            ui.menu_button(theme.name(), |ui| {
-                for case in cases::all().iter().filter(|case| case.theme == theme) {
-                    let item = ui.button(case.title()).on_hover_text(case.trouble);
-                    if item.clicked() {
-                        out.push(Command::OpenCase(case.name));
-                        ui.close();
-                    }
+fn object_row(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut Commands) {
+    let colors = theme::colors(ui);
+    let is_marked = state.selected == Some(number);
+    ui.push_id(number, |ui| {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            let hint = if object.visible { "Hide" } else { "Show" };
+            if eye(ui, object.visible, &format!("{hint} {}", object.name)) {
+                out.push(Command::SetVisible(number, !object.visible));
+            }
+            if state.naming == Some(number) {
+                name_field(ui, number, object, out);
+                return;
+            }
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let mesh = &object.mesh;
+                let count = format::count(mesh.triangles().len() as u64);
+                ui.weak(count).on_hover_text("Triangles");
+                let dropped = mesh.dropped();
+                if dropped.total() > 0 {
+                    let text = format!("−{}", format::count(dropped.total().into()));
+                    let hint = format!(
+                        "Left out, because no ray could meet them: {}",
+                        crate::setup::reasons(&dropped)
+                    );
+                    ui.label(RichText::new(text).color(colors.error))
+                        .on_hover_text(hint);
                 }
+                let room = vec2(ui.available_width(), 0.0);
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                    let color = if object.visible {
+                        colors.text
+                    } else {
+                        colors.quiet
+                    };
+                    let name = RichText::new(&object.name).color(color);
+                    let button = Button::new(name)
+                        .selected(is_marked)
+                        .frame_when_inactive(is_marked)
+                        .truncate()
+                        // Pushes the name to the left.
+                        .right_text("")
+                        .min_size(room);
+                    let response = ui.add(button);
+                    response.widget_info(|| {
+                        let role = egui::Role::Button;
+                        egui::WidgetInfo::selected(role, true, is_marked, &object.name)
+                    });
+                    if response.double_clicked() {
+                        out.push(Command::EditName(Some(number)));
+                    } else if response.clicked() {
+                        out.push(Command::Select((!is_marked).then_some(number)));
+                    } else if response.secondary_clicked() {
+                        out.push(Command::Select(Some(number)));
+                    }
+                    response.context_menu(|ui| {
+                        for action in ACTIONS.iter().filter(|a| a.id.starts_with("object.")) {
+                            item(ui, state, action, out);
+                        }
+                    });
+                });
             });
+        });
+    });
+}
+
+/// An eye, open or shut; whether it was clicked.
+fn eye(ui: &mut Ui, is_open: bool, spoken: &str) -> bool {
+    let (rect, response) = ui.allocate_exact_size(vec2(18.0, 16.0), Sense::click());
+    response
+        .widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, is_open, spoken));
+    let colors = theme::colors(ui);
+    let color = match (response.hovered() || response.has_focus(), is_open) {
+        (true, _) => colors.accent,
+        (false, true) => colors.text,
+        (false, false) => colors.quiet.gamma_multiply(0.6),
+    };
+    let painter = ui.painter();
+    let stroke = egui::Stroke::new(1.2, color);
+    let middle = rect.center();
+    let lid = |up: f32| {
+        let corner = |x: f32| middle + vec2(x, 0.0);
+        let points = [
+            corner(-7.0),
+            middle + vec2(-3.0, up),
+            middle + vec2(3.0, up),
+            corner(7.0),
+        ];
+        egui::epaint::CubicBezierShape::from_points_stroke(
+            points,
+            false,
+            egui::Color32::TRANSPARENT,
+            stroke,
+        )
+    };
+    painter.add(lid(5.5));
+    if is_open {
+        painter.add(lid(-5.5));
+        painter.circle_filled(middle, 2.2, color);
+    }
+    response.on_hover_text(spoken).clicked()
+}
+
+/// A field for a name. Enter, or leaving it, gives the name; Esc does not.
+fn name_field(ui: &mut Ui, number: usize, object: &Object, out: &mut Commands) {
+    let id = Id::unique("object's name");
+    let kept = ui.data(|data| data.get_temp::<String>(id));
+    let is_new = kept.is_none();
+    let mut name = kept.unwrap_or_else(|| object.name.clone());
+    if is_new {
+        ui.memory_mut(|memory| memory.request_focus(id));
+        super::widgets::select_all(ui.ctx(), id, name.chars().count());
+    }
+    let field = TextEdit::singleline(&mut name)
+        .id(id)
+        .hint_text("Name")
+        .desired_width(f32::INFINITY);
+    let response = ui.add(field);
+    let escaped = ui.input(|input| input.key_pressed(Key::Escape));
+    if response.lost_focus() || escaped {
+        ui.data_mut(|data| data.remove::<String>(id));
+        out.push(match escaped {
+            true => Command::EditName(None),
+            false => Command::Rename(number, name),
+        });
+    } else {
+        ui.data_mut(|data| data.insert_temp(id, name));
+    }
+}
+
+/// What can be done with the marked object.
+fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut Commands) {
+    row(
+        ui,
+        "Its color",
+        "How its triangles get their colors",
+        |ui, label| {
+            let current = match object.color {
+                ColorRule::File => 0,
+                ColorRule::Uniform(_) => 1,
+                ColorRule::PerTriangle { .. } => 2,
+            };
+            if let ColorRule::Uniform(one) = object.color {
+                let picked = color(ui, one, label, "The object's color");
+                let rule = |c| Command::SetColorRule(Some(number), ColorRule::Uniform(c));
+                out.extend(picked.map(rule));
+            }
+            let options = [
+                (0, "Its file", "The file's own materials"),
+                (1, "Plain", "One color for this object"),
+                (2, "Random", "A color a triangle"),
+            ];
+            out.extend(choice(ui, current, &options).map(|kind| {
+                let rule = match kind {
+                    0 => ColorRule::File,
+                    1 => ColorRule::Uniform(Color::DEFAULT),
+                    _ => ColorRule::PerTriangle { seed: 0 },
+                };
+                Command::SetColorRule(Some(number), rule)
+            }));
+        },
+    );
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 3.0;
+        for id in [
+            "object.isolate",
+            "object.rename",
+            "object.duplicate",
+            "object.delete",
+        ] {
+            let action = action(id);
+            let button = Button::new(action.name).small();
+            let response = ui.add_enabled((action.applies)(state), button);
+            if response.on_hover_text(action.hint()).clicked() {
+                out.push((action.command)(state));
+            }
         }
     });
-    menu.response
-        .on_hover_text("Scenes at which known ray casters go wrong");
 }

@@ -6,8 +6,8 @@ use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, po
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Tiles beyond these are too many to be seen apart.
-const MOST_TILES: usize = 20_000;
+/// The lowest tile, in points, whose number can be read.
+pub const LEAST_FOR_NUMBERS: f32 = 17.0;
 
 /// The overlay, kept from frame to frame while nothing changes.
 #[derive(Default)]
@@ -26,7 +26,7 @@ impl TileOverlay {
     /// Draws over a picture that fills `rect`.
     pub fn show(&mut self, painter: &Painter, canvas: &Canvas, rect: Rect, overlay: Overlay) {
         let (columns, rows) = canvas.size();
-        if columns == 0 || rows == 0 || canvas.notes().len() > MOST_TILES {
+        if columns == 0 || rows == 0 {
             return;
         }
         let scale = rect.size() / egui::vec2(columns as f32, rows as f32);
@@ -110,10 +110,12 @@ fn borders(painter: &Painter, canvas: &Canvas, rect: Rect, place: impl Fn(u32, u
 }
 
 fn number(painter: &Painter, area: Rect, number: u32) {
-    let size = (area.height() * 0.42).min(area.width() / 3.2).min(20.0);
-    if size < 7.0 {
+    if area.height() < LEAST_FOR_NUMBERS || area.width() < LEAST_FOR_NUMBERS {
         return;
     }
+    let size = (area.height() * 0.42)
+        .min(area.width() / 3.2)
+        .clamp(7.0, 20.0);
     let center = area.center();
     let font = FontId::proportional(size.round());
     let text = number.to_string();

@@ -3,13 +3,14 @@
 use super::Commands;
 use super::widgets::{Number, choice, row, section};
 use crate::state::command::Command;
-use crate::state::{FOV_RANGE, Resolution, SAMPLES_LIMIT, State};
+use crate::state::viewpoint::FOV_RANGE;
+use crate::state::{Resolution, SAMPLES_LIMIT, State};
 use crate::ui::format;
 use egui::Ui;
 use raycast_core::camera::{FrameLock, Projection};
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
-    section(ui, "Picture", true, |ui| {
+    section(ui, "Picture", false, |ui| {
         size(ui, state, out);
         step(ui, state, out);
         frame(ui, state, out);
@@ -33,33 +34,30 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
                 out.extend(choice(ui, state.lock, &options).map(Command::SetLock));
             },
         );
-        row(
-            ui,
-            "Projection",
-            "How rays leave the camera (O)",
-            |ui, _| {
-                let options = [
-                    (
-                        Projection::Perspective,
-                        "Perspective",
-                        "All rays from the eye (O)",
-                    ),
-                    (
-                        Projection::Orthographic,
-                        "Orthographic",
-                        "Rays side by side (O)",
-                    ),
-                ];
-                out.extend(choice(ui, state.projection, &options).map(Command::SetProjection));
-            },
-        );
+        row(ui, "Projection", "How rays leave the camera", |ui, _| {
+            let options = [
+                (
+                    Projection::Perspective,
+                    "Perspective",
+                    "All rays from the eye (5 switches)",
+                ),
+                (
+                    Projection::Orthographic,
+                    "Orthographic",
+                    "Rays side by side (5 switches)",
+                ),
+            ];
+            out.extend(
+                choice(ui, state.viewpoint.projection, &options).map(Command::SetProjection),
+            );
+        });
         row(
             ui,
             "Samples",
             "Rays a pixel: more make edges smooth",
             |ui, label| {
                 let number = Number {
-                    value: f64::from(state.settings.samples),
+                    value: f64::from(state.rest_samples()),
                     range: 1.0..=f64::from(SAMPLES_LIMIT),
                     speed: 0.05,
                     decimals: Some(0),
@@ -70,9 +68,16 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
                 out.extend(
                     number
                         .show(ui, label)
-                        .map(|n| Command::SetSamples(n.round() as u32)),
+                        .map(|n| Command::SetSamples(Some(n.round() as u32))),
                 );
-                ui.weak("a pixel");
+                let is_automatic = state.samples.is_none();
+                let button = egui::Button::new("Automatic")
+                    .selected(is_automatic)
+                    .min_size(egui::vec2(ui.available_width(), 0.0));
+                let hint = "One while things move, 16 when nothing does and each pixel of the window has a ray";
+                if ui.add(button).on_hover_text(hint).clicked() && !is_automatic {
+                    out.push(Command::SetSamples(None));
+                }
             },
         );
     });
@@ -161,10 +166,10 @@ fn step(ui: &mut Ui, state: &State, out: &mut Commands) {
 }
 
 fn frame(ui: &mut Ui, state: &State, out: &mut Commands) {
-    match state.projection {
+    match state.viewpoint.projection {
         Projection::Perspective => row(ui, "FOV", "The vertical field of view", |ui, label| {
             let number = Number {
-                value: state.fov,
+                value: state.viewpoint.fov,
                 range: FOV_RANGE.0..=FOV_RANGE.1,
                 speed: 0.2,
                 decimals: Some(2),

@@ -10,7 +10,7 @@ use raycast_core::packet::CastCounts;
 use raycast_core::render::Pass;
 
 pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Commands) {
-    section(ui, "Rendering", true, |ui| {
+    section(ui, "Rendering", false, |ui| {
         row(ui, "Threads", "Render threads", |ui, label| {
             let cores = default_threads();
             let number = Number {
@@ -94,7 +94,12 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Comman
         } else {
             dash()
         };
-        fact(ui, "Time", "From the request to the full picture", &time);
+        fact(
+            ui,
+            "Time",
+            "From the request to the full picture; at rest, to the last of its samples",
+            &time,
+        );
         if let Some(document) = &state.document {
             fact(
                 ui,

@@ -10,11 +10,12 @@ use egui::{Align, Label, Layout, RichText, Ui};
 /// Shows it.
 pub(super) fn show(ui: &mut Ui, state: &State, status: &Status) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        let (text, color, hint) = progress(state, status);
+        let colors = theme::colors(ui);
+        let (text, color, hint) = progress(state, status, colors);
         ui.label(RichText::new(text).color(color)).on_hover_text(hint);
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
             let hint = "What the ray under the cursor meets: t is the distance, u and v the weights of the triangle's second and third corners";
-            ui.add(Label::new(RichText::new(under_cursor(state)).color(theme::QUIET)).truncate())
+            ui.add(Label::new(RichText::new(under_cursor(state)).color(colors.quiet)).truncate())
                 .on_hover_text(hint);
         });
     });
@@ -54,28 +55,32 @@ fn under_cursor(state: &State) -> String {
     }
 }
 
-fn progress(state: &State, status: &Status) -> (String, egui::Color32, &'static str) {
+fn progress(
+    state: &State,
+    status: &Status,
+    colors: &theme::Colors,
+) -> (String, egui::Color32, &'static str) {
     let progress = status.progress;
     match progress.report {
-        _ if state.document.is_none() => (String::new(), theme::QUIET, ""),
+        _ if state.document.is_none() => (String::new(), colors.quiet, ""),
         Some(report) if progress.complete => (
             format!(
-                "{} rays   {}   {}",
+                "{}   {} rays   {}",
+                pass_name(report.pass),
                 format::count(progress.rays),
                 format::rate(report.stats.rays, report.time),
-                format::time(progress.elapsed)
             ),
-            theme::DONE,
-            "The full picture: rays cast, speed of the last pass, time from request to done",
+            colors.done,
+            "The full picture: its last pass, rays cast for it, speed of that pass",
         ),
         Some(report) => (
             format!("{}…", pass_name(report.pass)),
-            theme::ACCENT,
+            colors.accent,
             "The picture is getting finer",
         ),
         None => (
             "first rays…".to_owned(),
-            theme::ACCENT,
+            colors.accent,
             "The picture is under way",
         ),
     }

@@ -1,6 +1,6 @@
 //! How the picture is split, and what is drawn over the parts.
 
-use super::overlay::ramp;
+use super::overlay::{LEAST_FOR_NUMBERS, ramp};
 use super::widgets::{Number, choice, row, section, tick};
 use super::{Commands, Status};
 use crate::state::command::Command;
@@ -10,7 +10,7 @@ use egui::{Ui, vec2};
 use raycast_core::camera::Grid;
 
 pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Commands) {
-    section(ui, "Tiles", true, |ui| {
+    section(ui, "Tiles", false, |ui| {
         split(ui, state, out);
         row(ui, "Show", "What is drawn over the picture", |ui, _| {
             let overlay = state.overlay;
@@ -28,6 +28,11 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Comman
                 .map(Command::SetOrder),
             );
         });
+        if state.overlay.order && tile_height(ui, state) < LEAST_FOR_NUMBERS {
+            row(ui, "", "", |ui, _| {
+                ui.weak("Tiles are too small for numbers");
+            });
+        }
         row(ui, "Color by", "What colors the tiles", |ui, _| {
             let options = [
                 (Tint::None, "Nothing", "The picture as it is"),
@@ -44,6 +49,12 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Comman
             legend(ui, status);
         }
     });
+}
+
+/// How high a tile is on the screen, in points.
+fn tile_height(ui: &Ui, state: &State) -> f32 {
+    let (_, rows) = state.tile_counts();
+    state.viewport.1 as f32 / ui.ctx().pixels_per_point() / rows.max(1) as f32
 }
 
 fn split(ui: &mut Ui, state: &State, out: &mut Commands) {

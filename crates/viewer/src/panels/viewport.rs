@@ -1,7 +1,7 @@
 //! The picture, and the mouse over it.
 
-use super::Commands;
 use super::overlay::TileOverlay;
+use super::{Commands, gizmo, highlight};
 use crate::state::{Resolution, State};
 use crate::ui::canvas::Canvas;
 use crate::ui::input;
@@ -63,7 +63,10 @@ pub fn show(
             f64::from(position.y - rect.top()) * scale,
         )
     };
+    let place = |(x, y): (f64, f64)| rect.min + vec2((x / scale) as f32, (y / scale) as f32);
+    highlight::show(&painter, state, place);
     out.extend(input::mouse(ui, &response, scale, at));
+    gizmo::show(ui, room, state, out);
     let hover = response.hover_pos().map(at).filter(|&(x, y)| {
         (0.0..f64::from(columns)).contains(&x) && (0.0..f64::from(rows)).contains(&y)
     });

@@ -1,6 +1,9 @@
 //! Small parts that the panels share.
 
+use super::Commands;
+use crate::state::State;
 use crate::ui::format;
+use crate::ui::registry::Action;
 use crate::ui::theme;
 use egui::{Button, CollapsingHeader, DragValue, Id, Response, RichText, Ui, vec2};
 use raycast_core::scene::Color;
@@ -8,6 +11,38 @@ use std::ops::RangeInclusive;
 
 /// Where controls start, in points from the left of their row.
 const LABEL_WIDTH: f32 = 78.0;
+
+/// A line of a menu: what an action is called and its key; what it asks for, if it was clicked.
+pub(super) fn item(ui: &mut Ui, state: &State, action: &Action, out: &mut Commands) {
+    let mut name = action.name.to_owned();
+    // What would be undone is worth knowing before it is.
+    let what = match action.id {
+        "edit.undo" => state.history.undo_name(),
+        "edit.redo" => state.history.redo_name(),
+        _ => None,
+    };
+    if let Some(what) = what {
+        name = format!("{name}: {what}");
+    }
+    let mut button = Button::new(name).shortcut_text(action.key());
+    if let Some(is_on) = action.is_on {
+        button = button.selected(is_on(state));
+    }
+    let response = ui.add_enabled((action.applies)(state), button);
+    if response.on_hover_text(action.does).clicked() {
+        out.push((action.command)(state));
+        ui.close();
+    }
+}
+
+/// Marks all of a field's text, or as many characters of it, before it is shown.
+pub(super) fn select_all(context: &egui::Context, id: Id, characters: usize) {
+    use egui::text::{CCursor, CCursorRange};
+    let mut field = egui::text_edit::TextEditState::load(context, id).unwrap_or_default();
+    let range = CCursorRange::two(CCursor::new(0), CCursor::new(characters));
+    field.cursor.set_char_range(Some(range));
+    field.store(context, id);
+}
 
 /// A part of the panel with a title, which opens and closes.
 pub(super) fn section(ui: &mut Ui, title: &str, open: bool, body: impl FnOnce(&mut Ui)) {
@@ -23,7 +58,7 @@ pub(super) fn section(ui: &mut Ui, title: &str, open: bool, body: impl FnOnce(&m
 /// A name, and what belongs to it; `body` gets the name's id to label its controls with.
 pub(super) fn row(ui: &mut Ui, name: &str, hint: &str, body: impl FnOnce(&mut Ui, Id)) {
     ui.horizontal(|ui| {
-        let text = RichText::new(name).color(theme::QUIET);
+        let text = RichText::new(name).color(theme::colors(ui).quiet);
         let height = ui.spacing().interact_size.y;
         let layout = egui::Layout::left_to_right(egui::Align::Center);
         let label = ui
@@ -112,7 +147,7 @@ pub(super) fn tick(ui: &mut Ui, on: bool, name: &str, hint: &str) -> Option<bool
 pub(super) fn color(ui: &mut Ui, current: Color, label: Id, hint: &str) -> Option<Color> {
     let mut now = current.0;
     // A line around it: a dark colour on the dark panel would not be seen as one.
-    let line = egui::Stroke::new(1.0, theme::QUIET.gamma_multiply(0.5));
+    let line = egui::Stroke::new(1.0, theme::colors(ui).quiet.gamma_multiply(0.5));
     let response = ui
         .scope(|ui| {
             ui.visuals_mut().widgets.inactive.bg_stroke = line;

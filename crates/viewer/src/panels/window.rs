@@ -2,10 +2,11 @@
 
 use super::overlay::TileOverlay;
 use super::viewport::{self, Place};
-use super::{Commands, Status, banner, help, side, status};
+use super::{Commands, Status, banner, help, menu, palette, side, status};
 use crate::state::State;
 use crate::ui::canvas::Canvas;
 use crate::ui::input;
+use crate::ui::theme;
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 
 /// Shows everything, and puts what a person asked for, by mouse, keys or controls, into `out`.
@@ -21,6 +22,11 @@ pub fn show(
     out.extend(input::keys(&context, state));
     // The window is cleared to the panels' colour: filling them again would cost what drawing them does.
     let frame = Frame::new();
+    Panel::top("menu")
+        .resizable(false)
+        .exact_size(26.0)
+        .frame(frame.inner_margin(Margin::symmetric(4, 2)))
+        .show(ui, |ui| menu::show(ui, state, out));
     if state.panel {
         Panel::right("side")
             .resizable(false)
@@ -42,5 +48,22 @@ pub fn show(
     if state.help {
         help::show(&context, out);
     }
+    palette::show(&context, state, out);
+    ring(&context);
     place
+}
+
+/// A line around what has the keyboard, whatever it is: some controls show it faintly, others not at all.
+fn ring(context: &egui::Context) {
+    let Some(id) = context.memory(|memory| memory.focused()) else {
+        return;
+    };
+    let Some(response) = context.read_response(id) else {
+        return;
+    };
+    let rect = response.interact_rect.expand(1.5);
+    let layer = egui::LayerId::new(egui::Order::Tooltip, egui::Id::unique("focus"));
+    let stroke = egui::Stroke::new(1.5, theme::of(&context.global_style().visuals).accent);
+    let painter = context.layer_painter(layer);
+    painter.rect_stroke(rect, 4.0, stroke, egui::StrokeKind::Outside);
 }

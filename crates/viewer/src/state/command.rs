@@ -1,6 +1,8 @@
 //! What a person can ask for. Panels and keys make commands; `update` carries them out.
 
-use super::{PromptKind, Tint};
+use super::preferences::Theme;
+use super::viewpoint::StandardView;
+use super::{Answer, PromptKind, Tint};
 use raycast_core::Cull;
 use raycast_core::camera::{FrameLock, Grid, Projection};
 use raycast_core::scene::{Color, ColorRule};
@@ -36,6 +38,8 @@ pub enum Command {
         /// The new distance over the old.
         factor: f64,
     },
+    /// Roll the camera to the right about its view axis, in degrees.
+    Roll(f64),
     /// Turn about the point seen at a place from now on, and bring it to the middle.
     SetPivot {
         /// The place.
@@ -43,8 +47,16 @@ pub enum Command {
     },
     /// Bring everything into view.
     Fit,
-    /// The camera as it was at first.
+    /// The scene's own view, or the one that it was first shown from.
     ResetView,
+    /// Look from a standard direction.
+    Look(StandardView),
+    /// Look from the other side.
+    LookBack,
+    /// The view before.
+    ViewBack,
+    /// The view that was come back from.
+    ViewForward,
 
     /// Another ray spacing, in scene units.
     SetStep(f64),
@@ -62,8 +74,8 @@ pub enum Command {
     SetLock(FrameLock),
     /// How rays leave the camera.
     SetProjection(Projection),
-    /// Rays a pixel.
-    SetSamples(u32),
+    /// Rays a pixel; as many as there is time for, for `None`.
+    SetSamples(Option<u32>),
 
     /// How the picture is split.
     SetGrid(Grid),
@@ -97,30 +109,97 @@ pub enum Command {
     /// Take all textures off.
     RemoveTextures,
 
+    /// Mark an object, or none.
+    Select(Option<usize>),
+    /// Show an object, or hide it.
+    SetVisible(usize, bool),
+    /// Show this object alone; all, if it is alone already.
+    Isolate(usize),
+    /// Show all objects.
+    ShowAll,
+    /// Begin to give an object another name, or stop.
+    EditName(Option<usize>),
+    /// Give an object another name.
+    Rename(usize, String),
+    /// Put a copy of an object beside it.
+    Duplicate(usize),
+    /// Take an object away, and those that move with it.
+    Delete(usize),
+
+    /// Keep what is seen at a place to be read; nothing, if nothing is there.
+    Pin {
+        /// The place.
+        at: (f64, f64),
+    },
+    /// Let go of it.
+    Unpin,
+    /// Put text on the clipboard.
+    Copy(String),
+
+    /// Take the last change back.
+    Undo,
+    /// Make it again.
+    Redo,
+
     /// Render threads.
     SetThreads(usize),
 
     /// Ask for a path: by the desktop's dialog, and in the window.
     Ask(PromptKind),
+    /// Whether the files that are asked for come beside what is open.
+    SetAdding(bool),
     /// What was typed in the path line.
     TypePath(String),
     /// Take the path line's text.
     ConfirmPath,
-    /// Open a file.
-    Open(PathBuf),
+    /// Open files as one scene.
+    Open(Vec<PathBuf>),
+    /// Put files beside what is open.
+    Add(Vec<PathBuf>),
+    /// Open the folder's next file (1) or the one before (−1).
+    OpenNeighbor(i32),
+    /// Read what is open once more.
+    Reload,
     /// Put the hard case of this name on screen.
     OpenCase(&'static str),
+    /// Stop loading.
+    CancelLoad,
     /// Put an image on every object.
     LoadTexture(PathBuf),
     /// Write the picture to a file; its name says which kind. Where one is there already, ask first.
     SavePicture(PathBuf),
-    /// The same, in place of what is there.
-    ReplacePicture(PathBuf),
+    /// Write the scene to its file; ask for one if it has none.
+    SaveScene,
+    /// Write the scene to a file. Where one is there already, ask first.
+    SaveSceneAs(PathBuf),
+    /// Write what was to be written in place of what is there.
+    Replace,
+    /// What to do with changes that no file has.
+    Answer(Answer),
+    /// Close the window.
+    Close,
+
+    /// Light or dark.
+    SetTheme(Theme),
+    /// How large the interface is.
+    SetScale(f32),
+    /// Whether the camera takes its time from one view to another.
+    SetSmooth(bool),
+    /// Whether pictures get more samples while nothing moves.
+    SetRefine(bool),
+    /// Whether files that change are read again.
+    SetWatch(bool),
 
     /// Show or hide the side panel.
     TogglePanel,
     /// Show or hide the keys.
     ToggleHelp,
+    /// Show or hide the list of all commands.
+    TogglePalette,
+    /// What was typed there.
+    TypePalette(String),
+    /// Another line of it is marked.
+    MarkPalette(usize),
     /// Close the topmost of: keys, question, path line, error.
     Dismiss,
     /// Close one error.
@@ -132,7 +211,48 @@ impl Command {
     pub fn moves_camera(&self) -> bool {
         matches!(
             self,
-            Self::Orbit { .. } | Self::Grab { .. } | Self::Pan { .. } | Self::Zoom { .. }
+            Self::Orbit { .. }
+                | Self::Grab { .. }
+                | Self::Pan { .. }
+                | Self::Zoom { .. }
+                | Self::Roll(_)
         )
+    }
+
+    /// What undo calls it, if it changes the document; and whether it comes many times over while a hand moves.
+    pub(super) fn edit(&self) -> Option<(&'static str, bool)> {
+        let (name, goes_on) = match self {
+            Self::SetStep(_) | Self::ScaleStep(_) => ("Change of step", true),
+            Self::SetSize(..) => ("Change of size", true),
+            Self::FitWindow => ("Fit to window", false),
+            Self::SetSamples(_) => ("Change of samples", true),
+            Self::SetMode(_) => ("Change of mode", false),
+            Self::SetWireframe(_) => ("Wireframe", false),
+            Self::SetWireframeWidth(_) => ("Change of lines", true),
+            Self::SetWireframeColor(_) => ("Color of lines", true),
+            Self::SetBlend(_) => ("Change of blend", true),
+            Self::SetFilter(_) => ("Change of filter", false),
+            Self::SetTextureProjection(_) => ("Change of mapping", false),
+            Self::SetCull(_) => ("Change of faces", false),
+            Self::SetBackground(_) => ("Change of background", true),
+            Self::SetColorRule(..) => ("Change of color", true),
+            Self::RemoveTextures => ("Remove textures", false),
+            Self::SetVisible(_, true) | Self::ShowAll => ("Show", false),
+            Self::SetVisible(_, false) => ("Hide", false),
+            Self::Isolate(_) => ("Isolate", false),
+            Self::Rename(..) => ("Rename", false),
+            Self::Duplicate(_) => ("Duplicate", false),
+            Self::Delete(_) => ("Delete", false),
+            _ => return None,
+        };
+        Some((name, goes_on))
+    }
+
+    /// The one object that it changes.
+    pub(super) fn object(&self) -> Option<usize> {
+        match self {
+            Self::SetColorRule(object, _) => *object,
+            _ => None,
+        }
     }
 }

@@ -1,53 +1,48 @@
 //! What the window shows and how: plain values, no user interface.
+//!
+//! Four kinds, apart from one another: the *document* (objects, look, picture), which commands change and undo
+//! brings back; the *view*, which navigation changes and which has a history of its own; the *session*
+//! (selection, questions, messages), which is never kept; and the *preferences*.
 
 pub mod command;
+pub mod document;
+pub mod effect;
+mod files;
+pub mod history;
+pub mod motion;
+mod navigate;
+pub mod news;
+mod objects;
+pub mod pick;
+mod plane;
+pub mod preferences;
 pub mod update;
+pub mod viewpoint;
 
+use document::Document;
+use history::{History, Snapshot};
+use motion::{Motion, Trail};
+use pick::{Pick, Pinned};
+use preferences::Preferences;
 use raycast_core::camera::{
-    Camera, FrameLock, Grid, ImagePlane, Orbit, PlaneError, PlaneRequest, Projection, fit_distance,
-    fov_to_frame,
+    Camera, FrameLock, Grid, ImagePlane, PlaneError, PlaneRequest, Projection,
 };
 use raycast_core::glam::DVec3;
 use raycast_core::render::{Settings, View};
-use raycast_core::scene::{Bounds, Scene};
-use raycast_core::{Accel, Hit};
+use raycast_core::scene::Bounds;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
+use viewpoint::Viewpoint;
 
-/// The vertical field of view, in degrees, that the window starts with.
-pub const DEFAULT_FOV: f64 = 45.0;
-/// The narrowest and the widest field of view, in degrees.
-pub const FOV_RANGE: (f64, f64) = (0.1, 170.0);
 /// The most pixels of a picture in the window: 4 bytes each, held a few times over.
 pub const WINDOW_PIXELS: u64 = 1 << 25;
 /// The most samples a pixel.
 pub const SAMPLES_LIMIT: u32 = raycast_core::ranges::MOST_SAMPLES;
+/// Rays a pixel of a picture that nobody touches.
+pub const REST_SAMPLES: u32 = 16;
 /// The most tiles a picture is split into.
 pub const TILES_LIMIT: u64 = 1 << 16;
-
-/// A scene, ready to be cast at.
-#[derive(Clone, Debug)]
-pub struct Document {
-    /// Counts scenes opened in this window.
-    pub number: u64,
-    /// What the title shows.
-    pub name: String,
-    /// The files it came from; none for the demo scene.
-    pub paths: Vec<PathBuf>,
-    /// The objects.
-    pub scene: Arc<Scene>,
-    /// Counts changes to the scene's colours and textures.
-    pub edits: u64,
-    /// The tree over its triangles.
-    pub accel: Arc<Accel>,
-    /// The box around everything, in world space.
-    pub bounds: Bounds,
-    /// How long reading took.
-    pub load_time: Duration,
-    /// How long the tree took.
-    pub build_time: Duration,
-}
 
 /// Where the picture's columns and rows come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,10 +82,14 @@ pub struct Overlay {
 /// What a path is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PromptKind {
-    /// A mesh or a scene to open.
+    /// Meshes or a scene to open.
     Open,
+    /// Meshes or a scene to put beside what is open.
+    Add,
     /// Where to save the picture.
-    Save,
+    Picture,
+    /// Where to save the scene.
+    Scene,
     /// A texture for every object.
     Texture,
 }
@@ -106,6 +105,50 @@ pub struct Prompt {
     pub dialog: bool,
 }
 
+/// What would give up changes that no file has.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Pending {
+    /// Files to open.
+    Open(Vec<PathBuf>),
+    /// A hard case to open.
+    Case(&'static str),
+    /// A neighbour to open.
+    Neighbor(i32),
+    /// Reading what is open again.
+    Reload,
+    /// Closing the window.
+    Close,
+}
+
+/// What a person says about changes that no file has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// Save them first.
+    Save,
+    /// They may go.
+    Discard,
+    /// Stay with them.
+    Stay,
+}
+
+/// A file that would be replaced, while the person is asked whether it may.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Replacing {
+    /// Which.
+    pub path: PathBuf,
+    /// Whether by the scene, or else by the picture.
+    pub scene: bool,
+}
+
+/// The list of all commands, while it is open.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Palette {
+    /// What was typed.
+    pub text: String,
+    /// Which of what is left is marked.
+    pub marked: usize,
+}
+
 /// A short message that goes by itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Toast {
@@ -115,51 +158,56 @@ pub struct Toast {
     pub since: Duration,
 }
 
-/// The triangle under a pixel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pick {
-    /// Which, and where on it.
-    pub hit: Hit,
-    /// The point in world space.
-    pub point: DVec3,
-}
-
 /// All that a person can change, and what there is to see.
 #[derive(Clone, Debug)]
 pub struct State {
+    /// The window's clock.
+    pub now: Duration,
+
     /// The scene on screen; `None` until the first one is there.
     pub document: Option<Document>,
-    /// Where the camera is.
-    pub orbit: Orbit,
-    /// How rays leave it.
-    pub projection: Projection,
-    /// The vertical field of view in degrees. An orthographic frame is as high as this makes it at
-    /// the orbit's distance, so that switching the projection keeps the picture.
-    pub fov: f64,
     /// Where columns and rows come from.
     pub resolution: Resolution,
-    /// What stays when the step changes.
-    pub lock: FrameLock,
+    /// Rays a pixel, where a person or the scene has set them.
+    pub samples: Option<u32>,
+    /// Shading and culling.
+    pub settings: Settings,
+    /// What can be undone.
+    pub history: History,
+
+    /// Where it is seen from.
+    pub viewpoint: Viewpoint,
+    /// Where it was seen from at first.
+    pub home: Viewpoint,
+    /// A change of view under way.
+    pub motion: Option<Motion>,
+    /// The camera's history.
+    pub trail: Trail,
+
     /// The picture's place in the window, in device pixels.
     pub viewport: (u32, u32),
     /// The longest side that the window's graphics can hold.
     pub side_limit: u32,
-    /// Shading, culling, samples.
-    pub settings: Settings,
-    /// How the picture is split.
-    pub grid: Grid,
-    /// What is drawn over it.
-    pub overlay: Overlay,
-    /// Render threads.
-    pub threads: usize,
-    /// Whether the side panel is open.
-    pub panel: bool,
+    /// The marked object.
+    pub selected: Option<usize>,
+    /// The object whose name is being typed.
+    pub naming: Option<usize>,
+    /// What was clicked on.
+    pub pinned: Option<Pinned>,
     /// Whether the keys are shown.
     pub help: bool,
+    /// The list of commands, if open.
+    pub palette: Option<Palette>,
     /// The path line, if open.
     pub prompt: Option<Prompt>,
-    /// The file that a picture would replace, while the person is asked whether it may.
-    pub replacing: Option<PathBuf>,
+    /// The path line that was taken last, until it is known whether its file could be read.
+    pub typed: Option<Prompt>,
+    /// What waits for an answer about unsaved changes.
+    pub question: Option<Pending>,
+    /// What follows once the scene is saved.
+    pub after_saving: Option<Pending>,
+    /// The file that would be replaced, while the person is asked.
+    pub replacing: Option<Replacing>,
     /// Errors that were not dismissed yet, oldest first.
     pub errors: Vec<String>,
     /// Messages that go by themselves, oldest first.
@@ -168,40 +216,56 @@ pub struct State {
     pub hover: Option<(f64, f64)>,
     /// How far along the view axis the point is that a pan holds on to.
     pub grabbed_depth: f64,
+
+    /// What stays when the step changes.
+    pub lock: FrameLock,
+    /// How the picture is split.
+    pub grid: Grid,
+    /// What is drawn over it.
+    pub overlay: Overlay,
+    /// Render threads.
+    pub threads: usize,
+    /// Whether the side panel is open.
+    pub panel: bool,
+    /// How a person likes to work.
+    pub preferences: Preferences,
 }
 
 impl Default for State {
     fn default() -> Self {
-        let (yaw, pitch) = Orbit::DEFAULT_ANGLES;
         Self {
+            now: Duration::ZERO,
             document: None,
-            orbit: Orbit {
-                pivot: DVec3::ZERO,
-                yaw,
-                pitch,
-                distance: 1.0,
-            },
-            projection: Projection::Perspective,
-            fov: DEFAULT_FOV,
             resolution: Resolution::Window { density: 1.0 },
-            lock: FrameLock::KeepFrame,
+            samples: None,
+            settings: Settings::default(),
+            history: History::default(),
+            viewpoint: Viewpoint::default(),
+            home: Viewpoint::default(),
+            motion: None,
+            trail: Trail::default(),
             viewport: (1280, 720),
             side_limit: 8192,
-            settings: Settings {
-                samples: 1,
-                ..Settings::default()
-            },
-            grid: Grid::default(),
-            overlay: Overlay::default(),
-            threads: default_threads(),
-            panel: true,
+            selected: None,
+            naming: None,
+            pinned: None,
             help: false,
+            palette: None,
             prompt: None,
+            typed: None,
+            question: None,
+            after_saving: None,
             replacing: None,
             errors: Vec::new(),
             toasts: Vec::new(),
             hover: None,
             grabbed_depth: 1.0,
+            lock: FrameLock::KeepFrame,
+            grid: Grid::default(),
+            overlay: Overlay::default(),
+            threads: default_threads(),
+            panel: true,
+            preferences: Preferences::default(),
         }
     }
 }
@@ -228,7 +292,18 @@ impl State {
 
     /// The frame's height at the target, in scene units.
     pub fn frame_height(&self) -> f64 {
-        fov_to_frame(self.fov, self.orbit.distance)
+        self.viewpoint.frame_height()
+    }
+
+    /// Rays a pixel of the picture that stands still: as set, else [`REST_SAMPLES`] where each pixel of the
+    /// window has a ray and the person has not said no. What is saved has as many.
+    pub fn rest_samples(&self) -> u32 {
+        let is_one_to_one = self.resolution == Resolution::Window { density: 1.0 };
+        match self.samples {
+            Some(samples) => samples,
+            None if self.preferences.refine && is_one_to_one => REST_SAMPLES,
+            None => 1,
+        }
     }
 
     /// The lattice of rays.
@@ -247,21 +322,26 @@ impl State {
     /// The camera; `None` where the plane cannot be made.
     pub fn camera(&self) -> Option<Camera> {
         let plane = self.plane().ok()?;
-        let mut orbit = self.orbit;
-        if self.projection == Projection::Orthographic {
+        let mut viewpoint = self.viewpoint;
+        if viewpoint.projection == Projection::Orthographic {
             // Zooming narrows the frame; the plane that rays start from stays before the scene.
-            orbit.distance = orbit.distance.max(self.clear_distance());
+            viewpoint.orbit.distance = viewpoint.orbit.distance.max(self.clear_distance());
         }
-        Some(Camera::new(orbit.placement(), self.projection, plane))
+        Some(Camera::new(
+            viewpoint.placement(),
+            viewpoint.projection,
+            plane,
+        ))
     }
 
     /// How far from the pivot an eye has everything in front of it.
     fn clear_distance(&self) -> f64 {
-        let back = self.orbit.back();
+        let orbit = self.viewpoint.orbit;
+        let back = orbit.back();
         self.bounds()
             .corners()
             .into_iter()
-            .map(|corner| (corner - self.orbit.pivot).dot(back))
+            .map(|corner| (corner - orbit.pivot).dot(back))
             .filter(|distance| distance.is_finite())
             .fold(0.0, f64::max)
             * 1.05
@@ -281,27 +361,94 @@ impl State {
         if length.is_normal() { length } else { 1.0 }
     }
 
-    /// Brings the whole scene into view from where the camera looks.
-    pub fn fit(&mut self) {
-        let bounds = self.bounds();
-        self.orbit.pivot = bounds.center();
-        let aspect = f64::from(self.viewport.0.max(1)) / f64::from(self.viewport.1.max(1));
-        let aspect = match self.resolution {
-            Resolution::Fixed(columns, rows) => f64::from(columns) / f64::from(rows),
-            Resolution::Window { .. } => aspect,
+    /// The picture's width over its height.
+    pub fn aspect(&self) -> f64 {
+        let (columns, rows) = match self.resolution {
+            Resolution::Fixed(columns, rows) => (columns, rows),
+            Resolution::Window { .. } => self.viewport,
         };
-        self.orbit.distance = fit_distance(&bounds, &self.orbit, self.projection, self.fov, aspect);
+        f64::from(columns.max(1)) / f64::from(rows.max(1))
     }
 
-    /// Everything that decides the picture; `None` while there is no scene.
+    /// How far what is visible reaches in a direction.
+    fn support(&self, direction: DVec3) -> Option<f64> {
+        match &self.document {
+            Some(document) => document.accel.support(direction),
+            None => {
+                let corners = self.bounds().corners().into_iter();
+                corners.map(|corner| corner.dot(direction)).reduce(f64::max)
+            }
+        }
+    }
+
+    /// A viewpoint of this direction and lens from which all that is visible is in view.
+    pub fn fitted(&self, viewpoint: Viewpoint) -> Viewpoint {
+        viewpoint.fitted(self.aspect(), |direction| self.support(direction))
+    }
+
+    /// What undo would bring back; `None` while there is no scene.
+    pub fn snapshot(&self) -> Option<Snapshot> {
+        Some(Snapshot {
+            scene: Arc::clone(&self.document.as_ref()?.scene),
+            settings: self.settings,
+            samples: self.samples,
+            resolution: self.resolution,
+        })
+    }
+
+    /// Whether there are changes that a person would miss: of a scene that has a file, or of objects that could
+    /// be saved. Another mode alone, while one looks through meshes, is none.
+    pub fn has_unsaved(&self) -> bool {
+        let Some(document) = &self.document else {
+            return false;
+        };
+        let is_changed = match document.file {
+            Some(_) => self.history.is_changed(),
+            None => !Arc::ptr_eq(&document.scene, &document.read),
+        };
+        is_changed && document.can_be_saved()
+    }
+
+    /// Shows an error once.
+    pub(super) fn report(&mut self, message: String) {
+        // The same fault twice is one banner.
+        self.errors.retain(|error| *error != message);
+        self.errors.push(message);
+    }
+
+    /// Shows a short message for a while.
+    pub(super) fn tell(&mut self, text: impl Into<String>) {
+        let since = self.now;
+        self.toasts.push(Toast {
+            text: text.into(),
+            since,
+        });
+    }
+
+    /// Whether a field for text is open, which letters are for.
+    pub fn is_typing(&self) -> bool {
+        self.prompt.is_some() || self.palette.is_some() || self.naming.is_some()
+    }
+
+    /// Everything that decides the picture as it is while things move; `None` while there is no scene.
     pub fn view(&self) -> Option<View> {
         let document = self.document.as_ref()?;
         Some(View {
-            scene: Arc::clone(&document.scene),
+            scene: Arc::clone(&document.built),
             accel: Arc::clone(&document.accel),
             camera: self.camera()?,
-            settings: self.settings,
+            settings: Settings {
+                samples: self.samples.unwrap_or(1),
+                ..self.settings
+            },
         })
+    }
+
+    /// The same as it is at rest: what is saved.
+    pub fn view_at_rest(&self) -> Option<View> {
+        let mut view = self.view()?;
+        view.settings.samples = self.rest_samples();
+        Some(view)
     }
 
     /// What the ray through (x, y) of the picture meets.
@@ -334,9 +481,13 @@ mod tests {
         let state = State::default();
         let plane = state.plane().expect("a good plane");
         let frame = f64::from(plane.rows) * plane.step;
-        let d = state.orbit.distance;
+        let d = state.viewpoint.orbit.distance;
         assert!(
-            (frame - 2.0 * d * raycast_core::math::tan((DEFAULT_FOV / 2.0).to_radians())).abs()
+            (frame
+                - 2.0
+                    * d
+                    * raycast_core::math::tan((super::viewpoint::DEFAULT_FOV / 2.0).to_radians()))
+            .abs()
                 < 1e-12
         );
     }
@@ -358,12 +509,15 @@ mod tests {
     #[test]
     fn an_orthographic_eye_stays_before_the_scene() {
         let mut state = State {
-            projection: Projection::Orthographic,
+            viewpoint: Viewpoint {
+                projection: Projection::Orthographic,
+                ..Viewpoint::default()
+            },
             ..State::default()
         };
-        state.fit();
+        state.viewpoint = state.fitted(state.viewpoint);
         let frame = state.frame_height();
-        state.orbit.distance *= 0.01;
+        state.viewpoint.orbit.distance *= 0.01;
         let camera = state.camera().expect("a camera");
         assert!((camera.plane().frame_height() - frame * 0.01).abs() < frame * 1e-9);
         for corner in state.bounds().corners() {

@@ -1,180 +1,100 @@
-//! Keys and mouse to commands. The table of keys is also what the help shows.
+//! Keys and mouse to commands.
 
+use super::registry;
+use crate::state::State;
 use crate::state::command::Command;
-use crate::state::update::middle;
-use crate::state::{Overlay, PromptKind, State};
-use egui::{Key, KeyboardShortcut, Modifiers};
-use raycast_core::camera::Projection;
+use egui::Key;
 use raycast_core::math;
-use raycast_core::shade::Mode;
 
 /// Degrees that a point of dragging turns.
 pub const DEGREES_PER_POINT: f64 = 0.4;
 
-/// Modes in the order of their keys, 1 to 9, and what a person calls each.
-pub const MODES: [(Mode, &str, &str); 9] = [
-    (Mode::Color, "Colors", "The triangles' own colors, unlit"),
-    (Mode::Flat, "Flat", "Lit, one brightness a triangle"),
-    (
-        Mode::Smooth,
-        "Smooth",
-        "Lit, with the mesh's own normals where it has them",
-    ),
-    (
-        Mode::Normals,
-        "Normals",
-        "Directions of the surface: x red, y green, z blue",
-    ),
-    (Mode::Depth, "Depth", "Distance: near is light, far is dark"),
-    (
-        Mode::Barycentric,
-        "Barycentric",
-        "The weights of a triangle's corners as red, green, blue",
-    ),
-    (Mode::Uv, "UV", "Texture coordinates as red and green"),
-    (Mode::Texture, "Texture", "The texture, unlit"),
-    (
-        Mode::Wireframe,
-        "Lines only",
-        "Edges alone; what is hidden is left out",
-    ),
-];
-
-/// What a key does, as the help says it.
-pub struct KeyHelp {
-    /// The key.
-    pub key: &'static str,
-    /// What it does.
+/// A gesture of the mouse, and what it does.
+pub struct Gesture {
+    /// What the hand does.
+    pub gesture: &'static str,
+    /// What comes of it.
     pub does: &'static str,
 }
 
-const fn help(key: &'static str, does: &'static str) -> KeyHelp {
-    KeyHelp { key, does }
+const fn gesture(gesture: &'static str, does: &'static str) -> Gesture {
+    Gesture { gesture, does }
 }
 
 /// Gestures of the mouse.
-pub const GESTURES: &[KeyHelp] = &[
-    help("Left drag", "Orbit about the pivot"),
-    help(
+pub const GESTURES: &[Gesture] = &[
+    gesture("Left drag", "Orbit about the pivot"),
+    gesture(
         "Right, middle or Shift+left drag",
         "Pan: the point follows the cursor",
     ),
-    help("Wheel", "Zoom to the cursor"),
-    help("Double-click", "Set the pivot, and bring it to the middle"),
-    help("Drop a file", "Open it"),
-    help("Hover", "Object, triangle and distance under the cursor"),
-];
-
-/// All keys.
-pub const KEYS: &[KeyHelp] = &[
-    help("F", "Fit the scene"),
-    help("R", "Reset the view"),
-    help(
-        "1 … 9",
-        "Colors, flat, smooth, normals, depth, barycentric, UV, texture, lines",
+    gesture("Wheel", "Zoom to the cursor"),
+    gesture("Hover", "Object, triangle and distance under the cursor"),
+    gesture(
+        "Click",
+        "Keep what is under the cursor to be read and copied",
     ),
-    help("W", "Wireframe over the mode"),
-    help("T", "Tile borders"),
-    help("O", "Perspective or orthographic"),
-    help("+   −", "Halve or double the step"),
-    help("Arrows", "Orbit by 5°"),
-    help("P", "Show or hide the panel"),
-    help("S, Ctrl+S", "Save the picture"),
-    help("Ctrl+O", "Open a file"),
-    help("F1, ?", "These keys"),
-    help("Esc", "Close keys, path line or error"),
+    gesture("Double-click", "Set the pivot, and bring it to the middle"),
+    gesture("Drop files", "Open them; with Shift, add them"),
 ];
 
-/// The commands of the keys pressed in this frame. Empty while a person types into a field.
+/// The commands of the keys pressed in this frame.
 pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
-    let mut commands = Vec::new();
-    let typing = context.text_edit_focused();
-    context.input_mut(|input| {
-        let mut shortcut = |modifiers, key, command: Command| {
-            if input.consume_shortcut(&KeyboardShortcut::new(modifiers, key)) {
-                commands.push(command);
-            }
-        };
-        shortcut(Modifiers::COMMAND, Key::O, Command::Ask(PromptKind::Open));
-        shortcut(Modifiers::COMMAND, Key::S, Command::Ask(PromptKind::Save));
-        shortcut(Modifiers::NONE, Key::F1, Command::ToggleHelp);
-        if !typing {
-            shortcut(Modifiers::NONE, Key::Escape, Command::Dismiss);
-        }
-        if typing {
-            return;
-        }
+    // A field may be about to get the keyboard: its letters are no keys already.
+    let in_text = context.text_edit_focused();
+    let typing = in_text || state.is_typing();
+    // Arrows go from one control to another once one has the keyboard.
+    let is_in_controls = context.memory(|memory| memory.focused().is_some());
+    let in_menu = egui::Popup::is_any_open(context);
+    let is_asked = state.question.is_some() || state.replacing.is_some();
+    context.input(|input| {
+        let mut commands = Vec::new();
         for event in &input.events {
-            if let egui::Event::Key {
+            let egui::Event::Key {
                 key,
+                physical_key,
                 pressed: true,
                 modifiers,
                 ..
-            } = event
-                && !modifiers.command
-                && !modifiers.alt
-                && let Some(command) = key_command(*key, state)
-            {
-                commands.push(command);
+            } = *event
+            else {
+                continue;
+            };
+            if key == Key::Escape {
+                // A number that is being typed has its own use for it, and so has a menu.
+                if (!in_text || state.is_typing()) && !in_menu {
+                    commands.push(Command::Dismiss);
+                }
+                continue;
             }
+            let is_arrow = matches!(
+                key,
+                Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown
+            );
+            if is_asked || (is_arrow && is_in_controls && !modifiers.alt) {
+                continue;
+            }
+            let of = |key| registry::pressed(state, typing, key, modifiers);
+            // Where digits are on the second level, as in France, the key counts, not what it types.
+            let digit = physical_key.filter(|key| DIGITS.contains(key));
+            commands.extend(of(key).or_else(|| digit.and_then(of)));
         }
-    });
-    commands
-}
-
-/// What a key without Ctrl or Alt asks for.
-pub fn key_command(key: Key, state: &State) -> Option<Command> {
-    const DIGITS: [Key; 9] = [
-        Key::Num1,
-        Key::Num2,
-        Key::Num3,
-        Key::Num4,
-        Key::Num5,
-        Key::Num6,
-        Key::Num7,
-        Key::Num8,
-        Key::Num9,
-    ];
-    let turn = |yaw, pitch| Command::Orbit { yaw, pitch };
-    if let Some(index) = DIGITS.iter().position(|&digit| digit == key) {
-        return Some(Command::SetMode(MODES[index].0));
-    }
-    Some(match key {
-        Key::F => Command::Fit,
-        Key::R => Command::ResetView,
-        Key::W => Command::SetWireframe(state.settings.shading.wireframe.is_none()),
-        Key::T => {
-            let Overlay { borders, .. } = state.overlay;
-            Command::SetBorders(!borders)
-        }
-        Key::O => Command::SetProjection(other(state.projection)),
-        Key::P => Command::TogglePanel,
-        Key::S => Command::Ask(PromptKind::Save),
-        Key::Plus | Key::Equals => Command::ScaleStep(0.5),
-        Key::Minus => Command::ScaleStep(2.0),
-        Key::Questionmark => Command::ToggleHelp,
-        Key::PageUp => Command::Zoom {
-            at: middle(state),
-            factor: 0.8,
-        },
-        Key::PageDown => Command::Zoom {
-            at: middle(state),
-            factor: 1.25,
-        },
-        Key::ArrowLeft => turn(-5.0, 0.0),
-        Key::ArrowRight => turn(5.0, 0.0),
-        Key::ArrowUp => turn(0.0, 5.0),
-        Key::ArrowDown => turn(0.0, -5.0),
-        _ => return None,
+        commands
     })
 }
 
-fn other(projection: Projection) -> Projection {
-    match projection {
-        Projection::Perspective => Projection::Orthographic,
-        Projection::Orthographic => Projection::Perspective,
-    }
-}
+const DIGITS: [Key; 10] = [
+    Key::Num0,
+    Key::Num1,
+    Key::Num2,
+    Key::Num3,
+    Key::Num4,
+    Key::Num5,
+    Key::Num6,
+    Key::Num7,
+    Key::Num8,
+    Key::Num9,
+];
 
 /// How much nearer a wheel's turn brings the eye: the new distance over the old.
 pub fn wheel_factor(unit: egui::MouseWheelUnit, delta: f32) -> f64 {
@@ -222,6 +142,16 @@ pub fn mouse(
             });
         }
     }
+    if response.clicked_by(Primary)
+        && !response.double_clicked_by(Primary)
+        && let Some(position) = response.interact_pointer_pos()
+    {
+        // The pixel's own ray goes through its centre: what is told is what is drawn.
+        let (x, y) = at(position);
+        commands.push(Command::Pin {
+            at: (x.floor() + 0.5, y.floor() + 0.5),
+        });
+    }
     if response.double_clicked_by(Primary)
         && let Some(position) = response.interact_pointer_pos()
     {
@@ -254,34 +184,6 @@ pub fn mouse(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn digits_are_the_modes_in_order() {
-        let state = State::default();
-        assert_eq!(
-            key_command(Key::Num1, &state),
-            Some(Command::SetMode(Mode::Color))
-        );
-        assert_eq!(
-            key_command(Key::Num9, &state),
-            Some(Command::SetMode(Mode::Wireframe))
-        );
-        assert_eq!(key_command(Key::Num0, &state), None);
-    }
-
-    #[test]
-    fn keys_toggle() {
-        let mut state = State::default();
-        assert_eq!(
-            key_command(Key::W, &state),
-            Some(Command::SetWireframe(true))
-        );
-        state.settings.shading.wireframe = Some(Default::default());
-        assert_eq!(
-            key_command(Key::W, &state),
-            Some(Command::SetWireframe(false))
-        );
-    }
 
     #[test]
     fn the_wheel_is_symmetric() {

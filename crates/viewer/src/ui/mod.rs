@@ -4,5 +4,7 @@ pub mod canvas;
 #[allow(clippy::disallowed_methods, reason = "numbers are shown to few digits")]
 pub mod format;
 pub mod input;
+pub mod modes;
 pub mod present;
+pub mod registry;
 pub mod theme;

@@ -1,16 +1,19 @@
-//! Reading scenes and textures, writing pictures, asking for paths: a named thread for each task.
+//! Reading scenes and textures, building trees, writing pictures and scenes, asking for paths: a named thread
+//! for each task.
 
-use super::{Wake, case, demo, panic_text};
+use super::{Wake, case, demo, neighbors, panic_text};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::state::Document;
-use crate::state::PromptKind;
-use crate::state::update::{DialogAnswer, Loaded, News};
+use crate::state::document::{Document, Tree};
+use crate::state::effect::Keep;
+use crate::state::news::{DialogAnswer, Loaded, News};
+use crate::state::{PromptKind, Replacing};
 use crate::{memory, setup};
 use raycast_core::camera::Grid;
 use raycast_core::formats::{self, Budget, Limits, SceneFile};
 use raycast_core::picture::{Format, Recipe};
 use raycast_core::render::{Cancel, View};
+use raycast_core::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -33,6 +36,8 @@ pub struct Activity {
     pub label: String,
     /// The share that is done, where that is known.
     pub share: Option<f32>,
+    /// Whether it can be let go.
+    pub can_cancel: bool,
 }
 
 /// The file tasks of a window.
@@ -50,6 +55,9 @@ struct Shared {
     documents: AtomicU64,
     loads: Mutex<Vec<(u64, String, Arc<Progress>)>>,
     saves: AtomicU32,
+    newest_tree: AtomicU64,
+    building: AtomicU32,
+    building_turn: Mutex<()>,
     /// Every file that was opened: no picture is written over one.
     opened: Mutex<Vec<PathBuf>>,
 }
@@ -93,6 +101,9 @@ impl Files {
                 documents: AtomicU64::new(0),
                 loads: Mutex::default(),
                 saves: AtomicU32::new(0),
+                newest_tree: AtomicU64::new(0),
+                building: AtomicU32::new(0),
+                building_turn: Mutex::new(()),
                 opened: Mutex::default(),
             }),
             news,
@@ -120,24 +131,35 @@ impl Files {
         Box::new(move |message| shared.tell(ANY, News::Failed(message)))
     }
 
-    /// What is under way, newest load first.
+    /// What is under way: the newest load, unless it was let go, else a tree, else saving.
     pub fn activity(&self) -> Option<Activity> {
+        let newest = self.shared.newest_load.load(Ordering::Relaxed);
         let loads = lock(&self.shared.loads);
-        if let Some((_, name, progress)) = loads.last() {
-            return Some(match progress.stage() {
-                Stage::Reading(share) => Activity {
-                    label: format!("Reading {name}"),
-                    share: (share > 0.0).then_some(share),
-                },
-                Stage::Building => Activity {
-                    label: format!("Building the tree of {name}"),
-                    share: None,
-                },
+        if let Some((_, name, progress)) = loads.iter().find(|(load, ..)| *load == newest) {
+            let (label, share) = match progress.stage() {
+                Stage::Reading(share) => {
+                    (format!("Reading {name}"), (share > 0.0).then_some(share))
+                }
+                Stage::Building => (format!("Building the tree of {name}"), None),
+            };
+            return Some(Activity {
+                label,
+                share,
+                can_cancel: true,
             });
         }
-        (self.shared.saves.load(Ordering::Relaxed) > 0).then(|| Activity {
-            label: "Saving the picture".to_owned(),
+        let is_any = |count: &AtomicU32| count.load(Ordering::Relaxed) > 0;
+        let label = if is_any(&self.shared.building) {
+            "Building the tree"
+        } else if is_any(&self.shared.saves) {
+            "Saving"
+        } else {
+            return None;
+        };
+        Some(Activity {
+            label: label.to_owned(),
             share: None,
+            can_cancel: false,
         })
     }
 
@@ -146,38 +168,85 @@ impl Files {
         lock(&self.shared.opened).clone()
     }
 
-    /// Reads files as one scene; the demo scene if there are none. The newest call wins.
-    pub fn open(&self, paths: Vec<PathBuf>) {
+    /// Reads files as one scene; the demo scene if there are none. The newest load wins.
+    pub fn open(&self, paths: Vec<PathBuf>, keep: Keep) {
         let limits = self.limits;
-        self.load(scene_name(&paths), paths, move |paths, share| {
-            read(paths, limits, share)
+        let name = scene_name(&paths);
+        self.load(name, move |load| load.document(paths, limits, keep));
+    }
+
+    /// Reads the file that comes `step` files behind `path` in its folder, in place of that.
+    pub fn open_neighbor(&self, path: PathBuf, step: i32) {
+        let limits = self.limits;
+        let name = "the next file".to_owned();
+        self.load(name, move |load| {
+            let path = neighbors::neighbor(&path, step, DIALOG_ENDINGS)?;
+            load.rename(scene_name(std::slice::from_ref(&path)));
+            load.document(vec![path], limits, Keep::Look)
         });
     }
 
-    /// Puts up the hard case of this name as a scene. The newest call of this or [`Files::open`] wins.
+    /// Reads files to put beside what is open.
+    pub fn add(&self, paths: Vec<PathBuf>) {
+        let limits = self.limits;
+        self.load(scene_name(&paths), move |load| load.objects(paths, limits));
+    }
+
+    /// Puts up the hard case of this name as a scene.
     pub fn open_case(&self, name: &'static str) {
-        self.load(name.replace('_', " "), Vec::new(), move |_, _| {
-            case::scene(name).ok_or_else(|| format!("{name}: there is no such case"))
+        self.load(name.replace('_', " "), move |load| {
+            let file = case::scene(name).ok_or_else(|| format!("{name}: there is no such case"))?;
+            let loaded = load.finish(file, Vec::new(), Duration::ZERO)?;
+            Ok(News::Loaded(Box::new(loaded)))
         });
+    }
+
+    /// Lets what is being read go: nothing more is heard of it, and it ends before its tree is built.
+    pub fn cancel_load(&self) {
+        self.shared.newest_load.fetch_add(1, Ordering::Relaxed);
     }
 
     fn load(
         &self,
         name: String,
-        paths: Vec<PathBuf>,
-        read: impl FnOnce(&[PathBuf], &(dyn Fn(f32) + Sync)) -> Result<SceneFile, String>
-        + Send
-        + 'static,
+        read: impl FnOnce(&Load<'_>) -> Result<News, String> + Send + 'static,
     ) {
         let ticket = self.shared.newest_load.fetch_add(1, Ordering::Relaxed) + 1;
         let progress = Arc::new(Progress::default());
         lock(&self.shared.loads).push((ticket, name.clone(), Arc::clone(&progress)));
         self.shared.spawn("raycast-load", ticket, move |shared| {
-            let read = |share: &(dyn Fn(f32) + Sync)| read(&paths, share);
-            let news = load(&paths, name, read, &progress, shared)
-                .map(|loaded| News::Loaded(Box::new(loaded)));
+            let load = Load {
+                shared,
+                ticket,
+                progress: &progress,
+            };
+            let news = read(&load);
             lock(&shared.loads).retain(|(load, ..)| *load != ticket);
-            news
+            Ok(news.unwrap_or_else(News::NotOpened))
+        });
+    }
+
+    /// Builds the tree over a scene's visible objects. The newest call wins.
+    pub fn build(&self, scene: Arc<Scene>) {
+        let ticket = self.shared.newest_tree.fetch_add(1, Ordering::Relaxed) + 1;
+        self.shared.building.fetch_add(1, Ordering::Relaxed);
+        self.shared.spawn("raycast-tree", ANY, move |shared| {
+            // One at a time: of those that wait only the newest is built.
+            let built = {
+                let _turn = lock(&shared.building_turn);
+                let is_newest = shared.newest_tree.load(Ordering::Relaxed) == ticket;
+                is_newest.then(|| {
+                    let build = || tree(&scene);
+                    std::panic::catch_unwind(std::panic::AssertUnwindSafe(build))
+                })
+            };
+            shared.building.fetch_sub(1, Ordering::Relaxed);
+            match built {
+                None => Ok(News::Nothing),
+                Some(Ok(Ok(tree))) => Ok(News::Built(scene, tree)),
+                Some(Ok(Err(failure))) => Err(failure.to_string()),
+                Some(Err(panic)) => Err(panic_text(&*panic)),
+            }
         });
     }
 
@@ -188,7 +257,7 @@ impl Files {
             lock(&shared.opened).push(path.clone());
             let texture = formats::read_texture_within(&path, &budget);
             let texture = texture.map_err(|error| error.to_string())?;
-            Ok(News::Texture(Arc::new(texture)))
+            Ok(News::Texture(Arc::new(texture), path))
         });
     }
 
@@ -202,10 +271,29 @@ impl Files {
             }));
             shared.saves.fetch_sub(1, Ordering::Relaxed);
             match saved.map_err(|panic| panic_text(&*panic))? {
-                Ok(true) => Ok(News::Saved(path)),
-                Ok(false) => Ok(News::Taken(path)),
+                Ok(true) => Ok(News::PictureSaved(path)),
+                Ok(false) => Ok(News::Taken(Replacing { path, scene: false })),
                 Err(failure) => Err(failure.to_string()),
             }
+        });
+    }
+
+    /// Writes a scene file, of this revision of the document; not where a file is there, unless it may
+    /// `replace` that, and over a file that was opened only if that is its `own`.
+    pub fn save_scene(
+        &self,
+        scene: SceneFile,
+        (path, own): (PathBuf, Option<PathBuf>),
+        revision: u64,
+        replace: bool,
+    ) {
+        self.shared.spawn("raycast-save", ANY, move |shared| {
+            let saved = save_scene(&scene, &path, own.as_deref(), replace, shared);
+            Ok(match saved {
+                Ok(true) => News::SceneSaved(path, revision),
+                Ok(false) => News::Taken(Replacing { path, scene: true }),
+                Err(failure) => News::NotSaved(failure.to_string()),
+            })
         });
     }
 
@@ -235,6 +323,7 @@ impl Shared {
         let run = move || {
             let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| task(&shared)));
             let news = match outcome {
+                Ok(Ok(News::Nothing)) => return,
                 Ok(Ok(news)) => news,
                 Ok(Err(message)) => News::Failed(message),
                 Err(panic) => {
@@ -285,78 +374,214 @@ fn scene_name(paths: &[PathBuf]) -> String {
     }
 }
 
-fn load(
-    paths: &[PathBuf],
-    name: String,
-    read: impl FnOnce(&(dyn Fn(f32) + Sync)) -> Result<SceneFile, String>,
-    progress: &Progress,
-    shared: &Shared,
-) -> Result<Loaded, String> {
-    let started = Instant::now();
-    lock(&shared.opened).extend_from_slice(paths);
-    let file = read(&|share| {
-        progress.read(share);
-        (shared.wake)();
-    })?;
-    lock(&shared.opened).extend(file.opened);
-    let load_time = started.elapsed();
-    progress.0.store(BUILDING, Ordering::Relaxed);
-    (shared.wake)();
-    let started = Instant::now();
-    let called = match paths {
-        [] => name.clone(),
-        paths => setup::name_of(paths),
-    };
-    let accel = setup::visible_tree(&called, &file.scene).map_err(|error| error.to_string())?;
-    let build_time = started.elapsed();
-    let dropped: u64 = file
-        .scene
-        .objects
-        .iter()
-        .map(|object| u64::from(object.mesh.dropped().total()))
-        .sum();
-    let mut notes = file.warnings;
-    if dropped > 0 {
-        let plural = if dropped == 1 { "" } else { "s" };
-        notes.push(format!("{dropped} degenerate triangle{plural} left out"));
+/// A load under way, on its thread.
+struct Load<'a> {
+    shared: &'a Shared,
+    ticket: u64,
+    progress: &'a Progress,
+}
+
+/// Files that were read as one, and what was wrong with the others.
+struct ReadFiles {
+    file: SceneFile,
+    paths: Vec<PathBuf>,
+    errors: Vec<String>,
+}
+
+impl Load<'_> {
+    /// Gives it another name.
+    fn rename(&self, name: String) {
+        for (load, called, _) in lock(&self.shared.loads).iter_mut() {
+            if *load == self.ticket {
+                called.clone_from(&name);
+            }
+        }
     }
-    let bounds = setup::bounds(&file.scene, &accel);
-    Ok(Loaded {
-        document: Document {
-            number: shared.documents.fetch_add(1, Ordering::Relaxed) + 1,
-            name,
-            paths: paths.to_vec(),
-            scene: Arc::new(file.scene),
-            edits: 0,
-            accel: Arc::new(accel),
-            bounds,
-            load_time,
-            build_time,
-        },
-        camera: file.camera,
-        samples: file.image.samples,
-        shading: file.shading,
-        notes,
+
+    /// Whether another load, or a person, has put an end to this one.
+    fn is_over(&self) -> bool {
+        self.shared.newest_load.load(Ordering::Relaxed) != self.ticket
+    }
+
+    fn document(&self, paths: Vec<PathBuf>, limits: Limits, keep: Keep) -> Result<News, String> {
+        let started = Instant::now();
+        let read = self.read(paths, limits)?;
+        let mut loaded = self.finish(read.file, read.paths, started.elapsed())?;
+        loaded.keep = keep;
+        loaded.errors = read.errors;
+        Ok(News::Loaded(Box::new(loaded)))
+    }
+
+    fn objects(&self, paths: Vec<PathBuf>, limits: Limits) -> Result<News, String> {
+        let ReadFiles {
+            file,
+            paths,
+            errors,
+        } = self.read(paths, limits)?;
+        Ok(News::Added {
+            objects: file.scene.objects,
+            opened: file.opened,
+            paths,
+            notes: file.warnings,
+            errors,
+        })
+    }
+
+    /// Reads every file that can be read into one scene; camera and settings are the first file's that has
+    /// any. An error where none could be.
+    fn read(&self, paths: Vec<PathBuf>, limits: Limits) -> Result<ReadFiles, String> {
+        lock(&self.shared.opened).extend_from_slice(&paths);
+        let (mut file, mut read, mut errors) = (SceneFile::default(), Vec::new(), Vec::new());
+        if paths.is_empty() {
+            file = demo::scene().map_err(|error| error.to_string())?;
+        }
+        let budget = Budget::new(limits);
+        let count = paths.len();
+        for (index, path) in paths.into_iter().enumerate() {
+            if self.is_over() {
+                return Err("it was let go".to_owned());
+            }
+            let share = |share: f32| {
+                self.progress.read((index as f32 + share) / count as f32);
+                (self.shared.wake)();
+            };
+            match formats::read_scene_within(&path, &budget, &share) {
+                Ok(next) => {
+                    file.append(next);
+                    read.push(path);
+                }
+                Err(error) => errors.push(error.to_string()),
+            }
+        }
+        lock(&self.shared.opened).extend(file.opened.iter().cloned());
+        if read.is_empty() && count > 0 {
+            // Each message stands for itself: all but the last are told at once.
+            let last = errors.pop().unwrap_or_default();
+            for error in errors {
+                self.shared.tell(self.ticket, News::Failed(error));
+            }
+            return Err(last);
+        }
+        Ok(ReadFiles {
+            file,
+            paths: read,
+            errors,
+        })
+    }
+
+    /// Builds the tree of what was read.
+    fn finish(
+        &self,
+        file: SceneFile,
+        paths: Vec<PathBuf>,
+        load_time: Duration,
+    ) -> Result<Loaded, String> {
+        if self.is_over() {
+            return Err("it was let go".to_owned());
+        }
+        self.progress.0.store(BUILDING, Ordering::Relaxed);
+        (self.shared.wake)();
+        let started = Instant::now();
+        let name = match &paths[..] {
+            [] => self.name(),
+            paths => scene_name(paths),
+        };
+        let called = match &paths[..] {
+            [] => name.clone(),
+            paths => setup::name_of(paths),
+        };
+        let scene = Arc::new(file.scene);
+        let has_hidden = scene.objects.iter().any(|object| !object.visible);
+        let accel = match has_hidden {
+            // It may be that nothing is to be seen, on purpose.
+            true => setup::tree(&scene),
+            false => setup::visible_tree(&called, &scene),
+        };
+        let accel = accel.map_err(|error| error.to_string())?;
+        let build_time = started.elapsed();
+        let objects = scene.objects.iter();
+        let dropped: u64 = objects.map(|o| u64::from(o.mesh.dropped().total())).sum();
+        let mut notes = file.warnings;
+        if dropped > 0 {
+            let plural = if dropped == 1 { "" } else { "s" };
+            notes.push(format!("{dropped} degenerate triangle{plural} left out"));
+        }
+        let is_scene = |path: &&PathBuf| {
+            let name = path.to_string_lossy().to_ascii_lowercase();
+            name.ends_with(".toml")
+        };
+        let own = match &paths[..] {
+            [path] => Some(path).filter(is_scene).cloned(),
+            _ => None,
+        };
+        Ok(Loaded {
+            document: Document {
+                number: self.shared.documents.fetch_add(1, Ordering::Relaxed) + 1,
+                name,
+                paths,
+                opened: file.opened,
+                file: own,
+                bounds: setup::bounds(&scene, &accel),
+                read: Arc::clone(&scene),
+                built: Arc::clone(&scene),
+                scene,
+                edits: 0,
+                accel: Arc::new(accel),
+                load_time,
+                build_time,
+            },
+            keep: Keep::Nothing,
+            camera: file.camera,
+            samples: file.image.samples,
+            shading: file.shading,
+            notes,
+            errors: Vec::new(),
+        })
+    }
+
+    fn name(&self) -> String {
+        let loads = lock(&self.shared.loads);
+        let own = loads.iter().find(|(load, ..)| *load == self.ticket);
+        own.map_or_else(String::new, |(_, name, _)| name.clone())
+    }
+}
+
+/// The tree over a scene, and the box around what can be seen of it.
+fn tree(scene: &Scene) -> Result<Tree, Failure> {
+    let started = Instant::now();
+    let accel = setup::tree(scene)?;
+    Ok(Tree {
+        bounds: setup::bounds(scene, &accel),
+        accel: Arc::new(accel),
+        build_time: started.elapsed(),
     })
 }
 
-/// Reads every file into one scene; camera and settings are the first file's that has any.
-fn read(
-    paths: &[PathBuf],
-    limits: Limits,
-    progress: &(dyn Fn(f32) + Sync),
-) -> Result<SceneFile, String> {
-    if paths.is_empty() {
-        return demo::scene().map_err(|error| error.to_string());
+/// Whether the scene was written: not where a file is there that it may not replace.
+fn save_scene(
+    scene: &SceneFile,
+    path: &Path,
+    own: Option<&Path>,
+    replace: bool,
+    shared: &Shared,
+) -> Result<bool, Failure> {
+    let output = Output::at(path, &[])?;
+    let is_own = own.is_some_and(|own| output.check_against([own]).is_err());
+    if !is_own {
+        output.check_against(lock(&shared.opened).clone())?;
+        if output.is_taken() && !replace {
+            return Ok(false);
+        }
     }
-    let budget = Budget::new(limits);
-    let mut whole = SceneFile::default();
-    for (index, path) in paths.iter().enumerate() {
-        let share = |share: f32| progress((index as f32 + share) / paths.len() as f32);
-        let file = formats::read_scene_within(path, &budget, &share);
-        whole.append(file.map_err(|error| error.to_string())?);
-    }
-    Ok(whole)
+    let folder = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let folder = folder.parent().unwrap_or(Path::new("."));
+    let text = scene
+        .to_toml(folder)
+        .map_err(|error| Failure::could_not(error.to_string()))?;
+    output.write(text.as_bytes())?.finish()?;
+    // Nothing else is to be written over it, as over anything that is open.
+    lock(&shared.opened).push(path.to_owned());
+    Ok(true)
 }
 
 /// Whether the picture was written: not where a file is there that it may not replace.
@@ -395,33 +620,41 @@ fn save(saving: Saving, path: &Path, replace: bool, shared: &Shared) -> Result<b
     Ok(true)
 }
 
+/// Endings of the files that can be opened.
+const DIALOG_ENDINGS: &[&str] = &[
+    "obj", "gltf", "glb", "ply", "stl", "off", "3mf", "txt", "tri", "toml", "gz", "zst",
+];
+
 fn dialog(kind: PromptKind, suggested: &str) -> DialogAnswer {
     let dialog = rfd::FileDialog::new();
     let started = Instant::now();
-    let path = match kind {
-        PromptKind::Open => dialog
-            .set_title("Open a mesh or a scene")
-            .add_filter(
-                "Meshes and scenes",
-                &[
-                    "obj", "gltf", "glb", "ply", "stl", "off", "3mf", "txt", "tri", "toml", "gz",
-                    "zst",
-                ],
-            )
-            .add_filter("All files", &["*"])
-            .pick_file(),
-        PromptKind::Texture => dialog
+    let files = |title| {
+        let dialog = rfd::FileDialog::new()
+            .set_title(title)
+            .add_filter("Meshes and scenes", DIALOG_ENDINGS)
+            .add_filter("All files", &["*"]);
+        dialog.pick_files()
+    };
+    let one = |path: Option<PathBuf>| path.map(|path| vec![path]);
+    let paths = match kind {
+        PromptKind::Open => files("Open meshes or a scene"),
+        PromptKind::Add => files("Add meshes or a scene"),
+        PromptKind::Texture => one(dialog
             .set_title("Open a texture")
             .add_filter("Images", &["png", "jpg", "jpeg", "ppm"])
             .add_filter("All files", &["*"])
-            .pick_file(),
-        PromptKind::Save => dialog
+            .pick_file()),
+        PromptKind::Picture => one(dialog
             .set_title("Save the picture")
             .set_file_name(suggested)
-            .save_file(),
+            .save_file()),
+        PromptKind::Scene => one(dialog
+            .set_title("Save the scene")
+            .set_file_name(suggested)
+            .save_file()),
     };
-    match path {
-        Some(path) => DialogAnswer::Path(path),
+    match paths {
+        Some(paths) => DialogAnswer::Paths(paths),
         // Nobody closes a dialog this soon: it never came up.
         None if started.elapsed() < Duration::from_millis(700) => DialogAnswer::Unavailable,
         None => DialogAnswer::Cancelled,
@@ -464,6 +697,88 @@ mod tests {
     }
 
     #[test]
+    fn good_files_open_beside_bad_ones_which_are_told() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let write = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, text).expect("written");
+            path
+        };
+        let good = write("good.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        let bad = write("bad.obj", "v 0 0 x\n");
+        let files = files();
+        files.open(vec![bad.clone(), good.clone()], Keep::Nothing);
+        let News::Loaded(loaded) = wait(&files) else {
+            panic!("the good one opens");
+        };
+        assert_eq!(loaded.document.scene.objects.len(), 1);
+        assert_eq!(loaded.document.paths, std::slice::from_ref(&good));
+        assert!(loaded.errors.len() == 1 && loaded.errors[0].contains("bad.obj:1"));
+        assert_eq!(files.activity(), None);
+
+        files.open(vec![bad.clone()], Keep::Nothing);
+        assert!(matches!(wait(&files), News::NotOpened(text) if text.contains("bad.obj:1")));
+        files.add(vec![good, bad]);
+        assert!(matches!(
+            wait(&files),
+            News::Added { objects, errors, .. } if objects.len() == 1 && errors.len() == 1
+        ));
+    }
+
+    #[test]
+    fn nothing_is_heard_of_a_load_that_was_let_go() {
+        let files = files();
+        files.open(Vec::new(), Keep::Nothing);
+        files.cancel_load();
+        assert_eq!(files.activity(), None, "its bar goes at once");
+        // It ends by itself.
+        while !lock(&files.shared.loads).is_empty() {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        std::thread::sleep(Duration::from_millis(20));
+        assert!(files.fetch().is_empty());
+    }
+
+    #[test]
+    fn a_scene_is_saved_over_itself_and_over_no_other_open_file() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let mesh = folder.path().join("mesh.obj");
+        std::fs::write(&mesh, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("written");
+        let files = files();
+        files.open(vec![mesh.clone()], Keep::Nothing);
+        let News::Loaded(loaded) = wait(&files) else {
+            panic!("it is a good mesh");
+        };
+        let mut scene = SceneFile {
+            scene: loaded.document.scene.as_ref().clone(),
+            ..SceneFile::default()
+        };
+        scene.scene.objects[0].visible = false;
+        let path = folder.path().join("scene.raycast.toml");
+        let save = |to: &Path, own: Option<&Path>, replace| {
+            let paths = (to.to_owned(), own.map(Path::to_owned));
+            files.save_scene(scene.clone(), paths, 7, replace);
+            wait(&files)
+        };
+        assert!(matches!(save(&path, None, false), News::SceneSaved(_, 7)));
+        let read = formats::read_scene(&path, &|_| ()).expect("a scene");
+        assert!(!read.scene.objects[0].visible && read.scene.objects[0].name == "mesh");
+
+        assert!(matches!(
+            save(&path, Some(&path), false),
+            News::SceneSaved(..)
+        ));
+        for own in [None, Some(path.as_path())] {
+            assert!(matches!(save(&mesh, own, true), News::NotSaved(_)));
+        }
+        assert!(std::fs::read(&mesh).expect("the mesh").starts_with(b"v 0"));
+        let other = folder.path().join("other.toml");
+        std::fs::write(&other, "a letter").expect("written");
+        assert!(matches!(save(&other, None, false), News::Taken(there) if there.scene));
+        assert!(matches!(save(&other, None, true), News::SceneSaved(..)));
+    }
+
+    #[test]
     fn names_of_scenes() {
         assert_eq!(scene_name(&[]), "Demo scene");
         assert_eq!(scene_name(&["a/b.obj".into()]), "b.obj");
@@ -500,12 +815,12 @@ mod tests {
             files.save(picture(), path.clone(), replace);
             wait(&files)
         };
-        assert!(matches!(save(false), News::Saved(_)));
+        assert!(matches!(save(false), News::PictureSaved(_)));
         let whole = std::fs::read(&path).expect("a picture");
         std::fs::write(&path, "a letter").expect("written");
-        assert!(matches!(save(false), News::Taken(there) if there == path));
+        assert!(matches!(save(false), News::Taken(there) if there.path == path));
         assert_eq!(std::fs::read(&path).expect("a file"), b"a letter");
-        assert!(matches!(save(true), News::Saved(_)));
+        assert!(matches!(save(true), News::PictureSaved(_)));
         assert!(std::fs::read(&path).expect("a picture") == whole);
         assert_eq!(files.activity(), None);
     }
@@ -517,7 +832,7 @@ mod tests {
         std::fs::write(&path, "P3\n1 1\n255\n1 2 3\n").expect("written");
         let files = files();
         files.load_texture(path.clone());
-        assert!(matches!(wait(&files), News::Texture(_)));
+        assert!(matches!(wait(&files), News::Texture(..)));
         files.save(picture(), path.clone(), true);
         assert!(matches!(wait(&files), News::Failed(text) if text.contains("skin.png")));
         assert!(std::fs::read(&path).expect("a file").starts_with(b"P3"));

@@ -4,6 +4,7 @@
 
 use raycast_core::render::Cancel;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 /// The newest request, and the one that runs.
 #[derive(Debug)]
@@ -72,6 +73,15 @@ impl<T> Mailbox<T> {
         }
     }
 
+    /// Waits for so long; whether nothing was asked for meanwhile.
+    pub fn is_quiet_for(&self, time: Duration) -> bool {
+        let slot = self.lock();
+        let goes_on = |slot: &mut Slot<T>| !slot.closed && slot.waiting.is_none();
+        let waited = self.bell.wait_timeout_while(slot, time, goes_on);
+        let (mut slot, timeout) = waited.unwrap_or_else(PoisonError::into_inner);
+        timeout.timed_out() && goes_on(&mut slot)
+    }
+
     /// Ends everything.
     pub fn close(&self) {
         let mut slot = self.lock();
@@ -119,6 +129,17 @@ mod tests {
         assert!(!second.is_cancelled(), "nothing waits");
         mailbox.post('c');
         assert!(second.is_cancelled());
+    }
+
+    #[test]
+    fn quiet_ends_with_a_request() {
+        let mailbox = Mailbox::default();
+        assert!(mailbox.is_quiet_for(Duration::from_millis(1)));
+        mailbox.post(());
+        assert!(!mailbox.is_quiet_for(Duration::from_secs(60)));
+        assert!(mailbox.take().is_some());
+        mailbox.close();
+        assert!(!mailbox.is_quiet_for(Duration::from_secs(60)));
     }
 
     #[test]

@@ -1,16 +1,18 @@
 //! Loading, building and rendering, away from the window's thread.
 //!
 //! Each worker is a named thread. What it makes it sends as owned values: tiles through
-//! [`outbox::Outbox`], scenes, textures and messages as [`News`](crate::state::update::News).
+//! [`outbox::Outbox`], scenes, textures and messages as [`News`](crate::state::news::News).
 
 pub mod case;
 pub mod demo;
 pub mod files;
 pub mod mailbox;
+mod neighbors;
 pub mod outbox;
 pub mod pace;
 mod priority;
 pub mod render;
+pub mod watch;
 
 use std::sync::Arc;
 use std::time::Duration;

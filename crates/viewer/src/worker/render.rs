@@ -6,7 +6,7 @@ use super::pace::Pace;
 use super::priority;
 use super::{Clock, Wake};
 use raycast_core::camera::Grid;
-use raycast_core::render::{Cancel, Pass, Tile, TileStats, View};
+use raycast_core::render::{Cancel, Pass, Passes, Tile, TileStats, View};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -20,11 +20,17 @@ pub struct Request {
     pub document: u64,
     /// The picture.
     pub view: View,
+    /// Rays a pixel once nothing has been asked for during [`REST`]; no more than the view has, for none.
+    pub rest_samples: u32,
     /// Its tiles.
     pub grid: Grid,
     /// Threads to make it with.
     pub threads: usize,
 }
+
+/// How long nothing must be asked for until a picture gets more samples by itself: a hand that moves on does
+/// not find the cores busy.
+const REST: Duration = Duration::from_millis(200);
 
 /// The render thread, as the window sees it.
 #[derive(Debug)]
@@ -140,13 +146,27 @@ impl Worker {
             .begin(generation, Arc::clone(&layout), background, now);
         let sink = |pass, tile| self.take_in(&sum, pass, tile);
         let view = &request.view;
-        let render =
-            || view.render_progressively(&layout.tiles, &passes, &*self.clock, cancel, &sink);
+        let passes_of = |passes: &[Pass]| {
+            let render =
+                || view.render_progressively(&layout.tiles, passes, &*self.clock, cancel, &sink);
+            match &self.pool {
+                Some((_, pool)) => pool.install(render),
+                None => render(),
+            }
+        };
+        let at_rest = Passes::plan(1, request.rest_samples).split_off(1);
+        let render = || {
+            passes_of(&passes)
+                && (request.rest_samples <= view.settings.samples
+                    || (self.mailbox.is_quiet_for(REST) && {
+                        let mut sum = sum.lock().unwrap_or_else(PoisonError::into_inner);
+                        sum.pass_started = (self.clock)();
+                        drop(sum);
+                        passes_of(&at_rest)
+                    }))
+        };
         // A fault in the core must not end the session: it is told, and the window goes on.
-        let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| match &self.pool {
-            Some((_, pool)) => pool.install(render),
-            None => render(),
-        }));
+        let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(render));
         let sum = sum.into_inner().unwrap_or_else(PoisonError::into_inner);
         for report in sum.reports {
             self.pace.learn(report.pass, report.stats.rays, report.time);

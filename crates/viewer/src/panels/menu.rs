@@ -1,0 +1,67 @@
+//! The menu bar: the registry, menu by menu.
+
+use super::Commands;
+use super::widgets::item;
+use crate::state::State;
+use crate::state::command::Command;
+use crate::ui::registry::{ACTIONS, Menu};
+use egui::{Button, MenuBar, Ui};
+use raycast_report::cases::{self, Theme};
+
+/// Shows it.
+pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
+    MenuBar::new().ui(ui, |ui| {
+        for menu in Menu::ALL {
+            ui.menu_button(menu.name(), |ui| {
+                ui.set_min_width(190.0);
+                for action in ACTIONS.iter().filter(|action| action.menu == menu) {
+                    if action.is_first_of_group {
+                        ui.separator();
+                    }
+                    item(ui, state, action, out);
+                    match action.id {
+                        "file.add" => recent(ui, state, out),
+                        "file.watch" => hard_cases(ui, out),
+                        _ => {}
+                    }
+                }
+            });
+        }
+    });
+}
+
+/// Files that were opened before.
+fn recent(ui: &mut Ui, state: &State, out: &mut Commands) {
+    let recent = &state.preferences.recent;
+    ui.add_enabled_ui(!recent.is_empty(), |ui| {
+        ui.menu_button("Open recent", |ui| {
+            for file in recent {
+                let name = file.file_name().unwrap_or(file.as_os_str());
+                let item = ui.add(Button::new(name.to_string_lossy()));
+                if item.on_hover_text(file.display().to_string()).clicked() {
+                    out.push(Command::Open(vec![file.clone()]));
+                    ui.close();
+                }
+            }
+        });
+    });
+}
+
+/// The hard cases, theme by theme.
+fn hard_cases(ui: &mut Ui, out: &mut Commands) {
+    let menu = ui.menu_button("Open hard case", |ui| {
+        for theme in Theme::ALL {
+            ui.menu_button(theme.name(), |ui| {
+                for case in cases::all().iter().filter(|case| case.theme == theme) {
+                    let item = ui.button(case.title()).on_hover_text(case.trouble);
+                    if item.clicked() {
+                        out.push(Command::OpenCase(case.name));
+                        ui.close();
+                    }
+                }
+            });
+        }
+    });
+    menu.response
+        .on_hover_text("Scenes at which known ray casters go wrong");
+}

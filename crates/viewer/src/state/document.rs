@@ -1,0 +1,100 @@
+//! The scene that is open.
+
+use raycast_core::Accel;
+use raycast_core::scene::{Bounds, Scene};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// A scene, and the tree to cast at.
+#[derive(Clone, Debug)]
+pub struct Document {
+    /// Counts scenes opened in this window.
+    pub number: u64,
+    /// What the title shows.
+    pub name: String,
+    /// The files it came from; none for the demo scene.
+    pub paths: Vec<PathBuf>,
+    /// Every file that was read for it.
+    pub opened: Vec<PathBuf>,
+    /// The scene file that it came from or was saved as.
+    pub file: Option<PathBuf>,
+    /// The objects, as a person has them.
+    pub scene: Arc<Scene>,
+    /// The objects as they were read.
+    pub read: Arc<Scene>,
+    /// The objects that the tree is over: the same, or for as long as a new tree is being built the last ones.
+    pub built: Arc<Scene>,
+    /// Counts changes of what `built` and the tree show.
+    pub edits: u64,
+    /// The tree over the visible triangles of `built`.
+    pub accel: Arc<Accel>,
+    /// The box around everything visible, in world space.
+    pub bounds: Bounds,
+    /// How long reading took.
+    pub load_time: Duration,
+    /// How long the tree took.
+    pub build_time: Duration,
+}
+
+impl Document {
+    /// Whether the tree is over the objects as they are.
+    pub fn is_built(&self) -> bool {
+        Arc::ptr_eq(&self.scene, &self.built)
+    }
+
+    /// Takes new objects. Where the tree holds for them they are shown at once; else it must be built
+    /// again (`false`), and what was shown stays until then.
+    pub fn set_scene(&mut self, scene: Arc<Scene>) -> bool {
+        self.scene = scene;
+        let holds = has_same_triangles(&self.scene, &self.built);
+        if holds {
+            self.built = Arc::clone(&self.scene);
+            self.edits += 1;
+        }
+        holds
+    }
+
+    /// Takes the tree over `scene`, unless the objects have changed since it was asked for.
+    pub fn take_tree(&mut self, scene: &Scene, tree: Tree) -> bool {
+        let is_wanted = has_same_triangles(&self.scene, scene);
+        if is_wanted {
+            self.built = Arc::clone(&self.scene);
+            self.edits += 1;
+            self.accel = tree.accel;
+            self.bounds = tree.bounds;
+            self.build_time = tree.build_time;
+        }
+        is_wanted
+    }
+
+    /// Whether every object can be named by a scene file: its mesh came from a file on the disk.
+    pub fn can_be_saved(&self) -> bool {
+        let objects = &self.scene.objects;
+        let is_on_disk = |path: &Option<PathBuf>| path.as_ref().is_some_and(|p| p.is_absolute());
+        !objects.is_empty() && objects.iter().all(|object| is_on_disk(&object.source))
+    }
+}
+
+/// A tree and what comes with it.
+#[derive(Clone, Debug)]
+pub struct Tree {
+    /// The tree over the visible triangles.
+    pub accel: Arc<Accel>,
+    /// The box around them.
+    pub bounds: Bounds,
+    /// How long it took.
+    pub build_time: Duration,
+}
+
+/// Whether two scenes have the same triangles at the same places under the same numbers.
+fn has_same_triangles(a: &Scene, b: &Scene) -> bool {
+    std::ptr::eq(a, b)
+        || a.objects.len() == b.objects.len()
+            && a.objects.iter().zip(&b.objects).all(|(a, b)| {
+                Arc::ptr_eq(&a.mesh, &b.mesh)
+                    && a.transform == b.transform
+                    && a.parent == b.parent
+                    && a.visible == b.visible
+            })
+}

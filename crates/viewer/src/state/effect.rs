@@ -1,0 +1,55 @@
+//! What commands leave to do outside the state: work for other threads, and for the window.
+
+use super::PromptKind;
+use std::path::PathBuf;
+
+/// What stays of what is shown when another scene comes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Keep {
+    /// Nothing: the file's own view and look.
+    #[default]
+    Nothing,
+    /// Mode and lines, and the direction that one looks in.
+    Look,
+    /// Camera and look: it is the same scene once more.
+    All,
+}
+
+/// Work that is left to do.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// Read files as a new scene.
+    Open(Vec<PathBuf>, Keep),
+    /// Read files to put beside what is open.
+    Add(Vec<PathBuf>),
+    /// Read the next file of a folder (1), or the one before (−1), in place of this one.
+    OpenNeighbor(PathBuf, i32),
+    /// Put up a hard case as a new scene.
+    OpenCase(&'static str),
+    /// Let what is being read go.
+    CancelLoad,
+    /// Build the tree over the document's objects.
+    Build,
+    /// Read an image as a texture.
+    LoadTexture(PathBuf),
+    /// Write the picture; in place of what is there only if it may `replace` that.
+    SavePicture {
+        /// Where.
+        path: PathBuf,
+        /// Whether another file may be there.
+        replace: bool,
+    },
+    /// Write the scene, likewise.
+    SaveScene {
+        /// Where.
+        path: PathBuf,
+        /// Whether another file may be there.
+        replace: bool,
+    },
+    /// Show the desktop's own dialog.
+    Dialog(PromptKind),
+    /// Put text on the clipboard.
+    Copy(String),
+    /// Close the window.
+    Close,
+}

@@ -1,0 +1,201 @@
+//! Paths that are asked for, what is opened and saved, and what would be lost by it.
+
+use super::effect::{Effect, Keep};
+use super::{Answer, Pending, Prompt, PromptKind, Replacing, State};
+use raycast_core::picture::Format;
+use std::path::{Path, PathBuf};
+
+/// Opens the path line, and the desktop's dialog.
+pub(super) fn ask(state: &mut State, kind: PromptKind) -> Effect {
+    let text = match kind {
+        PromptKind::Picture | PromptKind::Scene => suggested_name(state, kind),
+        PromptKind::Open | PromptKind::Add | PromptKind::Texture => String::new(),
+    };
+    state.palette = None;
+    state.prompt = Some(Prompt {
+        kind,
+        text,
+        dialog: true,
+    });
+    Effect::Dialog(kind)
+}
+
+/// A name for a file of this kind after the scene's.
+pub fn suggested_name(state: &State, kind: PromptKind) -> String {
+    let name = state
+        .document
+        .as_ref()
+        .map(|document| document.name.as_str());
+    let stem = name.and_then(|name| name.split('.').next());
+    let stem = stem.filter(|stem| !stem.is_empty());
+    match kind {
+        PromptKind::Scene => format!("{}.raycast.toml", stem.unwrap_or("scene")),
+        _ => format!("{}.png", stem.unwrap_or("picture")),
+    }
+}
+
+/// Takes what stands in the path line.
+pub(super) fn confirm(state: &mut State) -> Option<Effect> {
+    let prompt = state.prompt.clone()?;
+    let text = prompt.text.trim();
+    if text.is_empty() {
+        return None;
+    }
+    let path = match text.strip_prefix("~/").zip(std::env::home_dir()) {
+        Some((rest, home)) => home.join(rest),
+        None => PathBuf::from(text),
+    };
+    state.typed = Some(prompt.clone());
+    take(state, prompt.kind, vec![path], false)
+}
+
+/// Does what paths were asked for. The desktop's dialog has `asked` whether a file may be replaced.
+pub(super) fn take(
+    state: &mut State,
+    kind: PromptKind,
+    mut paths: Vec<PathBuf>,
+    asked: bool,
+) -> Option<Effect> {
+    match kind {
+        PromptKind::Open => open(state, paths),
+        PromptKind::Add => add(state, paths),
+        PromptKind::Picture => save_picture(state, paths.pop()?, asked),
+        PromptKind::Scene => save_scene_as(state, paths.pop()?, asked),
+        PromptKind::Texture => {
+            state.prompt = None;
+            Some(Effect::LoadTexture(paths.pop()?))
+        }
+    }
+}
+
+pub(super) fn open(state: &mut State, paths: Vec<PathBuf>) -> Option<Effect> {
+    state.prompt = None;
+    proceed_unless_unsaved(state, Pending::Open(paths))
+}
+
+pub(super) fn add(state: &mut State, paths: Vec<PathBuf>) -> Option<Effect> {
+    if state.document.is_none() {
+        return open(state, paths);
+    }
+    state.prompt = None;
+    Some(Effect::Add(paths))
+}
+
+/// Goes on, or asks first where changes would be lost.
+pub(super) fn proceed_unless_unsaved(state: &mut State, pending: Pending) -> Option<Effect> {
+    if state.has_unsaved() && !(pending == Pending::Reload && keeps_changes(state)) {
+        state.question = Some(pending);
+        return None;
+    }
+    proceed(state, pending)
+}
+
+/// Whether what was changed by hand can be carried over to the same files read again: a scene file says
+/// itself what its objects are like.
+pub(super) fn keeps_changes(state: &State) -> bool {
+    state.document.as_ref().is_some_and(|document| {
+        let counts = [&document.scene, &document.read].map(|scene| scene.objects.len());
+        document.file.is_none() && counts[0] == counts[1]
+    })
+}
+
+/// Goes on, whatever is lost by it.
+pub(super) fn proceed(state: &mut State, pending: Pending) -> Option<Effect> {
+    let document = state.document.as_ref();
+    let paths = || document.map(|document| document.paths.clone());
+    match pending {
+        Pending::Open(paths) => Some(Effect::Open(paths, Keep::Nothing)),
+        Pending::Case(name) => Some(Effect::OpenCase(name)),
+        Pending::Neighbor(step) => Some(Effect::OpenNeighbor(paths()?.first()?.clone(), step)),
+        Pending::Reload => {
+            let paths = paths().filter(|paths| !paths.is_empty())?;
+            Some(Effect::Open(paths, Keep::All))
+        }
+        Pending::Close => Some(Effect::Close),
+    }
+}
+
+/// What a person says about unsaved changes.
+pub(super) fn answer(state: &mut State, answer: Answer) -> Option<Effect> {
+    let pending = state.question.take()?;
+    match answer {
+        Answer::Stay => {
+            state.typed = None;
+            None
+        }
+        Answer::Discard => proceed(state, pending),
+        Answer::Save => {
+            state.after_saving = Some(pending);
+            save_scene(state)
+        }
+    }
+}
+
+/// Saves the scene to the file that it has, or asks for one.
+pub(super) fn save_scene(state: &mut State) -> Option<Effect> {
+    let document = state.document.as_ref()?;
+    if !document.can_be_saved() {
+        state.after_saving = None;
+        let message = if document.scene.objects.is_empty() {
+            "There is no object to save."
+        } else {
+            "This scene cannot be saved: its meshes are in the program, and in no file that a scene file \
+             could name. Open meshes from files (Ctrl+O) to make a scene of them."
+        };
+        state.report(message.to_owned());
+        return None;
+    }
+    match document.file.clone() {
+        Some(path) => Some(Effect::SaveScene {
+            path,
+            replace: true,
+        }),
+        None => Some(ask(state, PromptKind::Scene)),
+    }
+}
+
+/// Saves the scene to a file, which is known to be one by its ending.
+pub(super) fn save_scene_as(state: &mut State, path: PathBuf, replace: bool) -> Option<Effect> {
+    state.prompt = None;
+    state.replacing = None;
+    let mut name = path.into_os_string();
+    if !name
+        .to_string_lossy()
+        .to_ascii_lowercase()
+        .ends_with(".toml")
+    {
+        name.push(".raycast.toml");
+    }
+    Some(Effect::SaveScene {
+        path: name.into(),
+        replace,
+    })
+}
+
+/// Saves the picture; a name that says no kind is told while it can still be changed.
+pub(super) fn save_picture(state: &mut State, path: PathBuf, replace: bool) -> Option<Effect> {
+    if let Err(error) = Format::from_name(&path.to_string_lossy()) {
+        state.report(error.to_string());
+        return None;
+    }
+    state.prompt = None;
+    state.replacing = None;
+    Some(Effect::SavePicture { path, replace })
+}
+
+/// Writes what was to be written in place of what is there.
+pub(super) fn replace(state: &mut State) -> Option<Effect> {
+    let Replacing { path, scene } = state.replacing.take()?;
+    if scene {
+        save_scene_as(state, path, true)
+    } else {
+        save_picture(state, path, true)
+    }
+}
+
+/// Notes that files were opened by a person.
+pub(super) fn remember(state: &mut State, files: &[PathBuf]) {
+    for file in files.iter().rev() {
+        state.preferences.remember(Path::new(file));
+    }
+}

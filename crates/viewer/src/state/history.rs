@@ -1,0 +1,302 @@
+//! What can be undone: the document as it was before each change.
+//!
+//! Nothing large is copied: a step holds the list of objects, whose meshes and textures are shared with the
+//! document as long as that has them. Trees are not held; they are built again where triangles come or go.
+
+use super::Resolution;
+use raycast_core::render::Settings;
+use raycast_core::scene::{Mesh, Object, Scene, Texture};
+use std::collections::HashSet;
+use std::mem::size_of;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// The most bytes that steps may hold besides what the document has itself. The newest step stays, whatever
+/// it takes.
+const MOST_BYTES: usize = 256 << 20;
+/// The most steps.
+const MOST_STEPS: usize = 500;
+/// Changes of one number or one colour that follow this closely are one step.
+const PAUSE: Duration = Duration::from_millis(800);
+
+/// All that undo brings back.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    /// The objects.
+    pub scene: Arc<Scene>,
+    /// Shading and culling.
+    pub settings: Settings,
+    /// Rays a pixel, where a person has set them.
+    pub samples: Option<u32>,
+    /// Columns and rows.
+    pub resolution: Resolution,
+}
+
+impl Snapshot {
+    /// Whether nothing is different; scenes are told apart by their address.
+    pub fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.scene, &other.scene)
+            && self.settings == other.settings
+            && self.samples == other.samples
+            && self.resolution == other.resolution
+    }
+}
+
+/// What tells changes that go on from new ones: the kind of command and the object.
+pub type Kind = (
+    std::mem::Discriminant<super::command::Command>,
+    Option<usize>,
+);
+
+#[derive(Clone, Debug)]
+struct Step {
+    name: &'static str,
+    /// The document on the other side of the step.
+    other: Snapshot,
+    /// The revision on the other side.
+    revision: u64,
+    bytes: usize,
+}
+
+/// Steps to undo and to redo.
+#[derive(Clone, Debug, Default)]
+pub struct History {
+    undo: Vec<Step>,
+    redo: Vec<Step>,
+    /// Revisions count up and are never used twice; undo brings an old one back.
+    revision: u64,
+    newest: u64,
+    saved: u64,
+    last: Option<(Kind, Duration)>,
+}
+
+impl History {
+    /// Notes a change from `before` to `after`. One that goes on (`kind` is given) joins the last.
+    pub fn record(
+        &mut self,
+        name: &'static str,
+        kind: Option<Kind>,
+        (before, after): (Snapshot, &Snapshot),
+        now: Duration,
+    ) {
+        let goes_on = self.last.zip(kind).is_some_and(|((last, when), kind)| {
+            last == kind
+                && now < when + PAUSE
+                && self.redo.is_empty()
+                && self.revision != self.saved
+        });
+        self.last = kind.map(|kind| (kind, now));
+        self.redo.clear();
+        let left = self.revision;
+        self.newest += 1;
+        self.revision = self.newest;
+        if goes_on && !self.undo.is_empty() {
+            return;
+        }
+        self.undo.push(Step {
+            name,
+            bytes: held(&before.scene, &after.scene),
+            other: before,
+            revision: left,
+        });
+        self.trim();
+    }
+
+    fn trim(&mut self) {
+        let mut bytes = 0;
+        let kept = self.undo.iter().rev().take(MOST_STEPS).take_while(|step| {
+            bytes += step.bytes;
+            bytes <= MOST_BYTES
+        });
+        let kept = kept.count().max(1);
+        self.undo.drain(..self.undo.len().saturating_sub(kept));
+    }
+
+    /// Takes a step back from `here`: its name, and the document before it.
+    pub fn undo(&mut self, here: Snapshot) -> Option<(&'static str, Snapshot)> {
+        let step = self.undo.pop()?;
+        Some(Self::cross(
+            step,
+            here,
+            &mut self.revision,
+            &mut self.redo,
+            &mut self.last,
+        ))
+    }
+
+    /// Takes a step forward again.
+    pub fn redo(&mut self, here: Snapshot) -> Option<(&'static str, Snapshot)> {
+        let step = self.redo.pop()?;
+        Some(Self::cross(
+            step,
+            here,
+            &mut self.revision,
+            &mut self.undo,
+            &mut self.last,
+        ))
+    }
+
+    fn cross(
+        step: Step,
+        here: Snapshot,
+        revision: &mut u64,
+        onto: &mut Vec<Step>,
+        last: &mut Option<(Kind, Duration)>,
+    ) -> (&'static str, Snapshot) {
+        *last = None;
+        let there = step.revision;
+        onto.push(Step {
+            revision: std::mem::replace(revision, there),
+            bytes: held(&here.scene, &step.other.scene),
+            other: here,
+            ..step
+        });
+        (step.name, step.other)
+    }
+
+    /// What undo would take back.
+    pub fn undo_name(&self) -> Option<&'static str> {
+        self.undo.last().map(|step| step.name)
+    }
+
+    /// What redo would do again.
+    pub fn redo_name(&self) -> Option<&'static str> {
+        self.redo.last().map(|step| step.name)
+    }
+
+    /// The document as it stands, by a number.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Notes that a revision was written to a file.
+    pub fn saved(&mut self, revision: u64) {
+        self.saved = revision;
+        self.last = None;
+    }
+
+    /// Whether there are changes that no file has.
+    pub fn is_changed(&self) -> bool {
+        self.revision != self.saved
+    }
+}
+
+/// The bytes that `kept` holds and `scene` does not: its list, and meshes and textures that are nowhere in the
+/// other.
+fn held(kept: &Arc<Scene>, scene: &Arc<Scene>) -> usize {
+    if Arc::ptr_eq(kept, scene) {
+        return 0;
+    }
+    let list = kept.objects.len() * size_of::<Object>();
+    let meshes: HashSet<_> = scene.objects.iter().map(|o| Arc::as_ptr(&o.mesh)).collect();
+    let textures = scene.objects.iter().filter_map(|o| o.texture.as_ref());
+    let textures: HashSet<_> = textures.map(Arc::as_ptr).collect();
+    let mut seen = HashSet::new();
+    let mut bytes = list;
+    for object in &kept.objects {
+        let mesh = Arc::as_ptr(&object.mesh);
+        if !meshes.contains(&mesh) && seen.insert(mesh.cast::<()>()) {
+            bytes += mesh_bytes(&object.mesh);
+        }
+        if let Some(texture) = &object.texture
+            && !textures.contains(&Arc::as_ptr(texture))
+            && seen.insert(Arc::as_ptr(texture).cast())
+        {
+            bytes += texture_bytes(texture);
+        }
+    }
+    bytes
+}
+
+fn mesh_bytes(mesh: &Mesh) -> usize {
+    size_of_val(mesh.positions()) * 2 + size_of_val(mesh.triangles()) * 2 + size_of_val(mesh.kept())
+}
+
+fn texture_bytes(texture: &Texture) -> usize {
+    size_of_val(texture.texels())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::state::command::Command;
+    use raycast_core::scene::MeshData;
+    use raycast_core::shade::Mode;
+
+    fn snapshot(mode: Mode) -> Snapshot {
+        let mut settings = Settings::default();
+        settings.shading.mode = mode;
+        Snapshot {
+            scene: Arc::default(),
+            settings,
+            samples: None,
+            resolution: Resolution::Window { density: 1.0 },
+        }
+    }
+
+    #[test]
+    fn steps_go_back_and_forth_with_their_names() {
+        let [a, b, c] = [Mode::Flat, Mode::Uv, Mode::Depth].map(snapshot);
+        let mut history = History::default();
+        history.record("first", None, (a.clone(), &b), Duration::ZERO);
+        history.record("second", None, (b.clone(), &c), Duration::ZERO);
+        assert_eq!(history.undo_name(), Some("second"));
+        assert!(history.is_changed());
+        let (name, there) = history.undo(c.clone()).expect("a step");
+        assert!(name == "second" && there.settings == b.settings);
+        let (name, there) = history.undo(b.clone()).expect("a step");
+        assert!(name == "first" && there.settings == a.settings);
+        assert!(!history.is_changed(), "back at what was opened");
+        assert!(history.undo(a.clone()).is_none());
+        let (name, there) = history.redo(a.clone()).expect("a step");
+        assert!(name == "first" && there.settings == b.settings);
+        // Something else now: what was undone is gone.
+        history.record("third", None, (b, &a), Duration::ZERO);
+        assert_eq!(history.redo_name(), None);
+    }
+
+    #[test]
+    fn a_change_that_goes_on_is_one_step() {
+        let [a, b, c] = [Mode::Flat, Mode::Uv, Mode::Depth].map(snapshot);
+        let kind = (std::mem::discriminant(&Command::Undo), None);
+        let ms = Duration::from_millis;
+        let mut history = History::default();
+        history.record("drag", Some(kind), (a.clone(), &b), ms(0));
+        history.record("drag", Some(kind), (b.clone(), &c), ms(100));
+        let (_, there) = history.undo(c.clone()).expect("a step");
+        assert_eq!(there.settings, a.settings);
+        assert!(history.undo(a.clone()).is_none());
+
+        history.record("drag", Some(kind), (a.clone(), &b), ms(5000));
+        history.record("drag", Some(kind), (b, &c), ms(9000));
+        assert!(history.undo(c).is_some() && history.undo(a).is_some());
+    }
+
+    #[test]
+    fn steps_that_hold_much_push_the_oldest_out() {
+        let scene = |texels: u32| {
+            let pixels = vec![[0; 4]; (texels * texels) as usize];
+            let mut object = Object::new("o", Arc::new(Mesh::new(MeshData::default())));
+            object.texture = Texture::new(texels, texels, pixels).map(Arc::new);
+            Snapshot {
+                scene: Arc::new(Scene {
+                    objects: vec![object],
+                }),
+                ..snapshot(Mode::Flat)
+            }
+        };
+        let mut history = History::default();
+        // 64 MiB each.
+        let mut last = scene(4096);
+        for _ in 0..6 {
+            let next = scene(4096);
+            history.record("paint", None, (last, &next), Duration::ZERO);
+            last = next;
+        }
+        assert!(
+            (2..=4).contains(&history.undo.len()),
+            "{}",
+            history.undo.len()
+        );
+    }
+}

@@ -1,0 +1,170 @@
+//! Where the camera goes.
+
+use super::State;
+use super::motion::Motion;
+use super::viewpoint::{FOV_RANGE, StandardView, Viewpoint};
+use raycast_core::camera::{Projection, Ray};
+use raycast_core::math;
+
+/// The camera looks from further away than this many times the scene's size only where a file has it so: a
+/// scene should not be lost from view.
+const FURTHEST: f64 = 12.0;
+
+/// Before the camera moves by hand: what was under way ends there, and can be come back to.
+pub(super) fn leave(state: &mut State) {
+    state.motion = None;
+    state.trail.leave(state.viewpoint, state.now, true);
+}
+
+/// Goes to another view; by way of those between, where the person likes that.
+pub(super) fn go(state: &mut State, to: Viewpoint) {
+    if !to.orbit.pivot.is_finite() {
+        return;
+    }
+    let from = state.viewpoint;
+    state.trail.leave(from, state.now, false);
+    travel(state, to);
+}
+
+fn travel(state: &mut State, to: Viewpoint) {
+    if state.preferences.smooth && state.document.is_some() && state.viewpoint != to {
+        state.motion = Some(Motion::new(state.viewpoint, to, state.now));
+    } else {
+        state.motion = None;
+        state.viewpoint = to;
+    }
+}
+
+/// Moves the camera on, if it is on its way; whether it still is.
+pub(super) fn advance(state: &mut State) -> bool {
+    let Some(motion) = state.motion else {
+        return false;
+    };
+    let (viewpoint, is_over) = motion.at(state.now);
+    state.viewpoint = viewpoint;
+    if is_over {
+        state.motion = None;
+    }
+    !is_over
+}
+
+/// Where the camera is, or is on its way to.
+pub(super) fn destination(state: &State) -> Viewpoint {
+    state.motion.map_or(state.viewpoint, |motion| motion.end())
+}
+
+/// All of the scene, from the same direction.
+pub(super) fn fit(state: &mut State) {
+    go(state, state.fitted(destination(state)));
+}
+
+/// A standard direction, the right way up.
+pub(super) fn look(state: &mut State, view: StandardView) {
+    go(state, destination(state).turned_to(view.angles()));
+}
+
+/// From the other side of the pivot.
+pub(super) fn look_back(state: &mut State) {
+    let here = destination(state);
+    go(
+        state,
+        here.turned_to((here.orbit.yaw + 180.0, -here.orbit.pitch)),
+    );
+}
+
+/// Rolls the camera.
+pub(super) fn roll(state: &mut State, degrees: f64) {
+    if degrees.is_finite() {
+        let mut to = destination(state);
+        to.roll = (to.roll + degrees + 180.0).rem_euclid(360.0) - 180.0;
+        go(state, to);
+    }
+}
+
+/// The view before.
+pub(super) fn back(state: &mut State) {
+    let here = destination(state);
+    if let Some(there) = state.trail.back(here) {
+        travel(state, there);
+    }
+}
+
+/// The view that was come back from.
+pub(super) fn forward(state: &mut State) {
+    let here = destination(state);
+    if let Some(there) = state.trail.forward(here) {
+        travel(state, there);
+    }
+}
+
+pub(super) fn grab(state: &mut State, at: (f64, f64)) {
+    let Some(camera) = state.camera() else {
+        return;
+    };
+    state.grabbed_depth = match state.pick(at.0, at.1) {
+        Some(pick) => (pick.point - camera.placement().eye).dot(camera.forward()),
+        None => camera.distance(),
+    };
+}
+
+pub(super) fn pan(state: &mut State, dx: f64, dy: f64) {
+    let Some(camera) = state.camera() else {
+        return;
+    };
+    let scale = match camera.projection() {
+        // The step is measured at the target; what was grabbed may be nearer or farther.
+        Projection::Perspective => state.grabbed_depth / camera.distance(),
+        Projection::Orthographic => 1.0,
+    } * camera.plane().step;
+    if scale.is_finite() && dx.is_finite() && dy.is_finite() {
+        let viewpoint = &mut state.viewpoint;
+        let (right, up) = (viewpoint.right(), viewpoint.up());
+        viewpoint.orbit.pivot += right * (-dx * scale) + up * (dy * scale);
+    }
+}
+
+pub(super) fn zoom(state: &mut State, at: (f64, f64), factor: f64) {
+    let Some(camera) = state.camera() else {
+        return;
+    };
+    let extent = state.extent();
+    let distance = state.viewpoint.orbit.distance;
+    let slope = math::tan(
+        state
+            .viewpoint
+            .fov
+            .clamp(FOV_RANGE.0, FOV_RANGE.1)
+            .to_radians()
+            * 0.5,
+    );
+    // The frame's height is what counts: through a narrow lens one is far away.
+    let furthest = (FURTHEST * extent / (2.0 * slope)).max(distance);
+    let factor = (distance * factor).clamp((extent * 1e-5).min(furthest), furthest) / distance;
+    if !factor.is_normal() {
+        return;
+    }
+    let ray = camera.ray(at.0, at.1);
+    let on_target_plane = |ray: &Ray| {
+        let depth = (state.viewpoint.orbit.pivot - ray.origin).dot(camera.forward());
+        ray.at(depth / ray.direction.dot(camera.forward()))
+    };
+    let anchor = match (camera.projection(), state.pick(at.0, at.1)) {
+        (Projection::Perspective, Some(pick)) => pick.point,
+        _ => on_target_plane(&ray),
+    };
+    state.viewpoint.orbit.dolly(factor, anchor);
+}
+
+pub(super) fn set_pivot(state: &mut State, at: (f64, f64)) {
+    let (Some(camera), Some(pick)) = (state.camera(), state.pick(at.0, at.1)) else {
+        return;
+    };
+    state.viewpoint.orbit.pivot = pick.point;
+    if camera.projection() == Projection::Perspective {
+        // The eye keeps its depth from the point, so that it does not grow or shrink.
+        let depth = (pick.point - camera.placement().eye).dot(camera.forward());
+        if depth.is_normal() && depth > 0.0 {
+            state.viewpoint.orbit.distance = depth;
+        }
+    }
+}

@@ -1,0 +1,320 @@
+//! What other threads tell, and what becomes of it.
+
+use super::document::{Document, Tree};
+use super::effect::{Effect, Keep};
+use super::files;
+use super::history::History;
+use super::navigate;
+use super::objects;
+use super::pick::Pinned;
+use super::viewpoint::{DEFAULT_FOV, Viewpoint};
+use super::{Pending, PromptKind, Replacing, Resolution, SAMPLES_LIMIT, State};
+use raycast_core::camera::Orbit;
+use raycast_core::formats::CameraFile;
+use raycast_core::render::Settings;
+use raycast_core::scene::{Object, Scene, Texture};
+use raycast_core::shade::{Mode, Shading};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// News from other threads.
+#[derive(Debug)]
+pub enum News {
+    /// A scene is ready; its file's camera and settings come along.
+    Loaded(Box<Loaded>),
+    /// Objects to put beside those that are open, and what could be read only in part.
+    Added {
+        /// The objects; their parents are among them.
+        objects: Vec<Object>,
+        /// Every file that was read for them.
+        opened: Vec<PathBuf>,
+        /// The files that were asked for.
+        paths: Vec<PathBuf>,
+        /// What could be read only in part.
+        notes: Vec<String>,
+        /// Files that could not be read.
+        errors: Vec<String>,
+    },
+    /// Files that were to be opened could not be: the whole message.
+    NotOpened(String),
+    /// The tree over these objects.
+    Built(Arc<Scene>, Tree),
+    /// Nothing came of it.
+    Nothing,
+    /// A texture was read.
+    Texture(Arc<Texture>, PathBuf),
+    /// A picture was written.
+    PictureSaved(PathBuf),
+    /// The scene was written, as it was at this revision.
+    SceneSaved(PathBuf, u64),
+    /// It was not: a file is there.
+    Taken(Replacing),
+    /// Something could not be done: the whole message.
+    Failed(String),
+    /// The scene could not be written: the whole message.
+    NotSaved(String),
+    /// Files of the scene have changed on the disk.
+    Changed(PathBuf),
+    /// A dialog was closed: with a path, by a person, or because the desktop has none.
+    Dialog(PromptKind, DialogAnswer),
+}
+
+/// How a desktop dialog ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum DialogAnswer {
+    /// With paths.
+    Paths(Vec<PathBuf>),
+    /// Without.
+    Cancelled,
+    /// It never came up.
+    Unavailable,
+}
+
+/// A scene with what its file says about showing it.
+#[derive(Debug)]
+pub struct Loaded {
+    /// The scene.
+    pub document: Document,
+    /// What stays of what was shown before.
+    pub keep: Keep,
+    /// The file's camera.
+    pub camera: Option<CameraFile>,
+    /// The file's samples a pixel.
+    pub samples: Option<u32>,
+    /// The file's shading.
+    pub shading: Option<Shading>,
+    /// What could be read only in part, to be told.
+    pub notes: Vec<String>,
+    /// Files that could not be read at all, while others could.
+    pub errors: Vec<String>,
+}
+
+/// Takes in news from another thread; `now` is the window's clock.
+pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
+    state.now = now;
+    match news {
+        News::Loaded(loaded) => {
+            show(state, *loaded);
+            let document = state.document.as_ref()?;
+            return (!document.is_built()).then_some(Effect::Build);
+        }
+        News::Added {
+            objects,
+            opened,
+            paths,
+            notes,
+            errors,
+        } => {
+            state.typed = None;
+            files::remember(state, &paths);
+            notes.into_iter().for_each(|note| state.tell(note));
+            errors.into_iter().for_each(|error| state.report(error));
+            if let Some(document) = &mut state.document {
+                document.opened.extend(opened);
+            }
+            return change(state, "Add", |state| {
+                objects::edit(state, |all| {
+                    let shift = all.len();
+                    all.extend(objects.into_iter().map(|object| Object {
+                        parent: object.parent.map(|parent| parent + shift),
+                        ..object
+                    }));
+                })
+            });
+        }
+        News::Nothing => {}
+        News::NotOpened(message) => {
+            state.report(message);
+            // What was typed can be mended.
+            if state.prompt.is_none() {
+                state.prompt = state.typed.take();
+            }
+        }
+        News::Built(scene, tree) => {
+            if let Some(document) = &mut state.document
+                && document.take_tree(&scene, tree)
+                && let Some(pinned) = &state.pinned
+            {
+                state.pinned = Pinned::of(document, pinned.pick);
+            }
+        }
+        News::Texture(texture, path) => {
+            let path = std::path::absolute(&path).unwrap_or(path);
+            return change(state, "Texture", |state| {
+                state.settings.shading.mode = Mode::Texture;
+                objects::edit_each(state, |_, object| {
+                    object.texture = Some(Arc::clone(&texture));
+                    object.texture_source = Some(path.clone());
+                })
+            });
+        }
+        News::PictureSaved(path) => state.tell(format!("Saved {}", path.display())),
+        News::SceneSaved(path, revision) => {
+            state.tell(format!("Saved {}", path.display()));
+            state.history.saved(revision);
+            if let Some(document) = &mut state.document {
+                let name = path.file_name().unwrap_or(path.as_os_str());
+                document.name = name.to_string_lossy().into_owned();
+                document.paths = vec![path.clone()];
+                document.opened.push(path.clone());
+                document.file = Some(path.clone());
+            }
+            files::remember(state, &[path]);
+            let pending = state.after_saving.take()?;
+            return files::proceed(state, pending);
+        }
+        News::Taken(replacing) => state.replacing = Some(replacing),
+        News::NotSaved(message) => {
+            state.after_saving = None;
+            state.report(message);
+        }
+        News::Failed(message) => state.report(message),
+        News::Changed(path) => {
+            let name = path
+                .file_name()
+                .unwrap_or(path.as_os_str())
+                .to_string_lossy();
+            if !state.preferences.watch {
+                return None;
+            }
+            if state.has_unsaved() && !files::keeps_changes(state) {
+                state.tell(format!("{name} has changed on the disk: F5 reads it again"));
+                return None;
+            }
+            return files::proceed(state, Pending::Reload);
+        }
+        News::Dialog(kind, answer) => return answered(state, kind, answer),
+    }
+    None
+}
+
+/// Makes a change that undo takes back.
+fn change(
+    state: &mut State,
+    name: &'static str,
+    change: impl FnOnce(&mut State) -> Option<Effect>,
+) -> Option<Effect> {
+    let before = state.snapshot();
+    let effect = change(state);
+    let now = state.now;
+    if let Some((before, after)) = before.zip(state.snapshot()) {
+        state.history.record(name, None, (before, &after), now);
+    }
+    effect
+}
+
+/// What a desktop dialog says, if it is still being waited for.
+fn answered(state: &mut State, kind: PromptKind, answer: DialogAnswer) -> Option<Effect> {
+    let opens = |kind| matches!(kind, PromptKind::Open | PromptKind::Add);
+    let prompt = state.prompt.as_mut();
+    let prompt = prompt.filter(|p| p.kind == kind || (opens(p.kind) && opens(kind)))?;
+    match answer {
+        DialogAnswer::Paths(paths) => {
+            // The person may have said meanwhile that they come beside what is open.
+            let kind = prompt.kind;
+            files::take(state, kind, paths, true)
+        }
+        DialogAnswer::Cancelled => {
+            state.prompt = None;
+            state.after_saving = None;
+            None
+        }
+        DialogAnswer::Unavailable => {
+            prompt.dialog = false;
+            None
+        }
+    }
+}
+
+/// Puts a loaded scene on screen.
+fn show(state: &mut State, loaded: Loaded) {
+    let Loaded {
+        mut document,
+        keep,
+        camera,
+        samples,
+        shading,
+        notes,
+        errors,
+    } = loaded;
+    let last = state.document.take();
+    let keeps_all = keep == Keep::All && last.is_some();
+    if keeps_all && let Some(last) = &last {
+        keep_looks(&mut document, last);
+    }
+    let paths = document.paths.clone();
+    state.document = Some(document);
+    state.history = History::default();
+    state.hover = None;
+    state.pinned = None;
+    state.naming = None;
+    state.selected = state.selected.filter(|_| keeps_all);
+    state.typed = None;
+    state.question = None;
+    state.motion = None;
+    notes.into_iter().for_each(|note| state.tell(note));
+    errors.into_iter().for_each(|error| state.report(error));
+    files::remember(state, &paths);
+    if keeps_all {
+        state.tell("Read again");
+        return;
+    }
+    state.trail = Default::default();
+    match shading {
+        Some(shading) => state.settings.shading = shading,
+        None if keep == Keep::Nothing => state.settings = Settings::default(),
+        None => {}
+    }
+    if keep == Keep::Nothing {
+        state.resolution = Resolution::Window { density: 1.0 };
+    }
+    state.samples = samples.map(|samples| samples.clamp(1, SAMPLES_LIMIT));
+    state.viewpoint = match camera {
+        Some(camera) => Viewpoint::of(&camera),
+        None => {
+            let direction = match keep {
+                Keep::Nothing => Orbit::DEFAULT_ANGLES,
+                _ => (state.viewpoint.orbit.yaw, state.viewpoint.orbit.pitch),
+            };
+            let lens = Viewpoint {
+                fov: DEFAULT_FOV,
+                ..Viewpoint::default()
+            };
+            state.fitted(lens.turned_to(direction))
+        }
+    };
+    state.home = navigate::destination(state);
+}
+
+/// Gives objects that were read again what a person had changed about them, where they are the same
+/// objects: a scene file says all that itself.
+fn keep_looks(document: &mut Document, last: &Document) {
+    let same = |(a, b): (&Object, &Object)| a.source == b.source;
+    let (new, old) = (&document.scene.objects, &last.scene.objects);
+    if document.file.is_some() || new.len() != old.len() || !new.iter().zip(old).all(same) {
+        return;
+    }
+    let objects = new.iter().zip(old).map(|(new, old)| Object {
+        mesh: Arc::clone(&new.mesh),
+        // Where the texture came with the mesh it is new as well.
+        texture: match old.texture_source == new.texture_source {
+            true => new.texture.clone(),
+            false => old.texture.clone(),
+        },
+        ..old.clone()
+    });
+    let scene = Scene {
+        objects: objects.collect(),
+    };
+    // Objects that had been hidden or moved: the tree was built without that.
+    document.set_scene(Arc::new(scene));
+}
+
+/// Drops toasts that were shown long enough; says when the next is due.
+pub fn expire_toasts(state: &mut State, now: Duration) -> Option<Duration> {
+    const SHOWN: Duration = Duration::from_secs(5);
+    state.toasts.retain(|toast| now < toast.since + SHOWN);
+    let next = state.toasts.iter().map(|toast| toast.since + SHOWN).min()?;
+    Some(next.saturating_sub(now))
+}

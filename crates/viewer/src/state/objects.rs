@@ -1,0 +1,151 @@
+//! Changes of the scene's objects, and what undo makes of them.
+
+use super::State;
+use super::effect::Effect;
+use super::history::Snapshot;
+use raycast_core::glam::DVec3;
+use raycast_core::scene::{Object, Scene};
+use std::sync::Arc;
+
+/// Changes a copy of the list of objects, with the meshes shared; asks for a tree where the old one no longer
+/// holds.
+pub(super) fn edit(state: &mut State, edit: impl FnOnce(&mut Vec<Object>)) -> Option<Effect> {
+    let document = state.document.as_mut()?;
+    let mut scene = Scene::clone(&document.scene);
+    edit(&mut scene.objects);
+    set_scene(state, Arc::new(scene))
+}
+
+/// The same for each object.
+pub(super) fn edit_each(
+    state: &mut State,
+    mut edit_one: impl FnMut(usize, &mut Object),
+) -> Option<Effect> {
+    edit(state, |objects| {
+        for (number, object) in objects.iter_mut().enumerate() {
+            edit_one(number, object);
+        }
+    })
+}
+
+/// Changes one object, if it is there.
+pub(super) fn edit_one(
+    state: &mut State,
+    which: usize,
+    edit_it: impl FnOnce(&mut Object),
+) -> Option<Effect> {
+    has(state, which).then(|| {
+        edit(state, |objects| {
+            if let Some(object) = objects.get_mut(which) {
+                edit_it(object);
+            }
+        })
+    })?
+}
+
+fn has(state: &State, which: usize) -> bool {
+    let document = state.document.as_ref();
+    document.is_some_and(|document| which < document.scene.objects.len())
+}
+
+fn set_scene(state: &mut State, scene: Arc<Scene>) -> Option<Effect> {
+    let count = scene.objects.len();
+    let document = state.document.as_mut()?;
+    if document.scene.objects.len() != count {
+        // Numbers have changed hands.
+        state.pinned = None;
+        state.naming = None;
+    }
+    state.selected = state.selected.filter(|&selected| selected < count);
+    (!document.set_scene(scene)).then_some(Effect::Build)
+}
+
+/// Puts the document back to what it was.
+pub(super) fn restore(state: &mut State, to: Snapshot) -> Option<Effect> {
+    state.settings = to.settings;
+    state.samples = to.samples;
+    state.resolution = to.resolution;
+    set_scene(state, to.scene)
+}
+
+/// Shows one object alone; all of them, if it is alone already.
+pub(super) fn isolate(state: &mut State, which: usize) -> Option<Effect> {
+    if !has(state, which) {
+        return None;
+    }
+    edit(state, |objects| {
+        let is_alone = objects
+            .iter()
+            .enumerate()
+            .all(|(number, object)| object.visible == (number == which));
+        for (number, object) in objects.iter_mut().enumerate() {
+            object.visible = is_alone || number == which;
+        }
+    })
+}
+
+/// Puts a copy behind an object in the list, and beside it in the scene, as far along x as it is wide.
+pub(super) fn duplicate(state: &mut State, which: usize) -> Option<Effect> {
+    let object = state.document.as_ref()?.scene.objects.get(which)?;
+    let mut copy = object.clone();
+    copy.name = format!("{} copy", object.name);
+    copy.visible = true;
+    let alone = Scene {
+        objects: vec![Object {
+            parent: None,
+            ..copy.clone()
+        }],
+    };
+    let width = alone.bounds().size().x * 1.1;
+    if width.is_finite() {
+        copy.transform.translate += DVec3::X * width;
+    }
+    let place = which + 1;
+    let effect = edit(state, |objects| {
+        for other in objects.iter_mut() {
+            other.parent = other.parent.map(|p| if p >= place { p + 1 } else { p });
+        }
+        // Its own parent was counted before it came in.
+        copy.parent = copy.parent.map(|p| if p >= place { p + 1 } else { p });
+        objects.insert(place, copy);
+    });
+    state.selected = Some(place);
+    effect
+}
+
+/// Takes an object away, and those that move with it.
+pub(super) fn delete(state: &mut State, which: usize) -> Option<Effect> {
+    if !has(state, which) {
+        return None;
+    }
+    let effect = edit(state, |objects| {
+        let mut goes = vec![false; objects.len()];
+        goes[which] = true;
+        // A parent may stand behind its children: until nothing more follows.
+        loop {
+            let more: Vec<usize> = (0..objects.len())
+                .filter(|&i| !goes[i] && objects[i].parent.is_some_and(|p| goes[p]))
+                .collect();
+            if more.is_empty() {
+                break;
+            }
+            more.into_iter().for_each(|i| goes[i] = true);
+        }
+        let mut next = 0;
+        let places: Vec<usize> = goes
+            .iter()
+            .map(|&goes| {
+                next += usize::from(!goes);
+                next.saturating_sub(1)
+            })
+            .collect();
+        let mut number = 0;
+        objects.retain_mut(|object| {
+            object.parent = object.parent.map(|parent| places[parent]);
+            number += 1;
+            !goes[number - 1]
+        });
+    });
+    state.selected = None;
+    effect
+}

@@ -1,0 +1,60 @@
+//! How a person likes to work: kept from one session to the next, never part of a scene.
+
+use std::path::{Path, PathBuf};
+
+/// The most files that are remembered as opened.
+const MOST_RECENT: usize = 12;
+/// The smallest and the largest interface, as a factor.
+pub const SCALE_RANGE: (f32, f32) = (0.5, 4.0);
+
+/// Light or dark.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Theme {
+    /// As the desktop has it.
+    #[default]
+    System,
+    /// Dark panels.
+    Dark,
+    /// Light panels.
+    Light,
+}
+
+/// The settings of the program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Preferences {
+    /// Light or dark.
+    pub theme: Theme,
+    /// How large the interface is; 1 is what the desktop asks for.
+    pub scale: f32,
+    /// Whether the camera takes its time from one view to another.
+    pub smooth: bool,
+    /// Whether a picture that stands still gets more samples by itself.
+    pub refine: bool,
+    /// Whether files that change are read again.
+    pub watch: bool,
+    /// Files that were opened, newest first.
+    pub recent: Vec<PathBuf>,
+}
+
+impl Default for Preferences {
+    fn default() -> Self {
+        Self {
+            theme: Theme::System,
+            scale: 1.0,
+            smooth: true,
+            refine: true,
+            watch: true,
+            recent: Vec::new(),
+        }
+    }
+}
+
+impl Preferences {
+    /// Puts a file at the front of those opened.
+    pub fn remember(&mut self, file: &Path) {
+        let file = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
+        self.recent.retain(|other| *other != file);
+        self.recent.insert(0, file);
+        self.recent.truncate(MOST_RECENT);
+    }
+}

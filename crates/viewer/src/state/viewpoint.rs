@@ -1,0 +1,309 @@
+//! Where a scene is seen from.
+
+use raycast_core::camera::{Orbit, Placement, Projection, fov_to_frame, frame_to_fov};
+use raycast_core::formats::CameraFile;
+use raycast_core::glam::DVec3;
+use raycast_core::math;
+
+/// The vertical field of view, in degrees, that the window starts with.
+pub const DEFAULT_FOV: f64 = 45.0;
+/// The narrowest and the widest field of view, in degrees.
+pub const FOV_RANGE: (f64, f64) = (0.1, 170.0);
+
+/// Room left around a scene that fits the picture, as a share of the frame.
+const MARGIN: f64 = 1.05;
+
+/// Where a scene is seen from, and how: all that navigation changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Viewpoint {
+    /// Where the camera is.
+    pub orbit: Orbit,
+    /// Degrees that the camera is rolled to the right about its view axis.
+    pub roll: f64,
+    /// How rays leave it.
+    pub projection: Projection,
+    /// The vertical field of view in degrees. An orthographic frame is as high as this makes it at
+    /// the orbit's distance, so that switching the projection keeps the picture.
+    pub fov: f64,
+}
+
+/// A direction that scenes are commonly looked at from: +Y is up, and the front looks along −Z.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StandardView {
+    /// From +Z.
+    Front,
+    /// From −Z.
+    Back,
+    /// From −X.
+    Left,
+    /// From +X.
+    Right,
+    /// From +Y.
+    Top,
+    /// From −Y.
+    Bottom,
+    /// From (1, 1, 1): the three axes are equally long.
+    Isometric,
+}
+
+impl StandardView {
+    /// Yaw and pitch in degrees.
+    pub fn angles(self) -> (f64, f64) {
+        match self {
+            Self::Front => (0.0, 0.0),
+            Self::Back => (180.0, 0.0),
+            Self::Left => (-90.0, 0.0),
+            Self::Right => (90.0, 0.0),
+            Self::Top => (0.0, 90.0),
+            Self::Bottom => (0.0, -90.0),
+            // The elevation of a cube's diagonal: atan(1 / √2).
+            Self::Isometric => (45.0, math::atan(0.5_f64.sqrt()).to_degrees()),
+        }
+    }
+}
+
+impl Default for Viewpoint {
+    fn default() -> Self {
+        let (yaw, pitch) = Orbit::DEFAULT_ANGLES;
+        Self {
+            orbit: Orbit {
+                pivot: DVec3::ZERO,
+                yaw,
+                pitch,
+                distance: 1.0,
+            },
+            roll: 0.0,
+            projection: Projection::Perspective,
+            fov: DEFAULT_FOV,
+        }
+    }
+}
+
+impl Viewpoint {
+    /// The viewpoint of a scene file's camera.
+    pub fn of(camera: &CameraFile) -> Self {
+        let orbit = Orbit::from_placement(&camera.placement);
+        let up = camera.placement.up;
+        let roll = math::atan2(up.dot(orbit.right()), up.dot(orbit.up())).to_degrees();
+        let fov = match camera.projection {
+            Projection::Perspective => camera.frame,
+            Projection::Orthographic => frame_to_fov(camera.frame, orbit.distance),
+        };
+        let mut viewpoint = Self {
+            orbit,
+            // What rounding makes of an upright camera is no roll.
+            roll: if roll.abs() < 1e-6 || !roll.is_finite() {
+                0.0
+            } else {
+                roll
+            },
+            projection: camera.projection,
+            fov: fov.clamp(FOV_RANGE.0, FOV_RANGE.1),
+        };
+        if camera.projection == Projection::Orthographic {
+            // A frame that no field of view in range makes from there: from elsewhere one does.
+            let frame = fov_to_frame(viewpoint.fov, viewpoint.orbit.distance);
+            viewpoint.orbit.distance *= camera.frame / frame;
+        }
+        viewpoint
+    }
+
+    /// The camera as scene files hold it.
+    pub fn to_file(self) -> CameraFile {
+        CameraFile {
+            placement: self.placement(),
+            projection: self.projection,
+            frame: match self.projection {
+                Projection::Perspective => self.fov,
+                Projection::Orthographic => self.frame_height(),
+            },
+        }
+    }
+
+    /// Eye, target and up.
+    pub fn placement(&self) -> Placement {
+        Placement {
+            up: self.up(),
+            ..self.orbit.placement()
+        }
+    }
+
+    /// The unit vector up in the picture.
+    pub fn up(&self) -> DVec3 {
+        if self.roll == 0.0 {
+            return self.orbit.up();
+        }
+        let (sin, cos) = math::sin_cos(self.roll.to_radians());
+        self.orbit.up() * cos + self.orbit.right() * sin
+    }
+
+    /// The unit vector to the right in the picture.
+    pub fn right(&self) -> DVec3 {
+        self.up().cross(self.orbit.back())
+    }
+
+    /// The frame's height at the target, in scene units.
+    pub fn frame_height(&self) -> f64 {
+        fov_to_frame(self.fov, self.orbit.distance)
+    }
+
+    /// This, turned to a direction and upright.
+    pub fn turned_to(mut self, (yaw, pitch): (f64, f64)) -> Self {
+        (self.orbit.yaw, self.orbit.pitch) = (yaw, pitch);
+        self.roll = 0.0;
+        self
+    }
+
+    /// The nearest viewpoint of this direction and lens from which a scene is in view, in the middle.
+    /// `support` says how far the scene reaches in a direction: the largest dot product of a point with it.
+    /// `aspect` is the picture's width over its height.
+    ///
+    /// Each side of the frame touches the scene's convex hull or is as far from it as the opposite side;
+    /// a scene that is a point, or none, is looked at from one unit away.
+    pub fn fitted(mut self, aspect: f64, support: impl Fn(DVec3) -> Option<f64>) -> Self {
+        let (right, up, back) = (self.right(), self.up(), self.orbit.back());
+        let extent = |axis: DVec3| Some((support(axis)?, -support(-axis)?));
+        let slope = math::tan(self.fov.to_radians() * 0.5) / MARGIN;
+        let (across, upwards) = (slope * aspect, slope);
+        let fit = || {
+            let (near, far) = extent(back)?;
+            let middle = (near + far) * 0.5;
+            let (x, y, distance) = match self.projection {
+                // A point is in view where |x| ≤ across · depth, depth being how far it lies before the eye:
+                // ±x + across · z ≤ the same for the eye. Each side asks that of the scene's support.
+                Projection::Perspective => {
+                    let sides = |axis: DVec3, slope: f64| {
+                        let most = support(axis + back * slope)?;
+                        let least = support(-axis + back * slope)?;
+                        Some(((most - least) * 0.5, (most + least) / (2.0 * slope)))
+                    };
+                    let (x, for_width) = sides(right, across)?;
+                    let (y, for_height) = sides(up, upwards)?;
+                    (x, y, for_width.max(for_height) - middle)
+                }
+                Projection::Orthographic => {
+                    let (to_right, to_left) = extent(right)?;
+                    let (to_top, to_bottom) = extent(up)?;
+                    let half =
+                        ((to_top - to_bottom) * 0.5).max((to_right - to_left) * 0.5 / aspect);
+                    let (x, y) = ((to_right + to_left) * 0.5, (to_top + to_bottom) * 0.5);
+                    (x, y, half / slope)
+                }
+            };
+            let pivot = right * x + up * y + back * middle;
+            (pivot.is_finite() && distance.is_normal() && distance > 0.0)
+                .then_some((pivot, distance))
+        };
+        match fit() {
+            Some((pivot, distance)) => {
+                self.orbit.pivot = pivot;
+                self.orbit.distance = distance;
+            }
+            None => self.orbit.distance = 1.0,
+        }
+        self
+    }
+
+    /// What lies between this (0) and another (1): angles the short way round, distances by their
+    /// logarithm. At 1 it is the other, unrounded.
+    pub fn towards(&self, other: &Self, share: f64) -> Self {
+        if share >= 1.0 {
+            return *other;
+        }
+        let between = |from: f64, to: f64| from + (to - from) * share;
+        let turned = |from: f64, to: f64| from + shortest(to - from) * share;
+        let (from, to) = (&self.orbit, &other.orbit);
+        let ratio = to.distance / from.distance;
+        Self {
+            orbit: Orbit {
+                pivot: from.pivot + (to.pivot - from.pivot) * share,
+                yaw: turned(from.yaw, to.yaw),
+                pitch: between(from.pitch, to.pitch),
+                distance: from.distance * math::pow(ratio, share),
+            },
+            roll: turned(self.roll, other.roll),
+            projection: other.projection,
+            fov: between(self.fov, other.fov),
+        }
+    }
+}
+
+/// The same turn by no more than half a circle.
+fn shortest(degrees: f64) -> f64 {
+    (degrees + 180.0).rem_euclid(360.0) - 180.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raycast_core::camera::{Camera, ImagePlane};
+
+    #[test]
+    fn a_fit_touches_the_frame_on_two_sides_and_shows_every_point() {
+        let points: Vec<DVec3> = (0..40)
+            .map(|i| {
+                let t = f64::from(i);
+                DVec3::new((t * 1.7) % 3.0, (t * 0.37) % 1.0, (t * 2.3) % 5.0) + DVec3::X * 40.0
+            })
+            .collect();
+        let support = |direction: DVec3| points.iter().map(|p| p.dot(direction)).reduce(f64::max);
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            for (yaw, pitch, roll) in [(0.0, 0.0, 0.0), (70.0, 30.0, 0.0), (200.0, -80.0, 25.0)] {
+                let start = Viewpoint {
+                    roll,
+                    projection,
+                    ..Viewpoint::default().turned_to((yaw, pitch))
+                };
+                let start = Viewpoint { roll, ..start };
+                let fitted = start.fitted(2.0, support);
+                let step = fitted.frame_height() / 100.0;
+                let plane = ImagePlane::new(200, 100, step).expect("a good plane");
+                let camera = Camera::new(fitted.placement(), projection, plane);
+                let mut box_ = (f64::MAX, f64::MIN, f64::MAX, f64::MIN);
+                for &point in &points {
+                    let (x, y) = camera.project(point).expect("in front");
+                    box_ = (box_.0.min(x), box_.1.max(x), box_.2.min(y), box_.3.max(y));
+                }
+                let (left, right, top, bottom) = (box_.0, 200.0 - box_.1, box_.2, 100.0 - box_.3);
+                let margins = [left, right, top, bottom];
+                assert!(
+                    margins.iter().all(|&m| m > 0.0),
+                    "{projection:?} {margins:?}"
+                );
+                let least = margins.iter().copied().fold(f64::MAX, f64::min);
+                assert!(least < 6.0, "{projection:?} {margins:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_scene_files_camera_comes_back_as_it_was() {
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let camera = CameraFile {
+                placement: Placement {
+                    eye: DVec3::new(3.0, 2.0, 5.0),
+                    target: DVec3::new(0.5, 0.0, 0.0),
+                    up: DVec3::new(0.3, 1.0, 0.0),
+                },
+                projection,
+                frame: 25.0,
+            };
+            let file = Viewpoint::of(&camera).to_file();
+            assert!((file.frame - 25.0).abs() < 1e-9, "{file:?}");
+            let sight = |p: &Placement| (p.eye - p.target).normalize();
+            assert!(sight(&file.placement).distance(sight(&camera.placement)) < 1e-12);
+            // The part of the given up that lies across the view.
+            let back = sight(&camera.placement);
+            let across = camera.placement.up - back * camera.placement.up.dot(back);
+            assert!(file.placement.up.distance(across.normalize()) < 1e-9);
+        }
+    }
+
+    #[test]
+    fn between_two_viewpoints_angles_go_the_short_way() {
+        let at = |yaw| Viewpoint::default().turned_to((yaw, 0.0));
+        let half = at(170.0).towards(&at(-170.0), 0.5);
+        assert!((half.orbit.yaw - 180.0).abs() < 1e-12, "{half:?}");
+        assert_eq!(at(170.0).towards(&at(-170.0), 1.0), at(-170.0));
+    }
+}

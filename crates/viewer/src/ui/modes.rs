@@ -1,0 +1,32 @@
+//! What modes are called.
+
+use raycast_core::shade::Mode;
+
+/// Modes in the order of their keys, Alt+1 to Alt+9, and what a person calls each.
+pub const MODES: [(Mode, &str, &str); 9] = [
+    (Mode::Color, "Colors", "The triangles' own colors, unlit"),
+    (Mode::Flat, "Flat", "Lit, one brightness a triangle"),
+    (
+        Mode::Smooth,
+        "Smooth",
+        "Lit, with the mesh's own normals where it has them",
+    ),
+    (
+        Mode::Normals,
+        "Normals",
+        "Directions of the surface: x red, y green, z blue",
+    ),
+    (Mode::Depth, "Depth", "Distance: near is light, far is dark"),
+    (
+        Mode::Barycentric,
+        "Barycentric",
+        "The weights of a triangle's corners as red, green, blue",
+    ),
+    (Mode::Uv, "UV", "Texture coordinates as red and green"),
+    (Mode::Texture, "Texture", "The texture, unlit"),
+    (
+        Mode::Wireframe,
+        "Lines only",
+        "Edges alone; what is hidden is left out",
+    ),
+];
