@@ -40,18 +40,21 @@ pub(super) struct MeshObject {
     /// Which of the file's mesh nodes it is; `None` in files that have no nodes.
     pub(super) node: Option<u32>,
     pub(super) world_from_object: DAffine3,
+    /// What was taken to be up in the file: its mesh was turned. Y where its place was turned instead.
+    pub(super) up_axis: UpAxis,
     /// The image that its materials name for all of it.
     pub(super) texture: Option<PathBuf>,
 }
 
 impl MeshObject {
     /// The only object of a file, named after it.
-    fn whole(path: &Path, mesh: Arc<Mesh>, texture: Option<PathBuf>) -> Self {
+    fn whole(path: &Path, mesh: Arc<Mesh>, up_axis: UpAxis, texture: Option<PathBuf>) -> Self {
         Self {
             name: name(path),
             mesh,
             node: None,
             world_from_object: DAffine3::IDENTITY,
+            up_axis,
             texture,
         }
     }
@@ -61,6 +64,7 @@ impl MeshObject {
         Object {
             transform: Transform::from_matrix(self.world_from_object),
             source: Some(source),
+            up_axis: self.up_axis,
             node: self.node,
             ..Object::new(self.name.clone(), Arc::clone(&self.mesh))
         }
@@ -154,7 +158,7 @@ pub(super) fn read(
     progress(1.0);
     Ok(MeshFile {
         kind,
-        objects: vec![MeshObject::whole(path, mesh, texture)],
+        objects: vec![MeshObject::whole(path, mesh, up_axis, texture)],
         warnings,
         notes,
     })
@@ -184,6 +188,7 @@ fn several(
             mesh: Arc::clone(&meshes[node.mesh]),
             node: Some(number),
             world_from_object: node.world_from_object,
+            up_axis: UpAxis::Y,
             texture: None,
         });
     limit_warnings(path, &mut warnings);
