@@ -1,4 +1,4 @@
-//! Makes the fuzzers' seeds that are no text: images, fragments, rays.
+//! Makes the fuzzers' seeds that are no text: images, fragments, meshes, rays.
 //!
 //! `cargo run --release -p raycast-tests --example seeds` writes them into `fuzz/seeds`, the same each
 //! time. Seeds that are text were written by hand.
@@ -6,7 +6,9 @@
 use exr::prelude::{Compression, WritableImage, read_all_data_from_file};
 use image::codecs::{jpeg::JpegEncoder, png::PngEncoder};
 use image::{DynamicImage, Rgba, RgbaImage};
+use raycast_core::formats::{MeshFormat, write_meshes};
 use raycast_tests::binary::succeed;
+use raycast_tests::fuzz::reading::{MESH, read_mesh};
 use std::error::Error;
 use std::ffi::OsStr;
 use std::io::Cursor;
@@ -15,6 +17,7 @@ use std::path::{Path, PathBuf};
 fn main() -> Result<(), Box<dyn Error>> {
     textures()?;
     fragments()?;
+    meshes()?;
     rays()
 }
 
@@ -23,6 +26,44 @@ fn seed(target: &str, name: &str) -> PathBuf {
         .join("../fuzz/seeds")
         .join(target)
         .join(name)
+}
+
+/// A small mesh with everything in binary PLY of both byte orders, in binary STL, and with colours of
+/// facets as two programs have them.
+fn meshes() -> Result<(), Box<dyn Error>> {
+    let read = read_mesh("mesh.obj", MESH.as_bytes())??;
+    let write = |format| {
+        let mut bytes = Vec::new();
+        write_meshes(&read.scene, format, None, &mut bytes).map(|_| bytes)
+    };
+    std::fs::write(
+        seed("ply", "binary"),
+        write(MeshFormat::Ply { ascii: false })?,
+    )?;
+    let stl = write(MeshFormat::Stl { ascii: false })?;
+    std::fs::write(seed("stl", "binary"), &stl)?;
+    let mut viscam = stl.clone();
+    viscam[84 + 48..84 + 50].copy_from_slice(&[0x1f, 0x80]);
+    std::fs::write(seed("stl", "colors_viscam"), &viscam)?;
+    let mut magics = stl;
+    magics[32..42].copy_from_slice(b"COLOR=abcd");
+    magics[84 + 48..84 + 50].copy_from_slice(&[0x1f, 0x02]);
+    std::fs::write(seed("stl", "colors_magics"), &magics)?;
+    let mut big = b"ply\nformat binary_big_endian 1.0\nelement vertex 4\nproperty double x\n\
+        property short y\nproperty float z\nelement face 2\n\
+        property list ushort uint vertex_index\nend_header\n"
+        .to_vec();
+    for [x, y, z] in [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 2i16]] {
+        big.extend(f64::from(x).to_be_bytes());
+        big.extend(y.to_be_bytes());
+        big.extend(f32::from(z).to_be_bytes());
+    }
+    for face in [&[0u32, 1, 2, 3][..], &[0, 2, 3]] {
+        big.extend((face.len() as u16).to_be_bytes());
+        big.extend(face.iter().flat_map(|corner| corner.to_be_bytes()));
+    }
+    std::fs::write(seed("ply", "big_endian"), big)?;
+    Ok(())
 }
 
 /// Small images of every kind of sample that PNG has, JPEG in grey and in colour, every kind of PNM.

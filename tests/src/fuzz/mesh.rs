@@ -1,8 +1,9 @@
 //! What holds of every mesh that was read.
 
-use super::reading::{Reading, read_mesh};
-use raycast_core::formats::SceneFile;
-use raycast_core::scene::{COORDINATE_LIMIT, Mesh};
+use super::picture::is_seen_soundly;
+use super::reading::{Reading, read_mesh, with_windows_lines};
+use raycast_core::formats::{MeshFormat, SceneFile, write_meshes};
+use raycast_core::scene::{COORDINATE_LIMIT, Mesh, Scene};
 use std::fmt::Write;
 
 /// Whether the numbers of a mesh agree with one another, and what rays can meet is finite.
@@ -105,7 +106,10 @@ pub fn reads_again(mesh: &Mesh, name: &str, write: fn(&Mesh) -> String) -> Resul
     }
     let text = write(mesh);
     let again = read_mesh(name, text.as_bytes())?.map_err(|error| format!("not again: {error}"))?;
-    let again = only_mesh(&again);
+    has_same_triangles(mesh, only_mesh(&again))
+}
+
+fn has_same_triangles(mesh: &Mesh, again: &Mesh) -> Result<(), String> {
     if again.triangles().len() != mesh.triangles().len() {
         let (before, after) = (mesh.triangles().len(), again.triangles().len());
         return Err(format!("{after} of {before} triangles are read again"));
@@ -126,6 +130,65 @@ pub fn reads_again(mesh: &Mesh, name: &str, write: fn(&Mesh) -> String) -> Resul
         }
     }
     Ok(())
+}
+
+/// The formats that the program writes and reads.
+const WRITTEN: [(&str, MeshFormat); 6] = [
+    ("again.obj", MeshFormat::Obj),
+    ("again.ply", MeshFormat::Ply { ascii: false }),
+    ("again.ply", MeshFormat::Ply { ascii: true }),
+    ("again.stl", MeshFormat::Stl { ascii: false }),
+    ("again.stl", MeshFormat::Stl { ascii: true }),
+    ("again.txt", MeshFormat::TriangleText),
+];
+
+/// Whether a mesh that the program writes reads again with the same triangles kept, each with the same
+/// corners, in every format whose numbers hold them.
+///
+/// # Errors
+/// The format, and in what it differs.
+pub fn converts(mesh: &Mesh) -> Result<(), String> {
+    let scene = Scene::from(mesh.clone());
+    for (name, format) in WRITTEN {
+        let place = |fault| format!("as {format:?} {fault}");
+        let mut bytes = Vec::new();
+        let written = write_meshes(&scene, format, None, &mut bytes);
+        let written = written.map_err(|error| place(format!("not written: {error}")))?;
+        let again =
+            read_mesh(name, &bytes)?.map_err(|error| place(format!("not again: {error}")))?;
+        if written.moved == 0 {
+            has_same_triangles(mesh, only_mesh(&again)).map_err(place)?;
+        }
+    }
+    Ok(())
+}
+
+/// What must hold of a mesh file of this name; `is_text` says of which bytes the lines may end
+/// otherwise.
+///
+/// # Errors
+/// What does not.
+pub fn check(name: &str, bytes: &[u8], is_text: fn(&[u8]) -> bool) -> Result<(), String> {
+    let reading = read_mesh(name, bytes)?;
+    if let Some(windows) = with_windows_lines(bytes)
+        && is_text(bytes)
+        && !bytes.contains(&b'\r')
+    {
+        // Messages tell bytes, which are others.
+        match (&reading, &read_mesh(name, &windows)?) {
+            (Ok(a), Ok(b)) => meshes_are_equal(only_mesh(a), only_mesh(b))
+                .map_err(|difference| format!("with Windows' lines {difference}"))?,
+            (Err(_), Err(_)) => {}
+            (_, other) => return Err(format!("with Windows' lines {other:?}")),
+        }
+    }
+    let Ok(file) = reading else {
+        return Ok(());
+    };
+    let mesh = only_mesh(&file);
+    is_sound(mesh)?;
+    converts(mesh)?;
+    is_seen_soundly(&file)
 }
 
 /// A mesh as an OBJ file, three vertices a triangle.

@@ -13,10 +13,13 @@ pub mod fragment_png;
 pub mod mesh;
 pub mod mtl;
 pub mod obj;
+pub mod off;
 pub mod picture;
+pub mod ply;
 pub mod rays;
 pub mod reading;
 pub mod scene;
+pub mod stl;
 pub mod texture;
 pub mod triangle_text;
 
@@ -24,14 +27,17 @@ pub mod triangle_text;
 pub type Target = fn(&[u8]) -> Result<(), String>;
 
 /// All targets, by the names of their folders in `fuzz/seeds`.
-pub const TARGETS: [(&str, Target); 9] = [
+pub const TARGETS: [(&str, Target); 12] = [
     ("fragment_exr", fragment_exr::check),
     ("fragment_png", fragment_png::check),
     ("kernel", raycast_report::fuzz_kernel::check),
     ("mtl", mtl::check),
     ("obj", obj::check),
+    ("off", off::check),
+    ("ply", ply::check),
     ("rays", rays::check),
     ("scene", scene::check),
+    ("stl", stl::check),
     ("texture", texture::check),
     ("triangle_text", triangle_text::check),
 ];

@@ -50,6 +50,16 @@ pub(super) struct Contents<'b> {
     _share: Share<'b>,
 }
 
+impl<'b> Contents<'b> {
+    /// Bytes for which there is a share.
+    pub(super) fn new(bytes: Vec<u8>, share: Share<'b>) -> Self {
+        Self {
+            bytes,
+            _share: share,
+        }
+    }
+}
+
 impl Deref for Contents<'_> {
     type Target = [u8];
 
@@ -130,10 +140,7 @@ impl<'b> Filling<'b> {
     }
 
     pub(super) fn into_contents(self) -> Contents<'b> {
-        Contents {
-            bytes: self.bytes,
-            _share: self.share,
-        }
+        Contents::new(self.bytes, self.share)
     }
 }
 

@@ -109,8 +109,8 @@ pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
         (b"PK\x03\x04", "a ZIP archive"),
         (b"\x1f\x8b", "a gzip archive"),
         (b"%PDF", "a PDF document"),
-        (b"\xff\xfe", "UTF-16 text (save it as UTF-8)"),
-        (b"\xfe\xff", "UTF-16 text (save it as UTF-8)"),
+        (b"\xff\xfe", "UTF-16 text"),
+        (b"\xfe\xff", "UTF-16 text"),
     ];
     let head = &bytes[..bytes.len().min(4096)];
     if let Some((_, kind)) = SIGNATURES

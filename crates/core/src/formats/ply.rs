@@ -231,7 +231,7 @@ fn body<V: Values>(
             name => {
                 reader.pass(element)?;
                 let count = element.count;
-                let name = quote::shorten(name);
+                let name = plain(name);
                 reader
                     .notes
                     .push(format!("not used: {count} of element {name}"));
@@ -320,7 +320,7 @@ struct Reader<'a, V> {
 impl<V: Values> Reader<'_, V> {
     #[cold]
     fn fault(&self, element: &Element, found: &Found) -> FormatError {
-        let expected = format!("a number of element `{}`", quote::shorten(&element.name));
+        let expected = format!("a number of element {}", plain(&element.name));
         self.values.fault(self.path, &expected, found)
     }
 
@@ -334,8 +334,7 @@ impl<V: Values> Reader<'_, V> {
         let left = self.values.left() as u64;
         // The last number of a text has nothing behind it.
         if least > 0 && element.count > (left + 1) / least {
-            let name = quote::shorten(&element.name);
-            let expected = format!("{} of element `{name}`", element.count);
+            let expected = format!("{} of element {}", element.count, plain(&element.name));
             let found = Found::Word(format!("{left} bytes for them: it is cut short"));
             return Err(self.values.fault(self.path, &expected, &found));
         }
@@ -389,7 +388,8 @@ impl<V: Values> Reader<'_, V> {
 
     fn note_unused(&mut self, of: &str, unused: Vec<String>) {
         if !unused.is_empty() {
-            let names = quote::shorten(&unused.join(", "));
+            let names: Vec<_> = unused.iter().map(|name| plain(name)).collect();
+            let names = quote::shorten(&names.join(", "));
             self.notes
                 .push(format!("not used: properties of {of}: {names}"));
         }
@@ -609,6 +609,16 @@ impl<V: Values> Reader<'_, V> {
             }
         }
         Ok(())
+    }
+}
+
+/// A name of the file as it is, or quoted where it is unlike names.
+fn plain(name: &str) -> String {
+    let is_plain = name.bytes().all(|byte| byte.is_ascii_graphic());
+    if is_plain {
+        quote::shorten(name)
+    } else {
+        quote::quote(name)
     }
 }
 

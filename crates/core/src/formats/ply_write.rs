@@ -49,10 +49,12 @@ pub(super) fn write(
     for ((part, joined), colors) in parts.parts.iter().zip(&joined).zip(&colors) {
         for &[position, normal, uv] in &joined.vertices {
             for number in part.positions[position as usize].to_array() {
-                if columns.doubles {
-                    row.number(number, &number.to_le_bytes())?;
+                if ascii {
+                    write!(row.out, "{} ", parts.decimal(number))?;
+                } else if columns.doubles {
+                    row.out.write_all(&number.to_le_bytes())?;
                 } else {
-                    row.single(number as f32)?;
+                    row.out.write_all(&(number as f32).to_le_bytes())?;
                 }
             }
             if columns.normals {

@@ -12,7 +12,7 @@ pub(super) fn write(
 ) -> Result<(), WriteError> {
     if ascii {
         for part in &parts.parts {
-            solid(part, out)?;
+            solid(parts, part, out)?;
         }
     } else {
         binary(parts, out, written.triangles)?;
@@ -48,7 +48,7 @@ fn binary(parts: &Parts<'_>, out: &mut dyn Write, triangles: u64) -> Result<(), 
     Ok(())
 }
 
-fn solid(part: &Part<'_>, out: &mut dyn Write) -> io::Result<()> {
+fn solid(parts: &Parts<'_>, part: &Part<'_>, out: &mut dyn Write) -> io::Result<()> {
     let name = one_line(part.name);
     writeln!(out, "solid {name}")?;
     for triangle in part.triangles.iter() {
@@ -56,7 +56,8 @@ fn solid(part: &Part<'_>, out: &mut dyn Write) -> io::Result<()> {
         let [x, y, z] = normal(corners).to_array().map(Shortest);
         writeln!(out, "facet normal {x} {y} {z}\nouter loop")?;
         for corner in corners {
-            let [x, y, z] = corner.to_array().map(Shortest);
+            let numbers = corner.as_dvec3().to_array();
+            let [x, y, z] = numbers.map(|number| parts.decimal(number));
             writeln!(out, "vertex {x} {y} {z}")?;
         }
         writeln!(out, "endloop\nendfacet")?;

@@ -1,10 +1,11 @@
-//! Compressed files: gzip (RFC 1952) and Zstandard (RFC 8878), told by their first bytes.
+//! Packed files, told by their first bytes: gzip (RFC 1952), Zstandard (RFC 8878), and UTF-16.
 
 use super::Progress;
 use super::error::{FormatError, shorten};
 use super::files::{Contents, Filling};
 use super::guard::guarded;
 use super::limits::Budget;
+use super::stl;
 use flate2::read::MultiGzDecoder;
 use ruzstd::decoding::StreamingDecoder;
 use ruzstd::decoding::errors::{FrameDecoderError, ReadFrameHeaderError};
@@ -28,7 +29,8 @@ pub(super) fn inner_name(path: &Path) -> PathBuf {
     }
 }
 
-/// What a compressed file holds, and what compressed it; `None` for any other file.
+/// What a packed file holds, and how it was packed; `None` for any other file. Text of UTF-16 becomes
+/// UTF-8, and what is no character of it is replaced.
 ///
 /// # Errors
 /// Damaged data; more than the budget has left.
@@ -38,9 +40,19 @@ pub(super) fn unpack<'b>(
     budget: &'b Budget,
     progress: Progress<'_>,
 ) -> Result<Option<(Contents<'b>, &'static str)>, FormatError> {
+    // Which may begin with anything.
+    if stl::is_binary(bytes) {
+        return Ok(None);
+    }
     let name = match bytes {
         [0x1f, 0x8b, ..] => "gzip",
         [0x28, 0xb5, 0x2f, 0xfd, ..] => "Zstandard",
+        [0xff, 0xfe, text @ ..] => {
+            return utf_16(path, text, u16::from_le_bytes, budget).map(Some);
+        }
+        [0xfe, 0xff, text @ ..] => {
+            return utf_16(path, text, u16::from_be_bytes, budget).map(Some);
+        }
         _ => return Ok(None),
     };
     let mut filling = Filling::new(path, budget)?;
@@ -87,6 +99,22 @@ pub(super) fn unpack<'b>(
     };
     filled?.map_err(|error| damaged(&error))?;
     Ok(Some((filling.into_contents(), name)))
+}
+
+fn utf_16<'b>(
+    path: &Path,
+    text: &[u8],
+    unit: fn([u8; 2]) -> u16,
+    budget: &'b Budget,
+) -> Result<(Contents<'b>, &'static str), FormatError> {
+    let (pairs, _) = text.as_chunks::<2>();
+    // Three bytes a unit at most.
+    let share = budget.share(path, "the file", 3 * pairs.len() as u64)?;
+    let mut bytes = String::with_capacity(3 * pairs.len());
+    let units = pairs.iter().map(|pair| unit(*pair));
+    let characters = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER));
+    bytes.extend(characters);
+    Ok((Contents::new(bytes.into_bytes(), share), "UTF-16"))
 }
 
 #[cfg(test)]
@@ -163,6 +191,21 @@ mod tests {
                 bytes[at] ^= 0x55;
                 let _ = unpacked(&bytes, 1 << 30);
             }
+        }
+    }
+
+    #[test]
+    fn text_of_two_bytes_a_character_is_read() {
+        let text = "v 0 0 0\u{e9}\u{1d11e}";
+        for (mark, bytes) in [
+            ([0xff, 0xfe], u16::to_le_bytes as fn(u16) -> [u8; 2]),
+            ([0xfe, 0xff], u16::to_be_bytes),
+        ] {
+            let mut packed = mark.to_vec();
+            packed.extend(text.encode_utf16().flat_map(bytes));
+            let found = unpacked(&packed, 1 << 20).expect("good data");
+            assert_eq!(found, Some((text.as_bytes().to_vec(), "UTF-16")));
+            assert!(unpacked(&packed, 20).is_err());
         }
     }
 

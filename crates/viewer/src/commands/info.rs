@@ -231,7 +231,7 @@ fn describe(info: &FileInfo) -> String {
             line("colors", "at vertices".to_owned());
         }
         if !object.materials.is_empty() {
-            line("materials", object.materials.join(", "));
+            line("materials", some_of(&object.materials));
         }
         if let Some([width, height]) = object.texture {
             line("texture", format!("{width}x{height}"));
@@ -275,6 +275,16 @@ fn bounds(line: &mut impl FnMut(&str, String), bounds: Option<&BoundsInfo>) {
 
 fn vector([x, y, z]: [f64; 3]) -> String {
     format!("{x} {y} {z}")
+}
+
+/// The first of many names, and how many more there are: a file of coloured faces has one a colour.
+fn some_of(names: &[String]) -> String {
+    const MOST: usize = 12;
+    let first = names[..names.len().min(MOST)].join(", ");
+    match names.len().saturating_sub(MOST) {
+        0 => first,
+        more => format!("{first} and {more} more"),
+    }
 }
 
 fn yes_no(is: bool) -> String {

@@ -194,6 +194,27 @@ fn moves_are_counted() {
     assert_eq!(bytes(&scene, MeshFormat::Glb).1.moved, 0);
 }
 
+/// A reader of doubles moves these to another origin, and the decimals of singles are not the singles.
+#[test]
+fn far_singles_stay() {
+    let far = MeshData {
+        positions: [[1.0, 0.3f32, 0.007446289], [1.0, 0.3, 0.1], [1.1, 0.3, 0.7]]
+            .map(|place| Vec3::from_array(place).as_dvec3())
+            .to_vec(),
+        triangles: vec![[0, 1, 2]],
+        ..MeshData::default()
+    };
+    let scene = scene([far]);
+    let mesh = &scene.objects[0].mesh;
+    assert!(mesh.offset() != DVec3::ZERO);
+    for (name, format) in READ {
+        let (bytes, written) = bytes(&scene, format);
+        assert_eq!(written.moved, 0, "{name}");
+        let again = read(&scene, name, &bytes);
+        assert_eq!(corners(&again, 0), corners(mesh, 0), "{name}");
+    }
+}
+
 #[test]
 fn dropped_triangles_keep_their_numbers() {
     let mut data = rich();

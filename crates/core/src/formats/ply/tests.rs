@@ -178,7 +178,7 @@ fn says_where_and_what() {
     };
     check(
         &edit("1 0 0\n", "1 x 0\n"),
-        ":11: expected a number of element `vertex`, found \"x\"",
+        ":11: expected a number of element vertex, found \"x\"",
     );
     check(
         &edit("3 0 1 2\n", "3 0 1"),
@@ -194,7 +194,7 @@ fn says_where_and_what() {
     );
     check(
         &edit("vertex 3", "vertex 3000000"),
-        ":10: expected 3000000 of element `vertex`, found 25 bytes for them: it is cut short",
+        ":10: expected 3000000 of element vertex, found 25 bytes for them: it is cut short",
     );
     check(
         &edit("vertex 3", "vertex 99999999999"),
@@ -227,6 +227,10 @@ fn says_where_and_what() {
             ": expected vertex indices from 0 to 2 at byte {}, found another in the list that ends here",
             start + 13
         ),
+    );
+    check(
+        &edit("element face 1", "element fa\u{1}ce 2"),
+        ":13: expected a number of element \"fa\\u{1}ce\", found the file's end: it is cut short",
     );
     let longer = binary_triangle(&[3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 9]);
     let told = "a/b.ply: bytes behind its last element, which are passed over: 1";

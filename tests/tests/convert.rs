@@ -1,0 +1,118 @@
+//! `raycast convert`: a mesh in any format is the same mesh.
+
+use raycast_tests::arguments;
+use raycast_tests::binary::{Told, refuse, succeed};
+use raycast_tests::files::{asset, bytes, folder, names, write};
+use std::ffi::OsString;
+use std::path::Path;
+
+fn convert(from: &Path, to: &Path, more: &[&str]) -> Told {
+    let mut arguments = arguments!["convert", from, "-o", to];
+    arguments.extend(more.iter().map(OsString::from));
+    succeed(&arguments)
+}
+
+/// The pixels of a mesh in one colour, which its attributes do not change.
+fn picture(mesh: &Path) -> Vec<u8> {
+    let image = mesh.with_extension("picture.ppm");
+    succeed(arguments![
+        "render", mesh, "-o", &image, "--mode", "flat", "--color", "#888888", "--size", "160x120"
+    ]);
+    bytes(&image)
+}
+
+/// The formats that are read and written, by name.
+const FORMATS: [(&str, &[&str]); 6] = [
+    ("mesh.obj", &[]),
+    ("binary.ply", &[]),
+    ("text.ply", &["--ascii"]),
+    ("binary.stl", &[]),
+    ("text.stl", &["--ascii"]),
+    ("mesh.txt", &[]),
+];
+
+#[test]
+fn one_mesh_in_every_format_is_one_picture() {
+    let folder = folder();
+    for name in ["monkey.obj", "torus.obj"] {
+        let first = folder.path().join("first.ply");
+        convert(&asset(name), &first, &[]);
+        let expected = picture(&first);
+        assert_eq!(picture(&asset(name)), expected, "{name}");
+        for (one, options) in FORMATS {
+            let one = folder.path().join(one);
+            convert(&first, &one, options);
+            assert!(picture(&one) == expected, "{name} as {}", one.display());
+            for (other, options) in FORMATS {
+                let other = folder.path().join(format!("from-{other}"));
+                convert(&one, &other, options);
+                let names = (one.display(), other.display());
+                assert!(
+                    picture(&other) == expected,
+                    "{name} as {} to {}",
+                    names.0,
+                    names.1
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_scene_of_several_objects_is_converted_in_its_places() {
+    let folder = folder();
+    let demo = asset("demo.raycast.toml");
+    let obj = folder.path().join("demo.obj");
+    let told = convert(&demo, &obj, &[]);
+    assert!(
+        told.errors.contains("not kept: textures of"),
+        "{}",
+        told.errors
+    );
+    assert!(names(folder.path()).contains(&OsString::from("demo.mtl")));
+    let ply = folder.path().join("demo.ply");
+    convert(&demo, &ply, &[]);
+    assert!(picture(&obj) == picture(&ply));
+}
+
+#[test]
+fn no_input_is_written_over() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let mesh = "mtllib a.mtl\nusemtl x\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    write(folder.path(), "a.obj", mesh);
+    write(folder.path(), "a.mtl", "newmtl x\nKd 1 0 0\n");
+    for output in ["a.obj", "./a.obj"] {
+        let line = refuse(2, arguments!["convert", at("a.obj"), "-o", at(output)]);
+        assert!(line.contains("cannot be written"), "{line}");
+    }
+    // The library that the output would have is that of the input.
+    std::fs::create_dir(at("b")).expect("a folder");
+    std::fs::hard_link(at("a.mtl"), at("b/c.mtl")).expect("a link");
+    let line = refuse(2, arguments!["convert", at("a.obj"), "-o", at("b/c.obj")]);
+    assert!(line.contains("c.mtl: cannot be written"), "{line}");
+    assert_eq!(names(&at("b")), ["c.mtl"]);
+    for (output, why) in [
+        ("b/a.off", "expected a name that ends in"),
+        ("b/a", "expected a name that ends in"),
+    ] {
+        let line = refuse(2, arguments!["convert", at("a.obj"), "-o", at(output)]);
+        assert!(line.contains(why), "{line}");
+    }
+    refuse(
+        2,
+        arguments!["convert", at("a.obj"), "-o", at("b/a.glb"), "--ascii"],
+    );
+}
+
+#[test]
+fn what_is_up_is_turned() {
+    let folder = folder();
+    let mesh = write(folder.path(), "a.txt", "(0,0,0);(1,0,0);(0,2,3)\n");
+    let turned = folder.path().join("b.txt");
+    convert(&mesh, &turned, &["--up-axis", "z"]);
+    assert_eq!(bytes(&turned), b"(0,0,0);(1,0,0);(0,3,-2)\n");
+    let told = succeed(arguments!["info", &mesh, "--up-axis", "z"]);
+    let told = String::from_utf8_lossy(&told.output).into_owned();
+    assert!(told.contains("z is taken to be up"), "{told}");
+}
