@@ -14,7 +14,8 @@ fn convert(from: &Path, to: &Path, more: &[&str]) -> Told {
 
 /// The pixels of a mesh in one colour, which its attributes do not change.
 fn picture(mesh: &Path) -> Vec<u8> {
-    let image = mesh.with_extension("picture.ppm");
+    let folder = folder();
+    let image = folder.path().join("picture.ppm");
     succeed(arguments![
         "render", mesh, "-o", &image, "--mode", "flat", "--color", "#888888", "--size", "160x120"
     ]);

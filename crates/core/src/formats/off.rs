@@ -14,12 +14,20 @@ use glam::{DVec3, Vec2, Vec3};
 use std::mem::size_of;
 use std::path::Path;
 
+/// What a vertex may have beside its position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Normal,
+    Color,
+    Uv,
+}
+
 /// What an OFF says of its vertices in its first word: `[ST][C][N][4][n]OFF`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Keyword {
-    uvs: bool,
-    colors: bool,
-    normals: bool,
+    /// In the order in which the numbers stand: from the word's end to its start. Geomview's words have
+    /// normals first; MeshLab writes `NCOFF`, with colours first.
+    kinds: Vec<Kind>,
     /// Four numbers a vertex, or as many as the file says: no space of three dimensions.
     other_space: bool,
 }
@@ -27,18 +35,32 @@ struct Keyword {
 impl Keyword {
     fn of(word: &[u8]) -> Option<Self> {
         let mut rest = word.strip_suffix(b"OFF")?;
-        let mut take = |prefix: &[u8]| {
-            let behind = rest.strip_prefix(prefix);
-            rest = behind.unwrap_or(rest);
-            behind.is_some()
-        };
-        let keyword = Self {
-            uvs: take(b"ST"),
-            colors: take(b"C"),
-            normals: take(b"N"),
-            other_space: take(b"4") | take(b"n"),
-        };
-        rest.is_empty().then_some(keyword)
+        let mut keyword = Self::default();
+        while let Some((last, before)) = rest.split_last() {
+            rest = before;
+            let kind = match last {
+                b'N' => Kind::Normal,
+                b'C' => Kind::Color,
+                b'T' => {
+                    rest = rest.strip_suffix(b"S")?;
+                    Kind::Uv
+                }
+                b'4' | b'n' => {
+                    keyword.other_space = true;
+                    continue;
+                }
+                _ => return None,
+            };
+            if keyword.kinds.contains(&kind) {
+                return None;
+            }
+            keyword.kinds.push(kind);
+        }
+        Some(keyword)
+    }
+
+    fn has(&self, kind: Kind) -> bool {
+        self.kinds.contains(&kind)
     }
 }
 
@@ -198,18 +220,13 @@ impl Reader<'_> {
 
     fn read_vertices(&mut self, length: usize, progress: Progress<'_>) -> Result<(), FormatError> {
         let count = self.vertices;
-        let Keyword {
-            uvs,
-            colors,
-            normals,
-            ..
-        } = self.keyword;
-        let of = |has: bool, bytes| if has { bytes } else { 0 };
+        let keyword = std::mem::take(&mut self.keyword);
+        let of = |kind, number| if keyword.has(kind) { number } else { 0 };
         let vertex = size_of::<DVec3>()
-            + of(normals, size_of::<Vec3>())
-            + of(uvs, size_of::<Vec2>())
+            + of(Kind::Normal, size_of::<Vec3>())
+            + of(Kind::Uv, size_of::<Vec2>())
             + of(
-                colors,
+                Kind::Color,
                 size_of::<(u32, [f32; 3])>() + size_of::<Option<Color>>(),
             );
         // What is read is counted again as a mesh once all is there.
@@ -218,7 +235,7 @@ impl Reader<'_> {
                 .share(self.path, "the mesh", (count * vertex) as u64)?,
         );
         self.parsed.mesh.positions.reserve_exact(count);
-        let least = 3 + of(normals, 3) + of(colors, 3) + of(uvs, 2);
+        let least = 3 + of(Kind::Normal, 3) + of(Kind::Color, 3) + of(Kind::Uv, 2);
         let expected = format!("{least} numbers of a vertex");
         let mut numbers = Vec::new();
         for index in 0..count {
@@ -230,24 +247,24 @@ impl Reader<'_> {
             let three = |at: usize| [numbers[at], numbers[at + 1], numbers[at + 2]];
             self.parsed.mesh.positions.push(DVec3::from_array(three(0)));
             let mut at = 3;
-            if normals {
-                let normal = DVec3::from_array(three(at)).normalize_or_zero();
-                self.normals.push(normal.as_vec3());
-                at += 3;
-            }
-            if colors {
-                self.vertex_colors.add(index, three(at));
-                // Perhaps with opacity.
-                at += if numbers.len() - at >= 4 + of(uvs, 2) {
-                    4
-                } else {
-                    3
-                };
-            }
-            if uvs {
-                let uv = Vec2::new(numbers[at] as f32, numbers[at + 1] as f32);
-                self.uvs.push(uv);
-                at += 2;
+            for kind in &keyword.kinds {
+                match kind {
+                    Kind::Normal => {
+                        let normal = DVec3::from_array(three(at)).normalize_or_zero();
+                        self.normals.push(normal.as_vec3());
+                        at += 3;
+                    }
+                    Kind::Color => {
+                        self.vertex_colors.add(index, three(at));
+                        // Perhaps with opacity.
+                        at += if numbers.len() > least { 4 } else { 3 };
+                    }
+                    Kind::Uv => {
+                        let uv = Vec2::new(numbers[at] as f32, numbers[at + 1] as f32);
+                        self.uvs.push(uv);
+                        at += 2;
+                    }
+                }
             }
             self.extra += usize::from(numbers.len() > at);
             if index % 16_384 == 0 {
@@ -407,10 +424,10 @@ mod tests {
 
     #[test]
     fn keywords() {
-        for good in ["OFF", "COFF", "STCN4OFF", "NOFF", "nOFF", "# a\n\n OFF"] {
+        for good in ["OFF", "COFF", "STCN4OFF", "NCOFF", "nOFF", "# a\n\n OFF"] {
             assert!(is_off(good.as_bytes()), "{good}");
         }
-        for bad in ["", "off", "OFFF", "XOFF", "NCOFF", "v OFF"] {
+        for bad in ["", "off", "OFFF", "XOFF", "CCOFF", "v OFF"] {
             assert!(!is_off(bad.as_bytes()), "{bad}");
         }
     }
@@ -458,6 +475,14 @@ mod tests {
             mesh.colors,
             [color(255, 0, 0), color(0, 128, 0), color(0, 0, 255)]
         );
+    }
+
+    #[test]
+    fn what_vertices_have_is_in_the_order_of_the_keyword() {
+        let vertices = "0 0 0 1 0 0 1 0 3 0\n1 0 0 1 0 0 1 0 3 0\n0 1 0 1 0 0 1 0 3 0\n";
+        let mesh = parse(&format!("NCOFF\n3 1 0\n{vertices}3 0 1 2\n")).expect("a good file");
+        assert_eq!(mesh.mesh.colors[0], Some(Color([255, 0, 0])));
+        assert_eq!(mesh.mesh.normals.expect("normals").values[0], Vec3::Y);
     }
 
     #[test]

@@ -465,7 +465,9 @@ impl<V: Values> Reader<'_, V> {
                 self.face_colors.resize(before, None);
                 self.face_colors.resize(after, Some(layout.color(&row)));
             }
-            if uvs.len() == 2 * corners.len() && after > before {
+            let has_uvs =
+                uvs.len() == 2 * corners.len() && uvs.iter().all(|uv: &f32| uv.is_finite());
+            if has_uvs && after > before {
                 let (pairs, _) = uvs.as_chunks::<2>();
                 let first = self.corner_uvs.len() as u32;
                 self.corner_uvs

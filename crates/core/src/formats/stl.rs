@@ -249,7 +249,7 @@ fn ascii(
                     triangles.push([first, last, next]);
                     last = next;
                 }
-                if triangles.len() % 16_384 == 0 {
+                if triangles.len().is_multiple_of(16_384) {
                     progress(0.9 * words.at() as f32 / bytes.len() as f32);
                 }
             } else if !(is("outer") || is("loop") || is("endloop")) {
@@ -259,7 +259,7 @@ fn ascii(
             let held = 3
                 * (vertices.len() * (size_of::<DVec3>() + 3 * size_of::<u32>())
                     + triangles.len() * size_of::<[u32; 3]>());
-            if facet.len() < 2 || facet.len() % 16_384 == 0 {
+            if facet.len() < 2 || facet.len().is_multiple_of(16_384) {
                 share.grow(path, "the mesh", (held + 4 * facet.len()) as u64)?;
             }
         } else if is("facet") && in_solid {

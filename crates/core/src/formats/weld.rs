@@ -25,6 +25,9 @@ const EMPTY: u64 = u64::MAX;
 /// Twice the vertices of two rows of a mesh of some millions of triangles. A power of two.
 const RECENT: usize = 1 << 13;
 
+/// Vertices that are looked up together.
+const BLOCK: usize = 96;
+
 impl Vertices {
     /// None, with room for so many.
     pub(super) fn with_capacity(vertices: usize) -> Self {
@@ -40,10 +43,42 @@ impl Vertices {
     /// The number of the vertex at a position, both zeros being one; a new one if there is none.
     #[inline]
     pub(super) fn number(&mut self, position: DVec3) -> u32 {
+        let (position, hash) = self.hashed(position);
+        self.number_of(position, hash)
+    }
+
+    /// The numbers of many vertices, in their order.
+    fn numbers(&mut self, positions: &[DVec3], numbers: &mut Vec<u32>) {
+        numbers.clear();
+        let mut hashed = [(DVec3::ZERO, 0); BLOCK];
+        for block in positions.chunks(BLOCK) {
+            let mut all = 0;
+            for (hashed, position) in hashed.iter_mut().zip(block) {
+                *hashed = self.hashed(*position);
+                // Slots are far apart in memory: asked for together, they come together.
+                all ^= self.slots[first_slot(hashed.1, self.slots.len())];
+            }
+            std::hint::black_box(all);
+            let block = &hashed[..block.len()];
+            numbers.extend(
+                block
+                    .iter()
+                    .map(|&(position, hash)| self.number_of(position, hash)),
+            );
+        }
+    }
+
+    /// A position, and its hash.
+    #[inline]
+    fn hashed(&self, position: DVec3) -> (DVec3, u64) {
         // Adding zero makes one zero of the two.
         let position = position + DVec3::ZERO;
+        (position, self.hash(bits(position)))
+    }
+
+    #[inline]
+    fn number_of(&mut self, position: DVec3, hash: u64) -> u32 {
         let key = bits(position);
-        let hash = self.hash(key);
         let recent = self.recent[hash as usize % RECENT];
         if self
             .positions
@@ -133,7 +168,7 @@ fn bits(position: DVec3) -> [u64; 3] {
 }
 
 /// Fewer triangles than these are not worth a task of their own.
-const FEWEST: usize = 1 << 14;
+const FEWEST: usize = 1 << 12;
 
 /// The vertices and triangles that `count` triangles of these corners have. `progress` is told of
 /// triangles that are done, from any thread.
@@ -167,12 +202,16 @@ impl<C: Fn(usize) -> [DVec3; 3] + Sync, P: Fn(usize) + Sync> Part<'_, C, P> {
         if triangles.len() <= self.leaf {
             // A closed mesh has half as many vertices as triangles, and a part of one some more.
             let mut vertices = Vertices::with_capacity(triangles.len() / 8 * 5 + 2);
-            for (index, triangle) in triangles.iter_mut().enumerate() {
-                let corners = (self.corners)(first + index);
-                *triangle = corners.map(|corner| vertices.number(corner));
-                if index % FEWEST == FEWEST - 1 {
-                    (self.progress)(FEWEST);
-                }
+            let (mut corners, mut numbers) = (Vec::new(), Vec::new());
+            let mut first = first;
+            for triangles in triangles.chunks_mut(FEWEST) {
+                corners.clear();
+                let all = first..first + triangles.len();
+                corners.extend(all.flat_map(|triangle| (self.corners)(triangle)));
+                vertices.numbers(&corners, &mut numbers);
+                triangles.as_flattened_mut().copy_from_slice(&numbers);
+                (self.progress)(triangles.len());
+                first += triangles.len();
             }
             return vertices;
         }
@@ -180,8 +219,8 @@ impl<C: Fn(usize) -> [DVec3; 3] + Sync, P: Fn(usize) + Sync> Part<'_, C, P> {
         let (left, right) = triangles.split_at_mut(half);
         let (mut vertices, others) =
             rayon::join(|| self.weld(first, left), || self.weld(first + half, right));
-        let others = others.into_positions();
-        let numbers: Vec<u32> = others.iter().map(|p| vertices.number(*p)).collect();
+        let mut numbers = Vec::new();
+        vertices.numbers(&others.into_positions(), &mut numbers);
         right
             .par_iter_mut()
             .with_min_len(FEWEST)

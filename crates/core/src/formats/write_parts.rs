@@ -134,7 +134,8 @@ impl<'s> Parts<'s> {
 
     /// Notes what a format of corners alone does not hold.
     pub(super) fn lose_attributes(&self, written: &mut Written) {
-        let kinds: [(&str, fn(&Mesh) -> bool); 4] = [
+        type Has = fn(&Mesh) -> bool;
+        let kinds: [(&str, Has); 4] = [
             ("normals", Mesh::has_normals),
             ("texture coordinates", Mesh::has_uvs),
             ("colours of vertices", |mesh| {
@@ -182,7 +183,7 @@ impl<'s> Part<'s> {
             rounded = pairs
                 .map(|(sum, p)| sum_error(offset, p.as_dvec3(), *sum))
                 .collect();
-            if rounded.iter().all(|moved| !(*moved > 0.0)) {
+            if !rounded.iter().any(|moved| *moved > 0.0) {
                 rounded.clear();
             }
         }

@@ -219,9 +219,9 @@ fn dropped_triangles_keep_their_numbers() {
     data.positions.push(DVec3::X * 1e300);
     data.triangles
         .splice(1..1, [[0, 1, 5], [0, 1, 99], [6, 0, 1]]);
-    for all in [&mut data.normals.as_mut().expect("normals").indices] {
-        all.as_mut().expect("indices").splice(1..1, [[0; 3]; 3]);
-    }
+    let normals = data.normals.as_mut().expect("normals");
+    let indices = normals.indices.as_mut().expect("indices");
+    indices.splice(1..1, [[0; 3]; 3]);
     data.uvs = None;
     data.materials.clear();
     let scene = scene([data]);

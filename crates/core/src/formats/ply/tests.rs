@@ -133,7 +133,7 @@ fn triangles_alone_are_read_as_any_faces_are() {
 #[test]
 fn faces_have_colours_and_texture_coordinates() {
     let text = TRIANGLE
-        .replace("element face 1", "element face 3")
+        .replace("element face 1", "element face 4")
         .replace(
             "indices\n",
             "indices\nproperty list uchar float texcoord\nproperty float red\n\
@@ -142,13 +142,13 @@ fn faces_have_colours_and_texture_coordinates() {
         .replace(
             "3 0 1 2\n",
             "3 0 1 2 6 0 0 1 0 0 0.5 1 0 0.5\n2 0 1 0 0 0 0\n\
-            3 2 1 0 0 1 0 0.5\n",
+            3 2 1 0 0 1 0 0.5\n3 1 2 0 6 0 0 1e300 0 0 0.5 1 0 0.5\n",
         );
     let Parsed { mesh, warnings, .. } = parse(text.as_bytes()).expect("a good file");
     let uvs = mesh.uvs.expect("texture coordinates");
     assert_eq!(uvs.values[2], Vec2::new(0.0, 0.5));
-    assert_eq!(uvs.indices, Some(vec![[0, 1, 2], [NONE; 3]]));
-    assert_eq!(mesh.material_of_triangle, [0, 0]);
+    assert_eq!(uvs.indices, Some(vec![[0, 1, 2], [NONE; 3], [NONE; 3]]));
+    assert_eq!(mesh.material_of_triangle, [0, 0, 0]);
     assert_eq!(mesh.materials[0].color, Color([255, 0, 128]));
     let told = "a/b.ply: faces of fewer than three corners, which are passed over: 1";
     assert_eq!(warnings, [told]);
