@@ -10,28 +10,33 @@
 
 pub mod fragment_exr;
 pub mod fragment_png;
+pub mod gltf;
 pub mod mesh;
 pub mod mtl;
 pub mod obj;
 pub mod picture;
+pub mod placed;
 pub mod rays;
 pub mod reading;
 pub mod scene;
 pub mod texture;
+pub mod threemf;
 pub mod triangle_text;
 
 /// What must hold of bytes; in one line what does not.
 pub type Target = fn(&[u8]) -> Result<(), String>;
 
 /// All targets, by the names of their folders in `fuzz/seeds`.
-pub const TARGETS: [(&str, Target); 9] = [
+pub const TARGETS: [(&str, Target); 11] = [
     ("fragment_exr", fragment_exr::check),
     ("fragment_png", fragment_png::check),
+    ("gltf", gltf::check),
     ("kernel", raycast_report::fuzz_kernel::check),
     ("mtl", mtl::check),
     ("obj", obj::check),
     ("rays", rays::check),
     ("scene", scene::check),
     ("texture", texture::check),
+    ("threemf", threemf::check),
     ("triangle_text", triangle_text::check),
 ];
