@@ -72,9 +72,13 @@ fn are_equal(a: &SceneFile, b: &SceneFile) -> Result<(), String> {
                 color,
                 source,
                 texture_source,
+                node,
+                shape,
                 ..
             } = object;
-            format!("{transform:?} {parent:?} {color:?} {source:?} {texture_source:?}")
+            format!(
+                "{transform:?} {parent:?} {color:?} {source:?} {texture_source:?} {node:?} {shape:?}"
+            )
         };
         differ("object", plain(a), plain(b))?;
         if a.texture != b.texture {

@@ -32,6 +32,7 @@ fn add_object(hash: &mut Digester, object: &Object) {
         source: _,
         texture_source: _,
         node: _,
+        shape: _,
     } = object;
     let Transform {
         translate,

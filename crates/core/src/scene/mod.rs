@@ -5,6 +5,7 @@ mod color;
 mod content;
 mod mesh;
 mod object;
+mod shape;
 mod texture;
 mod transform;
 
@@ -13,5 +14,6 @@ pub use color::{Color, ColorRule};
 pub(crate) use mesh::is_storable;
 pub use mesh::{Attribute, BENT, COORDINATE_LIMIT, Dropped, Material, Mesh, MeshData, Rounding};
 pub use object::{Object, Scene, SceneError};
+pub use shape::{Shape, ShapeError};
 pub use texture::{Crop, Texture};
 pub use transform::Transform;

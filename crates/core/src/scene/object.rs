@@ -1,4 +1,4 @@
-use super::{Bounds, Color, ColorRule, Mesh, Texture, Transform};
+use super::{Bounds, Color, ColorRule, Mesh, Shape, Texture, Transform};
 use crate::quote::shorten;
 use glam::{DAffine3, DVec3};
 use std::path::PathBuf;
@@ -26,6 +26,8 @@ pub struct Object {
     pub texture_source: Option<PathBuf>,
     /// Which of that file's mesh nodes it is, from 0, depth first; `None` where it is the whole file.
     pub node: Option<u32>,
+    /// The numbers that its mesh was made from, where it came from no file.
+    pub shape: Option<Shape>,
 }
 
 impl Object {
@@ -41,6 +43,7 @@ impl Object {
             source: None,
             texture_source: None,
             node: None,
+            shape: None,
         }
     }
 
