@@ -54,8 +54,7 @@ pub(super) fn read(
             return Ok(number);
         }
         let part = package.part(name)?;
-        // A vertex of 30 characters becomes 24 bytes, a triangle of as many 24, in lists that double.
-        held += 3 * part.text.len() as u64;
+        held += bytes_of(&part.text);
         share.grow(path, "the models", held)?;
         let left = budget.triangles_left().saturating_sub(triangles);
         let model = threemf_model::read(package, &part, left)?;
@@ -159,6 +158,14 @@ pub(super) fn read(
     tell(path, &models, root, &mut placed);
     progress(1.0);
     Ok(placed)
+}
+
+/// Bytes that a model part becomes, at most.
+fn bytes_of(text: &[u8]) -> u64 {
+    let count = |word: &str| memchr::memmem::find_iter(text, word).count() as u64;
+    // A vertex of 20 characters becomes 24 bytes, a triangle of 30 as many, in lists that double: the old
+    // one is there until the new one is filled. Objects, their instances and colours are more for their words.
+    3 * text.len() as u64 + 1024 * count("object") + 512 * count("color")
 }
 
 /// Names objects without a name after the file.

@@ -237,8 +237,13 @@ impl ModelReader<'_, '_> {
                 Place::Other
             }
             (Place::Resources, b"object") => {
+                let id = self.need(tag, b"id")?;
+                if self.model.objects.contains_key(&id) {
+                    let found = format!("{id} once more");
+                    return Err(self.unexpected("a number that no other object has", &found));
+                }
                 self.open = Open {
-                    id: self.need(tag, b"id")?,
+                    id,
                     name: self.text(tag, b"name")?.filter(|name| !name.is_empty()),
                     property: (
                         self.number(tag, b"pid")?.unwrap_or(NONE),
