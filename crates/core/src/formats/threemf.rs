@@ -27,7 +27,7 @@ struct Models {
 /// What is left to do on the way through the tree.
 enum Step {
     /// Places an object: named in a part, within what is outside.
-    Enter(usize, Instance, DAffine3),
+    Enter(Box<(usize, Instance, DAffine3)>),
     /// An object of a part is done.
     Leave((usize, u32)),
 }
@@ -76,12 +76,10 @@ pub(super) fn read(
     let mut steps: Vec<Step> = Vec::new();
     let mut count = 0;
     let items = models.models[root].items.iter().rev();
-    steps.extend(items.map(|item| Step::Enter(root, item.clone(), DAffine3::IDENTITY)));
+    steps.extend(items.map(|item| Step::Enter(Box::new((root, item.clone(), DAffine3::IDENTITY)))));
     while let Some(step) = steps.pop() {
         let (named_in, instance, world_from_outer) = match step {
-            Step::Enter(named_in, instance, world_from_outer) => {
-                (named_in, instance, world_from_outer)
-            }
+            Step::Enter(enter) => *enter,
             Step::Leave(key) => {
                 on_the_way.remove(&key);
                 continue;
@@ -133,7 +131,9 @@ pub(super) fn read(
                 }
                 steps.push(Step::Leave((number, id)));
                 let inner = components.iter().rev().cloned();
-                steps.extend(inner.map(|inner| Step::Enter(number, inner, world_from_object)));
+                steps.extend(
+                    inner.map(|inner| Step::Enter(Box::new((number, inner, world_from_object)))),
+                );
                 continue;
             }
         };
