@@ -9,15 +9,18 @@ use image::{DynamicImage, Rgba, RgbaImage};
 use raycast_core::formats::{MeshFormat, write_meshes};
 use raycast_tests::binary::succeed;
 use raycast_tests::fuzz::reading::{MESH, read_mesh};
+use raycast_tests::fuzz::threemf;
 use std::error::Error;
 use std::ffi::OsStr;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
+use zip::CompressionMethod;
 
 fn main() -> Result<(), Box<dyn Error>> {
     textures()?;
     fragments()?;
     meshes()?;
+    files_of_objects()?;
     rays()
 }
 
@@ -154,6 +157,58 @@ fn render(place: &Path, ending: &str, options: &[&str]) -> Result<(), Box<dyn Er
     let render = std::iter::once(OsStr::new("render"));
     succeed(render.chain(arguments).chain(size).chain(options));
     std::fs::copy(&picture, place)?;
+    Ok(())
+}
+
+/// Binary meshes: a GLB with an image of its own, and 3MF archives of the model parts that are text.
+fn files_of_objects() -> Result<(), Box<dyn Error>> {
+    let mut binary: Vec<u8> = [0f32, 0., 0., 1., 0., 0., 0., 1., 0.]
+        .iter()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    let image = b"P3\n1 1\n255\n9 200 30\n";
+    binary.extend(image);
+    let json = format!(
+        r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":{}}}],"bufferViews":[{{"buffer":0,"byteLength":36}},
+{{"buffer":0,"byteOffset":36,"byteLength":{}}}],"accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}},
+{{"bufferView":0,"byteOffset":8,"componentType":5121,"normalized":true,"count":3,"type":"VEC2"}}],"images":[{{"bufferView":1}}],
+"textures":[{{"source":0}}],"materials":[{{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":0}}}}}}],
+"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"TEXCOORD_0":1}},"material":0}}]}}],"nodes":[{{"mesh":0}}]}}"#,
+        binary.len(),
+        image.len()
+    );
+    let mut json = json.into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    binary.resize(binary.len().next_multiple_of(4), 0);
+    let number = |x: usize| (x as u32).to_le_bytes();
+    let mut glb = [
+        &b"glTF"[..],
+        &number(2),
+        &number(28 + json.len() + binary.len()),
+    ]
+    .concat();
+    for (kind, chunk) in [(b"JSON", &json), (b"BIN\0", &binary)] {
+        glb.extend(number(chunk.len()));
+        glb.extend(kind);
+        glb.extend(chunk);
+    }
+    std::fs::write(seed("gltf", "binary"), glb)?;
+    for (name, compression) in [
+        ("archive", CompressionMethod::Deflated),
+        ("archive_stored", CompressionMethod::Stored),
+    ] {
+        let model = std::fs::read(seed("threemf", "components"))?;
+        let other = std::fs::read(seed("threemf", "colors"))?;
+        let parts = [
+            ("_rels/.rels", threemf::RELATIONSHIPS.as_bytes()),
+            ("3D/m.model", &model),
+            ("3D/other.model", &other),
+        ];
+        std::fs::write(
+            seed("threemf", name),
+            threemf::archive(&parts, compression)?,
+        )?;
+    }
     Ok(())
 }
 

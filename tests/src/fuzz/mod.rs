@@ -10,26 +10,30 @@
 
 pub mod fragment_exr;
 pub mod fragment_png;
+pub mod gltf;
 pub mod mesh;
 pub mod mtl;
 pub mod obj;
 pub mod off;
 pub mod picture;
+pub mod placed;
 pub mod ply;
 pub mod rays;
 pub mod reading;
 pub mod scene;
 pub mod stl;
 pub mod texture;
+pub mod threemf;
 pub mod triangle_text;
 
 /// What must hold of bytes; in one line what does not.
 pub type Target = fn(&[u8]) -> Result<(), String>;
 
 /// All targets, by the names of their folders in `fuzz/seeds`.
-pub const TARGETS: [(&str, Target); 12] = [
+pub const TARGETS: [(&str, Target); 14] = [
     ("fragment_exr", fragment_exr::check),
     ("fragment_png", fragment_png::check),
+    ("gltf", gltf::check),
     ("kernel", raycast_report::fuzz_kernel::check),
     ("mtl", mtl::check),
     ("obj", obj::check),
@@ -39,5 +43,6 @@ pub const TARGETS: [(&str, Target); 12] = [
     ("scene", scene::check),
     ("stl", stl::check),
     ("texture", texture::check),
+    ("threemf", threemf::check),
     ("triangle_text", triangle_text::check),
 ];

@@ -73,9 +73,13 @@ fn are_equal(a: &SceneFile, b: &SceneFile) -> Result<(), String> {
                 source,
                 texture_source,
                 visible,
+                node,
+                shape,
                 ..
             } = object;
-            format!("{transform:?} {parent:?} {color:?} {source:?} {texture_source:?} {visible}")
+            format!(
+                "{transform:?} {parent:?} {color:?} {source:?} {texture_source:?} {node:?} {shape:?} {visible}"
+            )
         };
         differ("object", plain(a), plain(b))?;
         if a.texture != b.texture {

@@ -200,6 +200,9 @@ fn check_version(path: &Path, root: &Root<'_>) -> Result<(), FormatError> {
     Err(FormatError::unexpected(path, None, expected, found))
 }
 
+/// A chunk's kind, its bytes, and where the next one begins.
+type Chunk<'b> = (&'b [u8], &'b [u8], usize);
+
 /// A GLB's JSON, and its binary chunk.
 fn chunks<'b>(path: &Path, bytes: &'b [u8]) -> Result<(&'b [u8], Option<&'b [u8]>), FormatError> {
     const JSON: &[u8] = b"JSON";
@@ -221,7 +224,7 @@ fn chunks<'b>(path: &Path, bytes: &'b [u8]) -> Result<(&'b [u8], Option<&'b [u8]
         let found = format!("{}: it is cut short", bytes.len());
         return Err(fault(8, &format!("a file of {length} bytes"), found));
     }
-    let chunk = |at: usize| -> Result<Option<(&'b [u8], &'b [u8], usize)>, FormatError> {
+    let chunk = |at: usize| -> Result<Option<Chunk<'b>>, FormatError> {
         if length.saturating_sub(at) < 8 {
             return Ok(None);
         }

@@ -59,11 +59,19 @@ impl MeshObject {
         }
     }
 
+    /// What came from no file.
+    pub(super) fn made(name: &str, mesh: Arc<Mesh>) -> Self {
+        Self {
+            name: name.to_owned(),
+            ..Self::whole(Path::new(""), mesh, UpAxis::Y, None)
+        }
+    }
+
     /// The object in a scene; its texture is another file, and the caller's.
-    pub(super) fn placed(&self, source: PathBuf) -> Object {
+    pub(super) fn placed(&self, source: Option<PathBuf>) -> Object {
         Object {
             transform: Transform::from_matrix(self.world_from_object),
-            source: Some(source),
+            source,
             up_axis: self.up_axis,
             node: self.node,
             ..Object::new(self.name.clone(), Arc::clone(&self.mesh))

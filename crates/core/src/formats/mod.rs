@@ -144,7 +144,7 @@ pub fn read_scene_within(
     let source = disk.source(path);
     let mut objects = Vec::with_capacity(read.objects.len());
     for found in read.objects {
-        let mut object = found.placed(source.clone());
+        let mut object = found.placed(Some(source.clone()));
         if let Some(image) = found.texture {
             match decode_texture(&disk, &image, By::Mesh(path)) {
                 Ok(texture) => {

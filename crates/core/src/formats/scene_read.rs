@@ -5,13 +5,15 @@ use super::kind::without_mark;
 use super::mesh_file::{self, MeshObject};
 use super::scene_file::{CameraFile, FileKind, ImageFile, SceneFile};
 use super::scene_toml::{
-    BackgroundToml, CameraToml, ImageToml, ObjectToml, SceneToml, ShadingToml,
+    BackgroundToml, CameraToml, ImageToml, ObjectToml, SceneToml, ShadingToml, ShapeToml,
 };
 use super::{Progress, texture};
 use crate::camera::{ImagePlane, Placement, PlacementError, Projection};
 use crate::quote::{self, quote};
 use crate::ranges::{self, OutOfRange};
-use crate::scene::{Bounds, COORDINATE_LIMIT, Object, Scene, Texture, Transform, UpAxis};
+use crate::scene::{
+    Bounds, COORDINATE_LIMIT, Object, Scene, Shape, ShapeError, Texture, Transform, UpAxis,
+};
 use crate::shade::{Background, Shading, Wireframe};
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
@@ -300,21 +302,40 @@ impl Reader<'_> {
         for (index, table) in tables.iter().enumerate() {
             let table = table.get_ref();
             let step = |part: f32| progress((index as f32 + part) * share);
-            let mesh_path = beside(self.path, table.mesh.get_ref());
-            let source = self.files.source(&mesh_path);
-            let up_axis = table.up_axis.map_or(UpAxis::default(), Into::into);
-            let key = (source.clone(), up_axis);
-            if !meshes.contains_key(&key) {
-                let bytes = self.bytes(&table.mesh, &mesh_path, &|part| step(part * 0.5))?;
-                let read = mesh_file::read(&mesh_path, &bytes, self.files, up_axis, &|part| {
-                    step(0.5 + part * 0.5);
-                })?;
-                let path = quote::path(&mesh_path);
-                notes.extend(read.notes.iter().map(|note| format!("{path}: {note}")));
-                warnings.extend(read.warnings);
-                meshes.insert(key.clone(), read.objects);
-            }
-            let read = meshes.get(&key).map_or(&[][..], Vec::as_slice);
+            let made;
+            let (read, source) = match (&table.mesh, &table.shape) {
+                (Some(named), None) => {
+                    let mesh_path = beside(self.path, named.get_ref());
+                    let source = self.files.source(&mesh_path);
+                    let up_axis = table.up_axis.map_or(UpAxis::default(), Into::into);
+                    let key = (source.clone(), up_axis);
+                    if !meshes.contains_key(&key) {
+                        let bytes = self.bytes(named, &mesh_path, &|part| step(part * 0.5))?;
+                        let read =
+                            mesh_file::read(&mesh_path, &bytes, self.files, up_axis, &|part| {
+                                step(0.5 + part * 0.5);
+                            })?;
+                        let path = quote::path(&mesh_path);
+                        notes.extend(read.notes.iter().map(|note| format!("{path}: {note}")));
+                        warnings.extend(read.warnings);
+                        meshes.insert(key.clone(), read.objects);
+                    }
+                    let read = meshes.get(&key).map_or(&[][..], Vec::as_slice);
+                    (read, Some(source))
+                }
+                (None, Some(shape)) => {
+                    made = [self.shape(shape, warnings)?];
+                    (&made[..], None)
+                }
+                (Some(_), Some(shape)) => {
+                    return Err(self.fault(shape, "a mesh or a shape", "both"));
+                }
+                (None, None) => {
+                    let line = self.line(&tables[index]);
+                    let expected = "an object's `mesh`, or `shape`";
+                    return Err(FormatError::unexpected(self.path, line, expected, "none"));
+                }
+            };
             let found = self.named_nodes(table, read)?;
             mesh_file::count_objects(self.path, found, self.files.budget())?;
             let texture = match &table.texture {
@@ -339,6 +360,7 @@ impl Reader<'_> {
             first_objects.push(objects.len());
             for placed in found {
                 let mut object = placed.placed(source.clone());
+                object.shape = table.shape.as_ref().map(|shape| (*shape.get_ref()).into());
                 if let Some(name) = &table.name {
                     object.name = match found {
                         [_] => name.clone(),
@@ -397,6 +419,29 @@ impl Reader<'_> {
                 Err(self.fault(node, &expected, &number.to_string()))
             }
         }
+    }
+
+    /// A shape's mesh, counted before it is made.
+    fn shape(
+        &self,
+        shape: &Spanned<ShapeToml>,
+        warnings: &mut Vec<String>,
+    ) -> Result<MeshObject, FormatError> {
+        let shape_line = self.line(shape);
+        let refused =
+            |error: ShapeError| FormatError::refused(self.path, shape_line, &error.to_string());
+        let shape = Shape::from(*shape.get_ref());
+        shape.check().map_err(refused)?;
+        let budget = self.files.budget();
+        if shape.triangles() > budget.triangles_left() {
+            budget.add_triangles(self.path, shape.triangles())?;
+        }
+        // A triangle has three corners in each of three lists, and at most three vertices of its own.
+        let bytes = shape.triangles() * 3 * (3 * 4 + 24 + 12 + 8);
+        let _share = budget.share(self.path, "the shape", bytes)?;
+        let data = shape.mesh().map_err(refused)?;
+        let mesh = mesh_file::store(self.path, data, budget, warnings)?;
+        Ok(MeshObject::made(shape.name(), mesh))
     }
 
     fn transform(&self, table: &ObjectToml) -> Result<Transform, FormatError> {
@@ -801,6 +846,67 @@ texture = "t.ppm"
         let told =
             "scene:3: expected the number of one of the file's 0 mesh nodes, from 0, found 0";
         assert_eq!(node.to_string(), told);
+    }
+
+    #[test]
+    fn shapes_are_made_from_their_numbers_and_saved_as_them() {
+        let text = "[[object]]\nshape = { kind = \"sphere\", radius = 2, rings = 4 }\n\n\
+            [[object]]\nname = \"box\"\nshape = { kind = \"cube\", size = [1, 2, 0.1] }\nparent = \"ring\"\n\n\
+            [[object]]\nname = \"ring\"\nshape = { kind = \"torus\" }\ntranslate = [1, 0, 0]\n";
+        let file = parse(text);
+        let names: Vec<&str> = file.scene.objects.iter().map(|o| o.name.as_str()).collect();
+        assert_eq!(names, ["sphere", "box", "ring"]);
+        assert_eq!(
+            file.scene.objects[0].shape,
+            Some(Shape::Sphere {
+                radius: 2.0,
+                segments: 64,
+                rings: 4
+            })
+        );
+        assert_eq!(file.scene.objects[0].mesh.triangles().len(), 2 * 64 * 3);
+        assert_eq!(file.scene.objects[1].parent, Some(2));
+        let saved = file
+            .to_toml(Path::new("/nowhere"))
+            .expect("it can be saved");
+        assert_eq!(
+            parse(&saved).scene.content(),
+            file.scene.content(),
+            "{saved}"
+        );
+        for (line, told) in [
+            ("shape = { kind = \"egg\" }", "unknown variant `egg`"),
+            (
+                "shape = { kind = \"disc\", height = 1 }",
+                "unknown field `height`",
+            ),
+            (
+                "shape = { kind = \"disc\", segments = 2 }",
+                "expected 3 to 16384 segments of a disc, found 2",
+            ),
+            (
+                "shape = { kind = \"disc\", radius = -1 }",
+                "expected a disc's radius above 0, found -1",
+            ),
+            (
+                "mesh = \"b.txt\"\nshape = { kind = \"disc\" }",
+                "expected a mesh or a shape, found both",
+            ),
+            (
+                "name = \"a\"",
+                "expected an object's `mesh`, or `shape`, found none",
+            ),
+            (
+                "shape = { kind = \"sphere\", rings = 16384, segments = 16384 }",
+                "(limit `triangles`)",
+            ),
+        ] {
+            let error = read_scene_from(&format!("[[object]]\n{line}\n"), &files);
+            let error = error.expect_err(line).to_string();
+            assert!(error.starts_with("scene"), "{error}");
+            assert!(error.contains(told), "{error}");
+            assert_eq!(error.lines().count(), 1, "{error}");
+        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The tables of a `.raycast.toml`, as they stand in the file.
 
 use crate::camera::Projection;
-use crate::scene::{Color, ColorRule, UpAxis};
+use crate::scene::{Color, ColorRule, Shape, UpAxis};
 use crate::shade::{Filter, Mode, TextureProjection};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 use toml::Spanned;
@@ -91,7 +91,11 @@ pub(super) struct ShadingToml {
 pub(super) struct ObjectToml {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) name: Option<String>,
-    pub(super) mesh: Spanned<String>,
+    /// A file; else there is a shape.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) mesh: Option<Spanned<String>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) shape: Option<Spanned<ShapeToml>>,
     /// Of a file of several mesh nodes the one meant, from 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) node: Option<Spanned<u32>>,
@@ -116,6 +120,115 @@ pub(super) struct ObjectToml {
     pub(super) parent: Option<Spanned<String>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) visible: Option<bool>,
+}
+
+/// A shape by its numbers; those left out are one unit, and as many parts as look round.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub(super) enum ShapeToml {
+    Cube {
+        #[serde(default = "ones")]
+        size: [f64; 3],
+    },
+    Plane {
+        #[serde(default = "ones")]
+        size: [f64; 2],
+    },
+    Sphere {
+        #[serde(default = "one")]
+        radius: f64,
+        #[serde(default = "segments")]
+        segments: u32,
+        #[serde(default = "rings")]
+        rings: u32,
+    },
+    Cone {
+        #[serde(default = "one")]
+        radius: f64,
+        #[serde(default = "one")]
+        height: f64,
+        #[serde(default = "segments")]
+        segments: u32,
+    },
+    Cylinder {
+        #[serde(default = "one")]
+        radius: f64,
+        #[serde(default = "one")]
+        height: f64,
+        #[serde(default = "segments")]
+        segments: u32,
+    },
+    Torus {
+        #[serde(default = "one")]
+        radius: f64,
+        #[serde(default = "quarter")]
+        tube: f64,
+        #[serde(default = "segments")]
+        segments: u32,
+        #[serde(default = "rings")]
+        rings: u32,
+    },
+    Disc {
+        #[serde(default = "one")]
+        radius: f64,
+        #[serde(default = "segments")]
+        segments: u32,
+    },
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn ones<const N: usize>() -> [f64; N] {
+    [1.0; N]
+}
+
+fn quarter() -> f64 {
+    0.25
+}
+
+fn segments() -> u32 {
+    64
+}
+
+fn rings() -> u32 {
+    32
+}
+
+/// The same variants, number by number, both ways.
+macro_rules! shapes {
+    ($($kind:ident { $($number:ident),+ }),+) => {
+        impl From<ShapeToml> for Shape {
+            fn from(shape: ShapeToml) -> Self {
+                match shape {
+                    $(ShapeToml::$kind { $($number),+ } => Self::$kind {
+                        $($number: $number.into()),+
+                    }),+
+                }
+            }
+        }
+
+        impl From<Shape> for ShapeToml {
+            fn from(shape: Shape) -> Self {
+                match shape {
+                    $(Shape::$kind { $($number),+ } => Self::$kind {
+                        $($number: $number.into()),+
+                    }),+
+                }
+            }
+        }
+    };
+}
+
+shapes! {
+    Cube { size },
+    Plane { size },
+    Sphere { radius, segments, rings },
+    Cone { radius, height, segments },
+    Cylinder { radius, height, segments },
+    Torus { radius, tube, segments, rings },
+    Disc { radius, segments }
 }
 
 /// A colour as `#rrggbb`.

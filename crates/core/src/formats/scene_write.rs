@@ -151,12 +151,15 @@ fn object(
                 object: shorten(&object.name),
             })
     };
-    let source = object
-        .source
-        .as_deref()
-        .ok_or_else(|| SaveError::NoSource {
-            object: shorten(&object.name),
-        })?;
+    let mesh = match (&object.source, object.shape) {
+        (Some(source), _) => Some(named(source)?),
+        (None, Some(_)) => None,
+        (None, None) => {
+            return Err(SaveError::NoSource {
+                object: shorten(&object.name),
+            });
+        }
+    };
     let texture = match (&object.texture, &object.texture_source) {
         (None, _) => None,
         (Some(_), Some(path)) => Some(named(path)?),
@@ -176,7 +179,11 @@ fn object(
     let at_rest = Transform::IDENTITY;
     Ok(ObjectToml {
         name: Some(names[index].clone()),
-        mesh: named(source)?,
+        shape: match mesh {
+            Some(_) => None,
+            None => object.shape.map(|shape| spanned(shape.into())),
+        },
+        mesh,
         up_axis: (object.up_axis != UpAxis::default()).then(|| object.up_axis.into()),
         node: object.node.map(spanned),
         color: Some(color),

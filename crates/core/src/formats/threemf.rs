@@ -27,7 +27,7 @@ struct Models {
 /// What is left to do on the way through the tree.
 enum Step {
     /// Places an object: named in a part, within what is outside.
-    Enter(usize, Instance, DAffine3),
+    Enter(Box<(usize, Instance, DAffine3)>),
     /// An object of a part is done.
     Leave((usize, u32)),
 }
@@ -54,8 +54,7 @@ pub(super) fn read(
             return Ok(number);
         }
         let part = package.part(name)?;
-        // A vertex of 30 characters becomes 24 bytes, a triangle of as many 24, in lists that double.
-        held += 3 * part.text.len() as u64;
+        held += bytes_of(&part.text);
         share.grow(path, "the models", held)?;
         let left = budget.triangles_left().saturating_sub(triangles);
         let model = threemf_model::read(package, &part, left)?;
@@ -77,12 +76,10 @@ pub(super) fn read(
     let mut steps: Vec<Step> = Vec::new();
     let mut count = 0;
     let items = models.models[root].items.iter().rev();
-    steps.extend(items.map(|item| Step::Enter(root, item.clone(), DAffine3::IDENTITY)));
+    steps.extend(items.map(|item| Step::Enter(Box::new((root, item.clone(), DAffine3::IDENTITY)))));
     while let Some(step) = steps.pop() {
         let (named_in, instance, world_from_outer) = match step {
-            Step::Enter(named_in, instance, world_from_outer) => {
-                (named_in, instance, world_from_outer)
-            }
+            Step::Enter(enter) => *enter,
             Step::Leave(key) => {
                 on_the_way.remove(&key);
                 continue;
@@ -134,7 +131,9 @@ pub(super) fn read(
                 }
                 steps.push(Step::Leave((number, id)));
                 let inner = components.iter().rev().cloned();
-                steps.extend(inner.map(|inner| Step::Enter(number, inner, world_from_object)));
+                steps.extend(
+                    inner.map(|inner| Step::Enter(Box::new((number, inner, world_from_object)))),
+                );
                 continue;
             }
         };
@@ -159,6 +158,14 @@ pub(super) fn read(
     tell(path, &models, root, &mut placed);
     progress(1.0);
     Ok(placed)
+}
+
+/// Bytes that a model part becomes, at most.
+fn bytes_of(text: &[u8]) -> u64 {
+    let count = |word: &str| memchr::memmem::find_iter(text, word).count() as u64;
+    // A vertex of 20 characters becomes 24 bytes, a triangle of 30 as many, in lists that double: the old
+    // one is there until the new one is filled. Objects, their instances and colours are more for their words.
+    3 * text.len() as u64 + 1024 * count("object") + 512 * count("color")
 }
 
 /// Names objects without a name after the file.

@@ -94,6 +94,14 @@ struct Open {
     line: usize,
 }
 
+/// Properties of an object's triangles, whose groups may stand behind it.
+struct Pending {
+    object: u32,
+    /// As in [`Open`].
+    properties: Vec<(u32, u32)>,
+    line: usize,
+}
+
 struct ModelReader<'r, 'b> {
     package: &'r Package<'b>,
     part: &'r Part<'b>,
@@ -105,7 +113,7 @@ struct ModelReader<'r, 'b> {
     /// Groups of kinds that are not shown.
     other_groups: HashSet<u32>,
     /// Objects with properties that stand for later.
-    pending: Vec<(u32, Vec<(u32, u32)>, usize)>,
+    pending: Vec<Pending>,
     unused: HashMap<&'static str, usize>,
     triangles: u64,
     triangles_left: u64,
@@ -237,8 +245,13 @@ impl ModelReader<'_, '_> {
                 Place::Other
             }
             (Place::Resources, b"object") => {
+                let id = self.need(tag, b"id")?;
+                if self.model.objects.contains_key(&id) {
+                    let found = format!("{id} once more");
+                    return Err(self.unexpected("a number that no other object has", &found));
+                }
                 self.open = Open {
-                    id: self.need(tag, b"id")?,
+                    id,
                     name: self.text(tag, b"name")?.filter(|name| !name.is_empty()),
                     property: (
                         self.number(tag, b"pid")?.unwrap_or(NONE),
@@ -295,7 +308,11 @@ impl ModelReader<'_, '_> {
             ..
         } = std::mem::take(&mut self.open);
         if !properties.is_empty() {
-            self.pending.push((id, properties, line));
+            self.pending.push(Pending {
+                object: id,
+                properties,
+                line,
+            });
         }
         let shape = match mesh {
             Some(mesh) => Shape::Mesh(Box::new(mesh)),
@@ -504,7 +521,12 @@ impl ModelReader<'_, '_> {
 
     /// Gives triangles their materials, now that all groups are known.
     fn finish(mut self) -> Result<Model, FormatError> {
-        for (id, properties, line) in std::mem::take(&mut self.pending) {
+        for pending in std::mem::take(&mut self.pending) {
+            let Pending {
+                object: id,
+                properties,
+                line,
+            } = pending;
             self.line = line;
             let mut materials = Vec::new();
             let mut numbers: HashMap<(u32, u32), u32> = HashMap::new();

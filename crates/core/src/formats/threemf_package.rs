@@ -62,6 +62,9 @@ impl<'b> Package<'b> {
     /// A fault in a part, at a line of it where it is on one.
     pub(super) fn fault(&self, part: &str, line: Option<usize>, reason: &str) -> FormatError {
         let line = line.map_or_else(String::new, |line| format!(", line {line}"));
+        // What the XML library says may hold names of the file's.
+        let shown = |c: char| if c.is_control() { '\u{fffd}' } else { c };
+        let reason: String = reason.chars().map(shown).collect();
         let reason = format!("{}{line}: {reason}", quote(part));
         FormatError::refused(self.path, None, &reason)
     }

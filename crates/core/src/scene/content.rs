@@ -34,6 +34,7 @@ fn add_object(hash: &mut Digester, object: &Object) {
         texture_source: _,
         node: _,
         visible,
+        shape: _,
     } = object;
     let Transform {
         translate,

@@ -1,4 +1,4 @@
-use super::{Bounds, Color, ColorRule, Mesh, Texture, Transform, UpAxis};
+use super::{Bounds, Color, ColorRule, Mesh, Shape, Texture, Transform, UpAxis};
 use crate::quote::shorten;
 use glam::{DAffine3, DVec3};
 use std::path::PathBuf;
@@ -31,6 +31,8 @@ pub struct Object {
     /// Whether rays can meet it. A hidden object keeps its number, and its triangles theirs; what moves
     /// with it stays where it is.
     pub visible: bool,
+    /// The numbers that its mesh was made from, where it came from no file.
+    pub shape: Option<Shape>,
 }
 
 impl Object {
@@ -48,6 +50,7 @@ impl Object {
             texture_source: None,
             node: None,
             visible: true,
+            shape: None,
         }
     }
 

@@ -204,6 +204,12 @@ fn says_where_and_what() {
         item,
         &format!("{part}, line 4: expected a colour as #RRGGBB or #RRGGBBAA, found \"red\""),
     );
+    let twice = format!("{good}\n{good}");
+    check(
+        &twice,
+        item,
+        &format!("{part}, line 5: expected a number that no other object has, found 1 once more"),
+    );
     let cycle = "<object id=\"2\"><components><component objectid=\"3\"/></components></object>\n\
         <object id=\"3\"><components><component objectid=\"2\"/></components></object>";
     check(
