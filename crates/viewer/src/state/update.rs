@@ -140,7 +140,9 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         }
         Command::Unpin => state.pinned = None,
         Command::Copy(text) => {
-            state.tell(format!("Copied {text}"));
+            let first = text.lines().next().unwrap_or_default();
+            let more = if text.lines().count() > 1 { " …" } else { "" };
+            state.tell(format!("Copied {first}{more}"));
             return Some(Effect::Copy(text));
         }
 
