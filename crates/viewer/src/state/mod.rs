@@ -425,9 +425,9 @@ impl State {
         });
     }
 
-    /// Whether a field for text is open, which letters are for.
+    /// Whether a field for text is open that takes the keyboard, or is about to.
     pub fn is_typing(&self) -> bool {
-        self.prompt.is_some() || self.palette.is_some() || self.naming.is_some()
+        self.prompt.is_some() || self.palette.is_some()
     }
 
     /// Everything that decides the picture as it is while things move; `None` while there is no scene.

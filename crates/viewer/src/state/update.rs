@@ -119,7 +119,10 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         }
         Command::Isolate(which) => return objects::isolate(state, which),
         Command::ShowAll => return objects::edit_each(state, |_, object| object.visible = true),
-        Command::EditName(which) => state.naming = which,
+        Command::EditName(which) => {
+            state.naming = which;
+            state.panel |= which.is_some();
+        }
         Command::Rename(which, name) => {
             state.naming = None;
             let name = name.trim().to_owned();
