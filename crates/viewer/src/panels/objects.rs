@@ -33,7 +33,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
                 .max_height(HEIGHT)
                 .auto_shrink([false, true]);
             // What was marked elsewhere, by a click on the picture, comes into view.
-            let last = ui.id().with("marked");
+            let last = Id::unique("marked object");
             let is_new = ui.data(|data| data.get_temp(last)) != Some(state.selected);
             if is_new {
                 ui.data_mut(|data| data.insert_temp(last, state.selected));
