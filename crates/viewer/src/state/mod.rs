@@ -383,7 +383,8 @@ impl State {
 
     /// A viewpoint of this direction and lens from which all that is visible is in view.
     pub fn fitted(&self, viewpoint: Viewpoint) -> Viewpoint {
-        viewpoint.fitted(self.aspect(), |direction| self.support(direction))
+        let center = self.bounds().center();
+        viewpoint.fitted(center, self.aspect(), |direction| self.support(direction))
     }
 
     /// What undo would bring back; `None` while there is no scene.

@@ -179,8 +179,14 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             }
         }
         Command::ConfirmPath => return files::confirm(state),
-        Command::Open(paths) => return files::open(state, paths),
-        Command::Add(paths) => return files::add(state, paths),
+        Command::Open(paths) => {
+            state.typed = None;
+            return files::open(state, paths);
+        }
+        Command::Add(paths) => {
+            state.typed = None;
+            return files::add(state, paths);
+        }
         Command::OpenNeighbor(step) => {
             return files::proceed_unless_unsaved(state, Pending::Neighbor(step));
         }
