@@ -117,7 +117,9 @@ impl Window {
 
     fn title(&self) -> String {
         let told = self.screen.xdotool(&["getwindowname", &self.id]);
-        String::from_utf8_lossy(&told.stdout).trim().to_owned()
+        // Without the mark of changes that are not saved.
+        let title = String::from_utf8_lossy(&told.stdout).replace(" *", "");
+        title.trim().to_owned()
     }
 
     /// Whether a file is shown before long: its name is in the title, its picture complete.
@@ -192,6 +194,10 @@ impl Window {
 
     /// Types a path into the line that a key opens.
     fn give_path(&mut self, key: &str, path: &str) {
+        if key == "ctrl+o" {
+            // As a scene was opened, so that nobody is asked whether to save what was changed.
+            self.keys(&["ctrl+z"; 6]);
+        }
         let before = self.log_length();
         self.keys(&[key]);
         // The line comes with the next frame, and takes the keyboard with the one after it: what is

@@ -147,8 +147,11 @@ impl App {
             news.extend(watch.changes().into_iter().map(News::Changed));
         }
         for news in news {
-            if matches!(news, News::Loaded(_)) {
-                self.canvas.clear(self.generation + 1);
+            if let News::Loaded(loaded) = &news {
+                // The same scene once more stays in view until it can be seen anew.
+                if loaded.keep != Keep::All {
+                    self.canvas.clear(self.generation + 1);
+                }
                 self.begin_log(now);
             }
             let effect = news::receive(&mut self.state, news, now);

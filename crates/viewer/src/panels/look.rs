@@ -1,4 +1,4 @@
-//! Colours: the mode, lines, texture, triangles, background.
+//! What is changed daily of how things look: the mode, lines, colours, texture, background.
 
 use super::Commands;
 use super::widgets::{Number, choice, color, row, section, tick};
@@ -7,10 +7,9 @@ use crate::state::State;
 use crate::state::command::Command;
 use crate::ui::modes::MODES;
 use egui::{Button, Ui, vec2};
-use raycast_core::Cull;
 use raycast_core::ranges::WIDEST_LINE;
-use raycast_core::scene::{Color, ColorRule, Object};
-use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
+use raycast_core::scene::{Color, ColorRule};
+use raycast_core::shade::{Background, Mode};
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     section(ui, "Look", true, |ui| {
@@ -18,17 +17,6 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
         lines(ui, state, out);
         colors(ui, state, out);
         texture(ui, state, out);
-        row(ui, "Faces", "Which faces rays meet", |ui, _| {
-            let options = [
-                (Cull::None, "Both sides", "Rays meet fronts and backs"),
-                (
-                    Cull::Back,
-                    "Fronts only",
-                    "Rays pass through the backs of triangles",
-                ),
-            ];
-            out.extend(choice(ui, state.settings.cull, &options).map(Command::SetCull));
-        });
         background(ui, state, out);
     });
 }
@@ -180,11 +168,10 @@ fn colors(ui: &mut Ui, state: &State, out: &mut Commands) {
 }
 
 fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
-    let has = |is_so: fn(&Object) -> bool| {
-        let document = state.document.as_ref();
-        document.is_some_and(|document| document.scene.objects.iter().any(is_so))
-    };
-    let removable = has(|object| object.texture.is_some());
+    let removable = state.document.as_ref().is_some_and(|document| {
+        let mut objects = document.scene.objects.iter();
+        objects.any(|object| object.texture.is_some())
+    });
     row(ui, "Texture", "An image on the surface", |ui, _| {
         let load = Button::new("Load…").min_size(vec2(60.0, 0.0));
         let hint = "Put an image on every object";
@@ -204,60 +191,6 @@ fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
             out.push(Command::RemoveTextures);
         }
     });
-    if !has(Object::has_texture) {
-        return;
-    }
-    let shading = &state.settings.shading;
-    row(ui, "Filter", "What is between texels", |ui, _| {
-        let options = [
-            (Filter::Nearest, "Nearest", "The nearest texel: blocks"),
-            (
-                Filter::Bilinear,
-                "Bilinear",
-                "Four texels, blended in linear light",
-            ),
-        ];
-        out.extend(choice(ui, shading.filter, &options).map(Command::SetFilter));
-    });
-    row(
-        ui,
-        "Mapping",
-        "How surfaces find their place in the texture",
-        |ui, _| {
-            let options = [
-                (
-                    TextureProjection::Uv,
-                    "By UV",
-                    "The mesh's texture coordinates",
-                ),
-                (
-                    TextureProjection::Triplanar,
-                    "Triplanar",
-                    "From three sides along the object's axes",
-                ),
-            ];
-            out.extend(choice(ui, shading.projection, &options).map(Command::SetTextureProjection));
-        },
-    );
-    row(
-        ui,
-        "Blend",
-        "From the object's colors (0) to its texture (1)",
-        |ui, label| {
-            let mut blend = shading.blend;
-            ui.spacing_mut().slider_width = 110.0;
-            let slider = egui::Slider::new(&mut blend, 0.0..=1.0).fixed_decimals(2);
-            let hint = "From the object's colors (0) to its texture (1)";
-            if ui
-                .add(slider)
-                .labelled_by(label)
-                .on_hover_text(hint)
-                .changed()
-            {
-                out.push(Command::SetBlend(blend));
-            }
-        },
-    );
 }
 
 fn background(ui: &mut Ui, state: &State, out: &mut Commands) {

@@ -15,6 +15,7 @@ mod picture;
 mod render;
 mod side;
 mod status;
+mod surface;
 mod tiles;
 pub mod viewport;
 mod widgets;

@@ -28,15 +28,26 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     ui.push_id("objects", |ui| {
         section(ui, &title, true, |ui| {
             let height = ui.spacing().interact_size.y;
-            ScrollArea::vertical()
+            let mut list = ScrollArea::vertical()
                 .id_salt("objects")
                 .max_height(HEIGHT)
-                .auto_shrink([false, true])
-                .show_rows(ui, height, objects.len(), |ui, rows| {
-                    for number in rows {
-                        object_row(ui, state, number, &objects[number], out);
-                    }
-                });
+                .auto_shrink([false, true]);
+            // What was marked elsewhere, by a click on the picture, comes into view.
+            let last = Id::unique("marked object");
+            let is_new = ui.data(|data| data.get_temp(last)) != Some(state.selected);
+            if is_new {
+                ui.data_mut(|data| data.insert_temp(last, state.selected));
+                if let Some(number) = state.selected {
+                    let row = height + ui.spacing().item_spacing.y;
+                    list =
+                        list.vertical_scroll_offset((number as f32 * row - HEIGHT * 0.4).max(0.0));
+                }
+            }
+            list.show_rows(ui, height, objects.len(), |ui, rows| {
+                for number in rows {
+                    object_row(ui, state, number, &objects[number], out);
+                }
+            });
             if let Some((number, object)) = state
                 .selected
                 .and_then(|number| Some((number, objects.get(number)?)))

@@ -66,7 +66,11 @@ fn values(pinned: &Pinned) -> Vec<Value> {
         let [x, y, z] = p.to_array().map(format::length);
         format!("{x} {y} {z}")
     };
-    let direction = |n: DVec3| format!("{:.4} {:.4} {:.4}", n.x, n.y, n.z);
+    let direction = |n: DVec3| {
+        // No minus before what is shown as zero.
+        let [x, y, z] = n.to_array().map(|c| (c * 1e4).round() * 1e-4 + 0.0);
+        format!("{x:.4} {y:.4} {z:.4}")
+    };
     let mut values = vec![
         value(
             "Object",

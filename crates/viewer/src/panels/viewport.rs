@@ -67,6 +67,19 @@ pub fn show(
     highlight::show(&painter, state, place);
     out.extend(input::mouse(ui, &response, scale, at));
     gizmo::show(ui, room, state, out);
+    if response.dragged()
+        && let Some(camera) = state.camera()
+        && let Some(pivot) = camera.project(state.viewpoint.orbit.pivot)
+    {
+        // What one turns about.
+        let at = place(pivot);
+        painter.circle_stroke(
+            at,
+            4.0,
+            egui::Stroke::new(3.0, Color32::from_black_alpha(120)),
+        );
+        painter.circle_stroke(at, 4.0, egui::Stroke::new(1.2, Color32::WHITE));
+    }
     let hover = response.hover_pos().map(at).filter(|&(x, y)| {
         (0.0..f64::from(columns)).contains(&x) && (0.0..f64::from(rows)).contains(&y)
     });

@@ -45,7 +45,9 @@ pub(super) fn confirm(state: &mut State) -> Option<Effect> {
         Some((rest, home)) => home.join(rest),
         None => PathBuf::from(text),
     };
-    state.typed = Some(prompt.clone());
+    // Until it is known whether the files could be read.
+    let opens = matches!(prompt.kind, PromptKind::Open | PromptKind::Add);
+    state.typed = opens.then(|| prompt.clone());
     take(state, prompt.kind, vec![path], false)
 }
 

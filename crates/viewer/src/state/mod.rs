@@ -383,7 +383,8 @@ impl State {
 
     /// A viewpoint of this direction and lens from which all that is visible is in view.
     pub fn fitted(&self, viewpoint: Viewpoint) -> Viewpoint {
-        viewpoint.fitted(self.aspect(), |direction| self.support(direction))
+        let center = self.bounds().center();
+        viewpoint.fitted(center, self.aspect(), |direction| self.support(direction))
     }
 
     /// What undo would bring back; `None` while there is no scene.
@@ -425,9 +426,9 @@ impl State {
         });
     }
 
-    /// Whether a field for text is open, which letters are for.
+    /// Whether a field for text is open that takes the keyboard, or is about to.
     pub fn is_typing(&self) -> bool {
-        self.prompt.is_some() || self.palette.is_some() || self.naming.is_some()
+        self.prompt.is_some() || self.palette.is_some()
     }
 
     /// Everything that decides the picture as it is while things move; `None` while there is no scene.

@@ -157,6 +157,7 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
                 let name = path.file_name().unwrap_or(path.as_os_str());
                 document.name = name.to_string_lossy().into_owned();
                 document.paths = vec![path.clone()];
+                // Each time: the watch is told anew, and knows the file as it is now.
                 document.opened.push(path.clone());
                 document.file = Some(path.clone());
             }

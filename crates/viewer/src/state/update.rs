@@ -119,7 +119,10 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         }
         Command::Isolate(which) => return objects::isolate(state, which),
         Command::ShowAll => return objects::edit_each(state, |_, object| object.visible = true),
-        Command::EditName(which) => state.naming = which,
+        Command::EditName(which) => {
+            state.naming = which;
+            state.panel |= which.is_some();
+        }
         Command::Rename(which, name) => {
             state.naming = None;
             let name = name.trim().to_owned();
@@ -140,7 +143,9 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         }
         Command::Unpin => state.pinned = None,
         Command::Copy(text) => {
-            state.tell(format!("Copied {text}"));
+            let first = text.lines().next().unwrap_or_default();
+            let more = if text.lines().count() > 1 { " …" } else { "" };
+            state.tell(format!("Copied {first}{more}"));
             return Some(Effect::Copy(text));
         }
 
@@ -174,8 +179,14 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             }
         }
         Command::ConfirmPath => return files::confirm(state),
-        Command::Open(paths) => return files::open(state, paths),
-        Command::Add(paths) => return files::add(state, paths),
+        Command::Open(paths) => {
+            state.typed = None;
+            return files::open(state, paths);
+        }
+        Command::Add(paths) => {
+            state.typed = None;
+            return files::add(state, paths);
+        }
         Command::OpenNeighbor(step) => {
             return files::proceed_unless_unsaved(state, Pending::Neighbor(step));
         }

@@ -719,6 +719,16 @@ fn a_wrong_path_can_be_mended() {
     );
     assert_eq!(state.errors.len(), 1);
     assert!(state.document.is_some(), "what was open stays");
+
+    // One that was dropped on the window is not what was typed.
+    update(&mut state, Command::ConfirmPath);
+    update(&mut state, Command::Open(vec!["dropped.obj".into()]));
+    receive(
+        &mut state,
+        News::NotOpened("dropped.obj: no such file".to_owned()),
+        Duration::ZERO,
+    );
+    assert_eq!(state.prompt, None);
 }
 
 #[test]

@@ -154,53 +154,40 @@ impl Viewpoint {
         self
     }
 
-    /// The nearest viewpoint of this direction and lens from which a scene is in view, in the middle.
+    /// The nearest viewpoint of this direction and lens that looks at `center` and has a scene in view.
     /// `support` says how far the scene reaches in a direction: the largest dot product of a point with it.
     /// `aspect` is the picture's width over its height.
     ///
-    /// Each side of the frame touches the scene's convex hull or is as far from it as the opposite side;
-    /// a scene that is a point, or none, is looked at from one unit away.
-    pub fn fitted(mut self, aspect: f64, support: impl Fn(DVec3) -> Option<f64>) -> Self {
+    /// What is seen counts, not a box around it: some point is as near to a side of the frame as the margin
+    /// allows. A scene that is a point, or none, is looked at from one unit away.
+    pub fn fitted(
+        mut self,
+        center: DVec3,
+        aspect: f64,
+        support: impl Fn(DVec3) -> Option<f64>,
+    ) -> Self {
         let (right, up, back) = (self.right(), self.up(), self.orbit.back());
-        let extent = |axis: DVec3| Some((support(axis)?, -support(-axis)?));
         let slope = math::tan(self.fov.to_radians() * 0.5) / MARGIN;
-        let (across, upwards) = (slope * aspect, slope);
-        let fit = || {
-            let (near, far) = extent(back)?;
-            let middle = (near + far) * 0.5;
-            let (x, y, distance) = match self.projection {
-                // A point is in view where |x| ≤ across · depth, depth being how far it lies before the eye:
-                // ±x + across · z ≤ the same for the eye. Each side asks that of the scene's support.
-                Projection::Perspective => {
-                    let sides = |axis: DVec3, slope: f64| {
-                        let most = support(axis + back * slope)?;
-                        let least = support(-axis + back * slope)?;
-                        Some(((most - least) * 0.5, (most + least) / (2.0 * slope)))
-                    };
-                    let (x, for_width) = sides(right, across)?;
-                    let (y, for_height) = sides(up, upwards)?;
-                    (x, y, for_width.max(for_height) - middle)
-                }
-                Projection::Orthographic => {
-                    let (to_right, to_left) = extent(right)?;
-                    let (to_top, to_bottom) = extent(up)?;
-                    let half =
-                        ((to_top - to_bottom) * 0.5).max((to_right - to_left) * 0.5 / aspect);
-                    let (x, y) = ((to_right + to_left) * 0.5, (to_top + to_bottom) * 0.5);
-                    (x, y, half / slope)
-                }
+        // How far the eye must be for one side of the frame. Perspective: a point is within the side where
+        // x ≤ slope · depth, depth being how far it lies before the eye; that is x + slope · z ≤ slope · distance,
+        // x and z counted from the centre. Orthographic: x alone must be within the frame.
+        let needed = |side: DVec3, slope: f64| {
+            let normal = match self.projection {
+                Projection::Perspective => side + back * slope,
+                Projection::Orthographic => side,
             };
-            let pivot = right * x + up * y + back * middle;
-            (pivot.is_finite() && distance.is_normal() && distance > 0.0)
-                .then_some((pivot, distance))
+            Some((support(normal)? - center.dot(normal)) / slope)
         };
-        match fit() {
-            Some((pivot, distance)) => {
-                self.orbit.pivot = pivot;
-                self.orbit.distance = distance;
-            }
-            None => self.orbit.distance = 1.0,
-        }
+        let sides = [
+            (right, slope * aspect),
+            (-right, slope * aspect),
+            (up, slope),
+            (-up, slope),
+        ];
+        let distances = sides.map(|(side, slope)| needed(side, slope).unwrap_or(0.0));
+        let distance = distances.into_iter().fold(0.0, f64::max);
+        self.orbit.pivot = center;
+        self.orbit.distance = if distance.is_normal() { distance } else { 1.0 };
         self
     }
 
@@ -239,13 +226,14 @@ mod tests {
     use raycast_core::camera::{Camera, ImagePlane};
 
     #[test]
-    fn a_fit_touches_the_frame_on_two_sides_and_shows_every_point() {
+    fn a_fit_shows_every_point_and_one_at_the_margin() {
         let points: Vec<DVec3> = (0..40)
             .map(|i| {
                 let t = f64::from(i);
                 DVec3::new((t * 1.7) % 3.0, (t * 0.37) % 1.0, (t * 2.3) % 5.0) + DVec3::X * 40.0
             })
             .collect();
+        let center = DVec3::new(41.5, 0.5, 2.5);
         let support = |direction: DVec3| points.iter().map(|p| p.dot(direction)).reduce(f64::max);
         for projection in [Projection::Perspective, Projection::Orthographic] {
             for (yaw, pitch, roll) in [(0.0, 0.0, 0.0), (70.0, 30.0, 0.0), (200.0, -80.0, 25.0)] {
@@ -255,7 +243,7 @@ mod tests {
                     ..Viewpoint::default().turned_to((yaw, pitch))
                 };
                 let start = Viewpoint { roll, ..start };
-                let fitted = start.fitted(2.0, support);
+                let fitted = start.fitted(center, 2.0, support);
                 let step = fitted.frame_height() / 100.0;
                 let plane = ImagePlane::new(200, 100, step).expect("a good plane");
                 let camera = Camera::new(fitted.placement(), projection, plane);

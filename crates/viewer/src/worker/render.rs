@@ -20,7 +20,7 @@ pub struct Request {
     pub document: u64,
     /// The picture.
     pub view: View,
-    /// Rays a pixel once nothing has been asked for during [`REST`]; no more than the view has, for none.
+    /// Rays a pixel once nothing has been asked for during a fifth of a second; no more than the view has, for none.
     pub rest_samples: u32,
     /// Its tiles.
     pub grid: Grid,

@@ -1,0 +1,84 @@
+//! How rays meet surfaces, and how textures lie on them: what is seldom changed.
+
+use super::Commands;
+use super::widgets::{choice, row, section};
+use crate::state::State;
+use crate::state::command::Command;
+use egui::Ui;
+use raycast_core::Cull;
+use raycast_core::scene::Object;
+use raycast_core::shade::{Filter, TextureProjection};
+
+pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
+    section(ui, "Surface", false, |ui| {
+        row(ui, "Faces", "Which faces rays meet", |ui, _| {
+            let options = [
+                (Cull::None, "Both sides", "Rays meet fronts and backs"),
+                (
+                    Cull::Back,
+                    "Fronts only",
+                    "Rays pass through the backs of triangles",
+                ),
+            ];
+            out.extend(choice(ui, state.settings.cull, &options).map(Command::SetCull));
+        });
+        let document = state.document.as_ref();
+        if document.is_some_and(|d| d.scene.objects.iter().any(Object::has_texture)) {
+            texture(ui, state, out);
+        }
+    });
+}
+
+fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
+    let shading = &state.settings.shading;
+    row(ui, "Filter", "What is between texels", |ui, _| {
+        let options = [
+            (Filter::Nearest, "Nearest", "The nearest texel: blocks"),
+            (
+                Filter::Bilinear,
+                "Bilinear",
+                "Four texels, blended in linear light",
+            ),
+        ];
+        out.extend(choice(ui, shading.filter, &options).map(Command::SetFilter));
+    });
+    row(
+        ui,
+        "Mapping",
+        "How surfaces find their place in the texture",
+        |ui, _| {
+            let options = [
+                (
+                    TextureProjection::Uv,
+                    "By UV",
+                    "The mesh's texture coordinates",
+                ),
+                (
+                    TextureProjection::Triplanar,
+                    "Triplanar",
+                    "From three sides along the object's axes",
+                ),
+            ];
+            out.extend(choice(ui, shading.projection, &options).map(Command::SetTextureProjection));
+        },
+    );
+    row(
+        ui,
+        "Blend",
+        "From the object's colors (0) to its texture (1)",
+        |ui, label| {
+            let mut blend = shading.blend;
+            ui.spacing_mut().slider_width = 110.0;
+            let slider = egui::Slider::new(&mut blend, 0.0..=1.0).fixed_decimals(2);
+            let hint = "From the object's colors (0) to its texture (1)";
+            if ui
+                .add(slider)
+                .labelled_by(label)
+                .on_hover_text(hint)
+                .changed()
+            {
+                out.push(Command::SetBlend(blend));
+            }
+        },
+    );
+}
