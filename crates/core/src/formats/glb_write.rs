@@ -1,7 +1,7 @@
 //! Binary glTF 2.0 (Khronos Group, "glTF 2.0 Specification", 2021).
 
-use super::mesh_write::{WriteError, Written};
 use super::write_parts::{Joined, Part, Parts};
+use super::written::{WriteError, Written};
 use crate::scene::Color;
 use crate::shade::srgb::linear;
 use glam::{DVec3, Vec3};

@@ -27,6 +27,7 @@ mod parsed;
 mod placed;
 mod ply;
 mod ply_header;
+mod ply_layout;
 mod ply_values;
 mod ply_write;
 mod polygon;
@@ -47,14 +48,16 @@ mod triangle_text_write;
 mod unpack;
 mod weld;
 mod write_parts;
+mod written;
 
 pub use error::{FormatError, Place};
 pub use guard::panic_is_caught;
 pub use limits::{Budget, Limits};
-pub use mesh_write::{MeshFormat, WriteError, Written, write_materials, write_meshes};
+pub use mesh_write::{MeshFormat, write_materials, write_meshes};
 pub use ray_file::{HIT_BYTES, RAY_BYTES, decode_ray, encode_hit};
 pub use scene_file::{CameraFile, FileKind, ImageFile, SceneFile, ShadingFile};
 pub use scene_write::SaveError;
+pub use written::{WriteError, Written};
 
 use crate::scene::{Mesh, Scene, Texture};
 use files::{By, Disk, Files, Held};

@@ -1,5 +1,5 @@
-use super::mesh_write::{WriteError, Written};
 use super::write_parts::{Parts, Shortest, one_line};
+use super::written::{WriteError, Written};
 use crate::scene::{Color, Scene};
 use std::collections::HashMap;
 use std::io::{self, Write};

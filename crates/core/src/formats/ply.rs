@@ -12,7 +12,8 @@ use super::face_colors;
 use super::files::beside;
 use super::limits::Budget;
 use super::parsed::Parsed;
-use super::ply_header::{self, Element, Encoding, Header, Property, Scalar};
+use super::ply_header::{self, Element, Encoding, Header, Scalar};
+use super::ply_layout::{COLOR, Columns, Layout, NONE, NORMAL, POSITION, Row, UNUSED, UV, index};
 use super::ply_values::{Ascii, Binary, Values};
 use super::polygon::{self, Polygon};
 use super::tokens::Found;
@@ -21,9 +22,6 @@ use crate::scene::{Attribute, Color, MeshData};
 use glam::{DVec3, Vec2, Vec3};
 use std::mem::size_of;
 use std::path::Path;
-
-/// No index: a corner without a value.
-const NONE: u32 = u32::MAX;
 
 /// Reads a PLY.
 pub(super) fn read(
@@ -48,136 +46,6 @@ pub(super) fn read(
         Encoding::BigEndian => {
             let values = Binary::<true>::new(bytes, header.body);
             body(path, &header, values, budget, progress)
-        }
-    }
-}
-
-/// What a property of a vertex is: a place in [`Row`].
-pub(super) type Slot = usize;
-
-/// The numbers of a vertex or a face.
-pub(super) type Row = [f64; UNUSED + 1];
-
-const POSITION: Slot = 0;
-const NORMAL: Slot = 3;
-const COLOR: Slot = 6;
-const UV: Slot = 9;
-/// All that is not used.
-const UNUSED: Slot = 11;
-
-/// A vertex's or a face's properties, and what each of them is.
-pub(super) struct Layout {
-    pub(super) properties: Vec<(Property, Slot)>,
-    /// What makes 0 to 255 of a colour's channel.
-    color_scale: f64,
-}
-
-impl Layout {
-    /// Of an element: of properties with these names, each whole group that it has.
-    fn of(element: &Element, groups: &[(&[&str], Slot)]) -> Self {
-        let properties = element.properties.iter();
-        let mut properties: Vec<_> = properties.map(|p| (p.clone(), UNUSED)).collect();
-        let mut color_scale = 1.0;
-        for &(names, slot) in groups {
-            let places: Option<Vec<usize>> = names
-                .iter()
-                .map(|name| {
-                    let is_it = |(p, _): &(Property, Slot)| p.length.is_none() && p.name == *name;
-                    properties.iter().position(is_it)
-                })
-                .collect();
-            let is_taken = properties.iter().any(|(_, taken)| *taken == slot);
-            if let Some(places) = places.filter(|_| !is_taken) {
-                if slot == COLOR {
-                    color_scale = match properties[places[0]].0.kind {
-                        Scalar::F32 | Scalar::F64 => 255.0,
-                        Scalar::U16 => 255.0 / 65535.0,
-                        _ => 1.0,
-                    };
-                }
-                for (index, place) in places.into_iter().enumerate() {
-                    properties[place].1 = slot + index;
-                }
-            }
-        }
-        Self {
-            properties,
-            color_scale,
-        }
-    }
-
-    fn has(&self, slot: Slot) -> bool {
-        self.properties.iter().any(|(_, of)| *of == slot)
-    }
-
-    /// Bytes of one in a binary file; `None` where there are lists, which decide it.
-    pub(super) fn stride(&self) -> Option<usize> {
-        let bytes = |(property, _): &(Property, Slot)| match property.length {
-            None => Some(property.kind.bytes()),
-            Some(_) => None,
-        };
-        self.properties.iter().map(bytes).sum()
-    }
-
-    fn color(&self, row: &Row) -> Color {
-        // A cast saturates, and makes 0 of what is no number.
-        let byte = |channel: usize| (row[COLOR + channel] * self.color_scale).round() as u8;
-        Color([byte(0), byte(1), byte(2)])
-    }
-
-    /// The names of what is not used.
-    fn unused(&self) -> Vec<String> {
-        let unused = self.properties.iter().filter(|(_, slot)| *slot == UNUSED);
-        unused.map(|(property, _)| property.name.clone()).collect()
-    }
-}
-
-/// What vertices have, one beside the other; what they do not have is empty.
-pub(super) struct Columns<'a> {
-    positions: &'a mut [DVec3],
-    normals: &'a mut [Vec3],
-    colors: &'a mut [Option<Color>],
-    uvs: &'a mut [Vec2],
-}
-
-impl<'a> Columns<'a> {
-    pub(super) fn len(&self) -> usize {
-        self.positions.len()
-    }
-
-    /// The first `count`, and the others.
-    pub(super) fn split(self, count: usize) -> (Self, Self) {
-        let (positions, more_positions) = self.positions.split_at_mut(count);
-        let (normals, more_normals) = self.normals.split_at_mut(count.min(self.normals.len()));
-        let (colors, more_colors) = self.colors.split_at_mut(count.min(self.colors.len()));
-        let (uvs, more_uvs) = self.uvs.split_at_mut(count.min(self.uvs.len()));
-        let first = Self {
-            positions,
-            normals,
-            colors,
-            uvs,
-        };
-        let others = Self {
-            positions: more_positions,
-            normals: more_normals,
-            colors: more_colors,
-            uvs: more_uvs,
-        };
-        (first, others)
-    }
-
-    #[inline]
-    pub(super) fn set(&mut self, index: usize, row: &Row, layout: &Layout) {
-        let three = |slot| DVec3::new(row[slot], row[slot + 1], row[slot + 2]);
-        self.positions[index] = three(POSITION);
-        if let Some(normal) = self.normals.get_mut(index) {
-            *normal = three(NORMAL).normalize_or_zero().as_vec3();
-        }
-        if let Some(color) = self.colors.get_mut(index) {
-            *color = Some(layout.color(row));
-        }
-        if let Some(uv) = self.uvs.get_mut(index) {
-            *uv = Vec2::new(row[UV] as f32, row[UV + 1] as f32);
         }
     }
 }
@@ -621,16 +489,6 @@ fn plain(name: &str) -> String {
         quote::shorten(name)
     } else {
         quote::quote(name)
-    }
-}
-
-/// The index that a number is; [`NONE`] where it is none.
-pub(super) fn index(value: f64) -> u32 {
-    let index = value as u32;
-    if f64::from(index) == value {
-        index
-    } else {
-        NONE
     }
 }
 

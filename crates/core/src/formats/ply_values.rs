@@ -1,8 +1,8 @@
 //! The numbers of a PLY's body, one after the other.
 
 use super::error::FormatError;
-use super::ply::{Columns, Layout, Row, index};
 use super::ply_header::Scalar;
+use super::ply_layout::{Columns, Layout, Row, index};
 use super::tokens::{Found, Tokens};
 use rayon::prelude::*;
 use std::path::Path;

@@ -1,5 +1,5 @@
-use super::mesh_write::{WriteError, Written};
 use super::write_parts::{Joined, Part, Parts, Shortest};
+use super::written::{WriteError, Written};
 use crate::scene::Color;
 use glam::DVec3;
 use std::io::{self, Write};

@@ -1,5 +1,5 @@
-use super::mesh_write::{WriteError, Written};
 use super::write_parts::{Part, Parts, Shortest, one_line};
+use super::written::{WriteError, Written};
 use glam::{DVec3, Vec3};
 use std::io::{self, Write};
 

@@ -1,5 +1,5 @@
-use super::mesh_write::{WriteError, Written};
 use super::write_parts::Parts;
+use super::written::{WriteError, Written};
 use std::io::Write;
 
 /// Writes triangle text: corners alone, an object behind the other.

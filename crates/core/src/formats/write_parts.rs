@@ -1,6 +1,6 @@
 //! A scene's meshes in the world, as writers need them.
 
-use super::mesh_write::Written;
+use super::written::Written;
 use crate::scene::{
     Attribute, Bounds, COORDINATE_LIMIT, Color, Mesh, Object, Scene, SceneError, recentring_offset,
 };
