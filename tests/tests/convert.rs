@@ -23,12 +23,13 @@ fn picture(mesh: &Path) -> Vec<u8> {
 }
 
 /// The formats that are read and written, by name.
-const FORMATS: [(&str, &[&str]); 6] = [
+const FORMATS: [(&str, &[&str]); 7] = [
     ("mesh.obj", &[]),
     ("binary.ply", &[]),
     ("text.ply", &["--ascii"]),
     ("binary.stl", &[]),
     ("text.stl", &["--ascii"]),
+    ("mesh.glb", &[]),
     ("mesh.txt", &[]),
 ];
 

@@ -213,6 +213,42 @@ fn far_singles_stay() {
 }
 
 #[test]
+fn a_glb_is_read_again_object_by_object_where_each_stands() {
+    let far = MeshData {
+        positions: [[1.0, 0.3f32, 0.007446289], [1.0, 0.3, 0.1], [1.1, 0.3, 0.7]]
+            .map(|place| Vec3::from_array(place).as_dvec3())
+            .to_vec(),
+        triangles: vec![[0, 1, 2]],
+        ..MeshData::default()
+    };
+    let scene = scene([rich(), far, rich()]);
+    let (bytes, written) = bytes(&scene, MeshFormat::Glb);
+    assert_eq!(written.moved, 0);
+    let nothing = |_: &str| None;
+    let budget = Budget::default();
+    let files = Held::new(&nothing, &budget);
+    let read = mesh_file::read(Path::new("a.glb"), &bytes, &files, UpAxis::Y, &|_| ());
+    let read = read.expect("what was written is read");
+    assert_eq!(read.objects.len(), 3);
+    let places = scene.world_from_objects().expect("transforms");
+    for ((before, place), after) in scene.objects.iter().zip(places).zip(&read.objects) {
+        assert_eq!(
+            before.name.replace('\n', " "),
+            after.name.replace('\n', " ")
+        );
+        assert_eq!(before.mesh.kept(), after.mesh.kept());
+        for &number in before.mesh.kept() {
+            let stands = |mesh: &Mesh, place: glam::DAffine3| {
+                let corners = mesh.corners(number).expect("a kept triangle has corners");
+                corners.map(|corner| place.transform_point3(mesh.offset() + corner.as_dvec3()))
+            };
+            let again = stands(&after.mesh, after.world_from_object);
+            assert_eq!(stands(&before.mesh, place), again, "{}", before.name);
+        }
+    }
+}
+
+#[test]
 fn dropped_triangles_keep_their_numbers() {
     let mut data = rich();
     data.positions.push(DVec3::NAN);
