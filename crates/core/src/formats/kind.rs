@@ -1,5 +1,5 @@
 use super::error::FormatError;
-use super::{gltf_json, off, ply_header, stl};
+use super::{gltf, off, ply, stl};
 use std::path::Path;
 
 /// A kind of file that holds a mesh.
@@ -88,7 +88,7 @@ pub(super) fn mesh_kind(path: &Path, bytes: &[u8]) -> Result<MeshKind, FormatErr
 /// Whether a file is a glTF: a GLB, or JSON that names glTF's one table that must be there.
 fn is_gltf(path: &Path, bytes: &[u8]) -> bool {
     let text = without_mark(bytes).trim_ascii_start();
-    bytes.starts_with(gltf_json::MAGIC)
+    bytes.starts_with(gltf::MAGIC)
         || (text.starts_with(b"{")
             && (has_extension(path, "gltf") || memchr::memmem::find(text, b"\"asset\"").is_some()))
 }
@@ -101,7 +101,7 @@ fn is_threemf(path: &Path, bytes: &[u8]) -> bool {
 
 /// The kind of mesh whose first bytes, or whose length, are like no other's.
 fn told_by_content(bytes: &[u8]) -> Option<MeshKind> {
-    if ply_header::is_ply(bytes) {
+    if ply::is_ply(bytes) {
         Some(MeshKind::Ply)
     } else if stl::is_binary(bytes) || stl::is_ascii(bytes) {
         Some(MeshKind::Stl)

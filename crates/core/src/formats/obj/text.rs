@@ -1,9 +1,9 @@
 //! The lines of an OBJ file, read one after the other into what a mesh is made of.
 
-use super::error::{FormatError, quote};
-use super::limits::{Budget, Share};
-use super::lines::{Line, Lines, text};
-use super::polygon::Polygon;
+use crate::formats::error::{FormatError, quote};
+use crate::formats::limits::{Budget, Share};
+use crate::formats::lines::{Line, Lines, text};
+use crate::formats::polygon::Polygon;
 use crate::scene::Color;
 use glam::{DVec3, Vec2, Vec3};
 use std::borrow::Cow;
@@ -592,7 +592,7 @@ mod tests {
     #[test]
     fn triangles_are_counted_before_they_are_there() {
         let within = |triangles: u64, faces: &str| {
-            let budget = Budget::new(super::super::Limits {
+            let budget = Budget::new(crate::formats::Limits {
                 triangles,
                 ..Default::default()
             });
@@ -609,7 +609,7 @@ mod tests {
                 "{told}"
             );
         }
-        let budget = Budget::new(super::super::Limits {
+        let budget = Budget::new(crate::formats::Limits {
             bytes: 1000,
             ..Default::default()
         });

@@ -1,4 +1,4 @@
-use super::write_parts::{Parts, Shortest, one_line};
+use super::parts::{Parts, Shortest, one_line};
 use super::written::{WriteError, Written};
 use crate::scene::{Color, Scene};
 use std::collections::HashMap;

@@ -1,9 +1,9 @@
 //! A glTF file's materials: base colours and their images.
 
-use super::error::FormatError;
-use super::gltf_data::{Bytes, Data};
-use super::gltf_json::{Material as MaterialJson, TextureInfo, TextureTransform};
-use super::texture;
+use super::data::{Bytes, Data};
+use super::json::{Material as MaterialJson, TextureInfo, TextureTransform};
+use crate::formats::error::FormatError;
+use crate::formats::texture;
 use crate::math;
 use crate::quote;
 use crate::scene::{Color, Material, Texture};

@@ -3,17 +3,24 @@
 //! Every number that names something, and every offset, stride and count, is held against what is there
 //! before it is used: accessors are read here, since libraries refuse `KHR_mesh_quantization`.
 
-use super::Progress;
-use super::error::{FormatError, quote};
-use super::files::Files;
-use super::gltf_data::Data;
-use super::gltf_json::{self, MAGIC, Root};
-use super::gltf_material::Materials;
-use super::gltf_mesh::{self, Told};
-use super::gltf_nodes::{self, MeshNode};
-use super::kind::without_mark;
-use super::placed::{Placed, PlacedMesh};
+mod data;
+mod json;
+mod material;
+mod mesh;
+mod nodes;
+
+use crate::formats::Progress;
+use crate::formats::error::{FormatError, quote};
+use crate::formats::files::Files;
+use crate::formats::kind::without_mark;
+use crate::formats::placed::{Placed, PlacedMesh};
 use crate::quote;
+use data::Data;
+pub(super) use json::MAGIC;
+use json::Root;
+use material::Materials;
+use mesh::Told;
+use nodes::MeshNode;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -51,10 +58,10 @@ pub(super) fn read(
         false => (without_mark(bytes), None),
     };
     let is_binary = bytes.starts_with(MAGIC);
-    let (root, _share) = gltf_json::parse(path, json, is_binary, files.budget())?;
+    let (root, _share) = json::parse(path, json, is_binary, files.budget())?;
     check_version(path, &root)?;
     let data = Data::new(path, &root, binary, files);
-    let mesh_nodes = gltf_nodes::mesh_nodes(&data)?;
+    let mesh_nodes = nodes::mesh_nodes(&data)?;
     let mut materials = Materials::new(&data);
     let mut told = Told::default();
     let mut placed = Placed::default();
@@ -63,7 +70,7 @@ pub(super) fn read(
         let mesh = match meshes.get(&node.mesh) {
             Some(&mesh) => mesh,
             None => {
-                let mesh = gltf_mesh::read(&data, &mut materials, node.mesh, &mut told)?;
+                let mesh = mesh::read(&data, &mut materials, node.mesh, &mut told)?;
                 placed.meshes.push(mesh);
                 meshes.insert(node.mesh, placed.meshes.len() - 1);
                 placed.meshes.len() - 1

@@ -1,4 +1,4 @@
-use super::write_parts::{Joined, Part, Parts, Shortest};
+use super::parts::{Joined, Part, Parts, Shortest};
 use super::written::{WriteError, Written};
 use crate::scene::Color;
 use glam::DVec3;

@@ -1,9 +1,9 @@
 //! The numbers of a PLY's body, one after the other.
 
-use super::error::FormatError;
-use super::ply_header::Scalar;
-use super::ply_layout::{Columns, Layout, Row, index};
-use super::tokens::{Found, Tokens};
+use super::header::Scalar;
+use super::layout::{Columns, Layout, Row, index};
+use crate::formats::error::FormatError;
+use crate::formats::tokens::{Found, Tokens};
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -222,7 +222,7 @@ impl<const BIG: bool> Values for Binary<'_, BIG> {
     ) -> Option<Vec<[u32; 3]>> {
         let (property, _) = layout.properties.get(indices)?;
         let (kind, length) = (property.kind, property.length?);
-        let fixed = |properties: &[(super::ply_header::Property, usize)]| -> Option<usize> {
+        let fixed = |properties: &[(super::header::Property, usize)]| -> Option<usize> {
             let bytes = properties
                 .iter()
                 .map(|(property, _)| property.length.is_none().then(|| property.kind.bytes()));

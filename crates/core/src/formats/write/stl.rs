@@ -1,4 +1,4 @@
-use super::write_parts::{Part, Parts, Shortest, one_line};
+use super::parts::{Part, Parts, Shortest, one_line};
 use super::written::{WriteError, Written};
 use glam::{DVec3, Vec3};
 use std::io::{self, Write};

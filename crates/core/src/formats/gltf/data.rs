@@ -1,10 +1,10 @@
 //! A glTF file's bytes: buffers, views of them, and the numbers that accessors find there.
 
-use super::Progress;
-use super::error::{FormatError, quote};
-use super::files::{By, Contents, Files, beside};
-use super::gltf_json::{Accessor, Root};
-use super::limits::Share;
+use super::json::{Accessor, Root};
+use crate::formats::Progress;
+use crate::formats::error::{FormatError, quote};
+use crate::formats::files::{By, Contents, Files, beside};
+use crate::formats::limits::Share;
 use base64::Engine;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;

@@ -1,7 +1,7 @@
 //! A model part of a 3MF file: objects, their colours, and what is to be built.
 
-use super::error::{FormatError, quote, shorten};
-use super::threemf_package::{Package, Part, line_at};
+use super::package::{Package, Part, line_at};
+use crate::formats::error::{FormatError, quote, shorten};
 use crate::scene::{Color, Material, MeshData};
 use glam::{DAffine3, DMat3, DVec3};
 use quick_xml::events::{BytesStart, Event};

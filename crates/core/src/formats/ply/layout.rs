@@ -1,6 +1,6 @@
 //! What the properties of a PLY's elements are.
 
-use super::ply_header::{Element, Property, Scalar};
+use super::header::{Element, Property, Scalar};
 use crate::scene::Color;
 use glam::{DVec3, Vec2, Vec3};
 

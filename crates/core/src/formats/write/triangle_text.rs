@@ -1,4 +1,4 @@
-use super::write_parts::Parts;
+use super::parts::Parts;
 use super::written::{WriteError, Written};
 use std::io::Write;
 

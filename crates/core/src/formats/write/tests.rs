@@ -1,7 +1,7 @@
-use super::super::files::Held;
-use super::super::limits::Budget;
-use super::super::mesh_file;
 use super::*;
+use crate::formats::files::Held;
+use crate::formats::limits::Budget;
+use crate::formats::mesh_file;
 use crate::scene::{Attribute, Color, Material, Mesh, MeshData, Object, Transform, UpAxis};
 use glam::{DVec3, Vec2, Vec3};
 use serde_json::Value;

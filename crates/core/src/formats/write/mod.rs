@@ -1,10 +1,17 @@
 //! Writing a scene's meshes, in their places, in a format of meshes.
 
-use super::write_parts::Parts;
-use super::written::{WriteError, Written};
-use super::{glb_write, obj_write, ply_write, stl_write, triangle_text_write};
+mod glb;
+mod obj;
+mod parts;
+mod ply;
+mod stl;
+mod triangle_text;
+mod written;
+
 use crate::scene::Scene;
+use parts::Parts;
 use std::io::{self, Write};
+pub use written::{WriteError, Written};
 
 /// A format that meshes are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,11 +67,11 @@ pub fn write_meshes(
     let parts = Parts::of(scene)?;
     let mut written = parts.written();
     match format {
-        MeshFormat::Obj => obj_write::write(&parts, library, out, &mut written),
-        MeshFormat::Ply { ascii } => ply_write::write(&parts, ascii, out, &mut written),
-        MeshFormat::Stl { ascii } => stl_write::write(&parts, ascii, out, &mut written),
-        MeshFormat::Glb => glb_write::write(&parts, out, &mut written),
-        MeshFormat::TriangleText => triangle_text_write::write(&parts, out, &mut written),
+        MeshFormat::Obj => obj::write(&parts, library, out, &mut written),
+        MeshFormat::Ply { ascii } => ply::write(&parts, ascii, out, &mut written),
+        MeshFormat::Stl { ascii } => stl::write(&parts, ascii, out, &mut written),
+        MeshFormat::Glb => glb::write(&parts, out, &mut written),
+        MeshFormat::TriangleText => triangle_text::write(&parts, out, &mut written),
     }?;
     let textures = scene
         .objects
@@ -83,9 +90,8 @@ pub fn write_meshes(
 /// # Errors
 /// Those of `out`.
 pub fn write_materials(scene: &Scene, out: &mut dyn Write) -> io::Result<bool> {
-    obj_write::write_library(scene, out)
+    obj::write_library(scene, out)
 }
 
 #[cfg(test)]
-#[path = "mesh_write/tests.rs"]
 mod tests;

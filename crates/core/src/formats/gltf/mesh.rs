@@ -1,10 +1,10 @@
 //! A glTF mesh: its primitives as one list of triangles.
 
-use super::error::FormatError;
-use super::gltf_data::Data;
-use super::gltf_json::Primitive;
-use super::gltf_material::{Base, Coordinates, Materials, color};
-use super::limits::Share;
+use super::data::Data;
+use super::json::Primitive;
+use super::material::{Base, Coordinates, Materials, color};
+use crate::formats::error::FormatError;
+use crate::formats::limits::Share;
 use crate::scene::{Attribute, Color, MeshData};
 use glam::{DVec3, Vec2, Vec3};
 use std::collections::HashMap;

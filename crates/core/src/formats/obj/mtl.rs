@@ -1,4 +1,4 @@
-use super::lines::{Lines, text};
+use crate::formats::lines::{Lines, text};
 use crate::quote::{self, quote};
 use crate::scene::{Color, Material};
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! The parts of a 3MF file: a ZIP archive as the Open Packaging Conventions have it.
 
-use super::error::{FormatError, quote, shorten};
-use super::limits::{Budget, Share};
+use crate::formats::error::{FormatError, quote, shorten};
+use crate::formats::limits::{Budget, Share};
 use std::collections::HashMap;
 use std::io::{Cursor, Read};
 use std::path::Path;

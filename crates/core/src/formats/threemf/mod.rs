@@ -1,14 +1,17 @@
 //! 3MF, with colours, base materials and the production extension.
 
-use super::Progress;
-use super::error::{FormatError, quote};
-use super::limits::Budget;
-use super::placed::{NODE_LIMIT, Placed, PlacedMesh};
-use super::threemf_model::{self, Instance, Model, Shape};
-use super::threemf_package::Package;
+mod model;
+mod package;
+
+use crate::formats::Progress;
+use crate::formats::error::{FormatError, quote};
+use crate::formats::limits::Budget;
+use crate::formats::placed::{NODE_LIMIT, Placed, PlacedMesh};
 use crate::quote;
 use crate::scene::MeshData;
 use glam::DAffine3;
+use model::{Instance, Model, Shape};
+use package::Package;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 
@@ -57,7 +60,7 @@ pub(super) fn read(
         held += bytes_of(&part.text);
         share.grow(path, "the models", held)?;
         let left = budget.triangles_left().saturating_sub(triangles);
-        let model = threemf_model::read(package, &part, left)?;
+        let model = model::read(package, &part, left)?;
         let meshes = model.objects.values().map(|object| match &object.shape {
             Shape::Mesh(mesh) => mesh.triangles.len() as u64,
             Shape::Components(_) | Shape::Taken(_) => 0,

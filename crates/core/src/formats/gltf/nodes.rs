@@ -1,9 +1,9 @@
 //! A glTF file's tree of nodes, walked depth first.
 
-use super::error::FormatError;
-use super::gltf_data::Data;
-use super::gltf_json::Node;
-use super::placed::NODE_LIMIT;
+use super::data::Data;
+use super::json::Node;
+use crate::formats::error::FormatError;
+use crate::formats::placed::NODE_LIMIT;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 /// A node that has a mesh.

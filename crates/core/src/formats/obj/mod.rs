@@ -1,14 +1,17 @@
-use super::Progress;
-use super::error::FormatError;
-use super::files::{By, Contents, Files, beside};
-use super::mtl::{self, MtlMaterial};
-use super::obj_text::{self, NONE, ObjText, Oddities};
-use super::polygon;
+mod mtl;
+mod text;
+
+use crate::formats::Progress;
+use crate::formats::error::FormatError;
+use crate::formats::files::{By, Contents, Files, beside};
+use crate::formats::polygon;
 use crate::quote::{self, quote};
 use crate::scene::{Attribute, MeshData};
 use glam::Vec3;
+use mtl::MtlMaterial;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use text::{NONE, ObjText, Oddities};
 
 /// What an OBJ file holds.
 #[derive(Debug)]
@@ -30,7 +33,7 @@ pub(super) fn read(
     files: &dyn Files,
     progress: Progress<'_>,
 ) -> Result<Obj, FormatError> {
-    let mut text = obj_text::read(path, bytes, files.budget(), &|share| progress(share * 0.9))?;
+    let mut text = text::read(path, bytes, files.budget(), &|share| progress(share * 0.9))?;
     if text.triangles.is_empty() {
         return Err(FormatError::unexpected(
             path,
@@ -297,9 +300,9 @@ fn attribute<T>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::files::Held;
-    use super::super::limits::Budget;
     use super::*;
+    use crate::formats::files::Held;
+    use crate::formats::limits::Budget;
     use crate::scene::Color;
     use glam::{DVec3, Vec2};
 

@@ -1,7 +1,7 @@
 //! A glTF 2.0 file's JSON: what is used of it, and what is there to be told of.
 
-use super::error::{FormatError, shorten};
-use super::limits::{Budget, Share};
+use crate::formats::error::{FormatError, shorten};
+use crate::formats::limits::{Budget, Share};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::borrow::Cow;
@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The first bytes of a GLB.
-pub(super) const MAGIC: &[u8] = b"glTF";
+pub(in crate::formats) const MAGIC: &[u8] = b"glTF";
 
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]

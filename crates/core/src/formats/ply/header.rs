@@ -1,6 +1,6 @@
 //! The header of a PLY file (Turk, "The PLY Polygon File Format", 1994): what its body holds.
 
-use super::error::{FormatError, quote};
+use crate::formats::error::{FormatError, quote};
 use std::path::Path;
 
 /// How the numbers of the body are written.
@@ -84,7 +84,7 @@ pub(super) struct Header {
 const PROPERTY_LIMIT: usize = 1000;
 
 /// Whether these are the bytes of a PLY.
-pub(super) fn is_ply(bytes: &[u8]) -> bool {
+pub(in crate::formats) fn is_ply(bytes: &[u8]) -> bool {
     bytes.strip_prefix(b"ply").is_some_and(|rest| {
         let line = rest.split(|byte| matches!(byte, b'\n' | b'\r')).next();
         line.is_some_and(|line| line.len() < rest.len() && line.trim_ascii().is_empty())

@@ -5,23 +5,28 @@
 //! coordinates at corners as the list `texcoord`. Triangle strips: the list `vertex_indices` of the
 //! element `tristrips`. All else is passed over and named.
 
-use super::Progress;
-use super::at_vertices::at_vertices;
-use super::error::FormatError;
-use super::face_colors;
-use super::files::beside;
-use super::limits::Budget;
-use super::parsed::Parsed;
-use super::ply_header::{self, Element, Encoding, Header, Scalar};
-use super::ply_layout::{COLOR, Columns, Layout, NONE, NORMAL, POSITION, Row, UNUSED, UV, index};
-use super::ply_values::{Ascii, Binary, Values};
-use super::polygon::{self, Polygon};
-use super::tokens::Found;
+mod header;
+mod layout;
+mod values;
+
+use crate::formats::Progress;
+use crate::formats::at_vertices::at_vertices;
+use crate::formats::error::FormatError;
+use crate::formats::face_colors;
+use crate::formats::files::beside;
+use crate::formats::limits::Budget;
+use crate::formats::parsed::Parsed;
+use crate::formats::polygon::{self, Polygon};
+use crate::formats::tokens::Found;
 use crate::quote;
 use crate::scene::{Attribute, Color, MeshData};
 use glam::{DVec3, Vec2, Vec3};
+pub(super) use header::is_ply;
+use header::{Element, Encoding, Header, Scalar};
+use layout::{COLOR, Columns, Layout, NONE, NORMAL, POSITION, Row, UNUSED, UV, index};
 use std::mem::size_of;
 use std::path::Path;
+use values::{Ascii, Binary, Values};
 
 /// Reads a PLY.
 pub(super) fn read(
@@ -30,7 +35,7 @@ pub(super) fn read(
     budget: &Budget,
     progress: Progress<'_>,
 ) -> Result<Parsed, FormatError> {
-    let header = ply_header::read(path, bytes)?;
+    let header = header::read(path, bytes)?;
     match header.encoding {
         Encoding::Ascii => body(
             path,
@@ -493,5 +498,4 @@ fn plain(name: &str) -> String {
 }
 
 #[cfg(test)]
-#[path = "ply/tests.rs"]
 mod tests;

@@ -1,6 +1,6 @@
 //! Binary glTF 2.0 (Khronos Group, "glTF 2.0 Specification", 2021).
 
-use super::write_parts::{Joined, Part, Parts};
+use super::parts::{Joined, Part, Parts};
 use super::written::{WriteError, Written};
 use crate::scene::Color;
 use crate::shade::srgb::linear;
