@@ -84,7 +84,7 @@ def main():
                 theirs = [sys.executable, "-c", F3D, file, picture]
                 pairs = [(run(ours), run(theirs)) for _ in range(turns)]
                 middle = lambda who, what: statistics.median(pair[who][what] for pair in pairs)
-                (a, b), (c, d) = ((middle(who, what) for what in (0, 1)) for who in (0, 1))
+                (a, b), (c, d) = [[middle(who, what) for what in (0, 1)] for who in (0, 1)]
                 print(f"{name}.{kind:8} {a:9.2f} {b:5.0f} {c:7.2f} {d:5.0f} {a / c:6.2f}", flush=True)
 
 
