@@ -1,6 +1,6 @@
 //! Cameras and their rays, in few words.
 
-use raycast_core::camera::{Camera, ImagePlane, Lattice, Placement, Projection, Rect};
+use raycast_core::camera::{Camera, ImagePlane, Lattice, Placement, Projection};
 use raycast_core::glam::DVec3;
 
 /// Both projections, one after the other.
@@ -28,12 +28,5 @@ pub fn camera(
 
 /// The rays through the middle of all of a camera's pixels.
 pub fn whole(camera: Camera) -> Lattice {
-    let plane = camera.plane();
-    let rect = Rect {
-        x: 0,
-        y: 0,
-        width: plane.columns,
-        height: plane.rows,
-    };
-    camera.sub_camera(rect).lattice()
+    camera.whole().lattice()
 }

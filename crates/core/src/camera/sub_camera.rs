@@ -1,5 +1,4 @@
-use super::{Camera, Lattice, Ray, Rect};
-use crate::math;
+use super::{Camera, Lattice, Rect};
 
 /// A camera over one rectangle of the full camera's image plane: same eye, same orientation, same
 /// focal length, and a field of view of its own, off the axis.
@@ -59,30 +58,5 @@ impl SubCamera {
             rows: count(self.rect.height, phase.1),
             offset: (0.5, 0.5),
         }
-    }
-
-    /// The ray through (x, y) of its own rectangle: the full camera's ray at that place.
-    pub fn ray(&self, x: f64, y: f64) -> Ray {
-        self.camera
-            .ray(x + f64::from(self.rect.x), y + f64::from(self.rect.y))
-    }
-
-    /// The angles in degrees from the view axis to its left, right, bottom and top edges,
-    /// positive to the right and up: the off-axis field of view. Zero for orthographic cameras.
-    pub fn field_of_view(&self) -> [f64; 4] {
-        let plane = self.camera.plane();
-        if self.camera.fov_degrees().is_none() {
-            return [0.0; 4];
-        }
-        let angle =
-            |pixels: f64| math::atan(pixels * plane.step / self.camera.distance()).to_degrees();
-        let (half_width, half_height) =
-            (f64::from(plane.columns) * 0.5, f64::from(plane.rows) * 0.5);
-        [
-            angle(f64::from(self.rect.x) - half_width),
-            angle(f64::from(self.rect.right()) - half_width),
-            angle(half_height - f64::from(self.rect.bottom())),
-            angle(half_height - f64::from(self.rect.y)),
-        ]
     }
 }

@@ -11,7 +11,7 @@ use crate::hits::Hits;
 use crate::num::simd::{F32x8, Lanes, Mask8, Work, dispatch};
 use crate::single;
 use crate::triangle::PreparedRay;
-use crate::triangle::interpolate::{Corners, LANES, Places, RowHits, meet_row};
+use crate::triangle::interpolate::{Corners, LANES, Places, RowHits, interpolate_row};
 use crate::triangle::linear::{LinearHit, Pencil, PencilRow};
 
 impl Accel {
@@ -129,14 +129,14 @@ impl Find<'_> {
         for row in 0..part.rows {
             let first = ((part.row + row) * self.lattice.columns + part.column) as usize;
             let held = &zbuffer.row(row)[..columns];
-            let (mut met, mut any_undecided) = (0, false);
+            let (mut count, mut any_undecided) = (0, false);
             let kept = &mut self.primitives[first..first + columns];
             for (kept, &held) in kept.iter_mut().zip(held) {
                 *kept = IntervalZBuffer::primitive(held);
-                met += u32::from(held != MISS);
+                count += u32::from(held != MISS);
                 any_undecided |= IntervalZBuffer::is_undecided(held);
             }
-            self.counts.hits += u64::from(met);
+            self.counts.hits += u64::from(count);
             if any_undecided {
                 for (column, _) in held
                     .iter()
@@ -291,30 +291,30 @@ impl Interpolate<'_> {
             Some(found) => found,
             None => {
                 let corners = self.corners(lanes, primitives);
-                meet_row(&self.lattice.camera, self.accel.origin, places, &corners)
+                interpolate_row(&self.lattice.camera, self.accel.origin, places, &corners)
             }
         };
-        let mut open = false;
+        let mut undecided = false;
         for lane in 0..LANES {
-            let met = primitives[lane] != MISS;
-            open |= met & !found.sure[lane];
-            t[lane] = if met {
+            let is_hit = primitives[lane] != MISS;
+            undecided |= is_hit & !found.sure[lane];
+            t[lane] = if is_hit {
                 found.t[lane]
             } else {
                 PrimitiveHit::NONE.t
             };
-            u[lane] = if met {
+            u[lane] = if is_hit {
                 found.u[lane]
             } else {
                 PrimitiveHit::NONE.u
             };
-            v[lane] = if met {
+            v[lane] = if is_hit {
                 found.v[lane]
             } else {
                 PrimitiveHit::NONE.v
             };
         }
-        if open {
+        if undecided {
             for lane in (0..LANES).filter(|&lane| !found.sure[lane]) {
                 if primitives[lane] != MISS {
                     let hit = self.one(primitives[lane], column + lane as u32, row);

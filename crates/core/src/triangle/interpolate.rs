@@ -67,7 +67,7 @@ impl Places {
 
 /// Interpolates each ray's hit of the triangle in its lane. Corners are relative to `frame`.
 #[inline(always)]
-pub(crate) fn meet_row(
+pub(crate) fn interpolate_row(
     camera: &Camera,
     frame: DVec3,
     places: Places,
@@ -77,12 +77,12 @@ pub(crate) fn meet_row(
     let DVec3 { x, y, z } = camera.direction(x, y);
     // Neighbouring rays nearly always share their major axis; a lane that does not is not sure.
     match (major_axis(x, y, z), camera.projection()) {
-        (0, Projection::Perspective) => meet::<0, true>(camera, frame, places, corners),
-        (1, Projection::Perspective) => meet::<1, true>(camera, frame, places, corners),
-        (_, Projection::Perspective) => meet::<2, true>(camera, frame, places, corners),
-        (0, _) => meet::<0, false>(camera, frame, places, corners),
-        (1, _) => meet::<1, false>(camera, frame, places, corners),
-        (_, _) => meet::<2, false>(camera, frame, places, corners),
+        (0, Projection::Perspective) => interpolate::<0, true>(camera, frame, places, corners),
+        (1, Projection::Perspective) => interpolate::<1, true>(camera, frame, places, corners),
+        (_, Projection::Perspective) => interpolate::<2, true>(camera, frame, places, corners),
+        (0, _) => interpolate::<0, false>(camera, frame, places, corners),
+        (1, _) => interpolate::<1, false>(camera, frame, places, corners),
+        (_, _) => interpolate::<2, false>(camera, frame, places, corners),
     }
 }
 
@@ -92,7 +92,7 @@ pub(crate) fn meet_row(
     clippy::needless_range_loop,
     reason = "a lane is an index into all the arrays at once"
 )]
-fn meet<const MAJOR: usize, const PERSPECTIVE: bool>(
+fn interpolate<const MAJOR: usize, const PERSPECTIVE: bool>(
     camera: &Camera,
     frame: DVec3,
     places: Places,

@@ -123,7 +123,7 @@ pub(crate) struct LinearHit {
     error: f64,
     /// 2e and 4δ.
     t_error: [f64; 2],
-    /// Whether rays in its middle are likely sure.
+    /// Whether the bounds hold, and rays in its middle are likely sure.
     is_useful: bool,
 }
 
@@ -159,7 +159,7 @@ impl LinearHit {
         }
     }
 
-    /// Whether it is worth a try.
+    /// Whether [`LinearHit::interpolate`] may be asked, and is worth it.
     #[inline(always)]
     pub(crate) fn is_useful(&self) -> bool {
         self.is_useful

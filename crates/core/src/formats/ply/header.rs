@@ -65,6 +65,19 @@ pub(super) struct Element {
     pub(super) name: String,
     pub(super) count: u64,
     pub(super) properties: Vec<Property>,
+    /// The line that it begins in.
+    pub(super) line: usize,
+}
+
+impl Element {
+    /// The names of its properties, for messages.
+    pub(super) fn property_names(&self) -> String {
+        let names: Vec<&str> = self.properties.iter().map(|p| p.name.as_str()).collect();
+        match names[..] {
+            [] => "none".to_owned(),
+            _ => quote(&names.join(" ")),
+        }
+    }
 }
 
 /// All of a header.
@@ -164,6 +177,7 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Header, FormatError> {
                     name,
                     count,
                     properties: Vec::new(),
+                    line: number,
                 });
             }
             "property" => {

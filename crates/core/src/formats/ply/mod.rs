@@ -197,6 +197,12 @@ impl<V: Values> Reader<'_, V> {
         self.values.fault(self.path, &expected, found)
     }
 
+    /// An error at an element that lacks properties.
+    fn other_properties(&self, element: &Element, expected: &str) -> FormatError {
+        let found = element.property_names();
+        FormatError::unexpected(self.path, Some(element.line), expected, found)
+    }
+
     /// An element's count, if the file is long enough to hold as many.
     fn count(&self, element: &Element) -> Result<usize, FormatError> {
         let least: u64 = element
@@ -233,7 +239,7 @@ impl<V: Values> Reader<'_, V> {
         );
         if !layout.has(POSITION) {
             let expected = "vertices with properties `x`, `y` and `z`";
-            return Err(FormatError::unexpected(self.path, None, expected, "others"));
+            return Err(self.other_properties(element, expected));
         }
         self.note_unused("vertices", layout.unused());
         let count = self.count(element)?;
@@ -282,7 +288,7 @@ impl<V: Values> Reader<'_, V> {
                 return Ok(());
             }
             let expected = "faces with a list `vertex_indices` or `vertex_index`";
-            return Err(FormatError::unexpected(self.path, None, expected, "others"));
+            return Err(self.other_properties(element, expected));
         };
         let texcoords = list(&layout, &["texcoord"]);
         let has_colors = layout.has(COLOR);

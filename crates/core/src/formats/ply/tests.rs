@@ -202,11 +202,11 @@ fn says_where_and_what() {
     );
     check(
         &edit("float z", "float w"),
-        ": expected vertices with properties `x`, `y` and `z`, found others",
+        ":3: expected vertices with properties `x`, `y` and `z`, found \"x y w\"",
     );
     check(
         &edit("vertex_indices", "corners"),
-        ": expected faces with a list `vertex_indices` or `vertex_index`, found others",
+        ":7: expected faces with a list `vertex_indices` or `vertex_index`, found \"corners\"",
     );
     check(
         &edit("face 1", "face 0"),
