@@ -18,38 +18,39 @@ pub(crate) fn quote(text: &str) -> String {
     }
 }
 
-/// Another's message, which may hold as much of a file as it likes.
+/// Another library's message, which may repeat any part of a file: shortened, and on one line.
 pub(crate) fn shorten(text: &str) -> String {
     match text.char_indices().nth(MOST) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_owned(),
+        Some((end, _)) => escape_controls(&text[..end]) + "…",
+        None => escape_controls(text),
     }
+}
+
+/// The text with its control characters escaped, so that a terminal shows them and does not obey them.
+fn escape_controls(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if c.is_control() {
+            shown.extend(c.escape_debug());
+        } else {
+            shown.push(c);
+        }
+    }
+    shown
 }
 
 /// A path, which may have come from inside a file. One too long to show loses its middle.
 pub(crate) fn path(path: &Path) -> String {
     let text = path.to_string_lossy();
-    let mut shown = String::with_capacity(text.len().min(4 * MOST));
-    let mut add = |part: &str| {
-        for c in part.chars() {
-            if c.is_control() {
-                shown.extend(c.escape_debug());
-            } else {
-                shown.push(c);
-            }
-        }
-    };
     match text.char_indices().nth(MOST) {
-        None => add(&text),
+        None => escape_controls(&text),
         Some(_) => {
             let end = text.char_indices().nth(MOST / 2).map_or(0, |(at, _)| at);
             let tail = text.char_indices().nth_back(MOST / 2 - 1);
-            add(&text[..end]);
-            add("…");
-            add(&text[tail.map_or(text.len(), |(at, _)| at)..]);
+            let tail = &text[tail.map_or(text.len(), |(at, _)| at)..];
+            escape_controls(&text[..end]) + "…" + &escape_controls(tail)
         }
     }
-    shown
 }
 
 #[cfg(test)]
@@ -64,6 +65,7 @@ mod tests {
         assert_eq!(quote(" a\nb "), "\"a\\nb\"");
         assert_eq!(quote(" "), "nothing");
         assert_eq!(shorten("short"), "short");
+        assert_eq!(shorten("or\u{1b}phic\n"), "or\\u{1b}phic\\n");
     }
 
     #[test]
