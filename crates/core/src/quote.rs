@@ -18,11 +18,17 @@ pub(crate) fn quote(text: &str) -> String {
     }
 }
 
-/// Another library's message, which may repeat any part of a file: shortened, and on one line.
+/// Another library's message, which may repeat any part of a file: shortened, and without control characters
+/// but its line ends.
 pub(crate) fn shorten(text: &str) -> String {
+    let lines = |text: &str| -> String {
+        let mut lines = text.split('\n').map(escape_controls);
+        let first = lines.next().unwrap_or_default();
+        lines.fold(first, |all, line| all + "\n" + &line)
+    };
     match text.char_indices().nth(MOST) {
-        Some((end, _)) => escape_controls(&text[..end]) + "…",
-        None => escape_controls(text),
+        Some((end, _)) => lines(&text[..end]) + "…",
+        None => lines(text),
     }
 }
 
@@ -65,7 +71,7 @@ mod tests {
         assert_eq!(quote(" a\nb "), "\"a\\nb\"");
         assert_eq!(quote(" "), "nothing");
         assert_eq!(shorten("short"), "short");
-        assert_eq!(shorten("or\u{1b}phic\n"), "or\\u{1b}phic\\n");
+        assert_eq!(shorten("or\u{1b}phic\nx"), "or\\u{1b}phic\nx");
     }
 
     #[test]

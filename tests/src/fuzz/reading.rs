@@ -50,7 +50,9 @@ pub fn read_mesh(name: &str, bytes: &[u8]) -> Result<Reading, String> {
 /// The same text as Windows ends its lines. `None` where that is no question: there are no lines, or
 /// this is no text.
 pub fn with_windows_lines(bytes: &[u8]) -> Option<Vec<u8>> {
-    if !bytes.contains(&b'\n') || bytes.contains(&0) {
+    // In UTF-16 the byte may be half of any other character.
+    let is_utf_16 = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
+    if !bytes.contains(&b'\n') || bytes.contains(&0) || is_utf_16 {
         return None;
     }
     let mut windows = Vec::with_capacity(bytes.len() + bytes.len() / 8);

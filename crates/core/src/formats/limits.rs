@@ -2,6 +2,7 @@ use super::error::FormatError;
 use crate::scene::UpAxis;
 use std::cell::Cell;
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// How much reading may take, and what it does where files do not say. What a file claims is held against these before anything is
 /// allocated for it, so that a small file cannot ask for all memory.
@@ -80,16 +81,20 @@ impl Budget {
     pub(super) fn add_triangles(&self, file: &Path, count: u64) -> Result<(), FormatError> {
         let sum = self.triangles.get().saturating_add(count);
         if sum > self.limits.triangles {
-            let what = format!("the scene has {sum} triangles or more");
-            return Err(FormatError::too_much(
-                file,
-                what,
-                "triangles",
-                self.limits.triangles,
-            ));
+            return Err(too_many_triangles(file, sum, self.limits.triangles));
         }
         self.triangles.set(sum);
         Ok(())
+    }
+
+    /// What is left, for threads that share it.
+    pub(super) fn allowance(&self) -> Allowance {
+        Allowance {
+            limits: self.limits,
+            bytes: self.bytes.get(),
+            triangles: self.triangles.get(),
+            held: AtomicU64::new(0),
+        }
     }
 
     /// How many more triangles there may be.
@@ -123,6 +128,56 @@ impl Budget {
     }
 }
 
+/// What a [`Budget`] has left, for threads that read one file together. Nothing is taken of the budget itself.
+#[derive(Debug)]
+pub(super) struct Allowance {
+    limits: Limits,
+    /// Taken of the budget when this was asked for.
+    bytes: u64,
+    triangles: u64,
+    /// What the threads hold together.
+    held: AtomicU64,
+}
+
+impl Allowance {
+    /// How many more triangles there may be.
+    pub(super) fn triangles(&self) -> u64 {
+        self.limits.triangles - self.triangles
+    }
+
+    /// Counts `more` bytes, held for `what` of a file.
+    ///
+    /// # Errors
+    /// More than there may be, of all threads together.
+    pub(super) fn hold(&self, file: &Path, what: &str, more: u64) -> Result<(), FormatError> {
+        let held = self
+            .held
+            .fetch_add(more, Ordering::Relaxed)
+            .saturating_add(more);
+        let sum = self.bytes.saturating_add(held);
+        if sum > self.limits.bytes {
+            return Err(too_many_bytes(file, what, held, sum, self.limits.bytes));
+        }
+        Ok(())
+    }
+
+    /// The error that there are `count` triangles, which are too many.
+    pub(super) fn too_many_triangles(&self, file: &Path, count: u64) -> FormatError {
+        let sum = self.triangles.saturating_add(count);
+        too_many_triangles(file, sum, self.limits.triangles)
+    }
+}
+
+fn too_many_triangles(file: &Path, count: u64, most: u64) -> FormatError {
+    let what = format!("the scene has {count} triangles or more");
+    FormatError::too_much(file, what, "triangles", most)
+}
+
+fn too_many_bytes(file: &Path, what: &str, bytes: u64, sum: u64, most: u64) -> FormatError {
+    let what = format!("{what} takes {bytes} bytes, {sum} with all else that is held");
+    FormatError::too_much(file, what, "bytes", most)
+}
+
 /// Bytes taken of a [`Budget`], given back when this is dropped.
 #[derive(Debug)]
 pub(super) struct Share<'b> {
@@ -136,13 +191,8 @@ impl Share<'_> {
         let more = bytes.saturating_sub(self.bytes);
         let sum = self.budget.bytes.get().saturating_add(more);
         if sum > self.budget.limits.bytes {
-            let what = format!("{what} takes {bytes} bytes, {sum} with all else that is held");
-            return Err(FormatError::too_much(
-                file,
-                what,
-                "bytes",
-                self.budget.limits.bytes,
-            ));
+            let most = self.budget.limits.bytes;
+            return Err(too_many_bytes(file, what, bytes, sum, most));
         }
         self.budget.bytes.set(sum);
         self.bytes += more;

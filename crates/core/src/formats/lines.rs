@@ -5,7 +5,16 @@ use std::borrow::Cow;
 
 /// A file's text without its byte order mark; what is no UTF-8 is replaced.
 pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
-    String::from_utf8_lossy(without_mark(bytes))
+    decode(without_mark(bytes))
+}
+
+/// A piece of a file's text; what is no UTF-8 is replaced.
+pub(super) fn decode(bytes: &[u8]) -> Cow<'_, str> {
+    // Where it is whole UTF-8, checking that is several times as fast as going through it sequence by sequence.
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        Err(_) => String::from_utf8_lossy(bytes),
+    }
 }
 
 /// The lines of a text: each ends in a line feed, in a carriage return, as on old Macintoshes, or in

@@ -1,5 +1,8 @@
 mod mtl;
+mod pieces;
+mod reader;
 mod text;
+mod words;
 
 use crate::formats::Progress;
 use crate::formats::error::FormatError;

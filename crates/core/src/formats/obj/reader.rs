@@ -1,0 +1,458 @@
+//! The lines of an OBJ file, or of a piece of one, read one after the other.
+
+use super::text::{Counts, NONE, ObjText};
+use super::words::Words;
+use crate::formats::error::{FormatError, quote};
+use crate::formats::limits::Allowance;
+use crate::formats::lines::{Line, Lines};
+use crate::formats::polygon::Polygon;
+use crate::formats::tokens::parse;
+use crate::scene::Color;
+use glam::{DVec3, Vec2, Vec3};
+use std::collections::HashMap;
+use std::mem::size_of;
+use std::path::Path;
+
+/// The material of a piece's faces above its first `usemtl`: that of the last face before the piece.
+pub(super) const INHERITED: u32 = u32::MAX - 1;
+
+/// Added to a relative index of a piece, counted from the piece's start, which may be negative.
+pub(super) const RELATIVE: i64 = 1 << 31;
+
+/// Reads lines into [`Reader::out`].
+pub(super) struct Reader<'a> {
+    path: &'a Path,
+    allowance: &'a Allowance,
+    /// Bytes that the allowance counts for this reader so far.
+    counted: u64,
+    /// Bytes of the text that are not the file's own.
+    copied: usize,
+    pub(super) out: ObjText,
+    /// The highest absolute index of each that a face has.
+    pub(super) highest: Counts,
+    /// How many of each the file has, where that is known.
+    pub(super) known_totals: Option<Counts>,
+    /// The first word that should be a number and is none. Reading goes on: an index above it may be
+    /// of nothing, which the end tells.
+    pub(super) first_fault: Option<FormatError>,
+    /// Whether lines of the file may stand before the first one, read by another reader.
+    is_piece: bool,
+    /// Whether any index is absolute, and whether any is relative.
+    pub(super) has_indices: [bool; 2],
+    /// The lowest relative index of each, counted from the piece's start.
+    pub(super) lowest: Counts,
+    /// The next face's: an index into the materials' names, [`NONE`] or [`INHERITED`].
+    pub(super) material: u32,
+    material_numbers: HashMap<String, u32>,
+    /// The corners of the face that is read: vertex, texture coordinates, normal.
+    corners: Vec<[u32; 3]>,
+    /// Faces that have texture coordinates alone, normals alone, both.
+    pub(super) faces_with: [usize; 3],
+}
+
+/// What a `v` line may hold, for messages.
+pub(super) const VERTEX: &str = "three numbers, a weight or three of a colour behind `v`";
+
+impl<'a> Reader<'a> {
+    /// A reader of all lines of a file; `copied` bytes of their text are not the file's own.
+    pub(super) fn of_file(path: &'a Path, allowance: &'a Allowance, copied: usize) -> Self {
+        Self {
+            path,
+            allowance,
+            counted: 0,
+            copied,
+            out: ObjText::default(),
+            highest: [0; 3],
+            known_totals: None,
+            first_fault: None,
+            is_piece: false,
+            has_indices: [false; 2],
+            lowest: [0; 3],
+            material: NONE,
+            material_numbers: HashMap::new(),
+            corners: Vec::new(),
+            faces_with: [0; 3],
+        }
+    }
+
+    /// A reader of some lines of a file. Relative indices are stored from the piece's start, plus
+    /// [`RELATIVE`].
+    pub(super) fn of_piece(path: &'a Path, allowance: &'a Allowance, copied: usize) -> Self {
+        Self {
+            is_piece: true,
+            material: INHERITED,
+            ..Self::of_file(path, allowance, copied)
+        }
+    }
+
+    /// Reads all lines of a text.
+    ///
+    /// # Errors
+    /// The first line that is no line of an OBJ file, except one whose only fault is a word that is no number
+    /// ([`Reader::first_fault`]); more than the allowance.
+    pub(super) fn lines(&mut self, text: &str, progress: &dyn Fn(f32)) -> Result<(), FormatError> {
+        let mut lines = Lines::of(text);
+        let mut joined = String::new();
+        while let Some(line) = lines.next() {
+            let is_joined = line.text.trim_end().ends_with('\\') && !line.is_cut;
+            if !is_joined || line.text.trim_start().starts_with('#') {
+                self.line(line)?;
+            } else {
+                // A backslash joins the next line to this one.
+                joined.clear();
+                let mut last = line;
+                while let Some(start) = last.text.trim_end().strip_suffix('\\')
+                    && !last.is_cut
+                {
+                    joined.push_str(start);
+                    joined.push(' ');
+                    match lines.next() {
+                        Some(next) => last = next,
+                        None => last.text = "",
+                    }
+                }
+                joined.push_str(last.text);
+                self.line(Line {
+                    text: &joined,
+                    number: line.number,
+                    is_cut: last.is_cut,
+                })?;
+            }
+            if line.number % 16_384 == 0 {
+                self.count_bytes()?;
+                progress(1.0 - lines.left() as f32 / text.len().max(1) as f32);
+            }
+        }
+        self.count_bytes()
+    }
+
+    fn line(&mut self, line: Line<'_>) -> Result<(), FormatError> {
+        let text = line.text.trim();
+        let (keyword, rest) = split_keyword(text);
+        // Names may hold a `#`; numbers do not.
+        let values = || {
+            let end = memchr::memchr(b'#', rest.as_bytes());
+            Words::of(&rest[..end.unwrap_or(rest.len())])
+        };
+        match keyword {
+            "v" => self.vertex(values(), &line)?,
+            "vt" => {
+                let mut values = values();
+                let mut read = |is_needed: bool| match values.next() {
+                    None if is_needed => None,
+                    None => Some(0.0),
+                    Some(word) => parse(word.as_bytes()),
+                };
+                let uv = read(true).zip(read(false));
+                let uv = self.number(uv, "one or more numbers behind `vt`", &line)?;
+                let (u, v) = uv.unwrap_or_default();
+                self.out.uvs.push(Vec2::new(u as f32, v as f32));
+            }
+            "vn" => {
+                let normal = three(&mut values());
+                let normal = self.number(normal, "three numbers behind `vn`", &line)?;
+                let normal = normal.unwrap_or_default().normalize_or_zero();
+                self.out.normals.push(normal.as_vec3());
+            }
+            "f" => self.face(values(), &line)?,
+            "mtllib" => self.out.libraries.push(rest.trim().to_owned()),
+            "usemtl" => self.material = self.material_number(rest.trim()),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Notes a line whose numbers are none as faulty; an error where it is known already that no
+    /// other fault stands above it.
+    fn number<T>(
+        &mut self,
+        value: Option<T>,
+        expected: &str,
+        line: &Line<'_>,
+    ) -> Result<Option<T>, FormatError> {
+        if value.is_none() && self.first_fault.is_none() {
+            let fault = self.fault(line, expected, quote(line.text));
+            if self.known_totals.is_some() {
+                return Err(fault);
+            }
+            self.first_fault = Some(fault);
+        }
+        Ok(value)
+    }
+
+    #[cold]
+    fn fault(&self, line: &Line<'_>, expected: &str, found: String) -> FormatError {
+        FormatError::unexpected(self.path, Some(line.number), expected, found)
+    }
+
+    fn vertex(&mut self, mut values: Words<'_>, line: &Line<'_>) -> Result<(), FormatError> {
+        let position = three(&mut values);
+        let position = self.number(position, "three numbers behind `v`", line)?;
+        self.out.positions.push(position.unwrap_or(DVec3::NAN));
+        let mut more = [0.0; 3];
+        let mut count = 0;
+        for word in values {
+            let value = parse(word.as_bytes());
+            let value = self.number(value, VERTEX, line)?.unwrap_or_default();
+            if let Some(place) = more.get_mut(count) {
+                *place = value;
+            }
+            count += 1;
+        }
+        match count {
+            0 => {}
+            1 => self.out.oddities.weights += usize::from(more[0] != 1.0),
+            2 => drop(self.number(None::<()>, VERTEX, line)?),
+            _ => {
+                self.out.oddities.extra_values += usize::from(count > 3);
+                let is_color = more.iter().all(|value| (0.0..=1.0).contains(value));
+                self.out.oddities.colors_out_of_range += usize::from(!is_color);
+                let before = self.out.positions.len() - 1;
+                self.out.colors.resize(before, None);
+                let byte = |value: f64| (value * 255.0).round() as u8;
+                let color = Color(more.map(byte));
+                self.out.colors.push(Some(color));
+            }
+        }
+        Ok(())
+    }
+
+    fn material_number(&mut self, name: &str) -> u32 {
+        if let Some(&number) = self.material_numbers.get(name) {
+            return number;
+        }
+        let number = self.material_numbers.len() as u32;
+        self.material_numbers.insert(name.to_owned(), number);
+        self.out.materials.push(name.to_owned());
+        number
+    }
+
+    /// How many of each there are so far.
+    pub(super) fn totals(&self) -> Counts {
+        [
+            self.out.positions.len() as i64,
+            self.out.uvs.len() as i64,
+            self.out.normals.len() as i64,
+        ]
+    }
+
+    fn face(&mut self, words: Words<'_>, line: &Line<'_>) -> Result<(), FormatError> {
+        self.corners.clear();
+        let so_far = self.totals();
+        let most = self.allowance.triangles();
+        let left = most.saturating_sub(self.out.triangles.len() as u64);
+        let mut with = [0; 3];
+        for word in words {
+            let mut corner = [NONE; 3];
+            let mut rest = Some(word.as_bytes());
+            for kind in 0..3 {
+                let Some(indices) = rest else { break };
+                let end = indices.iter().position(|&byte| byte == b'/');
+                let part = &indices[..end.unwrap_or(indices.len())];
+                rest = end.map(|end| &indices[end + 1..]);
+                if part.is_empty() && kind > 0 {
+                    continue;
+                }
+                let Some(index) = integer(part) else {
+                    let expected = "a corner as `v`, `v/vt`, `v//vn` or `v/vt/vn`";
+                    return Err(self.fault(line, expected, quote(word)));
+                };
+                corner[kind] = self.index(kind, index, so_far[kind], line)?;
+                with[kind] += 1;
+            }
+            if rest.is_some() {
+                let expected = "a corner of at most three indices";
+                return Err(self.fault(line, expected, quote(word)));
+            }
+            self.corners.push(corner);
+            if self.corners.len() as u64 > left.saturating_add(2) {
+                return Err(self.allowance.too_many_triangles(self.path, most + 1));
+            }
+        }
+        let count = self.corners.len();
+        if count < 3 {
+            let expected = "three or more corners behind `f`";
+            return Err(self.fault(line, expected, quote(line.text)));
+        }
+        if line.is_cut && with.iter().any(|&corners| corners % count != 0) {
+            let expected = "corners all of one form (the file ends within a face)";
+            return Err(self.fault(line, expected, quote(line.text)));
+        }
+        self.add_face([with[1] == count, with[2] == count]);
+        self.out.open_end = line.is_cut.then_some(line.number);
+        Ok(())
+    }
+
+    /// An index from 0; [`NONE`] for texture coordinates and normals of which there are none yet.
+    fn index(
+        &mut self,
+        kind: usize,
+        index: i64,
+        so_far: i64,
+        line: &Line<'_>,
+    ) -> Result<u32, FormatError> {
+        let total = self
+            .known_totals
+            .map_or(i64::MAX, |totals| match totals[kind] {
+                0 if kind > 0 => i64::MAX,
+                total => total,
+            });
+        let from_zero = match index {
+            0 => None,
+            ..0 if self.is_piece => {
+                let from_start = so_far + index.max(-RELATIVE);
+                self.lowest[kind] = self.lowest[kind].min(from_start);
+                Some((from_start + RELATIVE).max(0))
+            }
+            // Relative to the end of what stands above.
+            ..0 if index >= -so_far => Some(so_far + index),
+            ..0 if kind > 0 && so_far == 0 => Some(i64::from(NONE)),
+            _ => (1..=total).contains(&index).then(|| index - 1),
+        };
+        let Some(from_zero) = from_zero else {
+            let name = ["vertex", "texture coordinate", "normal"][kind];
+            let has = self.known_totals.map_or(so_far, |totals| totals[kind]);
+            let expected = match index {
+                ..0 => format!("a {name} index down to -{so_far}"),
+                _ if self.known_totals.is_none() => format!("a {name} index from 1"),
+                _ if has == 0 => "vertices in the file (lines of `v x y z`)".into(),
+                _ => format!("a {name} index from 1 to {has}, as the file has"),
+            };
+            return Err(self.fault(line, &expected, index.to_string()));
+        };
+        self.has_indices[usize::from(index < 0)] = true;
+        self.highest[kind] = self.highest[kind].max(index);
+        // More than there can be of anything is told at the end.
+        Ok(u32::try_from(from_zero).unwrap_or(NONE))
+    }
+
+    /// Adds the corners as a fan.
+    fn add_face(&mut self, has: [bool; 2]) {
+        let out = &mut self.out;
+        let first = out.triangles.len();
+        let triangles = self.corners.len() - 2;
+        let fan = |kind: usize| {
+            let apex = self.corners[0][kind];
+            let pairs = self.corners[1..].windows(2);
+            pairs.map(move |pair| [apex, pair[0][kind], pair[1][kind]])
+        };
+        out.triangles.extend(fan(0));
+        if triangles > 1 {
+            out.polygons.push(Polygon {
+                first: first as u32,
+                triangles: triangles as u32,
+            });
+        }
+        if has[0] {
+            out.uv_triangles.resize(first, [NONE; 3]);
+            out.uv_triangles.extend(fan(1));
+        }
+        if has[1] {
+            out.normal_triangles.resize(first, [NONE; 3]);
+            out.normal_triangles.extend(fan(2));
+        }
+        match has {
+            [false, false] => {}
+            [true, false] => self.faces_with[0] += 1,
+            [false, true] => self.faces_with[1] += 1,
+            [true, true] => self.faces_with[2] += 1,
+        }
+        let last = out.material_runs.last().map_or(NONE, |run| run.1);
+        if last != self.material {
+            out.material_runs.push((first as u32, self.material));
+        }
+    }
+
+    /// Counts what is held against the budget: three times what it holds, since a list that is full
+    /// doubles, and the old one stays until the new one is filled.
+    fn count_bytes(&mut self) -> Result<(), FormatError> {
+        let out = &self.out;
+        let triangles = out.triangles.len() + out.uv_triangles.len() + out.normal_triangles.len();
+        let bytes = out.positions.len() * size_of::<DVec3>()
+            + out.colors.len() * size_of::<Option<Color>>()
+            + out.uvs.len() * size_of::<Vec2>()
+            + out.normals.len() * size_of::<Vec3>()
+            + triangles * size_of::<[u32; 3]>()
+            + out.polygons.len() * size_of::<Polygon>();
+        let bytes = (self.copied + 3 * bytes) as u64;
+        let more = bytes.saturating_sub(self.counted);
+        self.counted += more;
+        self.allowance.hold(self.path, "the mesh", more)
+    }
+}
+
+/// A line's first word, and what stands behind it.
+fn split_keyword(text: &str) -> (&str, &str) {
+    let bytes = text.as_bytes();
+    let is_end = |byte: &u8| byte.is_ascii_whitespace() || !byte.is_ascii();
+    let end = match bytes.iter().position(is_end) {
+        Some(end) if bytes[end].is_ascii() => Some(end),
+        Some(_) => text.find(char::is_whitespace),
+        None => None,
+    };
+    text.split_at(end.unwrap_or(text.len()))
+}
+
+/// A whole number, which may have a sign; `None` too for what is beyond 64 bits.
+fn integer(word: &[u8]) -> Option<i64> {
+    // So many digits are below 2^63.
+    const DIGITS: usize = 18;
+    if word.is_empty() || word.len() > DIGITS || !word[0].is_ascii_digit() {
+        return std::str::from_utf8(word).ok()?.parse().ok();
+    }
+    let mut value = 0;
+    for byte in word {
+        let digit = byte.wrapping_sub(b'0');
+        if digit > 9 {
+            return None;
+        }
+        value = value * 10 + i64::from(digit);
+    }
+    Some(value)
+}
+
+/// Three numbers.
+fn three(words: &mut Words<'_>) -> Option<DVec3> {
+    let mut next = || parse(words.next()?.as_bytes());
+    Some(DVec3::new(next()?, next()?, next()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integers_are_those_of_the_standard_library() {
+        for word in [
+            "0",
+            "7",
+            "-7",
+            "+7",
+            "0012",
+            "123456789012345678",
+            "1234567890123456789",
+            "9223372036854775807",
+            "9223372036854775808",
+            "-9223372036854775808",
+            "",
+            "-",
+            "+",
+            "1x",
+            "x1",
+            "1 ",
+            "1.0",
+            "1-2",
+            "é",
+        ] {
+            assert_eq!(integer(word.as_bytes()), word.parse().ok(), "{word:?}");
+        }
+    }
+
+    #[test]
+    fn keywords_end_at_any_white_space() {
+        for text in ["f 1", "f", "f\t1 2", "fé 1", "f\u{a0}1", ""] {
+            let end = text.find(char::is_whitespace).unwrap_or(text.len());
+            assert_eq!(split_keyword(text), text.split_at(end), "{text:?}");
+        }
+    }
+}
