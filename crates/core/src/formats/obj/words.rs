@@ -8,6 +8,16 @@ impl<'t> Words<'t> {
     pub(super) fn of(text: &'t str) -> Self {
         Self { rest: text }
     }
+
+    /// What stands behind the last word.
+    pub(super) fn rest(&self) -> &'t str {
+        self.rest
+    }
+
+    /// Goes on behind so many bytes, which end in a character's.
+    pub(super) fn skip(&mut self, bytes: usize) {
+        self.rest = &self.rest[bytes..];
+    }
 }
 
 impl<'t> Iterator for Words<'t> {
