@@ -14,7 +14,9 @@ pub mod random;
 mod ray;
 mod tree;
 mod triangle;
+mod truth;
 
-pub use oracle::{Oracle, Truth};
+pub use oracle::Oracle;
 pub use ray::Ray;
 pub use triangle::Triangle;
+pub use truth::Truth;

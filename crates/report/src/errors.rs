@@ -1,15 +1,15 @@
-//! What a way answered, against the truth.
+//! What a caster answered, against the truth.
 
+use crate::casters::Caster;
 use crate::fault::{GRAZING, ulps};
 use crate::stage::Stage;
 use crate::timing::quantile;
-use crate::ways::Way;
 use raycast_core::camera::Ray;
 use raycast_core::{Cull, PrimitiveHit};
 use raycast_oracle::Truth;
 use rayon::prelude::*;
 
-/// A way's errors over some rays.
+/// A caster's errors over some rays.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Errors {
     /// Rays that were asked.
@@ -35,7 +35,7 @@ impl Errors {
     /// Compares answers to rays with the truth about these same rays.
     pub fn of(
         stage: &Stage,
-        way: &dyn Way,
+        caster: &dyn Caster,
         rays: &[Ray],
         truths: &[Option<Truth>],
         hits: &[PrimitiveHit],
@@ -45,7 +45,7 @@ impl Errors {
                 rays: 1,
                 ..Self::default()
             };
-            errors.add(stage, way, ray, truth.as_ref(), hit);
+            errors.add(stage, caster, ray, truth.as_ref(), hit);
             errors
         };
         let mut all = rays
@@ -62,7 +62,7 @@ impl Errors {
     fn add(
         &mut self,
         stage: &Stage,
-        way: &dyn Way,
+        caster: &dyn Caster,
         ray: &Ray,
         truth: Option<&Truth>,
         hit: &PrimitiveHit,
@@ -81,7 +81,7 @@ impl Errors {
             (Some(truth), false) => truth,
         };
         self.hits += 1;
-        let found = way.identify(hit.primitive);
+        let found = caster.identify(hit.primitive);
         let mut met = *truth;
         if found != (truth.object, truth.triangle) {
             // As near to a double's rounding is as near as the oracle tells.

@@ -5,10 +5,10 @@
 //! equal ones, both zeros, neighbours in the last place, tiny and huge ones, corners that triangles share,
 //! eyes in corners, on edges and in planes. Bytes that are missing are zeros.
 
+use crate::casters::instruction_sets;
 use crate::fault::compare;
 use crate::meshes::mesh;
 use crate::stage::{Stage, scene_of};
-use crate::ways::instruction_sets;
 use raycast_core::camera::{Camera, ImagePlane, Lattice, Placement, Projection, Ray, Rect};
 use raycast_core::glam::DVec3;
 use raycast_core::{Accel, Cull, Detail, Precision, PrimitiveHit};
@@ -37,7 +37,7 @@ pub struct Scenario {
 /// Builds what the bytes say, and checks it.
 ///
 /// # Errors
-/// The first answer that is not the truth, or not the same as another way's, with what is needed to ask
+/// The first answer that is not the truth, or not the same as another caster's, with what is needed to ask
 /// again.
 pub fn check(bytes: &[u8]) -> Result<(), String> {
     scenario(bytes).map_or(Ok(()), |scenario| scenario.check())

@@ -1,7 +1,7 @@
 //! What takes other kernels, or took this one, time without bound: the answer is known, and it must come
 //! about as soon as for as many ordinary triangles in the same place.
 
-use super::{Case, Setting, Theme};
+use super::{Case, CaseTheme, Setting};
 use crate::cameras::{PROJECTIONS, camera};
 use crate::meshes::{self, mesh, soup};
 use crate::stage::scene_of;
@@ -77,7 +77,7 @@ macro_rules! case {
     ($name:literal, $race:ident, $size:expr, $trouble:literal) => {
         Case {
             name: $name,
-            theme: Theme::Time,
+            theme: CaseTheme::Time,
             trouble: $trouble,
             variants: 2,
             setting: |variant| setting(variant, $race(), $size),
@@ -235,13 +235,18 @@ fn shared_plane() -> Race {
     let corners: Vec<[DVec3; 3]> = (0..12)
         .map(|i| {
             let turn = TAU * f64::from(i) / 12.0;
-            let way = |turn: f64| single(DVec3::new(math::cos(turn), math::sin(turn), 0.0) * far);
+            let caster =
+                |turn: f64| single(DVec3::new(math::cos(turn), math::sin(turn), 0.0) * far);
             match i % 3 {
                 // All around the eye, in the image plane.
-                0 => [way(turn), way(turn + TAU / 3.0), way(turn - TAU / 3.0)],
+                0 => [
+                    caster(turn),
+                    caster(turn + TAU / 3.0),
+                    caster(turn - TAU / 3.0),
+                ],
                 // Edge-on, from the eye to far behind the target.
-                1 => [eye, way(turn), DVec3::NEG_Z * far],
-                _ => [DVec3::Z * far, way(turn), DVec3::NEG_Z * far],
+                1 => [eye, caster(turn), DVec3::NEG_Z * far],
+                _ => [DVec3::Z * far, caster(turn), DVec3::NEG_Z * far],
             }
             .map(|corner| if i % 3 == 0 { corner + eye } else { corner })
         })

@@ -11,9 +11,9 @@ use raycast_core::render::{Cancel, Precision, Settings, TileStats, View};
 use raycast_core::scene::Scene;
 use raycast_core::shade::Shading;
 use raycast_core::{Accel, Detail};
+use raycast_report::casters::{self, Caster};
 use raycast_report::embree::{Embree, EmbreeError};
 use raycast_report::scenes::{Made, interior_camera};
-use raycast_report::ways::{self, Way};
 use raycast_report::{subject, views};
 use rayon::ThreadPool;
 use serde::Serialize;
@@ -226,10 +226,10 @@ fn measure_builds(
 }
 
 /// Other people's ways: those with trees of their own, brute force, and Embree where it is there.
-fn baselines(accel: &Arc<Accel>, embree: Result<Arc<Embree>, EmbreeError>) -> Vec<Box<dyn Way>> {
-    let mut all = ways::trees(accel);
-    all.extend(ways::brute_force(accel));
-    match embree.and_then(|library| ways::embree(accel, &library)) {
+fn baselines(accel: &Arc<Accel>, embree: Result<Arc<Embree>, EmbreeError>) -> Vec<Box<dyn Caster>> {
+    let mut all = casters::trees(accel);
+    all.extend(casters::brute_force(accel));
+    match embree.and_then(|library| casters::embree(accel, &library)) {
         Ok(embree) => all.extend(embree),
         Err(error) => warn(&format!("Embree is left out: {error}")),
     }
@@ -285,7 +285,7 @@ fn cameras(args: &BenchArgs, scene: &Scene) -> Result<Vec<(&'static str, Camera)
 fn measure_view(
     name: &'static str,
     view: &View,
-    baselines: Option<&[Box<dyn Way>]>,
+    baselines: Option<&[Box<dyn Caster>]>,
     frames: u32,
     progress: &Progress,
 ) -> Result<ViewFigures, Failure> {

@@ -4,7 +4,7 @@ use raycast_core::Simd;
 
 /// Sizes and counts of a report.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Effort {
+pub struct ReportBudget {
     /// Columns and rows of the pictures whose speed is measured.
     pub size: (u32, u32),
     /// Measurements of each thing whose speed is measured.
@@ -19,7 +19,7 @@ pub struct Effort {
     pub cameras: usize,
     /// Rays a setting of a hard case: so many that are no camera's, and so many that are.
     pub hard: usize,
-    /// Rays a place along an axis of the plots of where ways break.
+    /// Rays a place along an axis of the plots of where casters break.
     pub breaking: usize,
     /// The largest mesh, in triangles, of the plots of speed.
     pub largest: u32,
@@ -31,7 +31,7 @@ pub struct Effort {
     pub simd: Simd,
 }
 
-impl Effort {
+impl ReportBudget {
     /// Some minutes on two cores.
     pub const FULL: Self = Self {
         size: (1280, 720),

@@ -1,13 +1,13 @@
 //! Plot E: what each optional thing costs, when it is used and when it is not.
 
 use super::Section;
+use crate::budget::ReportBudget;
 use crate::chart::{Axis, Better, Chart, Ink, Series};
-use crate::effort::Effort;
+use crate::progress::ReportProgress;
 use crate::scenes::bumpy_sphere;
 use crate::table::{Cell, ReportError, Table, short};
 use crate::timing::{Spread, interleaved};
 use crate::views;
-use crate::watch::Watch;
 use raycast_core::Accel;
 use raycast_core::camera::Grid;
 use raycast_core::glam::{DVec3, Vec2, Vec3};
@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 
 /// What an optional thing costs a picture.
 #[derive(Clone, Debug)]
-pub struct Cost {
+pub struct FeatureCost {
     /// What it is.
     pub thing: &'static str,
     /// Milliseconds with it, and without it.
@@ -33,7 +33,7 @@ pub struct Cost {
 }
 
 /// One picture to be made again and again.
-struct Way {
+struct Repeated {
     view: View,
     /// With a clock and a sink for its statistics, as `--stats` and the window have them.
     counted: bool,
@@ -43,8 +43,11 @@ struct Way {
 ///
 /// # Errors
 /// A scene that cannot be cast at.
-pub fn measure(effort: &Effort, watch: &dyn Watch) -> Result<Vec<Cost>, ReportError> {
-    let count = 20_000.min(effort.largest);
+pub fn measure(
+    budget: &ReportBudget,
+    progress: &dyn ReportProgress,
+) -> Result<Vec<FeatureCost>, ReportError> {
+    let count = 20_000.min(budget.largest);
     let plain = ball(count, false, false);
     let normals = ball(count, true, false);
     let mapped = ball(count, false, true);
@@ -78,45 +81,45 @@ pub fn measure(effort: &Effort, watch: &dyn Watch) -> Result<Vec<Cost>, ReportEr
         layers: true,
         ..shaded(Mode::Flat)
     };
-    let way = |scene: Scene, settings: Settings| -> Result<Way, ReportError> {
-        let camera = views::filling(&scene, effort.size, views::FOV, 1.0)?;
-        let accel = Arc::new(Accel::build(&scene)?.with_simd(effort.simd));
+    let picture = |scene: Scene, settings: Settings| -> Result<Repeated, ReportError> {
+        let camera = views::filling(&scene, budget.size, views::FOV, 1.0)?;
+        let accel = Arc::new(Accel::build(&scene)?.with_simd(budget.simd));
         let view = View {
             scene: Arc::new(scene),
             accel,
             camera,
             settings,
         };
-        Ok(Way {
+        Ok(Repeated {
             view,
             counted: false,
         })
     };
-    let flat = || way(of(&plain, None), shaded(Mode::Flat));
-    let flat_textured = way(of(&mapped, texture.as_ref()), shaded(Mode::Flat))?;
-    let counted = Way {
+    let flat = || picture(of(&plain, None), shaded(Mode::Flat));
+    let flat_textured = picture(of(&mapped, texture.as_ref()), shaded(Mode::Flat))?;
+    let counted = Repeated {
         counted: true,
         ..flat()?
     };
-    let ways = [
+    let pictures = [
         flat()?,
-        way(of(&normals, None), shaded(Mode::Smooth))?,
-        way(of(&normals, None), shaded(Mode::Flat))?,
-        way(of(&mapped, texture.as_ref()), shaded(Mode::Texture))?,
+        picture(of(&normals, None), shaded(Mode::Smooth))?,
+        picture(of(&normals, None), shaded(Mode::Flat))?,
+        picture(of(&mapped, texture.as_ref()), shaded(Mode::Texture))?,
         flat_textured,
-        way(of(&plain, None), wired)?,
-        way(of(&plain, None), layered)?,
-        way(eight, shaded(Mode::Flat))?,
+        picture(of(&plain, None), wired)?,
+        picture(of(&plain, None), layered)?,
+        picture(eight, shaded(Mode::Flat))?,
         counted,
     ];
     // Small differences need many measurements.
-    let rounds = 3 * effort.rounds;
-    watch.begin("optional things", (ways.len() * (rounds + 1)) as u64);
+    let rounds = 3 * budget.rounds;
+    progress.begin("optional things", (pictures.len() * (rounds + 1)) as u64);
     let mut works: Vec<Box<dyn FnMut() + Send>> = Vec::new();
-    for way in &ways {
-        works.push(Box::new(|| way.render()));
+    for picture in &pictures {
+        works.push(Box::new(|| picture.render()));
     }
-    let times = interleaved(rounds, &mut works, &|| watch.step());
+    let times = interleaved(rounds, &mut works, &|| progress.step());
     drop(works);
     let [
         flat,
@@ -129,14 +132,15 @@ pub fn measure(effort: &Effort, watch: &dyn Watch) -> Result<Vec<Cost>, ReportEr
         objects,
         counted,
     ]: [Spread; 9] = std::array::from_fn(|at| times[at].scaled(1e3));
-    let pixels = f64::from(effort.size.0) * f64::from(effort.size.1);
-    let accel_bytes = |at: usize| ways[at].view.accel.retained_bytes() as f64;
-    let cost = |thing, with: Spread, without: Spread, unused: Option<Spread>, bytes: f64| Cost {
-        thing,
-        used: [with, without],
-        unused,
-        bytes,
-    };
+    let pixels = f64::from(budget.size.0) * f64::from(budget.size.1);
+    let accel_bytes = |at: usize| pictures[at].view.accel.retained_bytes() as f64;
+    let cost =
+        |thing, with: Spread, without: Spread, unused: Option<Spread>, bytes: f64| FeatureCost {
+            thing,
+            used: [with, without],
+            unused,
+            bytes,
+        };
     let texels = texture.as_ref().map_or(0.0, |texture| {
         f64::from(texture.width()) * f64::from(texture.height())
     });
@@ -177,7 +181,7 @@ pub fn measure(effort: &Effort, watch: &dyn Watch) -> Result<Vec<Cost>, ReportEr
     Ok(costs)
 }
 
-impl Way {
+impl Repeated {
     fn render(&self) {
         let started = Instant::now();
         let rays = AtomicU64::new(0);
@@ -273,8 +277,8 @@ fn checkers() -> Option<Arc<Texture>> {
 }
 
 /// Adds the plot, the table, and what is to be read from them.
-pub fn show(section: &mut Section, costs: &[Cost]) {
-    let more = |cost: &Cost| (cost.used[0].median - cost.used[1].median).max(0.0);
+pub fn show(section: &mut Section, costs: &[FeatureCost]) {
+    let more = |cost: &FeatureCost| (cost.used[0].median - cost.used[1].median).max(0.0);
     let mut series = Vec::new();
     for (cost, ink) in costs.iter().zip(Ink::ALL) {
         series.push(Series::dot(cost.thing, (more(cost), cost.bytes), ink));
@@ -300,7 +304,7 @@ pub fn show(section: &mut Section, costs: &[Cost]) {
         series,
         better: Better::LowerLeft,
     };
-    section.chart("e-pay", chart);
+    section.chart("e-cost", chart);
     let mut table = Table::new(&[
         "what",
         "without, ms",
@@ -326,7 +330,7 @@ pub fn show(section: &mut Section, costs: &[Cost]) {
         ]);
     }
     section.say(unused(costs));
-    section.table("e-pay", table);
+    section.table("e-cost", table);
     section.say("Channels beside the 8-bit colours, by the pixel (kept for `.exr` alone):");
     let mut table = Table::new(&["channel", "bytes a pixel"]);
     for (channel, bytes) in channel_bytes() {
@@ -336,7 +340,7 @@ pub fn show(section: &mut Section, costs: &[Cost]) {
 }
 
 /// What things cost that a scene has and a picture does not use.
-fn unused(costs: &[Cost]) -> String {
+fn unused(costs: &[FeatureCost]) -> String {
     let told: Vec<String> = costs
         .iter()
         .filter_map(|cost| {

@@ -1,4 +1,4 @@
-//! Ways of casting rays, RayCast's own and other people's, behind one small trait, so that each is
+//! Ray casters, RayCast's own and other people's, behind one small trait, so that each is
 //! given the same rays at the same triangles.
 //!
 //! The others are here to be compared with and are in nobody's path: small, plain, one file each.
@@ -6,6 +6,7 @@
 //! is punished for a scene that stands far from the origin in its file.
 
 mod boxes;
+mod caster;
 mod embree;
 mod list;
 mod moller_trumbore;
@@ -19,6 +20,8 @@ mod triangle;
 mod vector;
 mod watertight;
 
+pub use caster::{Caster, Rays, rounded};
+
 use boxes::Boxes;
 use list::List;
 use moller_trumbore::MollerTrumbore;
@@ -27,81 +30,24 @@ use obvhs_cwbvh::ObvhsCwBvh;
 use one_ray::OneAfterAnother;
 use plane_inside::PlaneInside;
 use raycast_core::glam::{DVec3, Vec3};
+use raycast_core::{Accel, Precision, Simd};
+use std::sync::Arc;
 use watertight::Watertight;
 
-use raycast_core::camera::{Lattice, Ray};
-use raycast_core::{Accel, Precision, PrimitiveHit, Simd};
-use std::sync::Arc;
-
-/// A way of finding the nearest triangle of rays.
-pub trait Way: Send + Sync {
-    /// What plots and tables call it, its precision included.
-    fn name(&self) -> &str;
-
-    /// Which rays it answers.
-    fn rays(&self) -> Rays;
-
-    /// How many triangles it tries for every ray; 0 where a tree spares it most of them.
-    fn tries(&self) -> usize {
-        0
-    }
-
-    /// Answers rays, one hit each, in place of what `hits` held.
-    fn cast(&self, rays: &[Ray], hits: &mut Vec<PrimitiveHit>);
-
-    /// Answers a camera's rays row by row, making them included, in place of what `hits` held.
-    fn cast_lattice(&self, lattice: &Lattice, hits: &mut Vec<PrimitiveHit>);
-
-    /// Visibility alone: the primitive indices of the triangles that a camera's rays meet, row by row, in place of
-    /// what `primitives` held.
-    fn find_lattice(&self, lattice: &Lattice, primitives: &mut Vec<u32>) {
-        let mut hits = Vec::new();
-        self.cast_lattice(lattice, &mut hits);
-        primitives.clear();
-        primitives.extend(hits.iter().map(|hit| hit.primitive));
-    }
-
-    /// The object and triangle number of a primitive index that a hit names.
-    fn identify(&self, primitive: u32) -> (u32, u32);
-}
-
-/// The rays that a way answers: what it can tell apart from other rays.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rays {
-    /// Rounded to single precision.
-    Single,
-    /// In double precision.
-    Double,
-    /// A camera's, and no others.
-    Camera,
-}
-
-/// A ray that a way of single precision can be given as it is: origin (relative to the tree's),
-/// direction and range rounded.
-pub fn rounded(ray: &Ray, accel: &Accel) -> Ray {
-    let origin = (ray.origin - accel.origin()).as_vec3().as_dvec3();
-    Ray {
-        origin: accel.origin() + origin,
-        direction: ray.direction.as_vec3().as_dvec3(),
-        t_min: f64::from(ray.t_min as f32),
-        t_max: f64::from(ray.t_max.min(f64::from(f32::MAX)) as f32),
-    }
-}
-
-/// RayCast's own ways on this machine's widest instruction set: what a user gets.
-pub fn raycast(accel: &Arc<Accel>) -> Vec<Box<dyn Way>> {
-    let mut ways: Vec<Box<dyn Way>> = Vec::new();
+/// RayCast's own casters on this machine's widest instruction set: what a user gets.
+pub fn raycast(accel: &Arc<Accel>) -> Vec<Box<dyn Caster>> {
+    let mut casters: Vec<Box<dyn Caster>> = Vec::new();
     for precision in [Precision::Exact, Precision::Fast] {
-        ways.push(Box::new(raycast::Tile::new(accel, precision)));
+        casters.push(Box::new(raycast::Tile::new(accel, precision)));
     }
     for precision in [Precision::Exact, Precision::Fast] {
-        ways.push(Box::new(raycast::Single::new(accel, precision)));
+        casters.push(Box::new(raycast::Single::new(accel, precision)));
     }
-    ways
+    casters
 }
 
 /// RayCast's tiles as compiled for an instruction set: `accel` must have been built for it.
-pub fn raycast_simd(accel: &Arc<Accel>, precision: Precision) -> Box<dyn Way> {
+pub fn raycast_simd(accel: &Arc<Accel>, precision: Precision) -> Box<dyn Caster> {
     Box::new(raycast::Tile::with_simd_in_name(accel, precision))
 }
 
@@ -113,51 +59,51 @@ pub fn instruction_sets() -> Vec<Simd> {
         .collect()
 }
 
-fn way<T: one_ray::OneRay + 'static>(name: &str, accel: &Arc<Accel>, one: T) -> Box<dyn Way> {
+fn caster<T: one_ray::OneRay + 'static>(name: &str, accel: &Arc<Accel>, one: T) -> Box<dyn Caster> {
     Box::new(OneAfterAnother::new(name, accel, one))
 }
 
-/// Other people's ways, but for Embree's.
-pub fn baselines(accel: &Arc<Accel>) -> Vec<Box<dyn Way>> {
-    let mut ways = brute_force(accel);
-    ways.extend(triangle_tests(accel));
-    ways.extend(trees(accel));
-    ways
+/// Other people's casters, but for Embree's.
+pub fn baselines(accel: &Arc<Accel>) -> Vec<Box<dyn Caster>> {
+    let mut casters = brute_force(accel);
+    casters.extend(triangle_tests(accel));
+    casters.extend(trees(accel));
+    casters
 }
 
 /// Every triangle for every ray: what the renderer that RayCast replaces did.
-pub fn brute_force(accel: &Arc<Accel>) -> Vec<Box<dyn Way>> {
+pub fn brute_force(accel: &Arc<Accel>) -> Vec<Box<dyn Caster>> {
     let name = "plane, then inside";
     vec![
-        way(name, accel, List::<PlaneInside<Vec3>>::new(accel)),
-        way(name, accel, List::<PlaneInside<DVec3>>::new(accel)),
+        caster(name, accel, List::<PlaneInside<Vec3>>::new(accel)),
+        caster(name, accel, List::<PlaneInside<DVec3>>::new(accel)),
     ]
 }
 
 /// Published triangle tests, over boxes that lose no ray: their errors are their own, their speed is
 /// not what a better tree would give them.
-fn triangle_tests(accel: &Arc<Accel>) -> Vec<Box<dyn Way>> {
+fn triangle_tests(accel: &Arc<Accel>) -> Vec<Box<dyn Caster>> {
     let name = "Möller–Trumbore";
     vec![
-        way(name, accel, Boxes::<MollerTrumbore<Vec3>>::new(accel)),
-        way(name, accel, Boxes::<MollerTrumbore<DVec3>>::new(accel)),
-        way("watertight", accel, Boxes::<Watertight>::new(accel)),
+        caster(name, accel, Boxes::<MollerTrumbore<Vec3>>::new(accel)),
+        caster(name, accel, Boxes::<MollerTrumbore<DVec3>>::new(accel)),
+        caster("watertight", accel, Boxes::<Watertight>::new(accel)),
     ]
 }
 
-/// Those of other people's ways that have a tree of their own, made for speed.
-pub fn trees(accel: &Arc<Accel>) -> Vec<Box<dyn Way>> {
-    let mut ways = Vec::new();
+/// Those of other people's casters that have a tree of their own, made for speed.
+pub fn trees(accel: &Arc<Accel>) -> Vec<Box<dyn Caster>> {
+    let mut casters = Vec::new();
     if let Some(bvh) = ObvhsBvh2::new(accel) {
-        ways.push(way("obvhs BVH2", accel, bvh));
+        casters.push(caster("obvhs BVH2", accel, bvh));
     }
     if let Some(bvh) = ObvhsCwBvh::new(accel) {
-        ways.push(way("obvhs CWBVH", accel, bvh));
+        casters.push(caster("obvhs CWBVH", accel, bvh));
     }
-    ways
+    casters
 }
 
-/// Embree's ways: single rays, eight and sixteen at a time, each with its default scene and its
+/// Embree's casters: single rays, eight and sixteen at a time, each with its default scene and its
 /// robust one.
 ///
 /// # Errors
@@ -165,16 +111,16 @@ pub fn trees(accel: &Arc<Accel>) -> Vec<Box<dyn Way>> {
 pub fn embree(
     accel: &Arc<Accel>,
     library: &Arc<crate::embree::Embree>,
-) -> Result<Vec<Box<dyn Way>>, crate::embree::EmbreeError> {
+) -> Result<Vec<Box<dyn Caster>>, crate::embree::EmbreeError> {
     let corners: Vec<_> = (0..accel.len() as u32).map(|s| accel.corners(s)).collect();
-    let mut ways: Vec<Box<dyn Way>> = Vec::new();
+    let mut casters: Vec<Box<dyn Caster>> = Vec::new();
     for robust in [false, true] {
         let scene = Arc::new(library.scene(&corners, robust)?);
-        ways.push(Box::new(embree::Embree::<1>::new(accel, &scene, robust)));
-        ways.push(Box::new(embree::Embree::<8>::new(accel, &scene, robust)));
-        ways.push(Box::new(embree::Embree::<16>::new(accel, &scene, robust)));
+        casters.push(Box::new(embree::Embree::<1>::new(accel, &scene, robust)));
+        casters.push(Box::new(embree::Embree::<8>::new(accel, &scene, robust)));
+        casters.push(Box::new(embree::Embree::<16>::new(accel, &scene, robust)));
     }
-    Ok(ways)
+    Ok(casters)
 }
 
 #[cfg(test)]
@@ -184,16 +130,18 @@ mod tests {
     use crate::stage::scene_of;
     use crate::{Stage, scenes, subject, views};
     use raycast_core::Cull;
+    use raycast_core::PrimitiveHit;
+    use raycast_core::camera::Ray;
     use raycast_core::scene::{Object, Transform};
     use raycast_oracle::random::Random;
 
-    fn all(accel: &Arc<Accel>) -> Vec<Box<dyn Way>> {
-        let mut ways = raycast(accel);
-        ways.extend(baselines(accel));
+    fn all(accel: &Arc<Accel>) -> Vec<Box<dyn Caster>> {
+        let mut casters = raycast(accel);
+        casters.extend(baselines(accel));
         if let Ok(library) = crate::embree::Embree::load(1) {
-            ways.extend(super::embree(accel, &library).expect("Embree's scenes"));
+            casters.extend(super::embree(accel, &library).expect("Embree's scenes"));
         }
-        ways
+        casters
     }
 
     /// Two balls, one moved and turned, so that there are objects to tell apart.
@@ -207,7 +155,7 @@ mod tests {
         Stage::new(scene).expect("a valid scene")
     }
 
-    /// Rays at the middles of triangles, where every way must be right.
+    /// Rays at the middles of triangles, where every caster must be right.
     fn easy_rays(stage: &Stage) -> Vec<Ray> {
         let mut random = Random::new(7);
         let accel = &stage.accel;
@@ -221,16 +169,16 @@ mod tests {
     }
 
     #[test]
-    fn every_way_is_right_where_it_is_easy() {
+    fn every_caster_is_right_where_it_is_easy() {
         let stage = stage();
         let rays = easy_rays(&stage);
         let truth = |ray| stage.truth(ray, Cull::None);
         let truths: Vec<_> = rays.iter().map(truth).collect();
-        for way in all(&stage.accel) {
+        for caster in all(&stage.accel) {
             let mut hits = Vec::new();
-            way.cast(&rays, &mut hits);
-            let errors = Errors::of(&stage, way.as_ref(), &rays, &truths, &hits);
-            let name = way.name();
+            caster.cast(&rays, &mut hits);
+            let errors = Errors::of(&stage, caster.as_ref(), &rays, &truths, &hits);
+            let name = caster.name();
             assert_eq!(
                 (errors.wrong(), errors.rays, errors.hits),
                 (0, 400, 400),
@@ -272,26 +220,26 @@ mod tests {
             ]
         };
         let rays: Vec<Ray> = rays[..40].iter().flat_map(beyond).collect();
-        for way in all(&stage.accel) {
+        for caster in all(&stage.accel) {
             let mut hits = Vec::new();
-            way.cast(&rays, &mut hits);
+            caster.cast(&rays, &mut hits);
             let met = hits.iter().filter(|hit| !hit.is_miss()).count();
-            assert_eq!(met, 0, "{}", way.name());
+            assert_eq!(met, 0, "{}", caster.name());
         }
     }
 
-    /// A picture's rays are made differently for ways in single precision: at silhouettes a few see
+    /// A picture's rays are made differently for casters in single precision: at silhouettes a few see
     /// something else.
     #[test]
-    fn every_way_sees_the_same_picture() {
+    fn every_caster_sees_the_same_picture() {
         let stage = stage();
         let camera = views::filling(&stage.scene, (61, 43), views::FOV, 1.0).expect("a camera");
         let mut expected: Option<Vec<PrimitiveHit>> = None;
-        for way in all(&stage.accel) {
+        for caster in all(&stage.accel) {
             let mut picture = Vec::new();
             for tile in subject::tiles(&camera, 1) {
                 let mut hits = Vec::new();
-                way.cast_lattice(&tile, &mut hits);
+                caster.cast_lattice(&tile, &mut hits);
                 assert_eq!(hits.len(), tile.len());
                 picture.extend(hits);
             }
@@ -300,7 +248,7 @@ mod tests {
             let same = pairs.filter(|(a, b)| {
                 a.is_miss() == b.is_miss() && (a.is_miss() || (a.t - b.t).abs() < 1e-3 * b.t)
             });
-            assert!(same.count() + 4 >= picture.len(), "{}", way.name());
+            assert!(same.count() + 4 >= picture.len(), "{}", caster.name());
         }
     }
 }

@@ -1,7 +1,7 @@
 //! How far a report is.
 
 /// Who wants to know how far a report is.
-pub trait Watch: Sync {
+pub trait ReportProgress: Sync {
     /// So many steps of something begin.
     fn begin(&self, what: &'static str, steps: u64);
 
@@ -10,7 +10,7 @@ pub trait Watch: Sync {
 }
 
 /// Nobody.
-impl Watch for () {
+impl ReportProgress for () {
     fn begin(&self, _: &'static str, _: u64) {}
 
     fn step(&self) {}

@@ -1,6 +1,6 @@
 //! Embree's own tree and triangle tests: a ray, eight, or sixteen at a time.
 
-use super::{Rays, Way};
+use super::caster::{Caster, Rays};
 use crate::embree::{EmbreeScene, NONE, Packet};
 use raycast_core::camera::{Lattice, Projection, Ray};
 use raycast_core::glam::Vec3;
@@ -154,7 +154,7 @@ where
     }
 }
 
-impl<const N: usize> Way for Embree<N>
+impl<const N: usize> Caster for Embree<N>
 where
     Packet<N>: Cast,
 {

@@ -1,6 +1,6 @@
-//! RayCast's own ways: a tile of a camera's rays at once, and one ray after another.
+//! RayCast's own casters: a tile of a camera's rays at once, and one ray after another.
 
-use super::{Rays, Way};
+use super::caster::{Caster, Rays};
 use raycast_core::camera::{Lattice, Ray};
 use raycast_core::{Accel, Cull, Detail, Precision, PrimitiveHit};
 use std::sync::Arc;
@@ -41,7 +41,7 @@ impl Tile {
     }
 }
 
-impl Way for Tile {
+impl Caster for Tile {
     fn name(&self) -> &str {
         &self.name
     }
@@ -89,7 +89,7 @@ impl Single {
     }
 }
 
-impl Way for Single {
+impl Caster for Single {
     fn name(&self) -> &str {
         &self.name
     }

@@ -1,13 +1,13 @@
-//! Ways that answer one ray after another.
+//! Casters that answer one ray after another.
 
+use super::caster::{Caster, Rays};
 use super::vector::Vector;
-use super::{Rays, Way};
 use raycast_core::camera::{Lattice, Projection, Ray};
 use raycast_core::glam::DVec3;
 use raycast_core::{Accel, PrimitiveHit};
 use std::sync::Arc;
 
-/// A ray in a way's own precision, relative to the tree's origin.
+/// A ray in a caster's own precision, relative to the tree's origin.
 #[derive(Clone, Copy)]
 pub(super) struct OwnRay<V: Vector> {
     pub(super) origin: V,
@@ -21,7 +21,7 @@ pub(super) trait OneRay: Send + Sync {
     /// The precision that it gets rays in.
     type V: Vector;
 
-    /// As [`Way::tries`].
+    /// As [`Caster::tries`].
     fn tries(&self) -> usize {
         0
     }
@@ -30,7 +30,7 @@ pub(super) trait OneRay: Send + Sync {
     fn nearest(&self, ray: &OwnRay<Self::V>) -> PrimitiveHit;
 }
 
-/// [`Way`] of a [`OneRay`]: rays one after another.
+/// [`Caster`] of a [`OneRay`]: rays one after another.
 pub(super) struct OneAfterAnother<T> {
     name: String,
     rays: Rays,
@@ -54,7 +54,7 @@ impl<T: OneRay> OneAfterAnother<T> {
     }
 }
 
-impl<T: OneRay> Way for OneAfterAnother<T> {
+impl<T: OneRay> Caster for OneAfterAnother<T> {
     fn name(&self) -> &str {
         &self.name
     }
@@ -93,7 +93,7 @@ impl<T: OneRay> Way for OneAfterAnother<T> {
     }
 }
 
-/// A row of a camera's rays, set up in the way's own precision: from one to the next is an addition,
+/// A row of a camera's rays, set up in the caster's own precision: from one to the next is an addition,
 /// which is the cheapest that setting up rays can be.
 pub(super) struct RowOfRays<V: Vector> {
     projection: Projection,

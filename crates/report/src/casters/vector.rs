@@ -1,4 +1,4 @@
-//! Three coordinates in single or double precision: what a way in both is written in.
+//! Three coordinates in single or double precision: what a caster in both is written in.
 
 use num_traits::Float;
 use raycast_core::glam::{DVec3, Vec3};
