@@ -1,6 +1,6 @@
 //! The exact hit of a ray.
 
-/// How a ray meets a triangle, in truth.
+/// How a ray hits a triangle, by exact arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Truth {
     /// The object's number.

@@ -58,7 +58,7 @@ impl<'a> Checked<'a> {
         }
     }
 
-    /// The rays that a caster is asked: for one that answers none but a camera's, those.
+    /// The rays that a caster is given: a camera's alone where it answers no others.
     pub fn rays(&self, caster: &dyn Caster) -> &[Ray] {
         match caster.rays() {
             Rays::Camera => &self.double.rays[self.free..],
@@ -67,7 +67,7 @@ impl<'a> Checked<'a> {
         }
     }
 
-    /// A caster's errors. Brute force is asked about as many rays as `tests` tests of a ray against a
+    /// A caster's errors. Brute force is given as many rays as `tests` tests of a ray against a
     /// triangle allow.
     pub fn errors(&self, caster: &dyn Caster, tests: usize) -> Errors {
         let (asked, first) = match caster.rays() {

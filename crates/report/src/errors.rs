@@ -12,15 +12,15 @@ use rayon::prelude::*;
 /// A caster's errors over some rays.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Errors {
-    /// Rays that were asked.
+    /// Rays that were cast.
     pub rays: u64,
-    /// Rays that in truth meet something.
+    /// Rays that hit something by exact arithmetic.
     pub hits: u64,
-    /// Nothing was met where in truth there is a triangle: a hole.
+    /// Misses where exact arithmetic finds a triangle: holes.
     pub leaks: u64,
-    /// Something was met where in truth there is nothing.
+    /// Hits where exact arithmetic finds nothing.
     pub phantoms: u64,
-    /// A triangle that is not the nearest, or is not met at all.
+    /// Hits of a triangle that is not the closest, or that the ray misses.
     pub others: u64,
     /// Another triangle, which is truly as near: right but for the rule that the lowest number wins.
     /// Not counted as wrong.
@@ -85,7 +85,7 @@ impl Errors {
         let mut met = *truth;
         if found != (truth.object, truth.triangle) {
             // As near to a double's rounding is as near as the oracle tells.
-            match stage.meet(found, ray, Cull::None) {
+            match stage.intersect(found, ray, Cull::None) {
                 Some(other) if other.t == truth.t => {
                     self.ties += 1;
                     met = other;

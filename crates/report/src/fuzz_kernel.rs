@@ -1,4 +1,4 @@
-//! Tiles, single rays, brute force and the truth held against one another, on whatever bytes say: what
+//! Tiles, single rays, brute force and the oracle compared with one another, on whatever bytes say: what
 //! a fuzzer drives.
 //!
 //! Bytes choose a small mesh, a camera and a part of its rays, from numbers that kernels stumble over:
@@ -17,7 +17,7 @@ use raycast_core::{Accel, Cull, Detail, Precision, PrimitiveHit};
 const TRIANGLES: usize = 64;
 const CORNERS: usize = 24;
 
-/// Rays of a lattice that are held against the truth and against brute force, besides those whose
+/// Rays of a lattice that are compared with the oracle and with brute force, besides those whose
 /// neighbours show something else.
 const TRUTHS: usize = 24;
 /// And of those, at most.
@@ -30,7 +30,7 @@ pub struct Scenario {
     pub stage: Stage,
     /// The rays.
     pub lattice: Lattice,
-    /// Which faces they meet.
+    /// Which faces they hit.
     pub cull: Cull,
 }
 

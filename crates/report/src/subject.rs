@@ -106,7 +106,7 @@ pub fn stride(camera: &Camera, tries: usize, tests: usize) -> u32 {
     }
 }
 
-/// Casts all rays of all tiles on the current workers, and counts those that meet something.
+/// Casts all rays of all tiles on the current workers, and counts those that hit something.
 pub fn cast_tiles(caster: &dyn Caster, tiles: &[Lattice]) -> usize {
     tiles
         .par_iter()
@@ -120,7 +120,7 @@ pub fn cast_tiles(caster: &dyn Caster, tiles: &[Lattice]) -> usize {
         .sum()
 }
 
-/// As [`cast_tiles`], but for visibility alone: which triangle each ray meets, not where.
+/// As [`cast_tiles`], but for visibility alone: which triangle each ray hits, not where.
 pub fn find_tiles(caster: &dyn Caster, tiles: &[Lattice]) -> usize {
     tiles
         .par_iter()

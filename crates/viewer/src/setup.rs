@@ -7,7 +7,8 @@ pub use nothing_to_see::NothingToSee;
 use crate::cli::{CameraArgs, ReadingArgs, ShadingArgs};
 use crate::failure::Failure;
 use raycast_core::camera::{
-    Camera, Orbit, Placement, PlaneRequest, Projection, fit_distance, fov_to_frame, frame_to_fov,
+    Camera, DEFAULT_FOV, Orbit, Placement, PlaneRequest, Projection, fit_distance, fov_to_frame,
+    frame_to_fov,
 };
 use raycast_core::formats::{self, CameraFile, FormatError, Progress, SceneFile};
 use raycast_core::scene::{Bounds, Dropped, Scene};
@@ -18,9 +19,6 @@ use std::sync::Arc;
 
 /// The picture's size where nobody says another.
 pub const DEFAULT_SIZE: (u32, u32) = (1280, 720);
-
-/// The vertical field of view in degrees where nobody says another.
-pub const DEFAULT_FOV: f64 = 45.0;
 
 /// Reads files into one scene, their objects in the order of the files, with the camera, image and
 /// shading of the first scene file that has them.

@@ -21,4 +21,4 @@ pub use plane::{
 pub use projection::{Camera, Projection, fov_to_frame, frame_to_fov};
 pub use rect::Rect;
 pub use sub_camera::SubCamera;
-pub use view::fit_distance;
+pub use view::{DEFAULT_FOV, fit_distance};

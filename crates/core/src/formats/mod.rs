@@ -31,11 +31,11 @@ mod unpack;
 mod weld;
 mod write;
 
-pub use error::{FormatError, Place};
+pub use error::{FilePosition, FormatError};
 pub use guard::panic_is_caught;
 pub use limits::{Budget, Limits};
 pub use ray_file::{HIT_BYTES, RAY_BYTES, decode_ray, encode_hit};
-pub use scene_file::{CameraFile, FileKind, ImageFile, SceneFile, ShadingFile};
+pub use scene_file::{CameraFile, FileKind, ImageSettings, SceneFile, ShadingFile};
 pub use scene_write::SaveError;
 pub use write::{MeshFormat, WriteError, Written, write_materials, write_meshes};
 

@@ -52,7 +52,7 @@ pub struct SceneFile {
     /// `[camera]`.
     pub camera: Option<CameraFile>,
     /// `[image]`.
-    pub image: ImageFile,
+    pub image: ImageSettings,
     /// `[shading]`, with the background of `[image]`.
     pub shading: Option<ShadingFile>,
     /// What was not as it should be, and did not matter enough to stop: a line each. Never saved.
@@ -79,7 +79,7 @@ pub struct CameraFile {
 
 /// A scene file's picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ImageFile {
+pub struct ImageSettings {
     /// Columns and rows.
     pub size: Option<(u32, u32)>,
     /// Rays a pixel.

@@ -3,12 +3,12 @@ use super::files::{By, Contents, Files, beside};
 use super::guard::guarded;
 use super::kind::without_mark;
 use super::mesh_file::{self, MeshObject};
-use super::scene_file::{CameraFile, FileKind, ImageFile, SceneFile};
+use super::scene_file::{CameraFile, FileKind, ImageSettings, SceneFile};
 use super::scene_toml::{
     BackgroundToml, CameraToml, ImageToml, ObjectToml, SceneToml, ShadingToml, ShapeToml,
 };
 use super::{Progress, texture};
-use crate::camera::{ImagePlane, Placement, PlacementError, Projection};
+use crate::camera::{DEFAULT_FOV, ImagePlane, Placement, PlacementError, Projection};
 use crate::quote::{self, quote};
 use crate::ranges::{self, OutOfRange};
 use crate::scene::{
@@ -20,9 +20,6 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toml::Spanned;
-
-/// The vertical field of view, in degrees, of a perspective camera that names none.
-const DEFAULT_FOV: f64 = 45.0;
 
 /// The most ancestors of an object: each is looked at for each object below it.
 const ANCESTOR_LIMIT: usize = 1000;
@@ -225,7 +222,7 @@ impl Reader<'_> {
         })
     }
 
-    fn image(&self, image: &ImageToml) -> Result<ImageFile, FormatError> {
+    fn image(&self, image: &ImageToml) -> Result<ImageSettings, FormatError> {
         let size = image.size.as_ref().map(|size| {
             let [columns, rows] = *size.get_ref();
             ImagePlane::new(columns, rows, 1.0)
@@ -238,7 +235,7 @@ impl Reader<'_> {
             .samples
             .as_ref()
             .map(|samples| self.in_range(samples, ranges::samples(*samples.get_ref())));
-        Ok(ImageFile {
+        Ok(ImageSettings {
             size: size.transpose()?,
             samples: samples.transpose()?,
         })
@@ -677,7 +674,7 @@ texture = "t.ppm"
         let nothing = "scene: the scene has no objects: there is nothing to see";
         assert_eq!(file.warnings, [nothing]);
         assert!(file.camera.is_none() && file.shading.is_none() && file.scene.objects.is_empty());
-        assert_eq!(file.image, ImageFile::default());
+        assert_eq!(file.image, ImageSettings::default());
         let file = parse("[image]\nbackground = \"transparent\"\n");
         let shading = Shading {
             background: Background::Transparent,

@@ -1,4 +1,4 @@
-use super::edges::Edges;
+use super::edges::EdgeLines;
 use super::facet::{Facet, Mapping, Needs, blend, facing_normal, unit};
 use super::light::Lights;
 use super::sample::sample;
@@ -291,7 +291,7 @@ impl<'a> Shader<'a> {
                 facet.to_eye = self.middle_to_eye(corners);
             }
             if needs.edges {
-                facet.edges = Some(Edges::new(&self.camera, corners));
+                facet.edges = Some(EdgeLines::new(&self.camera, corners));
             }
         }
         if needs.smooth {

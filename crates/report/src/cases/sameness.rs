@@ -1,4 +1,4 @@
-//! One question, asked in several ways.
+//! One ray, given in several ways.
 
 use super::{Case, CaseTheme, Setting};
 use crate::cameras::{PROJECTIONS, camera};

@@ -1,11 +1,11 @@
 //! A plain tree of boxes that loses no ray, so that what goes wrong is the triangle test's doing.
 //!
 //! Leaves are runs of [`RUN`] triangles in the order of RayCast's own leaves, where neighbours lie
-//! together; above them each box holds the next two below. Boxes are met in double precision with
+//! together; above them each box holds the next two below. Boxes are tested in double precision with
 //! their far ends moved out (Ize, "Robust BVH Ray Traversal", JCGT 2013).
 
 use super::one_ray::{OneRay, OwnRay};
-use super::triangle::{Nearest, TriangleTest};
+use super::triangle::{ClosestHit, TriangleTest};
 use super::vector::Vector;
 use raycast_core::glam::{DVec3, Vec3};
 use raycast_core::{Accel, PrimitiveHit};
@@ -56,7 +56,7 @@ impl<T: TriangleTest> OneRay for Boxes<T> {
     type V = T::V;
 
     fn nearest(&self, ray: &OwnRay<T::V>) -> PrimitiveHit {
-        let mut nearest = Nearest::none(ray);
+        let mut nearest = ClosestHit::none(ray);
         let prepared = T::prepare(ray);
         let origin = ray.origin.to_double();
         let inverse = ray.direction.to_double().recip();
@@ -78,7 +78,10 @@ impl<T: TriangleTest> OneRay for Boxes<T> {
             if level == 0 {
                 let first = index as usize * RUN;
                 for primitive in first..(first + RUN).min(self.triangles.len()) {
-                    nearest.offer(primitive as u32, self.triangles[primitive].meet(&prepared));
+                    nearest.offer(
+                        primitive as u32,
+                        self.triangles[primitive].intersect(&prepared),
+                    );
                 }
                 continue;
             }
@@ -101,7 +104,7 @@ impl<T: TriangleTest> OneRay for Boxes<T> {
     }
 }
 
-/// Where the line enters a box (no later than it truly does), if it may meet it before or behind.
+/// Where the line enters a box (no later than it truly does), if it may touch it, before the origin or behind.
 #[inline(always)]
 fn enter(origin: DVec3, inverse: DVec3, low: Vec3, high: Vec3) -> Option<f64> {
     let to_low = (low.as_dvec3() - origin) * inverse;

@@ -16,14 +16,14 @@ pub trait Caster: Send + Sync {
         0
     }
 
-    /// Answers rays, one hit each, in place of what `hits` held.
+    /// Answers rays, one hit each, in place of the contents of `hits`.
     fn cast(&self, rays: &[Ray], hits: &mut Vec<PrimitiveHit>);
 
-    /// Answers a camera's rays row by row, making them included, in place of what `hits` held.
+    /// Answers a camera's rays row by row, making them included, in place of the contents of `hits`.
     fn cast_lattice(&self, lattice: &Lattice, hits: &mut Vec<PrimitiveHit>);
 
-    /// Visibility alone: the primitive indices of the triangles that a camera's rays meet, row by row, in place of
-    /// what `primitives` held.
+    /// Visibility alone: the primitive indices of the triangles that a camera's rays hit, row by row, in place of
+    /// the contents of `primitives`.
     fn find_lattice(&self, lattice: &Lattice, primitives: &mut Vec<u32>) {
         let mut hits = Vec::new();
         self.cast_lattice(lattice, &mut hits);

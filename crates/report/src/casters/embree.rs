@@ -61,7 +61,7 @@ fn set<const N: usize>(packet: &mut Packet<N>, lane: usize, origin: Vec3, direct
     }
 }
 
-/// What a lane of a packet met.
+/// What a lane of a packet hits.
 #[inline(always)]
 fn hit<const N: usize>(packet: &Packet<N>, lane: usize) -> PrimitiveHit {
     if packet.geometry[lane] == NONE {

@@ -1,11 +1,11 @@
 //! Brute force: every triangle for every ray.
 
 use super::one_ray::{OneRay, OwnRay};
-use super::triangle::{Nearest, TriangleTest};
+use super::triangle::{ClosestHit, TriangleTest};
 use super::vector::Vector;
 use raycast_core::{Accel, PrimitiveHit};
 
-/// Triangles in the order of their numbers: of equal distances the lowest number is met.
+/// Triangles in the order of their numbers: of equal distances the lowest number wins.
 pub(super) struct List<T> {
     triangles: Vec<(T, u32)>,
 }
@@ -34,10 +34,10 @@ impl<T: TriangleTest> OneRay for List<T> {
     }
 
     fn nearest(&self, ray: &OwnRay<T::V>) -> PrimitiveHit {
-        let mut nearest = Nearest::none(ray);
+        let mut nearest = ClosestHit::none(ray);
         let ray = T::prepare(ray);
         for (triangle, primitive) in &self.triangles {
-            nearest.offer(*primitive, triangle.meet(&ray));
+            nearest.offer(*primitive, triangle.intersect(&ray));
         }
         nearest.to_primitive_hit()
     }

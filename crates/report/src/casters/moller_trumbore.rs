@@ -3,7 +3,7 @@
 //! plane, 1e-6, is left out: it depends on the scene's units and would lose every small triangle.
 
 use super::one_ray::OwnRay;
-use super::triangle::{Meeting, TriangleTest};
+use super::triangle::{Intersection, TriangleTest};
 use super::vector::Vector;
 use num_traits::{One, Zero};
 
@@ -28,7 +28,7 @@ impl<V: Vector> TriangleTest for MollerTrumbore<V> {
     }
 
     #[inline(always)]
-    fn meet(&self, ray: &OwnRay<V>) -> Option<Meeting<V::Real>> {
+    fn intersect(&self, ray: &OwnRay<V>) -> Option<Intersection<V::Real>> {
         let (zero, one) = (V::Real::zero(), V::Real::one());
         let [to_b, to_c] = self.edges;
         let p = ray.direction.cross(to_c);
@@ -48,6 +48,6 @@ impl<V: Vector> TriangleTest for MollerTrumbore<V> {
             return None;
         }
         let t = to_c.dot(q) * inverse;
-        Some(Meeting { t, u, v })
+        Some(Intersection { t, u, v })
     }
 }

@@ -1,10 +1,10 @@
-//! The plane, then the inside: where the ray meets the triangle's plane, and whether that point is on
+//! The plane, then the inside: where the ray hits the triangle's plane, and whether that point is on
 //! the inner side of each edge (Snyder and Barr, "Ray tracing complex models containing surface
 //! tessellations", 1987, and every first ray tracer since). The renderer that RayCast replaces did
 //! this for every triangle and every ray.
 
 use super::one_ray::OwnRay;
-use super::triangle::{Meeting, TriangleTest};
+use super::triangle::{Intersection, TriangleTest};
 use super::vector::Vector;
 use num_traits::{Float, Zero};
 
@@ -30,7 +30,7 @@ impl<V: Vector> TriangleTest for PlaneInside<V> {
     }
 
     #[inline(always)]
-    fn meet(&self, ray: &OwnRay<V>) -> Option<Meeting<V::Real>> {
+    fn intersect(&self, ray: &OwnRay<V>) -> Option<Intersection<V::Real>> {
         let [a, b, c] = self.corners;
         let slope = self.normal.dot(ray.direction);
         if slope == V::Real::zero() {
@@ -45,7 +45,7 @@ impl<V: Vector> TriangleTest for PlaneInside<V> {
             return None;
         }
         let whole = self.normal.dot(self.normal);
-        Some(Meeting {
+        Some(Intersection {
             t,
             u: second / whole,
             v: third / whole,

@@ -18,13 +18,13 @@ pub(super) trait TriangleTest: Send + Sync {
     /// A ray made ready.
     fn prepare(ray: &OwnRay<Self::V>) -> Self::Ray;
 
-    /// Where the line along the ray meets the triangle, whatever the ray's range.
-    fn meet(&self, ray: &Self::Ray) -> Option<Meeting<<Self::V as Vector>::Real>>;
+    /// Where the line along the ray hits the triangle, whatever the ray's range.
+    fn intersect(&self, ray: &Self::Ray) -> Option<Intersection<<Self::V as Vector>::Real>>;
 }
 
-/// Where a ray meets a triangle.
+/// Where a ray hits a triangle.
 #[derive(Clone, Copy)]
-pub(super) struct Meeting<R> {
+pub(super) struct Intersection<R> {
     /// The ray's parameter.
     pub(super) t: R,
     /// Weight of the second corner.
@@ -33,23 +33,23 @@ pub(super) struct Meeting<R> {
     pub(super) v: R,
 }
 
-/// The nearest meeting so far.
+/// The closest intersection so far.
 #[derive(Clone, Copy)]
-pub(super) struct Nearest<R> {
+pub(super) struct ClosestHit<R> {
     t_min: R,
     t_max: R,
     primitive: u32,
-    at: Meeting<R>,
+    at: Intersection<R>,
 }
 
-impl<R: Float + ToPrimitive> Nearest<R> {
+impl<R: Float + ToPrimitive> ClosestHit<R> {
     /// None yet of a ray with this range.
     pub(super) fn none<V: Vector<Real = R>>(ray: &OwnRay<V>) -> Self {
         Self {
             t_min: ray.t_min,
             t_max: ray.t_max,
             primitive: MISS,
-            at: Meeting {
+            at: Intersection {
                 t: R::infinity(),
                 u: R::zero(),
                 v: R::zero(),
@@ -57,10 +57,10 @@ impl<R: Float + ToPrimitive> Nearest<R> {
         }
     }
 
-    /// Takes a meeting that is nearer, or the first one within the ray's range.
+    /// Takes a intersection that is nearer, or the first one within the ray's range.
     #[inline(always)]
-    pub(super) fn offer(&mut self, primitive: u32, meeting: Option<Meeting<R>>) {
-        if let Some(at) = meeting
+    pub(super) fn offer(&mut self, primitive: u32, intersection: Option<Intersection<R>>) {
+        if let Some(at) = intersection
             && at.t > self.t_min
             && at.t <= self.t_max
             && at.t < self.at.t

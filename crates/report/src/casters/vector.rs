@@ -23,7 +23,7 @@ pub(super) trait Vector:
     /// The nearest vector to a double's.
     fn rounded(vector: DVec3) -> Self;
 
-    /// As doubles.
+    /// In double precision.
     fn to_double(self) -> DVec3;
 
     /// The nearest number to a double; the largest there is in place of infinity.

@@ -3,7 +3,7 @@
 //! precision where single precision finds a zero.
 
 use super::one_ray::OwnRay;
-use super::triangle::{Meeting, TriangleTest};
+use super::triangle::{Intersection, TriangleTest};
 use raycast_core::glam::Vec3;
 
 pub(super) struct Watertight {
@@ -41,7 +41,7 @@ impl TriangleTest for Watertight {
     }
 
     #[inline(always)]
-    fn meet(&self, ray: &ShearedRay) -> Option<Meeting<f32>> {
+    fn intersect(&self, ray: &ShearedRay) -> Option<Intersection<f32>> {
         let [x, y, z] = ray.axes;
         let [shear_x, shear_y, shear_z] = ray.shear;
         let relative = self.corners.map(|corner| corner - ray.origin);
@@ -67,7 +67,7 @@ impl TriangleTest for Watertight {
         let [a_z, b_z, c_z] = relative.map(|p| shear_z * p[z]);
         let scaled_t = u * a_z + v * b_z + w * c_z;
         let inverse = 1.0 / determinant;
-        Some(Meeting {
+        Some(Intersection {
             t: scaled_t * inverse,
             u: v * inverse,
             v: w * inverse,

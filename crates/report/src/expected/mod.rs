@@ -91,7 +91,7 @@ impl<'a> Expected<'a> {
     }
 
     /// The colour of the sample at (x, y) of the picture, in pixels from its top left corner, where its
-    /// ray meets `truth`: linear light, alpha not multiplied in. Unknown where it cannot be told.
+    /// ray hits `truth`: linear light, alpha not multiplied in. Unknown where it is undecided.
     pub(crate) fn color(&self, x: f64, y: f64, truth: Option<&Truth>) -> [Single; 4] {
         let opaque = |[r, g, b]: Vector<24>| [r, g, b, Single::exactly(1.0)];
         let Some(truth) = truth else {

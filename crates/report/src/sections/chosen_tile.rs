@@ -8,7 +8,7 @@ use std::collections::HashSet;
 /// Columns and rows of the picture whose tile is shown: few, so that a tile is large in it.
 pub(super) const SIZE: (u32, u32) = (512, 320);
 
-/// Rays along the side of a sub-block: the least that triangles are held against before single rows.
+/// Rays along the side of a sub-block: the smallest block of rays that triangles are tested against before single rows.
 const SUB_SIDE: u32 = 8;
 
 /// A tile of a picture, a block of it, a sub-block of that.
@@ -16,7 +16,7 @@ pub(super) struct Chosen {
     pub(super) large: LargeTrace,
     pub(super) block: PacketTrace,
     pub(super) sub: Lattice,
-    /// Distinct triangles that the tile's rays meet, and the sub-block's.
+    /// Distinct triangles that the tile's rays hit, and the sub-block's.
     pub(super) seen: usize,
     pub(super) sub_seen: usize,
 }

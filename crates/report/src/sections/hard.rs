@@ -47,7 +47,7 @@ pub fn measure(
     library: Option<&Arc<Embree>>,
     progress: &dyn ReportProgress,
 ) -> Result<Outcomes, ReportError> {
-    // What takes other casters time without bound is not asked of them: `time` measures RayCast's own.
+    // Other casters take time without bound for these: `time` measures RayCast alone.
     let mut all = cases::all();
     all.retain(|case| case.theme != CaseTheme::Time);
     progress.begin("hard cases", all.len() as u64);

@@ -1,4 +1,4 @@
-//! Picture F: how a tile's frustum narrows down what its rays can meet, level by level.
+//! Picture F: how a tile's frustum narrows down what its rays can hit, level by level.
 
 use super::Section;
 use super::chosen_tile::{Chosen, SIZE, choose};
@@ -20,7 +20,7 @@ pub struct Shown {
 
 /// Follows the tile of a scene's picture that shows most.
 ///
-/// `None` where no ray meets anything.
+/// `None` where no ray hits anything.
 ///
 /// # Errors
 /// A scene that cannot be cast at, a figure that cannot be drawn.

@@ -22,9 +22,9 @@ pub struct MeshFigures {
     pub name: String,
     /// Triangles of the files, dropped ones included.
     pub triangles: usize,
-    /// The share of the picture's rays that meet something.
+    /// The share of the picture's rays that hit something.
     pub hit_share: f64,
-    /// Different triangles that rays meet, for each ray that meets one.
+    /// Different triangles that rays hit, for each ray that hits one.
     pub density: f64,
     /// Reading the files, in milliseconds; none where they were made in memory.
     pub parse_ms: Option<f64>,
@@ -100,7 +100,7 @@ pub fn measure(
 /// Seconds that a frame may take; of a caster that takes longer fewer rays are measured.
 const LONG_FRAME: f64 = 0.15;
 
-/// The stride at which a caster's frame is not too long, told by every eighth ray of every eighth row.
+/// The stride at which a caster's frame is not too long, estimated from every eighth ray of every eighth row.
 fn affordable_stride(caster: &dyn Caster, camera: &Camera, tests: usize) -> u32 {
     const SAMPLE: u32 = 8;
     if caster.tries() > 0 {
@@ -144,7 +144,7 @@ pub fn speeds(
     seconds.into_iter().zip(&lattices).map(rate).collect()
 }
 
-/// How many rays of the picture meet something, and how many different triangles they meet.
+/// How many rays of the picture hit something, and how many different triangles they hit.
 fn seen(subject: &Subject, camera: &Camera) -> (usize, usize) {
     let plane = camera.plane();
     let rect = Rect {

@@ -157,7 +157,7 @@ pub fn show(
     section.numbers(name, numbers(standings));
 }
 
-/// The fastest of those that were never wrong in nearly as many rays as any was asked; of those that
+/// The fastest of those that were never wrong in nearly as many rays as any was given; of those that
 /// are as fast to a twentieth, which is what a machine's mood changes, the first.
 fn best_of_the_right(standings: &[Standing]) -> Option<&Standing> {
     let most = standings.iter().map(|caster| caster.rays).max()?;

@@ -22,10 +22,10 @@ use crate::worker::files::{Files, Saving};
 use crate::worker::outbox::Outbox;
 use crate::worker::render::{Renderer, Request};
 use crate::worker::watch::Watch;
-use crate::worker::{Clock, Wake};
+use crate::worker::{SharedClock, Wake};
 use log::{FrameLine, FrameLog};
 use raycast_core::camera::{Camera, Grid};
-use raycast_core::formats::{ImageFile, Limits, SceneFile};
+use raycast_core::formats::{ImageSettings, Limits, SceneFile};
 use raycast_core::render::Settings;
 use settings::Remembered;
 use std::path::{Path, PathBuf};
@@ -49,7 +49,7 @@ pub struct Link {
     /// Where its pictures come through.
     pub outbox: Arc<Outbox>,
     /// Its clock.
-    pub clock: Clock,
+    pub clock: SharedClock,
     /// What makes the loop look.
     pub nudge: Wake,
     /// How much reading files may take.
@@ -68,7 +68,7 @@ pub struct App {
     watched: Vec<PathBuf>,
     /// Whether the person has said that the window may close.
     may_close: bool,
-    clock: Clock,
+    clock: SharedClock,
     log: Option<FrameLog>,
     remembers: bool,
     commands: Commands,
@@ -297,7 +297,7 @@ impl App {
             let scene = SceneFile {
                 scene: document.scene.as_ref().clone(),
                 camera: Some(state.viewpoint.to_file()),
-                image: ImageFile {
+                image: ImageSettings {
                     size: match state.resolution {
                         Resolution::Fixed(columns, rows) => Some((columns, rows)),
                         Resolution::Window { .. } => None,
@@ -346,7 +346,7 @@ impl App {
     }
 
     /// How far the newest picture is: not at all while an older one is on screen.
-    fn progress(&self) -> canvas::Progress {
+    fn progress(&self) -> canvas::PictureProgress {
         let mut progress = self.canvas.progress();
         progress.complete &= self.canvas.generation() == self.generation;
         progress

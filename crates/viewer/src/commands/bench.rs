@@ -1,7 +1,7 @@
 use super::{Failure, warn, workers};
 use crate::cli::BenchArgs;
 use crate::output::print;
-use crate::progress::Progress;
+use crate::progress::TerminalProgress;
 use crate::setup;
 use crate::stats::{self, json, milliseconds};
 use raycast_core::camera::{Camera, Grid, Lattice, Placement, PlaneRequest, fov_to_frame};
@@ -105,7 +105,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let pool = workers(args.casting.threads)?;
     let mut figures = Vec::with_capacity(args.files.len());
     for file in &args.files {
-        let progress = Progress::new();
+        let progress = TerminalProgress::new();
         progress.loading();
         let budget = args.reading.budget();
         let scene =
@@ -121,7 +121,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<(), Failure> {
             Made::Interior(_) if args.eye.is_none() => inside(args)?,
             _ => cameras(args, &scene)?,
         };
-        let progress = Progress::new();
+        let progress = TerminalProgress::new();
         figures.push(measure(
             args,
             made.to_string(),
@@ -140,7 +140,7 @@ fn measure(
     scene: Scene,
     cameras: Vec<(&'static str, Camera)>,
     pool: &ThreadPool,
-    progress: &Progress,
+    progress: &TerminalProgress,
 ) -> Result<FileFigures, Failure> {
     progress.building();
     let building = Instant::now();
@@ -287,7 +287,7 @@ fn measure_view(
     view: &View,
     baselines: Option<&[Box<dyn Caster>]>,
     frames: u32,
-    progress: &Progress,
+    progress: &TerminalProgress,
 ) -> Result<ViewFigures, Failure> {
     let mut cast_times = Vec::new();
     let mut hits_times = Vec::new();

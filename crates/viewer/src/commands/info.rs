@@ -1,7 +1,7 @@
 use super::Failure;
 use crate::cli::{CameraArgs, InfoArgs, ReadingArgs};
 use crate::output::print;
-use crate::progress::Progress;
+use crate::progress::TerminalProgress;
 use crate::setup;
 use crate::stats::{json, milliseconds};
 use raycast_core::formats::{self, SceneFile};
@@ -147,7 +147,7 @@ pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
 
 /// Reads a file and builds its tree.
 fn inspect(path: &Path, reading: &ReadingArgs) -> Result<FileInfo, Failure> {
-    let progress = Progress::new();
+    let progress = TerminalProgress::new();
     progress.loading();
     let loading = Instant::now();
     let budget = reading.budget();

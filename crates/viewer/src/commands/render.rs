@@ -1,7 +1,7 @@
 use super::{Failure, warn_of_reading, workers};
 use crate::cli::{RenderArgs, TileArgs};
 use crate::output::Output;
-use crate::progress::Progress;
+use crate::progress::TerminalProgress;
 use crate::stats::{self, Shares, Stats, StatsTarget, milliseconds};
 use crate::{memory, setup};
 use raycast_core::camera::{Camera, Grid, SubCamera};
@@ -32,7 +32,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let stats_target = StatsTarget::at(args.stats.as_deref(), &inputs)?;
     let pool = workers(args.casting.threads)?;
 
-    let progress = Progress::new();
+    let progress = TerminalProgress::new();
     progress.loading();
     let loading = Instant::now();
     let mut file = setup::load(&args.files, &args.reading, &|share| progress.loaded(share))?;
@@ -182,7 +182,7 @@ fn render_whole(
     view: &View,
     grid: Grid,
     clock: Clock<'_>,
-    progress: &Progress,
+    progress: &TerminalProgress,
 ) -> Result<(Picture, TileStats), Failure> {
     let plane = view.camera.plane();
     let (across, down) = grid.counts(plane.columns, plane.rows);
@@ -237,7 +237,7 @@ fn render_part(
     view: &View,
     sub_camera: SubCamera,
     clock: Clock<'_>,
-    progress: &Progress,
+    progress: &TerminalProgress,
 ) -> Result<(Picture, TileStats), Failure> {
     let rect = sub_camera.rect;
     let parts = Grid::default().tiles(rect.width, rect.height);

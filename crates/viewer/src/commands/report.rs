@@ -1,7 +1,7 @@
 use super::{Failure, warn_of_reading, workers};
 use crate::cli::ReportArgs;
 use crate::output::Folder;
-use crate::progress::Progress;
+use crate::progress::TerminalProgress;
 use crate::setup;
 use crate::worker::demo;
 use raycast_core::formats;
@@ -29,7 +29,7 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
     // Better now than after minutes.
     folder.file("report.md", &inputs)?;
     let pool = workers(args.threads)?;
-    let progress = Progress::new();
+    let progress = TerminalProgress::new();
     let (scenes, opened) = if args.files.is_empty() {
         (own_scenes(&budget)?, Vec::new())
     } else {
@@ -63,7 +63,7 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-impl ReportProgress for Progress {
+impl ReportProgress for TerminalProgress {
     fn begin(&self, what: &'static str, steps: u64) {
         self.counting(what, steps);
     }
@@ -82,7 +82,7 @@ impl From<ReportError> for Failure {
 /// The scenes of the files, each for itself, and all files that were opened for them.
 fn read_scenes(
     args: &ReportArgs,
-    progress: &Progress,
+    progress: &TerminalProgress,
 ) -> Result<(Vec<Input>, Vec<PathBuf>), Failure> {
     let mut opened = Vec::new();
     let read = |path: &PathBuf| {

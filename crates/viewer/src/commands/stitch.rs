@@ -2,7 +2,7 @@ use super::Failure;
 use crate::cli::StitchArgs;
 use crate::memory;
 use crate::output::Output;
-use crate::progress::Progress;
+use crate::progress::TerminalProgress;
 use raycast_core::picture::{self, Format, Fragment};
 use std::fs::File;
 use std::io::Read;
@@ -20,7 +20,7 @@ pub(super) fn run(args: &StitchArgs) -> Result<(), Failure> {
     let inputs: Vec<&Path> = args.fragments.iter().map(AsRef::as_ref).collect();
     let output = Output::at(&args.output, &inputs)?;
 
-    let progress = Progress::new();
+    let progress = TerminalProgress::new();
     progress.counting("reading", inputs.len() as u64);
     let mut fragments = Vec::with_capacity(inputs.len());
     for path in inputs {

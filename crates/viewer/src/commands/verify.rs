@@ -1,6 +1,6 @@
 use super::{Failure, warn_of_reading, workers};
 use crate::cli::{CameraArgs, VerifyArgs};
-use crate::progress::Progress;
+use crate::progress::TerminalProgress;
 use crate::{memory, output, setup};
 use raycast_core::Cull;
 use raycast_core::camera::{Camera, Grid, Rect};
@@ -31,7 +31,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let pool = workers(args.casting.threads)?;
     let image = path.map(read).transpose()?;
 
-    let progress = Progress::new();
+    let progress = TerminalProgress::new();
     progress.loading();
     let mut file = setup::load(files, &args.reading, &|share| progress.loaded(share))?;
     setup::paint(&mut file.scene, &args.shading, &args.reading)?;
@@ -230,7 +230,7 @@ fn render(
     args: &VerifyArgs,
     stage: &Stage,
     ways: &Ways,
-    progress: &Progress,
+    progress: &TerminalProgress,
 ) -> Result<(Rect, Picture), Failure> {
     let (columns, rows) = (ways.camera.plane().columns, ways.camera.plane().rows);
     let grid = Grid::default();

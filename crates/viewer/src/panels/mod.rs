@@ -22,7 +22,7 @@ mod widgets;
 pub mod window;
 
 use crate::state::command::Command;
-use crate::ui::canvas::Progress;
+use crate::ui::canvas::PictureProgress;
 use crate::worker::files::Activity;
 use std::time::Duration;
 
@@ -33,7 +33,7 @@ pub type Commands = Vec<Command>;
 #[derive(Clone, Debug, Default)]
 pub struct Status {
     /// How far the picture is.
-    pub progress: Progress,
+    pub progress: PictureProgress,
     /// What is being read, built or written.
     pub activity: Option<Activity>,
     /// The least and the most that a tile took.

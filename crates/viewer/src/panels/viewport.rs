@@ -11,7 +11,7 @@ use raycast_core::shade::Background;
 
 /// What the picture's place in the window tells the state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct PicturePlace {
     /// Its size in device pixels.
     pub pixels: (u32, u32),
     /// The point of the picture under the cursor.
@@ -25,7 +25,7 @@ pub fn show(
     canvas: &mut Canvas,
     overlay: &mut TileOverlay,
     out: &mut Commands,
-) -> Place {
+) -> PicturePlace {
     let points = ui.ctx().pixels_per_point();
     let room = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(room, Sense::click_and_drag());
@@ -86,7 +86,7 @@ pub fn show(
     if response.dragged() {
         ui.ctx().set_cursor_icon(egui::CursorIcon::Grabbing);
     }
-    Place { pixels, hover }
+    PicturePlace { pixels, hover }
 }
 
 /// Where the picture goes: all of the room, or as much as its shape leaves, in the middle.

@@ -36,7 +36,7 @@ impl TileNote {
 
 /// How far the picture is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Progress {
+pub struct PictureProgress {
     /// The pass of the newest tile.
     pub pass: Option<Pass>,
     /// The last pass that was finished.
@@ -74,7 +74,7 @@ pub struct Canvas {
     generation: u64,
     layout: Arc<Layout>,
     notes: Vec<Option<TileNote>>,
-    progress: Progress,
+    progress: PictureProgress,
     /// Counts changes of the notes, for who draws them.
     pub notes_version: u64,
 }
@@ -99,7 +99,7 @@ impl Canvas {
     }
 
     /// How far it is.
-    pub fn progress(&self) -> Progress {
+    pub fn progress(&self) -> PictureProgress {
         self.progress
     }
 
@@ -119,7 +119,7 @@ impl Canvas {
         Arc::make_mut(&mut self.image).pixels.fill(nothing);
         self.notes.fill(None);
         self.dirty = Dirty::All;
-        self.progress = Progress::default();
+        self.progress = PictureProgress::default();
     }
 
     /// Takes in what workers sent. Older pictures than the one shown are ignored, and so are tiles
@@ -130,7 +130,7 @@ impl Canvas {
         }
         if batch.generation > self.generation || self.size() != batch.layout.size {
             self.generation = batch.generation;
-            self.progress = Progress::default();
+            self.progress = PictureProgress::default();
             self.resize(batch.layout.size);
         }
         if !Arc::ptr_eq(&self.layout, &batch.layout) {

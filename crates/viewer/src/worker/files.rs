@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 
 /// What a loader is at.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Stage {
+pub enum LoadStage {
     /// Reading; the share that is done.
     Reading(f32),
     /// Building the tree.
@@ -137,10 +137,10 @@ impl Files {
         let loads = lock(&self.shared.loads);
         if let Some((_, name, progress)) = loads.iter().find(|(load, ..)| *load == newest) {
             let (label, share) = match progress.stage() {
-                Stage::Reading(share) => {
+                LoadStage::Reading(share) => {
                     (format!("Reading {name}"), (share > 0.0).then_some(share))
                 }
-                Stage::Building => (format!("Building the tree of {name}"), None),
+                LoadStage::Building => (format!("Building the tree of {name}"), None),
             };
             return Some(Activity {
                 label,
@@ -349,10 +349,10 @@ impl Progress {
         self.0.store(share, Ordering::Relaxed);
     }
 
-    fn stage(&self) -> Stage {
+    fn stage(&self) -> LoadStage {
         match self.0.load(Ordering::Relaxed) {
-            BUILDING => Stage::Building,
-            share => Stage::Reading(share as f32 * 1e-6),
+            BUILDING => LoadStage::Building,
+            share => LoadStage::Reading(share as f32 * 1e-6),
         }
     }
 }

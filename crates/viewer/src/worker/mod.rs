@@ -21,7 +21,7 @@ use std::time::Duration;
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
 /// The window's clock: time since it was opened.
-pub type Clock = Arc<dyn Fn() -> Duration + Send + Sync>;
+pub type SharedClock = Arc<dyn Fn() -> Duration + Send + Sync>;
 
 /// What a caught panic said.
 fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
