@@ -136,6 +136,40 @@ fn assert_views_equal_rays(accel: &Accel, size: f64, offset: DVec3) {
     assert!(met > 50_000, "{met}");
 }
 
+/// A picture of 32k + 1 columns and rows ends in packets of one column, one row, one ray.
+#[test]
+fn the_last_column_and_row_are_cast() {
+    let accel = waves(12, 2.0, DVec3::ZERO);
+    for side in [33, 65] {
+        let plane = ImagePlane::new(side, side, 0.02).expect("a good plane");
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let orbit = Orbit {
+                pivot: DVec3::ZERO,
+                yaw: 30.0,
+                pitch: 50.0,
+                distance: 3.0,
+            };
+            let camera = Camera::new(orbit.placement(), projection, plane);
+            let (columns, rows) = (side as usize, side as usize);
+            let mut hits = Vec::new();
+            let lattice = whole(camera);
+            accel.cast_lattice(
+                &lattice,
+                Cull::None,
+                Precision::Exact,
+                Detail::Full,
+                &mut hits,
+            );
+            let met = |at: &usize| !hits[*at].is_miss();
+            let in_column = (0..rows).map(|row| row * columns + columns - 1).filter(met);
+            let in_row = ((rows - 1) * columns..rows * columns).filter(met);
+            let (in_column, in_row) = (in_column.count(), in_row.count());
+            assert!(in_column > 5 && in_row > 5, "{in_column} {in_row}");
+            assert_tiles_equal_rays(&accel, camera);
+        }
+    }
+}
+
 #[test]
 fn tiles_answer_as_single_rays_do() {
     for (size, offset) in [

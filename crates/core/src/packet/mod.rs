@@ -28,6 +28,8 @@ mod lane_math;
 mod observer;
 mod params;
 mod ray_bounds;
+#[cfg(test)]
+mod ray_bounds_tests;
 mod ray_box;
 mod setup;
 #[cfg(test)]
