@@ -168,7 +168,7 @@ fn bad_ray_files_are_one_line_and_leave_no_hits() {
         assert!(!hits.exists());
     };
     cast(&folder.path().join("none"));
-    cast(&write(folder.path(), "truncated", &[0; 32 * 3 + 5]));
+    cast(&write(folder.path(), "truncated", [0; 32 * 3 + 5]));
     cast(folder.path());
     // No rays at all are no error.
     let none = write(folder.path(), "no-rays", b"");

@@ -149,7 +149,7 @@ fn outputs_that_cannot_be_are_one_line_and_exit_1() {
 #[test]
 fn an_input_is_not_overwritten() {
     let folder = folder();
-    let mesh = write(folder.path(), "mesh.png", &bytes(&asset("cube.obj")));
+    let mesh = write(folder.path(), "mesh.png", bytes(&asset("cube.obj")));
     let mut command = command(arguments!["render", &mesh, "-o", &mesh, "--size", "8x8"]);
     let told = run(&mut command);
     assert!(told.status == Some(1) || told.status == Some(2), "{told:?}");
