@@ -7,8 +7,10 @@
 //! (Abrash, "Rasterization on Larrabee", 2009; Greene, Kass, Miller, "Hierarchical Z-Buffer Visibility",
 //! 1993).
 
+use super::decisions::Decisions;
 use super::params::{CELLS, ROW, SIDE};
 use super::ray_box::RayBox;
+use super::rivals::Rivals;
 use super::setup::{CornerLanes, PacketSpace, TriangleSetup};
 use super::small_triangles::SmallCoverage;
 use crate::bvh::tree::TRIANGLE_LIMIT;
@@ -38,6 +40,8 @@ const PROVISIONAL: u32 = !TRIANGLE_LIMIT;
 
 /// Stands for a primitive index where the nearest of several triangles is undecided. A triangle surely
 /// nearer than all of them replaces it.
+///
+/// Invariant: the closest hit so far of such a ray, if it has one, is one of its [`Rivals`].
 const UNDECIDED: u32 = MISS - 1;
 
 /// The nearest triangle of each ray so far; rows of rays one after another.
@@ -53,6 +57,8 @@ pub(crate) struct IntervalZBuffer {
     hi_z: [f32; CELLS * CELLS],
     /// Cells whose hi-z may be out of date, as bits.
     dirty: u32,
+    /// What undecided rays are undecided between.
+    rivals: Rivals,
     /// Where orthographic rays begin: nothing is nearer. Infinite for perspective.
     begin: f32,
 }
@@ -85,6 +91,7 @@ impl IntervalZBuffer {
             primitives: [MISS; RAYS],
             hi_z: [f32::NEG_INFINITY; CELLS * CELLS],
             dirty: 0,
+            rivals: Rivals::default(),
             begin: f32::INFINITY,
         }
     }
@@ -97,6 +104,7 @@ impl IntervalZBuffer {
         self.primitives = [MISS; RAYS];
         self.hi_z = [f32::NEG_INFINITY; CELLS * CELLS];
         self.dirty = 0;
+        self.rivals.clear();
         // Orthographic rays begin at the image plane, where the negated depth is zero.
         self.begin = if perspective { f32::INFINITY } else { 0.0 };
         let (columns, rows) = (columns as usize, rows as usize);
@@ -117,6 +125,16 @@ impl IntervalZBuffer {
     pub(crate) fn row(&self, row: u32) -> &[u32] {
         let first = row as usize * SIDE;
         &self.primitives[first..first + SIDE]
+    }
+
+    /// Brings rivals into the order that [`IntervalZBuffer::rivals`] needs.
+    pub(crate) fn sort_rivals(&mut self) {
+        self.rivals.sort();
+    }
+
+    /// The rivals of an undecided ray, once they are sorted: see [`Rivals::of`].
+    pub(crate) fn rivals(&self, row: u32, column: u32) -> Option<&[(u32, u32)]> {
+        self.rivals.of(row as usize * SIDE + column as usize)
     }
 
     /// The primitive index of a stored entry, or [`MISS`].
@@ -310,8 +328,8 @@ impl IntervalZBuffer {
         self.dirty |= columns << (CELLS * (rays.bottom as usize / ROW));
     }
 
-    /// Sets up eight triangles and rasterises those with a primitive index, each within its bounds.
-    /// `is_edge_on` tells whether no ray can hit a triangle: asked of the ill-conditioned ones.
+    /// Sets up eight triangles and rasterises those with a primitive index, each within its bounds. Those that are
+    /// ill-conditioned, or that rays may begin at, are left out where exact arithmetic decides that no ray hits them.
     #[inline(always)]
     pub(crate) fn rasterize(
         &mut self,
@@ -320,14 +338,16 @@ impl IntervalZBuffer {
         corners: &CornerLanes,
         boxes: &[RayBox; LANES],
         primitives: &[u32],
-        mut is_edge_on: impl FnMut(u32) -> bool,
+        decisions: &mut Decisions<'_>,
     ) {
         let set_up = space.set_up(corners, boxes);
         for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
-            if set_up.ill_conditioned[l] && is_edge_on(primitive) {
+            let is_doubtful = set_up.ill_conditioned[l]
+                || self.begin != f32::INFINITY && set_up.may_touch(l, self.begin);
+            if is_doubtful && decisions.is_never_hit(primitive) {
                 continue;
             }
-            self.rasterize_one(lanes, &set_up, l, primitive);
+            self.rasterize_one(lanes, &set_up, l, primitive, decisions);
         }
         self.update_hi_z(lanes);
     }
@@ -339,6 +359,7 @@ impl IntervalZBuffer {
         set_up: &TriangleSetup,
         l: usize,
         primitive: u32,
+        decisions: &mut Decisions<'_>,
     ) {
         let linear = |f: &[[f32; LANES]; 3]| [f[0][l], f[1][l], f[2][l]];
         let functions = EdgeFunctions {
@@ -371,7 +392,7 @@ impl IntervalZBuffer {
             );
         } else if set_up.boxes[l].is_narrow() {
             let rows = (bottom - top + 1) as usize;
-            self.rasterize_rows(lanes, &functions, row * SIDE + column, rows);
+            self.rasterize_rows(lanes, &functions, row * SIDE + column, rows, decisions);
             let (first, last) = (column / ROW, column.div_ceil(ROW));
             let columns = (1u32 << first) | (1 << last);
             for cell_row in row / ROW..=bottom as usize / ROW {
@@ -383,6 +404,7 @@ impl IntervalZBuffer {
                 &functions,
                 (column, row),
                 (right as usize, bottom as usize),
+                decisions,
             );
         }
     }
@@ -395,6 +417,7 @@ impl IntervalZBuffer {
         functions: &EdgeFunctions,
         (column, row): (usize, usize),
         (right, bottom): (usize, usize),
+        decisions: &mut Decisions<'_>,
     ) {
         let EdgeFunctions {
             edges,
@@ -453,9 +476,9 @@ impl IntervalZBuffer {
                 };
                 let first = (row + cell_row * ROW) * SIDE + column + cell_column * ROW;
                 if inside & (1 << cell) != 0 {
-                    self.cover(lanes, &here, first);
+                    self.cover(lanes, &here, first, decisions);
                 } else {
-                    self.rasterize_rows(lanes, &here, first, ROW);
+                    self.rasterize_rows(lanes, &here, first, ROW, decisions);
                 }
                 self.dirty |= 1 << place;
             }
@@ -470,6 +493,7 @@ impl IntervalZBuffer {
         functions: &EdgeFunctions,
         first: usize,
         rows: usize,
+        decisions: &mut Decisions<'_>,
     ) {
         let EdgeFunctions {
             edges: [e, f, g],
@@ -485,13 +509,13 @@ impl IntervalZBuffer {
         let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
         let merge = DepthMerge::new(lanes, functions, self.begin);
         for row in 0..rows {
-            let Some((low, high, primitives)) = self.rays(first + row * SIDE) else {
+            let Some(rays) = self.rays(first + row * SIDE) else {
                 return;
             };
             let least = a.min(b).min(c);
             let outside = least.lt(minus_error);
             let inside = error.lt(least);
-            merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
+            merge.row(lanes, near, Some((inside, outside)), rays, decisions);
             a = a + step_a;
             b = b + step_b;
             c = c + step_c;
@@ -501,32 +525,37 @@ impl IntervalZBuffer {
 
     /// Merges a triangle into a cell whose rays all lie surely inside its edges.
     #[inline(always)]
-    fn cover(&mut self, lanes: impl Lanes, functions: &EdgeFunctions, first: usize) {
+    fn cover(
+        &mut self,
+        lanes: impl Lanes,
+        functions: &EdgeFunctions,
+        first: usize,
+        decisions: &mut Decisions<'_>,
+    ) {
         let n = functions.depth_key;
         let x = lanes.load(&COLUMNS);
         let mut near = lanes.splat(n[0]) + lanes.splat(n[1]) * x;
         let step = lanes.splat(n[2]);
         let merge = DepthMerge::new(lanes, functions, self.begin);
         for row in 0..ROW {
-            let Some((low, high, primitives)) = self.rays(first + row * SIDE) else {
+            let Some(rays) = self.rays(first + row * SIDE) else {
                 return;
             };
-            merge.row(lanes, near, None, low, high, primitives);
+            merge.row(lanes, near, None, rays, decisions);
             near = near + step;
         }
     }
 
-    /// Depth bounds and primitive indices of eight rays.
+    /// Eight rays from one on.
     #[inline(always)]
-    fn rays(
-        &mut self,
-        first: usize,
-    ) -> Option<(&mut [f32; ROW], &mut [f32; ROW], &mut [u32; ROW])> {
-        Some((
-            self.low.get_mut(first..)?.first_chunk_mut()?,
-            self.high.get_mut(first..)?.first_chunk_mut()?,
-            self.primitives.get_mut(first..)?.first_chunk_mut()?,
-        ))
+    fn rays(&mut self, first: usize) -> Option<RowOfRays<'_>> {
+        Some(RowOfRays {
+            first,
+            low: self.low.get_mut(first..)?.first_chunk_mut()?,
+            high: self.high.get_mut(first..)?.first_chunk_mut()?,
+            primitives: self.primitives.get_mut(first..)?.first_chunk_mut()?,
+            rivals: &mut self.rivals,
+        })
     }
 
     /// Marks every ray undecided that an ill-conditioned triangle may hit: those in its bounds where the
@@ -547,8 +576,11 @@ impl IntervalZBuffer {
                 let below = values.iter().any(|&value| value < -error);
                 let above = values.iter().any(|&value| value > error);
                 if !(below & above) {
-                    self.high[j * SIDE + i] = f32::INFINITY;
-                    self.primitives[j * SIDE + i] = UNDECIDED;
+                    let ray = j * SIDE + i;
+                    self.high[ray] = f32::INFINITY;
+                    let held = std::mem::replace(&mut self.primitives[ray], UNDECIDED);
+                    self.rivals
+                        .push_both(ray, held_primitive(held), functions.primitive);
                 }
             }
         }
@@ -565,13 +597,23 @@ impl IntervalZBuffer {
             let first = cell / CELLS * ROW * SIDE + cell % CELLS * ROW;
             let mut least = lanes.splat(f32::INFINITY);
             for row in 0..ROW {
-                if let Some((low, _, _)) = self.rays(first + row * SIDE) {
-                    least = lanes.load(low).min(least);
+                if let Some(rays) = self.rays(first + row * SIDE) {
+                    least = lanes.load(rays.low).min(least);
                 }
             }
             self.hi_z[cell] = least.reduce_min();
         }
     }
+}
+
+/// Depth bounds and primitive indices of eight rays.
+struct RowOfRays<'z> {
+    /// The first one's place in the packet.
+    first: usize,
+    low: &'z mut [f32; ROW],
+    high: &'z mut [f32; ROW],
+    primitives: &'z mut [u32; ROW],
+    rivals: &'z mut Rivals,
 }
 
 /// What merging a triangle into rows needs, the same for every row.
@@ -603,11 +645,10 @@ impl<L: Lanes> DepthMerge<L> {
         lanes: L,
         near: L::F32,
         sides: Option<(L::Mask, L::Mask)>,
-        low: &mut [f32; ROW],
-        high: &mut [f32; ROW],
-        primitives: &mut [u32; ROW],
+        rays: RowOfRays<'_>,
+        decisions: &mut Decisions<'_>,
     ) {
-        let (old_low, old_high) = (lanes.load(low), lanes.load(high));
+        let (old_low, old_high) = (lanes.load(rays.low), lanes.load(rays.high));
         let near_low = near - self.error;
         let near_high = near + self.error;
         let began = near_high.lt(self.begin);
@@ -620,17 +661,57 @@ impl<L: Lanes> DepthMerge<L> {
         // A triangle surely further moves neither bound.
         let if_met = met.select(near_low, self.never);
         let unless_missed = missed.select(self.never, near_high);
-        old_low.max(if_met).store(low);
-        old_high.max(unless_missed).store(high);
+        old_low.max(if_met).store(rays.low);
+        old_high.max(unless_missed).store(rays.high);
         let wins = met & old_high.lt(near_low);
         let loses = missed | near_high.lt(old_low);
-        wins.store(self.primitive, primitives);
+        wins.store(self.primitive, rays.primitives);
         // Rays where neither holds stay undecided until something nearer wins them.
         let open = !(wins | loses).bits() & ALL;
         if open != 0 {
-            for_each_bit(u64::from(open), |lane| primitives[lane % ROW] = UNDECIDED);
+            leave_undecided(self.primitive, open, met.bits(), rays, decisions);
         }
     }
+}
+
+/// Marks rays (as bits) undecided between what they hold and a triangle, except those that are surely inside of it
+/// (as bits) and hold another of its plane: there the lower primitive id wins.
+#[inline(never)]
+fn leave_undecided(
+    primitive: u32,
+    open: u32,
+    inside: u32,
+    rays: RowOfRays<'_>,
+    decisions: &mut Decisions<'_>,
+) {
+    // Neighbouring rays mostly hold the same triangle.
+    let mut last = (MISS, None);
+    for_each_bit(u64::from(open), |lane| {
+        let held = &mut rays.primitives[lane % ROW];
+        let rival = held_primitive(*held);
+        if let Some(rival) = rival
+            && inside >> lane & 1 != 0
+        {
+            if last.0 != rival {
+                last = (rival, decisions.first_in_one_plane(rival, primitive));
+            }
+            // Both hits have one depth, which either's bounds hold.
+            if let Some(first) = last.1 {
+                if first == primitive {
+                    *held = primitive;
+                }
+                return;
+            }
+        }
+        rays.rivals.push_both(rays.first + lane, rival, primitive);
+        *held = UNDECIDED;
+    });
+}
+
+/// The primitive index of a ray that is neither undecided nor a miss so far.
+#[inline(always)]
+fn held_primitive(held: u32) -> Option<u32> {
+    (held != MISS && held != UNDECIDED).then_some(held & !PROVISIONAL)
 }
 
 /// Index of a box's first ray in the packet.

@@ -13,7 +13,8 @@
 //! 4. `setup`: what is left is set up as linear functions of a ray's place: three edge functions and an
 //!    inverse depth, with bounds on their errors (Pineda 1988; Olano and Greer 1997).
 //! 5. `interval_zbuffer`: triangles are rasterised into an interval of depth a ray, in single precision.
-//!    What the intervals cannot decide is marked undecided, and `cast` gives it to the single ray.
+//!    What the intervals cannot decide is marked undecided, its rivals are recorded, and `cast` lets the single
+//!    ray decide between them. What is the same for all rays is decided once (`decisions`).
 //!
 //! `observer` and `trace` record the way for pictures and tables. No decision here is final unless a
 //! derived bound says so: the answers are those of exact arithmetic.
@@ -22,6 +23,7 @@ mod cast;
 #[cfg(test)]
 mod cast_tests;
 mod counts;
+mod decisions;
 mod frustum;
 mod interval_zbuffer;
 mod lane_math;
@@ -29,6 +31,7 @@ mod observer;
 mod params;
 mod ray_bounds;
 mod ray_box;
+mod rivals;
 mod setup;
 #[cfg(test)]
 mod setup_tests;

@@ -109,6 +109,16 @@ pub(crate) struct TriangleSetup {
     pub(crate) ill_conditioned: [bool; LANES],
 }
 
+impl TriangleSetup {
+    /// Whether a triangle's depth key may come to a value somewhere in the packet.
+    #[inline(always)]
+    pub(super) fn may_touch(&self, l: usize, key: f32) -> bool {
+        let [constant, x, y] = self.depth_key.map(|coefficient| coefficient[l]);
+        let swing = (x.abs() + y.abs()) * REACH as f32 + self.depth_key_error[l];
+        (constant - key).abs() <= swing
+    }
+}
+
 impl PacketSpace {
     /// The packet whose first ray goes through (x, y) of the picture, with rays `stride` pixels apart. `eye` is
     /// the camera's, relative to what corners are relative to, and off by at most `eye_error`.

@@ -16,7 +16,7 @@
 //!
 //! No term leaves double precision's range while its factors are zero or within 2^±300.
 
-use glam::{BVec3, DVec3, Vec3Swizzles};
+use glam::{BVec3, DVec3, Vec3, Vec3Swizzles};
 
 /// The unit roundoff of double precision.
 const EPSILON: f64 = f64::EPSILON / 2.0;
@@ -135,6 +135,19 @@ pub(super) fn plane_crosses(direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<b
     let [d, b, c] = factors;
     let sign = in_range
         .then(|| Determinant::new(d, b, c, 8.0 * EPSILON))
+        .and_then(Determinant::signum);
+    sign.map(|sign| sign != 0)
+}
+
+/// Whether a point is surely off the plane of a triangle; `None` where it is undecided.
+///
+/// Corners are exact, and their differences within ε of themselves: (p−a)·((b−a)×(c−a)) is off as a numerator is.
+pub(super) fn is_off_plane(point: Vec3, corners: [Vec3; 3]) -> Option<bool> {
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    let factors = [b - a, c - a, point.as_dvec3() - a].map(Factor::exact);
+    let in_range = factors.iter().all(|factor| factor.in_range().all());
+    let sign = in_range
+        .then(|| numerator(factors))
         .and_then(Determinant::signum);
     sign.map(|sign| sign != 0)
 }

@@ -9,6 +9,7 @@
 
 use super::Nearest;
 use super::componentwise::{Determinant, Determinants};
+use super::coplanar::are_coplanar;
 use super::exact::{self, Placed};
 use crate::hit::{Cull, Precision};
 use crate::ray::Ray;
@@ -235,6 +236,9 @@ impl PreparedRay {
             }
         }
         self.was_exact.set(true);
+        if are_coplanar(corners(candidate.primitive), corners(nearest.primitive)) {
+            return Ordering::Equal;
+        }
         let [candidate, nearest] =
             [candidate, nearest].map(|hit| self.placed(corners(hit.primitive)));
         // Both were decided to be hits.
