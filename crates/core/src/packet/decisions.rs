@@ -5,6 +5,7 @@ use crate::camera::Camera;
 use crate::hit::Precision;
 use crate::triangle::coplanar::Coplanar;
 use crate::triangle::edge_on::EdgeOn;
+use glam::Vec3;
 
 /// Decisions about a tree's triangles, cached.
 #[derive(Debug)]
@@ -24,6 +25,17 @@ impl<'a> Decisions<'a> {
             coplanar: Coplanar::new(),
             precision,
         }
+    }
+
+    /// A triangle's corners.
+    pub(super) fn corners(&self, primitive: u32) -> [Vec3; 3] {
+        self.accel.corners(primitive)
+    }
+
+    /// Whether casting is exact. Fast casting interpolates t, u and v in double precision alone: what only more
+    /// precision can decide would get them wrong.
+    pub(super) fn are_exact(&self) -> bool {
+        self.precision == Precision::Exact
     }
 
     /// Whether no ray hits a triangle because all begin in its plane, or run along it, or begin behind it.

@@ -340,12 +340,20 @@ impl IntervalZBuffer {
         primitives: &[u32],
         decisions: &mut Decisions<'_>,
     ) {
-        let set_up = space.set_up(corners, boxes);
+        let mut set_up = space.set_up(corners, boxes);
         for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
-            let is_doubtful = set_up.ill_conditioned[l]
-                || self.begin != f32::INFINITY && set_up.may_touch(l, self.begin);
-            if is_doubtful && decisions.is_never_hit(primitive) {
+            if set_up.ill_conditioned[l] && decisions.is_never_hit(primitive) {
                 continue;
+            }
+            if decisions.are_exact() {
+                if set_up.is_rough[l] && set_up.boxes[l].right >= 0 {
+                    let corners = decisions.corners(primitive);
+                    space.set_up_componentwise(corners, &boxes[l], l, &mut set_up);
+                }
+                let begins_in_it = self.begin != f32::INFINITY && set_up.may_touch(l, self.begin);
+                if begins_in_it && decisions.is_never_hit(primitive) {
+                    continue;
+                }
             }
             self.rasterize_one(lanes, &set_up, l, primitive, decisions);
         }

@@ -11,7 +11,8 @@
 //! 3. `small_triangles`, `slivers`: triangles that bound few rays are tested against those alone; long
 //!    thin ones have their bounds shrunk to what their rows span.
 //! 4. `setup`: what is left is set up as linear functions of a ray's place: three edge functions and an
-//!    inverse depth, with bounds on their errors (Pineda 1988; Olano and Greer 1997).
+//!    inverse depth, with bounds on their errors (Pineda 1988; Olano and Greer 1997). Where the bounds say little,
+//!    `componentwise_setup` does it again with bounds of its own.
 //! 5. `interval_zbuffer`: triangles are rasterised into an interval of depth a ray, in single precision.
 //!    What the intervals cannot decide is marked undecided, its rivals are recorded, and `cast` lets the single
 //!    ray decide between them. What is the same for all rays is decided once (`decisions`).
@@ -22,6 +23,7 @@
 mod cast;
 #[cfg(test)]
 mod cast_tests;
+mod componentwise_setup;
 mod counts;
 mod decisions;
 mod frustum;

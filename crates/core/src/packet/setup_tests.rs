@@ -73,12 +73,12 @@ fn check(
             let ray = camera.ray(x as f64 + 0.5, y as f64 + 0.5);
             let ray = Ray {
                 // Where orthographic rays begin is another matter.
-                t_min: if perspective { 0.0 } else { -1e9 },
+                t_min: if perspective { 0.0 } else { -1e99 },
                 ..ray
             };
             let truth: Option<Nearest> = exact::hit(&ray, placed, cull, 0);
             if set_up.boxes[l].right < 0 {
-                assert!(truth.is_none(), "culled, and met by ({x}, {y})");
+                assert!(truth.is_none(), "left out, and hit by ({x}, {y})");
                 tally.culled += 1;
                 tally.decided += 1;
                 continue;
@@ -116,10 +116,48 @@ fn check(
     }
 }
 
-fn check_all(projection: Projection, pitch: f64, frame: DVec3) -> Tally {
+/// How triangles are made, and set up.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    /// By the greatest coordinate.
+    Plain,
+    /// The same triangles, by component.
+    Componentwise,
+    /// With a corner next to the eye.
+    NextToTheEye,
+    /// With coordinates of any exponent.
+    AnyExponent,
+}
+
+fn hostile_triangle(
+    random: &mut Random,
+    kind: Kind,
+    (camera, eye): (&Camera, DVec3),
+    pitch: f64,
+) -> [Vec3; 3] {
+    let [a, b, c] = triangle(random, camera, pitch);
+    let decades = |random: &mut Random, most: f64| crate::math::pow(10.0, most * random.signed());
+    match kind {
+        Kind::Plain | Kind::Componentwise => [a, b, c],
+        Kind::NextToTheEye => {
+            // Single precision's numbers next to the eye; where it is one, its neighbours at some rays' pitch.
+            let beside = random.point() * (pitch * decades(random, 3.0));
+            let next = (eye + beside).as_vec3();
+            let turned = [[next, b, c], [c, next, b], [b, c, next]];
+            turned[(random.unit() * 3.0) as usize % 3]
+        }
+        Kind::AnyExponent => [(); 3].map(|()| {
+            let [x, y, z] = [(); 3].map(|()| random.signed() * decades(random, 15.0));
+            DVec3::new(x, y, z).as_vec3()
+        }),
+    }
+}
+
+fn check_all(projection: Projection, pitch: f64, frame: DVec3, kind: Kind) -> Tally {
     let mut random = Random(51);
     let mut tally = Tally::default();
-    for round in 0..12 {
+    let rounds = if kind == Kind::Plain { 12 } else { 4 };
+    for round in 0..rounds {
         let camera = camera(&mut random, frame, projection, pitch);
         let cull = [Cull::None, Cull::Back][round % 2];
         let eye = camera.placement().eye - frame;
@@ -138,7 +176,7 @@ fn check_all(projection: Projection, pitch: f64, frame: DVec3) -> Tally {
             cull,
         );
         let triangles: [[Vec3; 3]; LANES] =
-            std::array::from_fn(|_| triangle(&mut random, &camera, pitch));
+            std::array::from_fn(|_| hostile_triangle(&mut random, kind, (&camera, eye), pitch));
         let mut corners: CornerLanes = [[0.0; LANES]; 9];
         for (l, triangle) in triangles.iter().enumerate() {
             for (at, x) in triangle.iter().flat_map(|c| c.to_array()).enumerate() {
@@ -146,7 +184,13 @@ fn check_all(projection: Projection, pitch: f64, frame: DVec3) -> Tally {
             }
         }
         let boxes = [ALL; LANES];
-        let set_up = space.set_up(&corners, &boxes);
+        let mut set_up = space.set_up(&corners, &boxes);
+        for (l, &corners) in triangles.iter().enumerate() {
+            if kind != Kind::Plain {
+                set_up.boxes[l] = ALL;
+                space.set_up_componentwise(corners, &ALL, l, &mut set_up);
+            }
+        }
         for (l, &corners_of) in triangles.iter().enumerate() {
             let placed = Placed {
                 corners: corners_of,
@@ -163,7 +207,7 @@ fn check_all(projection: Projection, pitch: f64, frame: DVec3) -> Tally {
 fn what_a_set_up_is_sure_of_is_so() {
     for projection in [Projection::Perspective, Projection::Orthographic] {
         for (pitch, least) in [(1e-2, 60), (1e-6, 60), (1e-10, 45), (1e-11, 0), (1e-13, 0)] {
-            let tally = check_all(projection, pitch, DVec3::ZERO);
+            let tally = check_all(projection, pitch, DVec3::ZERO, Kind::Plain);
             let Tally {
                 decided,
                 all,
@@ -177,7 +221,34 @@ fn what_a_set_up_is_sure_of_is_so() {
             );
         }
         let far = DVec3::new(148_376.0, 1234.5, -223_423.25);
-        let Tally { decided, all, .. } = check_all(projection, 1e-6, far);
+        let Tally { decided, all, .. } = check_all(projection, 1e-6, far, Kind::Plain);
         assert!(decided * 100 >= all * 40, "{decided} of {all}");
+    }
+}
+
+/// The truth is integer arithmetic on the rays as they are.
+#[test]
+fn what_componentwise_bounds_are_sure_of_is_so() {
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        for (kind, pitch, least) in [
+            (Kind::Componentwise, 1e-2, 45),
+            (Kind::Componentwise, 1e-6, 45),
+            (Kind::Componentwise, 1e-10, 45),
+            (Kind::Componentwise, 1e-12, 30),
+            (Kind::Componentwise, 1e-13, 5),
+            (Kind::Componentwise, 1e-15, 0),
+            (Kind::NextToTheEye, 1e-2, 30),
+            (Kind::NextToTheEye, 1e-6, 20),
+            (Kind::AnyExponent, 1e-1, 40),
+            (Kind::AnyExponent, 1e-6, 20),
+        ] {
+            let far = DVec3::new(148_376.0, 1234.5, -223_423.25);
+            for frame in [DVec3::ZERO, DVec3::new(0.25, 0.0, -3.0), far] {
+                let Tally { decided, all, .. } = check_all(projection, pitch, frame, kind);
+                let share = decided * 100 / all;
+                let is_enough = share >= least || frame != DVec3::ZERO;
+                assert!(is_enough, "{projection:?} {pitch}: {share} in a hundred");
+            }
+        }
     }
 }

@@ -111,7 +111,7 @@ impl EdgeOn {
                 } else {
                     rounded.abs().max_element()
                 };
-                let misses = plane_misses(doubles.map(|corner| corner - rounded), off);
+                let misses = plane_misses(doubles, rounded, off);
                 let placed = Placed {
                     corners,
                     origin: self.frame,

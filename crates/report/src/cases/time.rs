@@ -52,24 +52,21 @@ const fn entry(name: &'static str, race: fn() -> Race) -> Entry {
     Entry { name, race }
 }
 
-/// All of them; those that take longer than [`GOAL`] say why.
+/// All of them; those that come near [`GOAL`] say why.
 pub const RACES: &[Entry] = &[
     entry("eye_at_a_cones_apex", cone),
     entry("eye_at_a_vertex_of_many", shared_vertex),
     entry("eye_on_an_edge_of_many", shared_edge),
-    // Orthographic rays that begin in the plane of a face are decided one by one.
     entry("eye_in_planes_of_many", shared_plane),
-    // The error of a set-up grows with the greatest coordinate: an edge next to the eye leaves rays undecided.
     entry("eye_next_to_a_vertex_of_many", next_to_vertex),
     entry("coincident_triangles", coincident),
     entry("copies_of_a_mesh", mesh_copies),
-    // As in the two before and after: edge-on to orthographic rays, and layers at one depth.
+    // Every triangle is set up twice, and hardly any occludes another.
     entry("exponents_of_any_size", exponents),
-    // Layers whose depths are equal in single precision are left to the single ray.
+    // Along the silhouette of the first box cells of rays are not covered, and go through all boxes behind it.
     entry("thin_boxes_behind_one_another", thin_boxes),
-    // The bounds of packets and set-ups are wider than such small triangles.
+    // Single precision does not tell the front from the back: each ray decides between the two.
     entry("tiny_and_far", tiny_and_far),
-    // Each ray orders the triangles of one plane anew.
     entry("layers_in_one_plane", one_plane),
 ];
 
