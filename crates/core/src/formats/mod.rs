@@ -19,7 +19,11 @@ mod ply;
 mod polygon;
 mod ray_file;
 mod scene_file;
+mod scene_objects;
 mod scene_read;
+#[cfg(test)]
+mod scene_read_tests;
+mod scene_text;
 mod scene_toml;
 mod scene_write;
 mod stl;
