@@ -2,10 +2,12 @@
 
 mod mistyped;
 mod reading;
+mod texture_map;
 mod values;
 
 pub use mistyped::mistyped;
 pub use reading::{LimitArg, ReadingArgs};
+pub use texture_map::TextureMapArgs;
 pub use values::{OrbitArg, SceneColor};
 
 use crate::failure::Failure;
@@ -13,10 +15,10 @@ use crate::output;
 use clap::{Args, Parser, Subcommand};
 use raycast_core::Cull;
 use raycast_core::camera::{Grid, Projection};
-use raycast_core::glam::DVec3;
+use raycast_core::glam::{DVec2, DVec3};
 use raycast_core::render::Precision;
-use raycast_core::scene::Crop;
-use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
+use raycast_core::scene::{Crop, TextureProjection, Wrap};
+use raycast_core::shade::{Background, Filter, Mode};
 use raycast_report::scenes::Made;
 use std::io::Write;
 use std::path::PathBuf;
@@ -74,6 +76,8 @@ pub enum Command {
     Stitch(StitchArgs),
     /// Write the meshes of files in another format
     Convert(ConvertArgs),
+    /// Draw a mesh's triangles into its texture
+    TextureMap(Box<TextureMapArgs>),
     /// Tell what files hold
     Info(InfoArgs),
     /// Measure frame times on this machine; prints JSON
@@ -196,6 +200,23 @@ pub struct ShadingArgs {
     /// How surfaces find their place in the texture [default: uv]
     #[arg(long, value_name = "KIND", value_parser = values::named(values::TEXTURE_PROJECTIONS))]
     pub texture_projection: Option<TextureProjection>,
+    /// What the texture shows beyond its image, along both its axes or along each: `repeat`, `mirror`,
+    /// `clamp`, `border` (the object's own colours) or `border:#rrggbb` [default: repeat]
+    #[arg(long, value_name = "KIND[,KIND]", requires = "texture", value_parser = values::wrap)]
+    pub wrap: Option<[Wrap; 2]>,
+    /// Where the texture of a plane, sphere or cylinder stands, in each object's own space [default: the
+    /// middle of its box]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
+    pub texture_center: Option<DVec3>,
+    /// From there to who looks at it: a plane's normal, longitude 0 [default: 0,0,1]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
+    pub texture_front: Option<DVec3>,
+    /// Up in it: the axis of a sphere or cylinder [default: 0,1,0]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
+    pub texture_up: Option<DVec3>,
+    /// Width and height of a plane; the height of a cylinder [default: the box's]
+    #[arg(long, value_name = "W,H", allow_hyphen_values = true, value_parser = values::extent)]
+    pub texture_size: Option<DVec2>,
     /// From the object's colours (0) to its texture (1) [default: 1]
     #[arg(long, value_name = "0..1", allow_hyphen_values = true, value_parser = values::blend)]
     pub blend: Option<f32>,

@@ -10,7 +10,7 @@ use raycast_core::camera::{
     Camera, Orbit, Placement, PlaneRequest, Projection, fit_distance, fov_to_frame, frame_to_fov,
 };
 use raycast_core::formats::{self, CameraFile, FormatError, Progress, SceneFile};
-use raycast_core::scene::{Bounds, Dropped, Scene};
+use raycast_core::scene::{Bounds, Dropped, Projector, Scene};
 use raycast_core::shade::{Shading, Wireframe};
 use raycast_core::{Accel, Simd};
 use std::path::PathBuf;
@@ -130,6 +130,9 @@ pub fn paint(scene: &mut Scene, args: &ShadingArgs, reading: &ReadingArgs) -> Re
                 ))
             })?;
         }
+        if let Some(wrap) = args.wrap {
+            texture = texture.wrapped(wrap);
+        }
         let texture = Arc::new(texture);
         for object in &mut scene.objects {
             object.texture = Some(Arc::clone(&texture));
@@ -139,6 +142,38 @@ pub fn paint(scene: &mut Scene, args: &ShadingArgs, reading: &ReadingArgs) -> Re
         for object in &mut scene.objects {
             object.color = rule;
         }
+    }
+    place_textures(scene, args)
+}
+
+/// Gives every object's texture the projection and the place that were asked for.
+///
+/// # Errors
+/// A place without directions or size.
+fn place_textures(scene: &mut Scene, args: &ShadingArgs) -> Result<(), Failure> {
+    if args.texture_projection.is_some() {
+        for object in &mut scene.objects {
+            object.mapping.projection = None;
+        }
+    }
+    let directions = [args.texture_center, args.texture_front, args.texture_up];
+    if directions == [None; 3] && args.texture_size.is_none() {
+        return Ok(());
+    }
+    for object in &mut scene.objects {
+        let about = || Projector::about(&object.mesh.bounds());
+        let old = object.mapping.projector.unwrap_or_else(about);
+        let [center, front, up] = directions;
+        let projector = Projector {
+            center: center.unwrap_or(old.center),
+            front: front.unwrap_or(old.front),
+            up: up.unwrap_or(old.up),
+            size: args.texture_size.unwrap_or(old.size),
+        };
+        if let Err(error) = projector.axes() {
+            return Err(Failure::usage(error.to_string()));
+        }
+        object.mapping.projector = Some(projector);
     }
     Ok(())
 }

@@ -7,8 +7,10 @@ use super::scene_text::Reader;
 use super::scene_toml::{ObjectToml, ShapeToml};
 use super::{Progress, texture};
 use crate::quote::{self, quote};
-use crate::scene::{Object, Shape, ShapeError, Texture, Transform, UpAxis};
-use glam::{DAffine3, DMat3, DVec3};
+use crate::scene::{
+    Crop, Object, Projector, Shape, ShapeError, Texture, TextureMapping, Transform, UpAxis, Wrap,
+};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -17,8 +19,15 @@ use toml::Spanned;
 /// The most ancestors of an object: each is looked at for each object below it.
 pub(super) const ANCESTOR_LIMIT: usize = 1000;
 
-/// What objects share: a file is read once.
-type Shared<T> = HashMap<PathBuf, T>;
+/// The textures that objects share: an image is read once, and each part of it made once.
+#[derive(Default)]
+struct Textures {
+    images: HashMap<PathBuf, Arc<Texture>>,
+    parts: HashMap<Part, Arc<Texture>>,
+}
+
+/// An image's file, its crop and what is beyond.
+type Part = (PathBuf, Option<[u32; 4]>, [Wrap; 2]);
 
 /// A transform of all that a file places, for an object that the file places by a map of its own.
 fn within(transform: &Transform, world_from_object: DAffine3) -> Transform {
@@ -47,7 +56,7 @@ impl Reader<'_> {
         // Parents first: they cost nothing, and a fault in them is known before anything is read.
         let parents = self.parents(tables)?;
         let mut meshes: HashMap<(PathBuf, UpAxis), Vec<MeshObject>> = HashMap::new();
-        let mut textures: Shared<Arc<Texture>> = HashMap::new();
+        let mut textures = Textures::default();
         let mut objects: Vec<Object> = Vec::with_capacity(tables.len());
         let mut first_objects = Vec::with_capacity(tables.len());
         let share = 1.0 / tables.len().max(1) as f32;
@@ -90,24 +99,7 @@ impl Reader<'_> {
             };
             let found = self.named_nodes(table, read)?;
             mesh_file::count_objects(self.path, found, self.files.budget())?;
-            let texture = match &table.texture {
-                Some(named) => {
-                    let path = beside(self.path, named.get_ref());
-                    let source = self.files.source(&path);
-                    let texture = match textures.get(&source) {
-                        Some(texture) => Arc::clone(texture),
-                        None => {
-                            let bytes = self.bytes(named, &path, &|_| ())?;
-                            let texture =
-                                Arc::new(texture::decode(&path, &bytes, self.files.budget())?);
-                            textures.insert(source.clone(), Arc::clone(&texture));
-                            texture
-                        }
-                    };
-                    Some((texture, source))
-                }
-                None => None,
-            };
+            let texture = self.texture(table, &mut textures)?;
             let transform = self.transform(table)?;
             first_objects.push(objects.len());
             for placed in found {
@@ -132,6 +124,10 @@ impl Reader<'_> {
                     object.texture = Some(Arc::clone(texture));
                     object.texture_source = Some(source.clone());
                 }
+                object.mapping = TextureMapping {
+                    projection: table.texture_projection.map(Into::into),
+                    projector: self.projector(table, &object)?,
+                };
                 objects.push(object);
             }
         }
@@ -194,6 +190,107 @@ impl Reader<'_> {
         let data = shape.mesh().map_err(refused)?;
         let mesh = mesh_file::store(self.path, data, budget, warnings)?;
         Ok(MeshObject::made(shape.name(), mesh))
+    }
+
+    /// The texture that an object names, and its file.
+    fn texture(
+        &self,
+        table: &ObjectToml,
+        textures: &mut Textures,
+    ) -> Result<Option<(Arc<Texture>, PathBuf)>, FormatError> {
+        let Some(named) = &table.texture else {
+            let expected = "a `texture` beside what says how it lies";
+            return match &table.crop {
+                Some(crop) => Err(self.fault(crop, expected, "none")),
+                None => Ok(None),
+            };
+        };
+        let path = beside(self.path, named.get_ref());
+        let source = self.files.source(&path);
+        let budget = self.files.budget();
+        let image = match textures.images.get(&source) {
+            Some(image) => Arc::clone(image),
+            None => {
+                let bytes = self.bytes(named, &path, &|_| ())?;
+                let image = Arc::new(texture::decode(&path, &bytes, budget)?);
+                textures.images.insert(source.clone(), Arc::clone(&image));
+                image
+            }
+        };
+        let crop = table.crop.as_ref().map(|crop| *crop.get_ref());
+        let wrap = table
+            .wrap
+            .map_or(image.wrap(), |wrap| wrap.map(|wrap| wrap.0));
+        if crop.is_none() && wrap == image.wrap() {
+            return Ok(Some((image, source)));
+        }
+        let key = (source.clone(), crop, wrap);
+        if let Some(part) = textures.parts.get(&key) {
+            return Ok(Some((Arc::clone(part), source)));
+        }
+        let (width, height) = (image.width(), image.height());
+        let [x, y, columns, rows] = crop.unwrap_or([0, 0, width, height]);
+        let bytes = 4 * u64::from(columns.min(width)) * u64::from(rows.min(height));
+        let share = budget.share(self.path, "a part of an image", bytes)?;
+        let part = match &table.crop {
+            None => Texture::clone(&image),
+            Some(place) => {
+                let crop = Crop {
+                    x,
+                    y,
+                    width: columns,
+                    height: rows,
+                };
+                image.cropped(crop).ok_or_else(|| {
+                    let expected = format!("a part of an image of {width}x{height}");
+                    self.fault(place, &expected, &format!("{:?}", place.get_ref()))
+                })?
+            }
+        };
+        share.keep(bytes);
+        let part = Arc::new(part.wrapped(wrap));
+        textures.parts.insert(key, Arc::clone(&part));
+        Ok(Some((part, source)))
+    }
+
+    /// Where an object's texture stands, if the file says anything of it; the rest is as about the mesh's
+    /// box.
+    fn projector(
+        &self,
+        table: &ObjectToml,
+        object: &Object,
+    ) -> Result<Option<Projector>, FormatError> {
+        let directions = [
+            &table.texture_center,
+            &table.texture_front,
+            &table.texture_up,
+        ];
+        let said = directions
+            .into_iter()
+            .flatten()
+            .map(|value| self.line(value));
+        let mut said = said.chain(table.texture_size.as_ref().map(|size| self.line(size)));
+        let Some(line) = said.next() else {
+            return Ok(None);
+        };
+        let default = Projector::about(&object.mesh.bounds());
+        let vector = |value: &Option<Spanned<[f64; 3]>>, default| match value {
+            Some(value) => self.vector(value),
+            None => Ok(default),
+        };
+        let projector = Projector {
+            center: vector(&table.texture_center, default.center)?,
+            front: vector(&table.texture_front, default.front)?,
+            up: vector(&table.texture_up, default.up)?,
+            size: table
+                .texture_size
+                .as_ref()
+                .map_or(default.size, |size| DVec2::from_array(*size.get_ref())),
+        };
+        match projector.axes() {
+            Ok(_) => Ok(Some(projector)),
+            Err(error) => Err(FormatError::refused(self.path, line, &error.to_string())),
+        }
     }
 
     fn transform(&self, table: &ObjectToml) -> Result<Transform, FormatError> {

@@ -4,7 +4,7 @@ use super::scene_file::SceneFile;
 use super::scene_objects::ANCESTOR_LIMIT;
 use super::*;
 use crate::camera::Projection;
-use crate::scene::{Color, ColorRule, Object, Shape, UpAxis};
+use crate::scene::{Color, ColorRule, Object, Shape, UpAxis, Wrap};
 use crate::shade::{Background, Filter, Mode, Shading, TextureProjection, Wireframe};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -56,6 +56,7 @@ fn files(name: &str) -> Option<Vec<u8>> {
         "parts/a.obj" => Some("mtllib a.mtl\nusemtl x\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3".into()),
         "parts/a.mtl" => Some("newmtl x\nKd 0 1 0".into()),
         "b.txt" => Some("(0,0,0);(1,0,0);(0,1,0)".into()),
+        "wide.ppm" => Some("P3\n4 1\n255\n1 2 3 4 5 6 7 8 9 10 11 12\n".into()),
         "t.ppm" => Some("P3\n1 1\n255\n1 2 3\n".into()),
         "bad.obj" => Some("v 0 0 0\nf 1 2 3\n".into()),
         _ => None,
@@ -232,6 +233,71 @@ fn says_where_and_what() {
     );
 }
 
+/// Two objects with parts of one image, placed each in its own way.
+const MAPPED: &str = r##"[[object]]
+mesh = "b.txt"
+texture = "wide.ppm"
+crop = [1, 0, 2, 1]
+wrap = ["mirror", "border:#ff0000"]
+texture-projection = "cylinder"
+texture-center = [0.5, 0.25, 0]
+texture-size = [1, 3]
+
+[[object]]
+mesh = "b.txt"
+texture = "wide.ppm"
+texture-projection = "per-triangle"
+"##;
+
+#[test]
+fn a_texture_is_cropped_wrapped_and_placed() {
+    let file = parse(MAPPED);
+    let [first, second] = &file.scene.objects[..] else {
+        panic!("two objects");
+    };
+    let texture = first.texture.as_ref().expect("a texture");
+    assert_eq!(texture.texels(), [[4, 5, 6, 255], [7, 8, 9, 255]]);
+    let red = Wrap::Border(Some(Color([255, 0, 0])));
+    assert_eq!(texture.wrap(), [Wrap::Mirror, red]);
+    let projector = first.mapping.projector.expect("a place");
+    assert_eq!(projector.center, DVec3::new(0.5, 0.25, 0.0));
+    assert_eq!((projector.front, projector.up), (DVec3::Z, DVec3::Y));
+    assert_eq!(projector.size.to_array(), [1.0, 3.0]);
+    let whole = second.texture.as_ref().expect("a texture");
+    assert_eq!((whole.width(), whole.crop()), (4, None));
+    assert_eq!(
+        second.mapping.projection,
+        Some(TextureProjection::PerTriangle)
+    );
+    assert_eq!(second.mapping.projector, None);
+    let told = |from: &str, to: &str| {
+        let text = MAPPED.replacen(from, to, 1);
+        let error = read_scene_from(&text, &files).expect_err(to);
+        error.to_string()
+    };
+    assert_eq!(
+        told("crop = [1, 0, 2, 1]", "crop = [3, 0, 2, 1]"),
+        "scene:4: expected a part of an image of 4x1, found [3, 0, 2, 1]"
+    );
+    assert_eq!(
+        told("texture = \"wide.ppm\"\n", ""),
+        "scene:3: expected a `texture` beside what says how it lies, found none"
+    );
+    let wrap = told("mirror", "bounce");
+    assert!(
+        wrap.starts_with("scene:5: ") && wrap.contains("\"bounce\""),
+        "{wrap}"
+    );
+    assert_eq!(
+        told("texture-size = [1, 3]", "texture-up = [0, 0, 1e-9]"),
+        "scene:7: expected a texture's front and up in two directions, found [0, 0, 1] and [0, 0, 0.000000001]"
+    );
+    assert_eq!(
+        told("texture-size = [1, 3]", "texture-size = [1, -3]"),
+        "scene:7: expected a texture's size above 0, found [1, -3]"
+    );
+}
+
 #[test]
 fn saved_scenes_read_the_same() {
     let orthographic = WHOLE
@@ -239,7 +305,8 @@ fn saved_scenes_read_the_same() {
         .replace("fov = 40.0", "frame = 2.125")
         .replace("[\"#20242c\", \"#3A4454\"]", "\"transparent\"")
         .replace("wireframe = true\nwireframe-width = 1.3\n", "");
-    for text in [WHOLE, &orthographic, "", "[[object]]\nmesh = \"b.txt\""] {
+    let mapped = "[[object]]\nmesh = \"b.txt\"";
+    for text in [WHOLE, &orthographic, "", mapped, MAPPED] {
         let file = parse(text);
         let saved = file
             .to_toml(Path::new("/nowhere"))
@@ -257,6 +324,7 @@ fn saved_scenes_read_the_same() {
             assert_eq!(object.source, other.source);
             assert_eq!(object.texture, other.texture);
             assert_eq!(object.texture_source, other.texture_source);
+            assert_eq!(object.mapping, other.mapping);
         }
         assert_eq!(again.to_toml(Path::new("/nowhere")).ok(), Some(saved));
     }

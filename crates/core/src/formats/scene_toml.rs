@@ -1,8 +1,8 @@
 //! The tables of a `.raycast.toml`, as they stand in the file.
 
 use crate::camera::Projection;
-use crate::scene::{Color, ColorRule, Shape, UpAxis};
-use crate::shade::{Filter, Mode, TextureProjection};
+use crate::scene::{Color, ColorRule, Shape, TextureProjection, UpAxis, Wrap};
+use crate::shade::{Filter, Mode};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 use toml::Spanned;
 
@@ -107,6 +107,22 @@ pub(super) struct ObjectToml {
     pub(super) seed: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) texture: Option<Spanned<String>>,
+    /// The part of the texture's image to use: left, top, width and height in its pixels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) crop: Option<Spanned<[u32; 4]>>,
+    /// What the texture shows beyond its image, along u and v.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) wrap: Option<[WrapToml; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) texture_projection: Option<TextureProjectionToml>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) texture_center: Option<Spanned<[f64; 3]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) texture_front: Option<Spanned<[f64; 3]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) texture_up: Option<Spanned<[f64; 3]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) texture_size: Option<Spanned<[f64; 2]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) translate: Option<Spanned<[f64; 3]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -231,21 +247,35 @@ shapes! {
     Disc { radius, segments }
 }
 
-/// A colour as `#rrggbb`.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ColorToml(pub(super) Color);
+/// A value whose word in the file is the one that it is displayed as.
+macro_rules! displayed {
+    ($(#[$about:meta])* $name:ident($of:ident)) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug)]
+        pub(super) struct $name(pub(super) $of);
 
-impl<'de> Deserialize<'de> for ColorToml {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let text = String::deserialize(deserializer)?;
-        text.parse().map(Self).map_err(D::Error::custom)
-    }
+        impl<'de> Deserialize<'de> for $name {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let text = String::deserialize(deserializer)?;
+                text.parse().map(Self).map_err(D::Error::custom)
+            }
+        }
+
+        impl Serialize for $name {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.collect_str(&self.0)
+            }
+        }
+    };
 }
 
-impl Serialize for ColorToml {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(&self.0)
-    }
+displayed! {
+    /// A colour as `#rrggbb`.
+    ColorToml(Color)
+}
+displayed! {
+    /// What a texture shows beyond its image.
+    WrapToml(Wrap)
 }
 
 /// An object's colour rule; the seed stands beside it.
@@ -329,7 +359,9 @@ words!(ModeToml for Mode {
 });
 words!(UpAxisToml for UpAxis { Y, Z });
 words!(FilterToml for Filter { Nearest, Bilinear });
-words!(TextureProjectionToml for TextureProjection { Uv, Triplanar });
+words!(TextureProjectionToml for TextureProjection {
+    Uv, Triplanar, PerTriangle, Plane, Sphere, Cylinder
+});
 
 impl Default for ProjectionToml {
     fn default() -> Self {

@@ -2,11 +2,11 @@ use super::files::relative;
 use super::scene_file::{CameraFile, SceneFile};
 use super::scene_toml::{
     BackgroundToml, CameraToml, ColorRuleToml, ColorToml, ImageToml, ObjectToml, SceneToml,
-    ShadingToml, Transparent,
+    ShadingToml, Transparent, WrapToml,
 };
 use crate::camera::Projection;
 use crate::quote::shorten;
-use crate::scene::{Scene, SceneError, Transform, UpAxis};
+use crate::scene::{Scene, SceneError, Transform, UpAxis, Wrap};
 use crate::shade::{Background, Shading};
 use glam::DAffine3;
 use std::path::Path;
@@ -169,6 +169,7 @@ fn object(
             });
         }
     };
+    let (image, projector) = (object.texture.as_ref(), object.mapping.projector);
     let (color, seed) = ColorRuleToml::from_rule(object.color);
     let Transform {
         translate,
@@ -189,6 +190,18 @@ fn object(
         color: Some(color),
         seed,
         texture,
+        crop: image
+            .and_then(|image| image.crop())
+            .map(|crop| spanned([crop.x, crop.y, crop.width, crop.height])),
+        wrap: image
+            .map(|image| image.wrap())
+            .filter(|wrap| *wrap != [Wrap::Repeat; 2])
+            .map(|wrap| wrap.map(WrapToml)),
+        texture_projection: object.mapping.projection.map(Into::into),
+        texture_center: projector.map(|at| spanned(at.center.to_array())),
+        texture_front: projector.map(|at| spanned(at.front.to_array())),
+        texture_up: projector.map(|at| spanned(at.up.to_array())),
+        texture_size: projector.map(|at| spanned(at.size.to_array())),
         translate: (translate != at_rest.translate).then(|| spanned(translate.to_array())),
         rotate: (rotate != at_rest.rotate).then(|| spanned(rotate.to_array())),
         scale: (scale != at_rest.scale).then(|| spanned(scale.to_array())),

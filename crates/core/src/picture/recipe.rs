@@ -341,6 +341,10 @@ words!(filter_word, filter_of: Filter { Nearest = "nearest", Bilinear = "bilinea
 words!(texture_projection_word, texture_projection_of: TextureProjection {
     Uv = "uv",
     Triplanar = "triplanar",
+    PerTriangle = "per-triangle",
+    Plane = "plane",
+    Sphere = "sphere",
+    Cylinder = "cylinder",
 });
 
 #[cfg(test)]

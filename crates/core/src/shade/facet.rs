@@ -54,6 +54,8 @@ pub(super) enum Mapping {
     Uv([Vec2; 3]),
     /// By its corners and normals in object space.
     Triplanar([Vec3; 3], [Vec3; 3]),
+    /// Point by point between its corners, in object space.
+    Placed([Vec3; 3]),
 }
 
 impl Facet {

@@ -1,4 +1,4 @@
-use crate::scene::Color;
+use crate::scene::{Color, TextureProjection};
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,16 +32,6 @@ pub enum Filter {
     /// Four texels, blended in linear light.
     #[default]
     Bilinear,
-}
-
-/// How a surface finds its place in a texture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum TextureProjection {
-    /// The mesh's texture coordinates; [`TextureProjection::Triplanar`] where it has none.
-    #[default]
-    Uv,
-    /// From three sides along the object's axes, blended by the surface's direction.
-    Triplanar,
 }
 
 /// Lines along triangles' edges.
@@ -100,7 +90,7 @@ pub struct Shading {
     pub blend: f32,
     /// How textures are read.
     pub filter: Filter,
-    /// How surfaces find their place in textures.
+    /// How surfaces find their place in textures, where their object does not say it.
     pub projection: TextureProjection,
 }
 

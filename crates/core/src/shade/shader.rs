@@ -1,11 +1,11 @@
 use super::edges::Edges;
 use super::facet::{Facet, Mapping, Needs, blend, facing_normal, unit};
 use super::light::Lights;
+use super::mapping::ObjectMapping;
 use super::sample::sample;
 use super::smooth::{self, Facets, Row, Vectors};
 use super::srgb::{self, Tables};
-use super::triplanar::Triplanar;
-use super::{Background, Mode, Shading, TextureProjection, Wireframe};
+use super::{Background, Mode, Shading, Wireframe};
 use crate::bvh::Accel;
 use crate::camera::{Camera, Projection, Rect};
 use crate::hit::{Detail, MISS, PrimitiveHit};
@@ -33,8 +33,8 @@ pub struct Shader<'a> {
     lights: Lights,
     /// For each object, world-space normals from its own; `None` for one that is squashed flat.
     world_normals: Vec<Option<Mat3>>,
-    /// For each object, how its texture lies on it where it has no coordinates.
-    triplanar: Vec<Option<Triplanar>>,
+    /// For each object, how its texture lies on it; none where no texture is shown.
+    mappings: Vec<Option<ObjectMapping>>,
     depth: DepthRange,
     background: Option<[Vec3; 2]>,
     /// The background at the middle of each row.
@@ -99,17 +99,12 @@ impl<'a> Shader<'a> {
     /// A shader for one picture. `accel` must have been built over this `scene`.
     pub fn new(scene: &'a Scene, accel: &'a Accel, camera: Camera, shading: Shading) -> Self {
         let needs = needs(scene, &shading);
-        let triplanar = if needs.texture {
-            scene
-                .objects
-                .iter()
-                .map(|object| {
-                    let unplaced = object.has_texture()
-                        && (shading.projection == TextureProjection::Triplanar
-                            || !object.mesh.has_uvs());
-                    unplaced.then(|| Triplanar::new(&object.mesh))
-                })
-                .collect()
+        let mapping = |object: &Object| {
+            let has_texture = object.has_texture();
+            has_texture.then(|| ObjectMapping::new(object, shading.projection))?
+        };
+        let mappings = if needs.texture {
+            scene.objects.iter().map(mapping).collect()
         } else {
             Vec::new()
         };
@@ -129,7 +124,7 @@ impl<'a> Shader<'a> {
             to_eye: to_eye(&camera),
             lights: Lights::new(&camera),
             world_normals: world_normals(scene),
-            triplanar,
+            mappings,
             depth: if shading.mode == Mode::Depth {
                 DepthRange::over(scene, &camera)
             } else {
@@ -386,15 +381,8 @@ impl<'a> Shader<'a> {
 
     /// How an object's texture lies on a triangle; `None` where it has no place.
     fn mapping(&self, number: u32, object: &Object, triangle: u32) -> Option<Mapping> {
-        if self.triplanar.get(number as usize)?.is_none() {
-            return object.mesh.corner_uvs(triangle).map(Mapping::Uv);
-        }
-        let corners = object.mesh.corners(triangle)?;
-        let normals = object.mesh.corner_normals(triangle).unwrap_or_else(|| {
-            let [a, b, c] = corners.map(Vec3::as_dvec3);
-            [unit((b - a).cross(c - a)).as_vec3(); 3]
-        });
-        Some(Mapping::Triplanar(corners, normals))
+        let mapping = self.mappings.get(number as usize)?.as_ref()?;
+        mapping.on(object, triangle)
     }
 
     /// The colour of a sample on a triangle: linear light, alpha not multiplied in.
@@ -475,7 +463,9 @@ impl<'a> Shader<'a> {
                 read(uv.x, uv.y)
             }
             Mapping::Triplanar(corners, normals) => {
-                let Some(triplanar) = &self.triplanar[facet.object as usize] else {
+                let Some(ObjectMapping::Triplanar(triplanar)) =
+                    &self.mappings[facet.object as usize]
+                else {
                     return [0.0; 4];
                 };
                 let point = blend(*corners, hit.u, hit.v);
@@ -490,6 +480,16 @@ impl<'a> Shader<'a> {
                     }
                 }
                 color
+            }
+            Mapping::Placed(corners) => {
+                let Some(ObjectMapping::Placed(placed)) = &self.mappings[facet.object as usize]
+                else {
+                    return [0.0; 4];
+                };
+                let [a, b, c] = corners.map(Vec3::as_dvec3);
+                let point = a + (b - a) * f64::from(hit.u) + (c - a) * f64::from(hit.v);
+                let uv = placed.at(point);
+                read(uv.x, uv.y)
             }
         }
     }

@@ -7,6 +7,7 @@ mod info;
 mod render;
 mod report;
 mod stitch;
+mod texture_map;
 mod verify;
 
 use crate::failure::Failure;
@@ -51,6 +52,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Cast(args) => cast::run(&args),
         Command::Stitch(args) => stitch::run(&args),
         Command::Convert(args) => convert::run(&args),
+        Command::TextureMap(args) => texture_map::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Report(args) => report::run(&args),

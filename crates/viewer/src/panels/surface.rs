@@ -58,8 +58,28 @@ fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
                     "Triplanar",
                     "From three sides along the object's axes",
                 ),
+                (
+                    TextureProjection::PerTriangle,
+                    "Per triangle",
+                    "Each triangle laid into the image in its own shape",
+                ),
+                (
+                    TextureProjection::Plane,
+                    "Plane",
+                    "Straight onto the object from its front",
+                ),
+                (
+                    TextureProjection::Sphere,
+                    "Sphere",
+                    "By longitude and latitude about the object's middle",
+                ),
+                (
+                    TextureProjection::Cylinder,
+                    "Cylinder",
+                    "By angle and height about the object's axis",
+                ),
             ];
-            out.extend(choice(ui, shading.projection, &options).map(Command::SetTextureProjection));
+            out.extend(select(ui, shading.projection, &options).map(Command::SetTextureProjection));
         },
     );
     row(
@@ -81,4 +101,24 @@ fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
             }
         },
     );
+}
+
+/// Some choices in a list that opens; the one that was clicked.
+fn select<T: PartialEq + Copy>(ui: &mut Ui, current: T, options: &[(T, &str, &str)]) -> Option<T> {
+    let name = options.iter().find(|(value, ..)| *value == current);
+    let mut chosen = None;
+    egui::ComboBox::from_id_salt("mapping")
+        .width(ui.available_width())
+        .selected_text(name.map_or("", |(_, name, _)| name))
+        .show_ui(ui, |ui| {
+            for &(value, name, hint) in options {
+                let entry = ui
+                    .selectable_label(value == current, name)
+                    .on_hover_text(hint);
+                if entry.clicked() && value != current {
+                    chosen = Some(value);
+                }
+            }
+        });
+    chosen
 }

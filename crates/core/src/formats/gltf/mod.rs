@@ -119,10 +119,6 @@ fn warnings(path: &Path, nodes: &[MeshNode<'_>], told: &Told) -> Vec<String> {
             told.morphs,
             "meshes with morph targets, which are shown at rest",
         ),
-        (
-            told.wraps,
-            "primitives whose image is clamped or mirrored, which is shown repeated",
-        ),
     ];
     let told = counts.iter().filter(|(count, _)| *count > 0);
     told.map(|(count, what)| format!("{path}: {what}: {count}"))
