@@ -5,7 +5,7 @@ use crate::effort::Effort;
 use crate::embree::Embree;
 use crate::machine::Machine;
 use crate::sections::{
-    Section, breaking, density, hard, levels, meshes, numerics, pay, shape, time,
+    Section, breaking, density, filters, hard, levels, meshes, numerics, pay, shape, time,
 };
 use crate::subject::{Input, Subject};
 use crate::table::ReportError;
@@ -96,6 +96,7 @@ pub fn report(
     let mut paid = Section::default();
     paid.say("## E. Pay for what is used");
     pay::show(&mut paid, &pay::measure(effort, watch)?);
+    filters::show(&mut paid, effort, &filters::measure(effort, watch)?);
     let mut way_down = Section::default();
     // One mesh shows more than many.
     let single = inputs.iter().find(|input| input.scene.objects.len() == 1);

@@ -358,7 +358,7 @@ words!(ModeToml for Mode {
     Color, Flat, Smooth, Normals, Depth, Barycentric, Uv, Texture, Wireframe
 });
 words!(UpAxisToml for UpAxis { Y, Z });
-words!(FilterToml for Filter { Nearest, Bilinear });
+words!(FilterToml for Filter { Nearest, Bilinear, Trilinear, Ewa });
 words!(TextureProjectionToml for TextureProjection {
     Uv, Triplanar, PerTriangle, Plane, Sphere, Cylinder
 });

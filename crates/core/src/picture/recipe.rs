@@ -337,7 +337,12 @@ words!(mode_word, mode_of: Mode {
     Texture = "texture",
     Wireframe = "wireframe",
 });
-words!(filter_word, filter_of: Filter { Nearest = "nearest", Bilinear = "bilinear" });
+words!(filter_word, filter_of: Filter {
+    Nearest = "nearest",
+    Bilinear = "bilinear",
+    Trilinear = "trilinear",
+    Ewa = "ewa",
+});
 words!(texture_projection_word, texture_projection_of: TextureProjection {
     Uv = "uv",
     Triplanar = "triplanar",

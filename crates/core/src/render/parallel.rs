@@ -131,6 +131,7 @@ impl View {
 
     fn shader(&self) -> Shader<'_> {
         Shader::new(&self.scene, &self.accel, self.camera, self.settings.shading)
+            .with_samples(self.settings.samples)
     }
 
     /// A tile in one go.

@@ -1,4 +1,5 @@
 use super::Wrap;
+use std::sync::OnceLock;
 
 /// A part of a texture's image, in its pixels from the top left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +24,20 @@ pub struct Texture {
     texels: Vec<[u8; 4]>,
     wrap: [Wrap; 2],
     crop: Option<Crop>,
+    levels: Levels,
 }
+
+/// A texture's smaller versions, once they were needed. They follow from it, and are no part of what it is.
+#[derive(Clone, Debug, Default)]
+struct Levels(OnceLock<Vec<Texture>>);
+
+impl PartialEq for Levels {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Eq for Levels {}
 
 impl Texture {
     /// A texture of `width × height` sRGB texels, rows from the top.
@@ -38,12 +52,17 @@ impl Texture {
             texels,
             wrap: [Wrap::Repeat; 2],
             crop: None,
+            levels: Levels::default(),
         })
     }
 
     /// The same image with what it shows beyond its sides, along u and v.
     pub fn wrapped(self, wrap: [Wrap; 2]) -> Self {
-        Self { wrap, ..self }
+        Self {
+            wrap,
+            levels: Levels::default(),
+            ..self
+        }
     }
 
     /// The part inside `crop`, which then is the whole image: mappings, wrapping and filters know no
@@ -72,6 +91,17 @@ impl Texture {
             }),
             ..Self::new(crop.width, crop.height, texels)?
         })
+    }
+
+    /// Its smaller versions, which `make` gives when they are first asked for.
+    pub(crate) fn levels(&self, make: impl FnOnce(&Self) -> Vec<Self>) -> &[Self] {
+        self.levels.0.get_or_init(|| make(self))
+    }
+
+    /// Bytes that its texels take, and those of its smaller versions once a filter has needed them.
+    pub fn retained_bytes(&self) -> usize {
+        let levels = self.levels.0.get().map_or(&[][..], Vec::as_slice);
+        size_of_val(&self.texels[..]) + levels.iter().map(Self::retained_bytes).sum::<usize>()
     }
 
     /// The part of its file's image that it is; `None` for the whole.

@@ -2,13 +2,16 @@
 
 mod edges;
 mod facet;
+mod footprint;
 mod light;
 mod mapping;
+mod mipmap;
 mod mode;
 mod per_triangle;
 mod placed;
 mod sample;
 mod shader;
+mod slopes;
 mod smooth;
 #[cfg(test)]
 mod smooth_tests;
@@ -16,6 +19,7 @@ pub(crate) mod srgb;
 #[cfg(test)]
 mod tests;
 mod texture_map;
+mod texturing;
 mod tile;
 mod triplanar;
 #[cfg(test)]

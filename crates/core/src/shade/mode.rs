@@ -32,6 +32,18 @@ pub enum Filter {
     /// Four texels, blended in linear light.
     #[default]
     Bilinear,
+    /// Four texels of each of two of the image's smaller versions, by the longer side of what the pixel
+    /// sees of it: what is far away does not shimmer, but blurs where it is seen at a slant.
+    Trilinear,
+    /// All texels that the pixel sees, under an elliptical Gaussian: it neither shimmers nor blurs.
+    Ewa,
+}
+
+impl Filter {
+    /// Whether a pixel's colour depends on how much of the texture it sees.
+    pub(crate) fn has_footprint(self) -> bool {
+        matches!(self, Self::Trilinear | Self::Ewa)
+    }
 }
 
 /// Lines along triangles' edges.

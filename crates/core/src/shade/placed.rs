@@ -59,8 +59,7 @@ impl Placed {
     ///
     /// On the axis, where there is no angle, u is ½; in the centre of a sphere v is ½ too.
     pub(super) fn at(&self, point: DVec3) -> DVec2 {
-        let from_center = point - self.center;
-        let [x, y, z] = self.axes.map(|axis| from_center.dot(axis));
+        let [x, y, z] = self.axes.map(|axis| (point - self.center).dot(axis));
         let turn = || 0.5 + math::atan2(x, z) / TAU;
         match self.surface {
             Surface::Plane => DVec2::new(x, y) / self.size + 0.5,
@@ -69,6 +68,26 @@ impl Placed {
                 DVec2::new(turn(), 0.5 + math::atan2(y, across) / PI)
             }
             Surface::Cylinder => DVec2::new(turn(), 0.5 + y / self.size.y),
+        }
+    }
+}
+
+impl Placed {
+    /// The derivative of [`Placed::at`] along a step; infinite or no number where there is none.
+    pub(super) fn along(&self, point: DVec3, step: DVec3) -> DVec2 {
+        let [x, y, z] = self.axes.map(|axis| (point - self.center).dot(axis));
+        let [dx, dy, dz] = self.axes.map(|axis| step.dot(axis));
+        let squared = x * x + z * z;
+        let turn = || (z * dx - x * dz) / (squared * TAU);
+        match self.surface {
+            Surface::Plane => DVec2::new(dx, dy) / self.size,
+            Surface::Sphere => {
+                let across = squared.sqrt();
+                let outwards = (x * dx + z * dz) / across;
+                let rise = (across * dy - y * outwards) / ((squared + y * y) * PI);
+                DVec2::new(turn(), rise)
+            }
+            Surface::Cylinder => DVec2::new(turn(), dy / self.size.y),
         }
     }
 }
@@ -130,6 +149,24 @@ mod tests {
                 (DVec3::new(0.0, 4.0, 0.0), (0.5, 2.5)),
             ],
         );
+    }
+
+    /// The truth is a difference over a small step to both sides.
+    #[test]
+    fn derivatives_are_those_of_differences() {
+        let point = DVec3::new(0.7, -0.4, 1.1) + PROJECTOR.center;
+        let step = DVec3::new(0.3, 0.5, -0.2);
+        for projection in [
+            TextureProjection::Plane,
+            TextureProjection::Sphere,
+            TextureProjection::Cylinder,
+        ] {
+            let placed = Placed::new(projection, &PROJECTOR, DVec3::ZERO).expect("a place");
+            let by = 1e-5;
+            let truth = (placed.at(point + step * by) - placed.at(point - step * by)) / (2.0 * by);
+            let apart = (placed.along(point, step) - truth).length();
+            assert!(apart < 1e-9, "{projection:?}");
+        }
     }
 
     #[test]

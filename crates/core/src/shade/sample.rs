@@ -22,7 +22,8 @@ pub(super) fn sample(
     let y = (1.0 - within(v)) * f64::from(texture.height());
     match filter {
         Filter::Nearest => texel(tables, texture, x as u32, y as u32),
-        Filter::Bilinear => {
+        // The others read a texture's levels this way.
+        Filter::Bilinear | Filter::Trilinear | Filter::Ewa => {
             let (left, right, across) = neighbors(x, texture.width());
             let (top, bottom, down) = neighbors(y, texture.height());
             let corners = [
@@ -49,7 +50,7 @@ fn sample_wrapped(tables: &Tables, texture: &Texture, u: f64, v: f64, filter: Fi
     let y = (1.0 - near(v, down)) * f64::from(texture.height());
     match filter {
         Filter::Nearest => wrapped_texel(tables, texture, x.floor() as i64, y.floor() as i64),
-        Filter::Bilinear => {
+        Filter::Bilinear | Filter::Trilinear | Filter::Ewa => {
             let (left, top) = ((x - 0.5).floor(), (y - 0.5).floor());
             let (right, below) = ((x - 0.5 - left) as f32, (y - 0.5 - top) as f32);
             let (left, top) = (left as i64, top as i64);
@@ -69,7 +70,7 @@ fn sample_wrapped(tables: &Tables, texture: &Texture, u: f64, v: f64, filter: Fi
 
 /// A coordinate with the same texels as a given one, at most two sides from zero: products with an image's
 /// side then keep their fraction. What is not finite is zero.
-fn near(coordinate: f64, wrap: Wrap) -> f64 {
+pub(super) fn near(coordinate: f64, wrap: Wrap) -> f64 {
     if !coordinate.is_finite() {
         return 0.0;
     }
@@ -82,7 +83,7 @@ fn near(coordinate: f64, wrap: Wrap) -> f64 {
 }
 
 /// The texel at any column and row: linear light with alpha multiplied in.
-fn wrapped_texel(tables: &Tables, texture: &Texture, x: i64, y: i64) -> [f32; 4] {
+pub(super) fn wrapped_texel(tables: &Tables, texture: &Texture, x: i64, y: i64) -> [f32; 4] {
     let [across, down] = texture.wrap();
     match (
         across.texel(x, texture.width()),

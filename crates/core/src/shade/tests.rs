@@ -412,14 +412,18 @@ fn check_tiles(with_normals: bool) {
     let hits: Hits = places.iter().map(|&(x, y)| bench.hit(x, y)).collect();
     for shown in ALL_MODES {
         for wireframe in [None, Some(Wireframe::default())] {
-            for (blend, projection) in [(0.0, TextureProjection::Uv)]
-                .into_iter()
-                .chain(PROJECTIONS.map(|projection| (0.7, projection)))
-            {
+            let filters = [
+                Filter::Nearest,
+                Filter::Bilinear,
+                Filter::Trilinear,
+                Filter::Ewa,
+            ];
+            for (index, projection) in PROJECTIONS.into_iter().enumerate() {
                 let shading = Shading {
                     wireframe,
-                    blend,
+                    blend: if index == 0 { 0.0 } else { 0.7 },
                     projection,
+                    filter: filters[index % 4],
                     ..mode(shown)
                 };
                 let shader = bench.shader(shading);

@@ -19,7 +19,7 @@ use normal::ToWorld;
 use range::{Double, Vector, exactly, minus, plus};
 use raycast_core::camera::{Camera, Projection};
 use raycast_core::scene::{Color, ColorRule, Object, Wrap};
-use raycast_core::shade::{Background, Mode, Shading, TextureProjection};
+use raycast_core::shade::{Background, Filter, Mode, Shading, TextureProjection};
 use raycast_oracle::Truth;
 use texture::Repeat;
 
@@ -230,7 +230,9 @@ impl<'a> Expected<'a> {
             | TextureProjection::Sphere
             | TextureProjection::Cylinder => return [Single::UNKNOWN; 3],
         };
-        if texture.wrap() != [Wrap::Repeat; 2] {
+        if texture.wrap() != [Wrap::Repeat; 2]
+            || !matches!(filter, Filter::Nearest | Filter::Bilinear)
+        {
             return [Single::UNKNOWN; 3];
         }
         let [r, g, b, a] = if !by_uv {

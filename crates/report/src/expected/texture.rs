@@ -44,6 +44,8 @@ pub(super) fn sample(texture: &Texture, [u, v]: [Double; 2], filter: Filter) -> 
             }
         }
         Filter::Bilinear => bilinear(texture, x, y),
+        // What a pixel sees of a texture is not worked out a second time.
+        Filter::Trilinear | Filter::Ewa => UNKNOWN,
     }
 }
 

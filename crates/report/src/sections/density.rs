@@ -138,7 +138,8 @@ fn with_step(view: &View, step: f64) -> Result<View, ReportError> {
     })
 }
 
-fn render(view: &View) -> Picture {
+/// A view's picture.
+pub(super) fn render(view: &View) -> Picture {
     let picture = view.render(
         Grid::default(),
         &|| Duration::ZERO,
@@ -149,7 +150,8 @@ fn render(view: &View) -> Picture {
     picture.unwrap_or_else(|| Picture::blank(1, 1, false))
 }
 
-fn to_rgb(picture: &Picture) -> RgbImage {
+/// Its colours alone.
+pub(super) fn to_rgb(picture: &Picture) -> RgbImage {
     RgbImage::from_fn(picture.width, picture.height, |x, y| {
         let [r, g, b, _] = picture.pixels[(y * picture.width + x) as usize];
         Rgb([r, g, b])

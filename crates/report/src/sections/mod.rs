@@ -2,6 +2,7 @@
 
 pub mod breaking;
 pub mod density;
+pub mod filters;
 pub mod hard;
 pub mod levels;
 pub mod meshes;

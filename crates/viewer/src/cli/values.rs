@@ -53,8 +53,12 @@ pub(super) const TEXTURE_PROJECTIONS: Names<TextureProjection> = &[
     ("cylinder", TextureProjection::Cylinder),
 ];
 
-pub(super) const FILTERS: Names<Filter> =
-    &[("nearest", Filter::Nearest), ("bilinear", Filter::Bilinear)];
+pub(super) const FILTERS: Names<Filter> = &[
+    ("nearest", Filter::Nearest),
+    ("bilinear", Filter::Bilinear),
+    ("trilinear", Filter::Trilinear),
+    ("ewa", Filter::Ewa),
+];
 
 pub(super) const PRECISIONS: Names<Precision> =
     &[("fast", Precision::Fast), ("exact", Precision::Exact)];
