@@ -23,6 +23,8 @@ pub struct Texture {
     height: u32,
     texels: Vec<[u8; 4]>,
     wrap: [Wrap; 2],
+    /// Whether it repeats along both axes, as most do.
+    repeats: bool,
     crop: Option<Crop>,
     levels: Levels,
 }
@@ -51,6 +53,7 @@ impl Texture {
             height,
             texels,
             wrap: [Wrap::Repeat; 2],
+            repeats: true,
             crop: None,
             levels: Levels::default(),
         })
@@ -60,6 +63,7 @@ impl Texture {
     pub fn wrapped(self, wrap: [Wrap; 2]) -> Self {
         Self {
             wrap,
+            repeats: wrap == [Wrap::Repeat; 2],
             levels: Levels::default(),
             ..self
         }
@@ -84,6 +88,7 @@ impl Texture {
         let y = self.crop.map_or(0, |outer| outer.y);
         Some(Self {
             wrap: self.wrap,
+            repeats: self.repeats,
             crop: Some(Crop {
                 x: x + crop.x,
                 y: y + crop.y,
@@ -107,6 +112,12 @@ impl Texture {
     /// The part of its file's image that it is; `None` for the whole.
     pub fn crop(&self) -> Option<Crop> {
         self.crop
+    }
+
+    /// Whether it repeats along both axes.
+    #[inline]
+    pub(crate) fn repeats(&self) -> bool {
+        self.repeats
     }
 
     /// What it shows beyond its sides, along u and v.

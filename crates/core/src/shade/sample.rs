@@ -15,7 +15,7 @@ pub(super) fn sample(
     v: f64,
     filter: Filter,
 ) -> [f32; 4] {
-    if !matches!(texture.wrap(), [Wrap::Repeat, Wrap::Repeat]) {
+    if !texture.repeats() {
         return sample_wrapped(tables, texture, u, v, filter);
     }
     let x = within(u) * f64::from(texture.width());

@@ -1,5 +1,5 @@
 use super::edges::Edges;
-use super::facet::{Facet, Needs, blend, facing_normal, unit};
+use super::facet::{Facet, Mapping, Needs, blend, facing_normal, unit};
 use super::light::Lights;
 use super::slopes::slopes;
 use super::smooth::{self, Facets, Row, Vectors};
@@ -11,7 +11,7 @@ use crate::camera::{Camera, Projection, Rect};
 use crate::hit::{Detail, MISS, PrimitiveHit};
 use crate::num::simd::Lanes;
 use crate::num::simd::Simd;
-use crate::scene::{Color, ColorRule, Object, Scene};
+use crate::scene::{Color, ColorRule, Object, Scene, Texture};
 use glam::{DAffine3, DMat3, DVec3, Mat3, Vec2, Vec3};
 
 /// Gives hits their colours: everything about a picture that does not change from pixel to pixel,
@@ -396,15 +396,15 @@ impl<'a> Shader<'a> {
         let display = |value: Vec3| opaque(value.to_array().map(|v| self.tables.display(v)).into());
         match self.shading.mode {
             Mode::Color => opaque(facet.color_at(hit.u, hit.v)),
-            Mode::Texture => opaque(self.surface_color(facet, x, y, hit)),
+            Mode::Texture => opaque(self.surface_color(facet, || (x, y), hit)),
             Mode::Flat => {
                 let light = self.lights.on(facet.normal, facet.to_eye);
-                opaque(self.surface_color(facet, x, y, hit) * light)
+                opaque(self.surface_color(facet, || (x, y), hit) * light)
             }
             Mode::Smooth => {
                 let to_eye = self.to_eye_at(x, y);
                 let light = self.lights.on(facet.normal_at(hit.u, hit.v), to_eye);
-                opaque(self.surface_color(facet, x, y, hit) * light)
+                opaque(self.surface_color(facet, || (x, y), hit) * light)
             }
             Mode::Normals => display(facet.normal_at(hit.u, hit.v) * 0.5 + 0.5),
             Mode::Depth => display(Vec3::splat(self.depth.grey(hit.t))),
@@ -425,9 +425,14 @@ impl<'a> Shader<'a> {
         to_eye * (1.0 / to_eye.length())
     }
 
-    /// The triangle's colour and its texture, mixed in linear light, at the sample (x, y).
+    /// The triangle's colour and its texture, mixed in linear light, at the sample that `place` gives.
     #[inline]
-    pub(super) fn surface_color(&self, facet: &Facet, x: f64, y: f64, hit: &PrimitiveHit) -> Vec3 {
+    pub(super) fn surface_color(
+        &self,
+        facet: &Facet,
+        place: impl FnOnce() -> (f64, f64),
+        hit: &PrimitiveHit,
+    ) -> Vec3 {
         let color = facet.color_at(hit.u, hit.v);
         let Some(mapping) = &facet.texture else {
             return color;
@@ -436,13 +441,29 @@ impl<'a> Shader<'a> {
         let Some(texture) = object.texture_on(facet.triangle) else {
             return color;
         };
-        let slopes = || {
-            let corners = self.corners(hit.primitive);
-            let slopes = slopes(&self.camera, corners, (x, y), (hit.u, hit.v));
-            slopes.map(|slope| slope * self.sample_width)
+        let texture = (facet.object, texture);
+        let [r, g, b, a] = if self.shading.filter.has_footprint() {
+            self.filtered(texture, mapping, place(), hit)
+        } else {
+            self.texturing.sampled(texture, mapping, hit)
         };
-        let texturing = &self.texturing;
-        texturing.over(color, (facet.object, texture), mapping, hit, slopes)
+        let blend = self.shading.blend;
+        color * (1.0 - a * blend) + Vec3::new(r, g, b) * blend
+    }
+
+    /// The texture's colour over what the sample at a place sees of it.
+    #[inline(never)]
+    fn filtered(
+        &self,
+        texture: (u32, &Texture),
+        mapping: &Mapping,
+        place: (f64, f64),
+        hit: &PrimitiveHit,
+    ) -> [f32; 4] {
+        let corners = self.corners(hit.primitive);
+        let slopes = slopes(&self.camera, corners, place, (hit.u, hit.v));
+        let slopes = slopes.map(|slope| slope * self.sample_width);
+        self.texturing.filtered(texture, mapping, hit, slopes)
     }
 }
 

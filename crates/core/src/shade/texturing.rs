@@ -43,28 +43,8 @@ impl Texturing {
         mapping.on(object, triangle)
     }
 
-    /// A surface's colour with its texture's over it, as much as the shading says: linear light. `slopes`
-    /// gives the change of the hit's barycentrics along a pixel's step to the right and one down.
-    #[inline]
-    pub(super) fn over(
-        &self,
-        color: Vec3,
-        (number, texture): (u32, &Texture),
-        mapping: &Mapping,
-        hit: &PrimitiveHit,
-        slopes: impl FnOnce() -> [DVec2; 2],
-    ) -> Vec3 {
-        let [r, g, b, a] = if self.shading.filter.has_footprint() {
-            self.filtered((number, texture), mapping, hit, slopes())
-        } else {
-            self.sampled((number, texture), mapping, hit)
-        };
-        let blend = self.shading.blend;
-        color * (1.0 - a * blend) + Vec3::new(r, g, b) * blend
-    }
-
     /// The texture's colour at a hit: linear light, alpha multiplied in.
-    fn sampled(
+    pub(super) fn sampled(
         &self,
         (number, texture): (u32, &Texture),
         mapping: &Mapping,
@@ -106,9 +86,9 @@ impl Texturing {
         }
     }
 
-    /// The same over what the pixel sees of it.
-    #[inline(never)]
-    fn filtered(
+    /// The same over what the pixel sees of it; `slopes` are the change of the hit's barycentrics along a
+    /// pixel's step to the right and one down.
+    pub(super) fn filtered(
         &self,
         (number, texture): (u32, &Texture),
         mapping: &Mapping,
