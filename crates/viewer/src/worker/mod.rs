@@ -5,13 +5,17 @@
 
 pub mod case;
 pub mod demo;
+mod dialog;
 pub mod files;
+mod load;
 pub mod mailbox;
 mod neighbors;
 pub mod outbox;
 pub mod pace;
 mod priority;
 pub mod render;
+mod save;
+mod tasks;
 pub mod watch;
 
 use std::sync::Arc;
