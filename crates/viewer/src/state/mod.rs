@@ -16,8 +16,11 @@ mod objects;
 pub mod pick;
 mod plane;
 pub mod preferences;
+mod session;
 pub mod update;
 pub mod viewpoint;
+
+pub use session::{Answer, Palette, Pending, Prompt, PromptKind, Replacing, Toast};
 
 use document::Document;
 use history::{History, Snapshot};
@@ -30,7 +33,6 @@ use raycast_core::camera::{
 use raycast_core::glam::DVec3;
 use raycast_core::render::{Settings, View};
 use raycast_core::scene::Bounds;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 use viewpoint::Viewpoint;
@@ -77,85 +79,6 @@ pub struct Overlay {
     pub order: bool,
     /// Colour by statistics.
     pub tint: Tint,
-}
-
-/// What a path is asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PromptKind {
-    /// Meshes or a scene to open.
-    Open,
-    /// Meshes or a scene to put beside what is open.
-    Add,
-    /// Where to save the picture.
-    Picture,
-    /// Where to save the scene.
-    Scene,
-    /// A texture for every object.
-    Texture,
-}
-
-/// A line for a path, shown over the picture.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Prompt {
-    /// What the path is for.
-    pub kind: PromptKind,
-    /// What was typed so far.
-    pub text: String,
-    /// Whether a desktop dialog is open as well.
-    pub dialog: bool,
-}
-
-/// What would give up changes that no file has.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Pending {
-    /// Files to open.
-    Open(Vec<PathBuf>),
-    /// A hard case to open.
-    Case(&'static str),
-    /// A neighbour to open.
-    Neighbor(i32),
-    /// Reading what is open again.
-    Reload,
-    /// Closing the window.
-    Close,
-}
-
-/// What a person says about changes that no file has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Answer {
-    /// Save them first.
-    Save,
-    /// They may go.
-    Discard,
-    /// Stay with them.
-    Stay,
-}
-
-/// A file that would be replaced, while the person is asked whether it may.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Replacing {
-    /// Which.
-    pub path: PathBuf,
-    /// Whether by the scene, or else by the picture.
-    pub scene: bool,
-}
-
-/// The list of all commands, while it is open.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Palette {
-    /// What was typed.
-    pub text: String,
-    /// Which of what is left is marked.
-    pub marked: usize,
-}
-
-/// A short message that goes by itself.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Toast {
-    /// What it says.
-    pub text: String,
-    /// When it came, on the window's clock.
-    pub since: Duration,
 }
 
 /// All that a person can change, and what there is to see.
@@ -474,56 +397,4 @@ impl State {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_three_are_bound_together() {
-        let state = State::default();
-        let plane = state.plane().expect("a good plane");
-        let frame = f64::from(plane.rows) * plane.step;
-        let d = state.viewpoint.orbit.distance;
-        assert!(
-            (frame
-                - 2.0
-                    * d
-                    * raycast_core::math::tan((super::viewpoint::DEFAULT_FOV / 2.0).to_radians()))
-            .abs()
-                < 1e-12
-        );
-    }
-
-    #[test]
-    fn a_density_follows_the_window() {
-        let mut state = State {
-            resolution: Resolution::Window { density: 0.25 },
-            viewport: (1000, 800),
-            ..State::default()
-        };
-        assert_eq!(state.size(), (250, 200));
-        state.viewport = (400, 404);
-        assert_eq!(state.size(), (100, 101));
-        state.viewport = (0, 0);
-        assert_eq!(state.size(), (1, 1));
-    }
-
-    #[test]
-    fn an_orthographic_eye_stays_before_the_scene() {
-        let mut state = State {
-            viewpoint: Viewpoint {
-                projection: Projection::Orthographic,
-                ..Viewpoint::default()
-            },
-            ..State::default()
-        };
-        state.viewpoint = state.fitted(state.viewpoint);
-        let frame = state.frame_height();
-        state.viewpoint.orbit.distance *= 0.01;
-        let camera = state.camera().expect("a camera");
-        assert!((camera.plane().frame_height() - frame * 0.01).abs() < frame * 1e-9);
-        for corner in state.bounds().corners() {
-            let depth = (corner - camera.placement().eye).dot(camera.forward());
-            assert!(depth >= 0.0, "{corner} lies {depth} before the eye");
-        }
-    }
-}
+mod tests;

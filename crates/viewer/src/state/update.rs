@@ -284,7 +284,3 @@ pub fn middle(state: &State) -> (f64, f64) {
     let (columns, rows) = state.size();
     (f64::from(columns) * 0.5, f64::from(rows) * 0.5)
 }
-
-#[cfg(test)]
-#[path = "update_tests.rs"]
-mod tests;
