@@ -541,3 +541,38 @@ fn what_has_the_keyboard_can_be_reached_and_seen() {
     let focused = harness.ctx.memory(|memory| memory.focused());
     assert!(focused.is_some());
 }
+
+#[test]
+fn the_marked_object_is_moved_turned_and_locked_by_numbers_and_buttons() {
+    let mut harness = open_two();
+    click(&mut harness, "right one");
+    click(&mut harness, "Move Y");
+    harness.event(egui::Event::Text("1.5".to_owned()));
+    harness.key_press(Key::Enter);
+    harness.run();
+    let transform = |harness: &Harness<'_, Bench>| {
+        let document = harness.state().state.document.as_ref().expect("a scene");
+        document.scene.objects[1].transform
+    };
+    assert_eq!(transform(&harness).translate, DVec3::new(2.0, 1.5, 0.0));
+    click(&mut harness, "Turn about the scene's Z");
+    assert_eq!(transform(&harness).rotate, DVec3::Z * 90.0);
+    // All three factors, as it keeps its shape.
+    click(&mut harness, "Scale X");
+    harness.event(egui::Event::Text("2".to_owned()));
+    harness.key_press(Key::Enter);
+    harness.run();
+    assert_eq!(transform(&harness).scale, DVec3::splat(2.0));
+    click(&mut harness, "Lock");
+    let locked = transform(&harness);
+    click(&mut harness, "Turn about the scene's Z");
+    assert_eq!(transform(&harness), locked);
+    click(&mut harness, "Unlock right one");
+    click(&mut harness, "Put back");
+    assert_eq!(transform(&harness).scale, DVec3::ONE);
+    for _ in 0..6 {
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        harness.run();
+    }
+    assert_eq!(transform(&harness).translate, DVec3::new(2.0, 0.0, 0.0));
+}

@@ -239,7 +239,7 @@ impl App {
         let command = match images.into_iter().next() {
             _ if !scenes.is_empty() && adds => Command::Add(scenes),
             _ if !scenes.is_empty() => Command::Open(scenes),
-            Some(image) => Command::LoadTexture(image),
+            Some(image) => Command::LoadTexture(image, None),
             None => return,
         };
         let effect = update::update(&mut self.state, command);
@@ -259,7 +259,7 @@ impl App {
                     self.files.build(Arc::clone(&document.scene));
                 }
             }
-            Some(Effect::LoadTexture(path)) => self.files.load_texture(path),
+            Some(Effect::LoadTexture(path, which)) => self.files.load_texture(path, which),
             Some(Effect::Dialog(kind)) => {
                 let suggested = match kind {
                     PromptKind::Picture | PromptKind::Scene => {

@@ -132,7 +132,9 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
             "a name ending in .png, .ppm, .jpg or .exr",
         ),
         PromptKind::Scene => ("Save the scene", "Save", "a name ending in .raycast.toml"),
-        PromptKind::Texture => ("Load a texture", "Load", "path of an image"),
+        PromptKind::Texture | PromptKind::TextureOf(_) => {
+            ("Load a texture", "Load", "path of an image")
+        }
     };
     card(ui, theme::colors(ui).accent).show(ui, |ui| {
         ui.set_width(ui.available_width());

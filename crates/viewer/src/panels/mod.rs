@@ -17,6 +17,7 @@ mod side;
 mod status;
 mod surface;
 mod tiles;
+mod transform;
 pub mod viewport;
 mod widgets;
 pub mod window;

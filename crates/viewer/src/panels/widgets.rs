@@ -93,6 +93,20 @@ pub(super) struct Number<'a> {
 impl Number<'_> {
     /// Shows it; what a person made of it.
     pub(super) fn show(self, ui: &mut Ui, label: Id) -> Option<f64> {
+        self.add(ui, |response| response.labelled_by(label))
+    }
+
+    /// The same with a name of its own, where one label has several.
+    pub(super) fn show_as(self, ui: &mut Ui, name: &str) -> Option<f64> {
+        self.add(ui, |response| {
+            response.ctx.accesskit_node_builder(response.id, |node| {
+                node.set_label(name);
+            });
+            response
+        })
+    }
+
+    fn add(self, ui: &mut Ui, named: impl FnOnce(Response) -> Response) -> Option<f64> {
         let mut value = self.value;
         let drag = DragValue::new(&mut value)
             .range(self.range)
@@ -105,7 +119,7 @@ impl Number<'_> {
             Some(decimals) => drag.fixed_decimals(decimals),
             None => drag.custom_formatter(|value, _| format::length(value)),
         };
-        let response = ui.add(drag).labelled_by(label).on_hover_text(self.hint);
+        let response = named(ui.add(drag)).on_hover_text(self.hint);
         (response.changed() && value != self.value).then_some(value)
     }
 }

@@ -1,11 +1,12 @@
 //! What a person can ask for. Panels and keys make commands; `update` carries them out.
 
 use super::preferences::Theme;
+use super::turn::Turning;
 use super::viewpoint::StandardView;
 use super::{Answer, PromptKind, Tint};
 use raycast_core::Cull;
 use raycast_core::camera::{FrameLock, Grid, Projection};
-use raycast_core::scene::{Color, ColorRule};
+use raycast_core::scene::{Color, ColorRule, Transform};
 use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
 use std::path::PathBuf;
 
@@ -106,8 +107,8 @@ pub enum Command {
     SetBackground(Background),
     /// How an object's triangles get their colours; all objects' for `None`.
     SetColorRule(Option<usize>, ColorRule),
-    /// Take all textures off.
-    RemoveTextures,
+    /// Take the texture off an object; off all, for `None`.
+    RemoveTexture(Option<usize>),
 
     /// Mark an object, or none.
     Select(Option<usize>),
@@ -125,6 +126,14 @@ pub enum Command {
     Duplicate(usize),
     /// Take an object away, and those that move with it.
     Delete(usize),
+    /// Keep an object as it is until it is unlocked.
+    SetLocked(usize, bool),
+    /// Put an object elsewhere.
+    SetTransform(usize, Transform),
+    /// Turn an object, as [`SetTurning`](Self::SetTurning) says, about this axis (0 to 2).
+    Turn(usize, usize),
+    /// How objects are turned and scaled.
+    SetTurning(Turning),
 
     /// Keep what is seen at a place to be read; nothing, if nothing is there.
     Pin {
@@ -164,8 +173,8 @@ pub enum Command {
     OpenCase(&'static str),
     /// Stop loading.
     CancelLoad,
-    /// Put an image on every object.
-    LoadTexture(PathBuf),
+    /// Put an image on an object; on every one, for `None`.
+    LoadTexture(PathBuf, Option<usize>),
     /// Write the picture to a file; its name says which kind. Where one is there already, ask first.
     SavePicture(PathBuf),
     /// Write the scene to its file; ask for one if it has none.
@@ -236,13 +245,18 @@ impl Command {
             Self::SetCull(_) => ("Change of faces", false),
             Self::SetBackground(_) => ("Change of background", true),
             Self::SetColorRule(..) => ("Change of color", true),
-            Self::RemoveTextures => ("Remove textures", false),
+            Self::RemoveTexture(None) => ("Remove textures", false),
+            Self::RemoveTexture(Some(_)) => ("Remove texture", false),
             Self::SetVisible(_, true) | Self::ShowAll => ("Show", false),
             Self::SetVisible(_, false) => ("Hide", false),
             Self::Isolate(_) => ("Isolate", false),
             Self::Rename(..) => ("Rename", false),
             Self::Duplicate(_) => ("Duplicate", false),
             Self::Delete(_) => ("Delete", false),
+            Self::SetLocked(_, true) => ("Lock", false),
+            Self::SetLocked(_, false) => ("Unlock", false),
+            Self::SetTransform(..) => ("Move", true),
+            Self::Turn(..) => ("Turn", false),
             _ => return None,
         };
         Some((name, goes_on))
@@ -252,6 +266,7 @@ impl Command {
     pub(super) fn object(&self) -> Option<usize> {
         match self {
             Self::SetColorRule(object, _) => *object,
+            Self::SetTransform(object, _) => Some(*object),
             _ => None,
         }
     }

@@ -30,8 +30,8 @@ pub enum Effect {
     CancelLoad,
     /// Build the tree over the document's objects.
     Build,
-    /// Read an image as a texture.
-    LoadTexture(PathBuf),
+    /// Read an image as the texture of an object; of all, for `None`.
+    LoadTexture(PathBuf, Option<usize>),
     /// Write the picture; in place of what is there only if it may `replace` that.
     SavePicture {
         /// Where.

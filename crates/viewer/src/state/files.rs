@@ -9,7 +9,9 @@ use std::path::{Path, PathBuf};
 pub(super) fn ask(state: &mut State, kind: PromptKind) -> Effect {
     let text = match kind {
         PromptKind::Picture | PromptKind::Scene => suggested_name(state, kind),
-        PromptKind::Open | PromptKind::Add | PromptKind::Texture => String::new(),
+        PromptKind::Open | PromptKind::Add | PromptKind::Texture | PromptKind::TextureOf(_) => {
+            String::new()
+        }
     };
     state.palette = None;
     state.prompt = Some(Prompt {
@@ -63,9 +65,13 @@ pub(super) fn take(
         PromptKind::Add => add(state, paths),
         PromptKind::Picture => save_picture(state, paths.pop()?, asked),
         PromptKind::Scene => save_scene_as(state, paths.pop()?, asked),
-        PromptKind::Texture => {
+        PromptKind::Texture | PromptKind::TextureOf(_) => {
             state.prompt = None;
-            Some(Effect::LoadTexture(paths.pop()?))
+            let which = match kind {
+                PromptKind::TextureOf(which) => Some(which),
+                _ => None,
+            };
+            Some(Effect::LoadTexture(paths.pop()?, which))
         }
     }
 }

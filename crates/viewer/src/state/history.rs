@@ -24,6 +24,8 @@ const PAUSE: Duration = Duration::from_millis(800);
 pub struct Snapshot {
     /// The objects.
     pub scene: Arc<Scene>,
+    /// Which of them are locked.
+    pub locked: Arc<Vec<bool>>,
     /// Shading and culling.
     pub settings: Settings,
     /// Rays a pixel, where a person has set them.
@@ -36,6 +38,7 @@ impl Snapshot {
     /// Whether nothing is different; scenes are told apart by their address.
     pub fn is(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
+            && self.locked == other.locked
             && self.settings == other.settings
             && self.samples == other.samples
             && self.resolution == other.resolution
@@ -228,6 +231,7 @@ mod tests {
         settings.shading.mode = mode;
         Snapshot {
             scene: Arc::default(),
+            locked: Arc::default(),
             settings,
             samples: None,
             resolution: Resolution::Window { density: 1.0 },

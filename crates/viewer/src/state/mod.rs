@@ -17,6 +17,7 @@ pub mod pick;
 mod plane;
 pub mod preferences;
 mod session;
+pub mod turn;
 pub mod update;
 pub mod viewpoint;
 
@@ -35,6 +36,7 @@ use raycast_core::render::{Settings, View};
 use raycast_core::scene::Bounds;
 use std::sync::Arc;
 use std::time::Duration;
+use turn::Turning;
 use viewpoint::Viewpoint;
 
 /// The most pixels of a picture in the window: 4 bytes each, held a few times over.
@@ -113,6 +115,10 @@ pub struct State {
     pub side_limit: u32,
     /// The marked object.
     pub selected: Option<usize>,
+    /// Which objects are locked, as far as any is.
+    pub locked: Arc<Vec<bool>>,
+    /// How objects are turned and scaled.
+    pub turning: Turning,
     /// The object whose name is being typed.
     pub naming: Option<usize>,
     /// What was clicked on.
@@ -170,6 +176,8 @@ impl Default for State {
             viewport: (1280, 720),
             side_limit: 8192,
             selected: None,
+            locked: Arc::default(),
+            turning: Turning::default(),
             naming: None,
             pinned: None,
             help: false,
@@ -314,10 +322,16 @@ impl State {
     pub fn snapshot(&self) -> Option<Snapshot> {
         Some(Snapshot {
             scene: Arc::clone(&self.document.as_ref()?.scene),
+            locked: Arc::clone(&self.locked),
             settings: self.settings,
             samples: self.samples,
             resolution: self.resolution,
         })
+    }
+
+    /// Whether an object is not to be changed by hand.
+    pub fn is_locked(&self, object: usize) -> bool {
+        self.locked.get(object).copied().unwrap_or(false)
     }
 
     /// Whether there are changes that a person would miss: of a scene that has a file, or of objects that could

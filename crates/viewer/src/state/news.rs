@@ -42,8 +42,8 @@ pub enum News {
     Built(Arc<Scene>, Tree),
     /// Nothing came of it.
     Nothing,
-    /// A texture was read.
-    Texture(Arc<Texture>, PathBuf),
+    /// A texture was read, for an object or for all.
+    Texture(Arc<Texture>, PathBuf, Option<usize>),
     /// A picture was written.
     PictureSaved(PathBuf),
     /// The scene was written, as it was at this revision.
@@ -139,11 +139,11 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
                 state.pinned = Pinned::of(document, pinned.pick);
             }
         }
-        News::Texture(texture, path) => {
+        News::Texture(texture, path, which) => {
             let path = std::path::absolute(&path).unwrap_or(path);
             return change(state, "Texture", |state| {
                 state.settings.shading.mode = Mode::Texture;
-                objects::edit_each(state, |_, object| {
+                objects::change(state, which, |object| {
                     object.texture = Some(Arc::clone(&texture));
                     object.texture_source = Some(path.clone());
                 })
@@ -262,6 +262,7 @@ fn show(state: &mut State, loaded: Loaded) {
         return;
     }
     state.trail = Default::default();
+    state.locked = Arc::default();
     match shading {
         Some(shading) => state.settings.shading = shading,
         None if keep == Keep::Nothing => state.settings = Settings::default(),

@@ -16,6 +16,8 @@ pub enum PromptKind {
     Scene,
     /// A texture for every object.
     Texture,
+    /// A texture for this object.
+    TextureOf(usize),
 }
 
 /// A line for a path, shown over the picture.

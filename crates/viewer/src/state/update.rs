@@ -100,14 +100,11 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         }
         Command::SetCull(cull) => state.settings.cull = cull,
         Command::SetBackground(background) => state.settings.shading.background = background,
-        Command::SetColorRule(Some(which), rule) => {
-            return objects::edit_one(state, which, |object| object.color = rule);
+        Command::SetColorRule(which, rule) => {
+            return objects::change(state, which, |object| object.color = rule);
         }
-        Command::SetColorRule(None, rule) => {
-            return objects::edit_each(state, |_, object| object.color = rule);
-        }
-        Command::RemoveTextures => {
-            return objects::edit_each(state, |_, object| {
+        Command::RemoveTexture(which) => {
+            return objects::change(state, which, |object| {
                 object.texture = None;
                 object.texture_source = None;
             });
@@ -120,14 +117,24 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::Isolate(which) => return objects::isolate(state, which),
         Command::ShowAll => return objects::edit_each(state, |_, object| object.visible = true),
         Command::EditName(which) => {
-            state.naming = which;
+            state.naming = which.filter(|&which| objects::is_free(state, which));
             state.panel |= which.is_some();
         }
         Command::Rename(which, name) => {
             state.naming = None;
             let name = name.trim().to_owned();
             if !name.is_empty() {
-                return objects::edit_one(state, which, |object| object.name = name);
+                return objects::change(state, Some(which), |object| object.name = name.clone());
+            }
+        }
+        Command::SetLocked(which, locked) => objects::lock(state, which, locked),
+        Command::SetTransform(which, transform) => {
+            return objects::set_transform(state, which, transform);
+        }
+        Command::Turn(which, axis) => return objects::turn(state, which, axis),
+        Command::SetTurning(turning) => {
+            if turning.degrees.is_finite() {
+                state.turning = turning;
             }
         }
         Command::Duplicate(which) => return objects::duplicate(state, which),
@@ -198,9 +205,9 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             state.typed = None;
             return Some(Effect::CancelLoad);
         }
-        Command::LoadTexture(path) => {
+        Command::LoadTexture(path, which) => {
             state.prompt = None;
-            return Some(Effect::LoadTexture(path));
+            return Some(Effect::LoadTexture(path, which));
         }
         Command::SavePicture(path) => return files::save_picture(state, path, false),
         Command::SaveScene => return files::save_scene(state),

@@ -24,7 +24,7 @@ pub(super) fn dialog(kind: PromptKind, suggested: &str) -> DialogAnswer {
     let paths = match kind {
         PromptKind::Open => files("Open meshes or a scene"),
         PromptKind::Add => files("Add meshes or a scene"),
-        PromptKind::Texture => one(dialog
+        PromptKind::Texture | PromptKind::TextureOf(_) => one(dialog
             .set_title("Open a texture")
             .add_filter("Images", &["png", "jpg", "jpeg", "ppm"])
             .add_filter("All files", &["*"])

@@ -201,14 +201,14 @@ impl Files {
         });
     }
 
-    /// Reads an image as a texture.
-    pub fn load_texture(&self, path: PathBuf) {
+    /// Reads an image as a texture of an object, or of all.
+    pub fn load_texture(&self, path: PathBuf, which: Option<usize>) {
         let budget = Budget::new(self.limits);
         self.shared.spawn("raycast-texture", ANY, move |shared| {
             lock(&shared.opened).push(path.clone());
             let texture = formats::read_texture_within(&path, &budget);
             let texture = texture.map_err(|error| error.to_string())?;
-            Ok(News::Texture(Arc::new(texture), path))
+            Ok(News::Texture(Arc::new(texture), path, which))
         });
     }
 
@@ -431,7 +431,7 @@ mod tests {
         let path = folder.path().join("skin.png");
         std::fs::write(&path, "P3\n1 1\n255\n1 2 3\n").expect("written");
         let files = files();
-        files.load_texture(path.clone());
+        files.load_texture(path.clone(), None);
         assert!(matches!(wait(&files), News::Texture(..)));
         files.save(picture(), path.clone(), true);
         assert!(matches!(wait(&files), News::Failed(text) if text.contains("skin.png")));

@@ -149,6 +149,10 @@ impl Load<'_> {
             paths => setup::name_of(paths),
         };
         let scene = Arc::new(file.scene);
+        // The window is not to wait for them.
+        scene.objects.iter().for_each(|object| {
+            object.mesh.bounds();
+        });
         let has_hidden = scene.objects.iter().any(|object| !object.visible);
         let accel = match has_hidden {
             // It may be that nothing is to be seen, on purpose.

@@ -101,3 +101,107 @@ fn a_click_pins_what_is_there_with_its_values() {
     update(&mut state, Command::Pin { at: (1.0, 1.0) });
     assert!(state.pinned.is_none() && state.selected.is_none());
 }
+
+#[test]
+fn an_object_is_moved_turned_and_scaled_and_a_drag_is_one_step() {
+    let mut state = opened(2);
+    let transform = |state: &State| document(state).scene.objects[1].transform;
+    let start = transform(&state);
+    let moved = |x: f64| Transform {
+        translate: DVec3::X * x,
+        ..start
+    };
+    for (x, now) in [(3.0, 0), (4.0, 30), (5.0, 60)] {
+        state.now = Duration::from_millis(now);
+        let effect = update(&mut state, Command::SetTransform(1, moved(x)));
+        assert_eq!(effect, Some(Effect::Build), "moved triangles need a tree");
+    }
+    assert_eq!(transform(&state), moved(5.0));
+    assert!(document(&state).built.objects[1].transform == start);
+    state.now = Duration::from_secs(9);
+    update(&mut state, Command::Turn(1, 2));
+    assert_eq!(transform(&state).rotate, DVec3::Z * 90.0);
+    // What is no place is not taken.
+    for bad in [DVec3::NAN, DVec3::new(1.0, 0.0, 1.0)] {
+        let scaled = Transform {
+            scale: bad,
+            ..start
+        };
+        assert_eq!(update(&mut state, Command::SetTransform(1, scaled)), None);
+    }
+    update(&mut state, Command::Undo);
+    assert_eq!(transform(&state), moved(5.0));
+    update(&mut state, Command::Undo);
+    assert_eq!(transform(&state), start);
+    assert_eq!(state.history.undo_name(), None);
+}
+
+#[test]
+fn a_locked_object_stays_as_it_is_and_the_lock_goes_with_it() {
+    let mut state = opened(3);
+    update(&mut state, Command::SetLocked(1, true));
+    let before = document(&state).scene.objects[1].clone();
+    do_all(
+        &mut state,
+        [
+            Command::SetTransform(1, Transform::from_matrix(DAffine3::ZERO)),
+            Command::Rename(1, "other".to_owned()),
+            Command::Delete(1),
+            Command::SetColorRule(Some(1), ColorRule::Uniform(Color([1, 2, 3]))),
+            Command::SetColorRule(None, ColorRule::Uniform(Color([4, 5, 6]))),
+        ],
+    );
+    let after = &document(&state).scene.objects;
+    assert_eq!(after.len(), 3);
+    let of = |object: &Object| (object.name.clone(), object.transform, object.color);
+    assert_eq!(of(&after[1]), of(&before));
+    assert_ne!(after[0].color, before.color, "the others are free");
+    assert!(
+        state
+            .toasts
+            .iter()
+            .any(|toast| toast.text.contains("locked"))
+    );
+
+    // Objects that come and go before it take their locks along.
+    do_all(&mut state, [Command::Duplicate(0), Command::Delete(0)]);
+    assert_eq!(names(&state), ["object 0 copy", "object 1", "object 2"]);
+    assert!(state.is_locked(1) && !state.is_locked(0) && !state.is_locked(2));
+    update(&mut state, Command::Delete(0));
+    assert!(state.is_locked(0) && !state.is_locked(1));
+    update(&mut state, Command::Undo);
+    assert!(state.is_locked(1) && !state.is_locked(0));
+}
+
+#[test]
+fn a_texture_lies_on_the_object_that_it_was_loaded_for() {
+    let mut state = opened(2);
+    let kind = PromptKind::TextureOf(1);
+    assert_eq!(
+        update(&mut state, Command::Ask(kind)),
+        Some(Effect::Dialog(kind))
+    );
+    update(&mut state, Command::TypePath("/tmp/skin.png".to_owned()));
+    let path = PathBuf::from("/tmp/skin.png");
+    let load = Effect::LoadTexture(path.clone(), Some(1));
+    assert_eq!(update(&mut state, Command::ConfirmPath), Some(load));
+    let texture = Texture::new(1, 1, vec![[9, 8, 7, 255]])
+        .map(Arc::new)
+        .expect("a texel");
+    receive(
+        &mut state,
+        News::Texture(texture, path, Some(1)),
+        Duration::ZERO,
+    );
+    let has = |state: &State| {
+        let objects = document(state).scene.objects.iter();
+        objects
+            .map(|object| object.texture.is_some())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(has(&state), [false, true]);
+    update(&mut state, Command::RemoveTexture(Some(1)));
+    assert_eq!(has(&state), [false, false]);
+    update(&mut state, Command::Undo);
+    assert_eq!(has(&state), [false, true]);
+}

@@ -10,6 +10,8 @@ use crate::state::{PromptKind, State};
 use crate::ui::modes::MODES;
 use egui::Key;
 use raycast_core::camera::Projection;
+use raycast_core::glam::DAffine3;
+use raycast_core::scene::Transform;
 
 fn has_scene(state: &State) -> bool {
     state.document.is_some()
@@ -33,6 +35,18 @@ fn is_visible(state: &State) -> bool {
     let document = state.document.as_ref();
     let object = document.and_then(|d| d.scene.objects.get(selected(state)));
     object.is_some_and(|object| object.visible)
+}
+
+fn transform(state: &State) -> Option<Transform> {
+    let document = state.document.as_ref()?;
+    let object = document.scene.objects.get(selected(state))?;
+    Some(object.transform)
+}
+
+/// Where the marked object's file has it, or the file's own matrix where it was read as changed.
+fn rest(state: &State) -> Transform {
+    let matrix = transform(state).map_or(DAffine3::IDENTITY, |transform| transform.matrix);
+    Transform::from_matrix(matrix)
 }
 
 fn look(state: &State, view: StandardView) -> bool {
@@ -246,6 +260,34 @@ pub static ACTIONS: &[Action] = &[
         |state| Command::Duplicate(selected(state)),
     )
     .when(has_selected),
+    Action::of(
+        Menu::Edit,
+        "object.lock",
+        "Lock",
+        "Keep the marked object as it is until it is unlocked",
+        &[plain(Key::L)],
+        |state| Command::SetLocked(selected(state), !state.is_locked(selected(state))),
+    )
+    .when(has_selected)
+    .on(|state| state.is_locked(selected(state))),
+    Action::of(
+        Menu::Edit,
+        "object.texture",
+        "Texture…",
+        "Put an image on the marked object",
+        &[],
+        |state| Command::Ask(PromptKind::TextureOf(selected(state))),
+    )
+    .when(has_selected),
+    Action::of(
+        Menu::Edit,
+        "object.reset",
+        "Put back",
+        "Undo every move, turn and scale of the marked object",
+        &[],
+        |state| Command::SetTransform(selected(state), rest(state)),
+    )
+    .when(|state| has_selected(state) && transform(state) != Some(rest(state))),
     Action::of(
         Menu::Edit,
         "object.delete",
