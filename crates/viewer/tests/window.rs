@@ -15,6 +15,7 @@ use raycast_viewer::state::PromptKind;
 use raycast_viewer::state::command::Command;
 use raycast_viewer::state::document::Document;
 use raycast_viewer::state::effect::{Effect, Keep};
+use raycast_viewer::state::inspection::Checked;
 use raycast_viewer::state::news::{Loaded, News, receive};
 use raycast_viewer::state::update::update;
 use raycast_viewer::state::{Replacing, Resolution, State, Tint};
@@ -285,7 +286,7 @@ fn a_file_is_replaced_when_the_person_says_so() {
         let mut harness = open_with(State {
             replacing: Some(Replacing {
                 path: path.clone(),
-                scene: false,
+                by: PromptKind::Picture,
             }),
             ..State::default()
         });
@@ -575,4 +576,71 @@ fn the_marked_object_is_moved_turned_and_locked_by_numbers_and_buttons() {
         harness.run();
     }
     assert_eq!(transform(&harness).translate, DVec3::new(2.0, 0.0, 0.0));
+}
+
+#[test]
+fn a_distance_is_measured_by_two_clicks_and_copied() {
+    let mut harness = open_two();
+    harness.key_press(Key::Num1);
+    harness.key_press(Key::F);
+    harness.key_press(Key::D);
+    harness.run();
+    click(&mut harness, "Measure");
+    harness.get_by_label("Click two points");
+    for point in [DVec3::new(0.98, 0.005, 0.0), DVec3::new(2.01, 0.01, 0.0)] {
+        let camera = harness.state().state.camera().expect("a camera");
+        let (x, y) = camera.project(point).expect("in front");
+        let picture = harness.get_by_label("The picture").rect();
+        let at = picture.min + egui::vec2(x as f32, y as f32);
+        harness.event(egui::Event::PointerMoved(at));
+        harness.run();
+        for pressed in [true, false] {
+            harness.event(egui::Event::PointerButton {
+                pos: at,
+                button: PointerButton::Primary,
+                pressed,
+                modifiers: Modifiers::NONE,
+            });
+        }
+        harness.run();
+    }
+    let measuring = &harness.state().state.measuring;
+    assert_eq!(measuring.list.len(), 1, "{measuring:?}");
+    // From the corner (1, 0, 0) of the one to the corner (2, 0, 0) of the other.
+    assert_eq!(measuring.list[0].value(), Some(1.0));
+    click(&mut harness, "1.0000");
+    let copied = Effect::Copy("1".to_owned());
+    assert_eq!(harness.state().effects.last(), Some(&copied));
+    click(&mut harness, "Remove measurement 1");
+    assert!(harness.state().state.measuring.list.is_empty());
+}
+
+#[test]
+fn the_health_of_a_mesh_is_asked_for_and_its_faults_are_clicked() {
+    let mut harness = open_two();
+    click(&mut harness, "left one");
+    click(&mut harness, "Health");
+    click(&mut harness, "Check the mesh");
+    assert_eq!(
+        harness.state().effects.last(),
+        Some(&Effect::Check(vec![0]))
+    );
+    let document = harness.state().state.document.as_ref().expect("a scene");
+    let mesh = Arc::clone(&document.scene.objects[0].mesh);
+    let health = Arc::new(raycast_core::health::check(&mesh, &|_| true).expect("it goes on"));
+    let checked = vec![Checked {
+        object: 0,
+        mesh,
+        health,
+    }];
+    let state = &mut harness.state_mut().state;
+    receive(state, News::Checked(checked), Duration::ZERO);
+    harness.run();
+    harness.get_by_label("not closed");
+    click(&mut harness, "Open edges");
+    click(&mut harness, "The next fault");
+    let shown = harness.state().state.inspection.shown;
+    assert_eq!(shown.map(|shown| shown.index), Some(1));
+    click(&mut harness, "Open edges");
+    assert_eq!(harness.state().state.inspection.shown, None);
 }

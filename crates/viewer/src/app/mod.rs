@@ -262,7 +262,7 @@ impl App {
             Some(Effect::LoadTexture(path, which)) => self.files.load_texture(path, which),
             Some(Effect::Dialog(kind)) => {
                 let suggested = match kind {
-                    PromptKind::Picture | PromptKind::Scene => {
+                    PromptKind::Picture | PromptKind::Scene | PromptKind::Measurements => {
                         update::suggested_name(&self.state, kind)
                     }
                     _ => String::new(),
@@ -271,12 +271,50 @@ impl App {
             }
             Some(Effect::SavePicture { path, replace }) => self.save_picture(path, replace),
             Some(Effect::SaveScene { path, replace }) => self.save_scene(path, replace),
+            Some(Effect::SaveMeasurements { path, replace }) => {
+                let text = self.state.measuring.csv();
+                self.files
+                    .save_text(text, path, PromptKind::Measurements, replace);
+            }
+            Some(Effect::Weigh(object)) => self.weigh(object),
+            Some(Effect::Check(objects)) => self.check(&objects),
             Some(Effect::Copy(text)) => context.copy_text(text),
             Some(Effect::Close) => {
                 self.may_close = true;
                 context.send_viewport_cmd(egui::ViewportCommand::Close);
             }
         }
+    }
+
+    /// Works out the size of an object, if it is not known.
+    fn weigh(&self, number: usize) {
+        let scene = self.state.document.as_ref().map(|document| &document.scene);
+        let Some((scene, transforms)) =
+            scene.and_then(|scene| Some((scene, scene.world_from_objects().ok()?)))
+        else {
+            return;
+        };
+        if let (Some(object), Some(place)) = (scene.objects.get(number), transforms.get(number))
+            && self.state.inspection.size(&object.mesh, place).is_none()
+        {
+            self.files.weigh(Arc::clone(&object.mesh), *place);
+        }
+    }
+
+    fn check(&self, numbers: &[usize]) {
+        let Some(document) = &self.state.document else {
+            return;
+        };
+        let objects = &document.scene.objects;
+        let name = match *numbers {
+            [one] => objects.get(one).map(|object| object.name.clone()),
+            _ => None,
+        };
+        let meshes = numbers
+            .iter()
+            .filter_map(|&number| Some((number, Arc::clone(&objects.get(number)?.mesh))));
+        let name = name.unwrap_or_else(|| document.name.clone());
+        self.files.check(name, meshes.collect());
     }
 
     fn save_picture(&self, path: PathBuf, replace: bool) {

@@ -131,6 +131,7 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
             "Save",
             "a name ending in .png, .ppm, .jpg or .exr",
         ),
+        PromptKind::Measurements => ("Save the measurements", "Save", "a name ending in .csv"),
         PromptKind::Scene => ("Save the scene", "Save", "a name ending in .raycast.toml"),
         PromptKind::Texture | PromptKind::TextureOf(_) => {
             ("Load a texture", "Load", "path of an image")
@@ -155,7 +156,7 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
             // suggested is marked up to its ending, as file dialogs do it, and gives way to what is typed.
             ui.memory_mut(|memory| memory.request_focus(id));
             let stem = match prompt.kind {
-                PromptKind::Picture | PromptKind::Scene => prompt
+                PromptKind::Picture | PromptKind::Scene | PromptKind::Measurements => prompt
                     .text
                     .split('.')
                     .next()

@@ -2,9 +2,12 @@
 
 mod banner;
 mod gizmo;
+mod health;
 mod help;
 mod highlight;
 mod look;
+mod marks;
+mod measure;
 mod menu;
 mod objects;
 #[allow(clippy::disallowed_methods, reason = "tints are no part of a picture")]

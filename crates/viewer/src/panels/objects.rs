@@ -87,13 +87,7 @@ fn object_row(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &
                         .on_hover_text(hint);
                 }
                 if state.is_locked(number) {
-                    let hint = "It is kept as it is. Click to unlock (L, where it is marked)";
-                    let response = ui.add(Button::new("🔒").small().frame(false));
-                    response.widget_info(|| {
-                        let name = format!("Unlock {}", object.name);
-                        egui::WidgetInfo::labeled(egui::Role::Button, true, name)
-                    });
-                    if response.on_hover_text(hint).clicked() {
+                    if padlock(ui, &format!("Unlock {}", object.name)) {
                         out.push(Command::SetLocked(number, false));
                     }
                 }
@@ -170,6 +164,24 @@ fn eye(ui: &mut Ui, is_open: bool, spoken: &str) -> bool {
         painter.circle_filled(middle, 2.2, color);
     }
     response.on_hover_text(spoken).clicked()
+}
+
+/// A padlock; whether it was clicked.
+fn padlock(ui: &mut Ui, spoken: &str) -> bool {
+    let (rect, response) = ui.allocate_exact_size(vec2(14.0, 16.0), Sense::click());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, spoken));
+    let colors = theme::colors(ui);
+    let is_lit = response.hovered() || response.has_focus();
+    let color = if is_lit { colors.accent } else { colors.text };
+    let middle = rect.center();
+    let body = egui::Rect::from_center_size(middle + vec2(0.0, 2.5), vec2(9.0, 7.0));
+    let painter = ui.painter();
+    painter.rect_filled(body, 1.0, color);
+    let shackle = egui::Rect::from_center_size(middle - vec2(0.0, 2.0), vec2(6.0, 8.0));
+    let stroke = egui::Stroke::new(1.4, color);
+    painter.rect_stroke(shackle, 3.0, stroke, egui::StrokeKind::Middle);
+    let hint = format!("{spoken} (L, where it is marked): it is kept as it is");
+    response.on_hover_text(hint).clicked()
 }
 
 /// A field for a name. Enter, or leaving it, gives the name; Esc does not.

@@ -1,7 +1,7 @@
 //! The picture, and the mouse over it.
 
 use super::overlay::TileOverlay;
-use super::{Commands, gizmo, highlight};
+use super::{Commands, gizmo, highlight, marks};
 use crate::state::{Resolution, State};
 use crate::ui::canvas::Canvas;
 use crate::ui::input;
@@ -65,6 +65,7 @@ pub fn show(
     };
     let place = |(x, y): (f64, f64)| rect.min + vec2((x / scale) as f32, (y / scale) as f32);
     highlight::show(&painter, state, place);
+    marks::show(&painter, state, place);
     out.extend(input::mouse(ui, &response, scale, at));
     gizmo::show(ui, room, state, out);
     if response.dragged()

@@ -1,5 +1,7 @@
 //! What a person can ask for. Panels and keys make commands; `update` carries them out.
 
+use super::inspection::Shown;
+use super::measure::Kind;
 use super::preferences::Theme;
 use super::turn::Turning;
 use super::viewpoint::StandardView;
@@ -135,7 +137,25 @@ pub enum Command {
     /// How objects are turned and scaled.
     SetTurning(Turning),
 
-    /// Keep what is seen at a place to be read; nothing, if nothing is there.
+    /// What clicks on the picture measure; nothing, if they pick.
+    SetTool(Option<Kind>),
+    /// Whether measured points snap to vertices.
+    SetSnaps(bool),
+    /// Take back the last point of what is being measured.
+    TakePointBack,
+    /// End the path that is being measured.
+    EndPath,
+    /// Forget what was measured, by its place in the list.
+    RemoveMeasurement(usize),
+    /// Forget all that was measured.
+    ClearMeasurements,
+    /// Look the marked object over, or all if none is.
+    Check,
+    /// Look at one fault of a mesh, or at none.
+    ShowFault(Option<Shown>),
+
+    /// Keep what is seen at a place to be read; nothing, if nothing is there. While something is measured, take
+    /// the place as its next point.
     Pin {
         /// The place.
         at: (f64, f64),

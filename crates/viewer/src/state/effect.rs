@@ -48,6 +48,17 @@ pub enum Effect {
     },
     /// Show the desktop's own dialog.
     Dialog(PromptKind),
+    /// Write what was measured, likewise.
+    SaveMeasurements {
+        /// Where.
+        path: PathBuf,
+        /// Whether another file may be there.
+        replace: bool,
+    },
+    /// Work out the size of an object.
+    Weigh(usize),
+    /// Look objects over.
+    Check(Vec<usize>),
     /// Put text on the clipboard.
     Copy(String),
     /// Close the window.

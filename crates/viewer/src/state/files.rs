@@ -8,7 +8,9 @@ use std::path::{Path, PathBuf};
 /// Opens the path line, and the desktop's dialog.
 pub(super) fn ask(state: &mut State, kind: PromptKind) -> Effect {
     let text = match kind {
-        PromptKind::Picture | PromptKind::Scene => suggested_name(state, kind),
+        PromptKind::Picture | PromptKind::Scene | PromptKind::Measurements => {
+            suggested_name(state, kind)
+        }
         PromptKind::Open | PromptKind::Add | PromptKind::Texture | PromptKind::TextureOf(_) => {
             String::new()
         }
@@ -32,6 +34,7 @@ pub fn suggested_name(state: &State, kind: PromptKind) -> String {
     let stem = stem.filter(|stem| !stem.is_empty());
     match kind {
         PromptKind::Scene => format!("{}.raycast.toml", stem.unwrap_or("scene")),
+        PromptKind::Measurements => format!("{}.csv", stem.unwrap_or("measurements")),
         _ => format!("{}.png", stem.unwrap_or("picture")),
     }
 }
@@ -65,6 +68,7 @@ pub(super) fn take(
         PromptKind::Add => add(state, paths),
         PromptKind::Picture => save_picture(state, paths.pop()?, asked),
         PromptKind::Scene => save_scene_as(state, paths.pop()?, asked),
+        PromptKind::Measurements => Some(save_measurements(state, paths.pop()?, asked)),
         PromptKind::Texture | PromptKind::TextureOf(_) => {
             state.prompt = None;
             let which = match kind {
@@ -193,12 +197,22 @@ pub(super) fn save_picture(state: &mut State, path: PathBuf, replace: bool) -> O
 
 /// Writes what was to be written in place of what is there.
 pub(super) fn replace(state: &mut State) -> Option<Effect> {
-    let Replacing { path, scene } = state.replacing.take()?;
-    if scene {
-        save_scene_as(state, path, true)
-    } else {
-        save_picture(state, path, true)
+    let Replacing { path, by } = state.replacing.take()?;
+    match by {
+        PromptKind::Scene => save_scene_as(state, path, true),
+        PromptKind::Measurements => Some(save_measurements(state, path, true)),
+        _ => save_picture(state, path, true),
     }
+}
+
+/// Saves what was measured; a name without an ending gets one.
+fn save_measurements(state: &mut State, mut path: PathBuf, replace: bool) -> Effect {
+    state.prompt = None;
+    state.replacing = None;
+    if path.extension().is_none() {
+        path.set_extension("csv");
+    }
+    Effect::SaveMeasurements { path, replace }
 }
 
 /// Notes that files were opened by a person.

@@ -9,6 +9,9 @@ pub mod document;
 pub mod effect;
 mod files;
 pub mod history;
+mod inspect;
+pub mod inspection;
+pub mod measure;
 pub mod motion;
 mod navigate;
 pub mod news;
@@ -25,6 +28,8 @@ pub use session::{Answer, Palette, Pending, Prompt, PromptKind, Replacing, Toast
 
 use document::Document;
 use history::{History, Snapshot};
+use inspection::Inspection;
+use measure::Measuring;
 use motion::{Motion, Trail};
 use pick::{Pick, Pinned};
 use preferences::Preferences;
@@ -121,6 +126,10 @@ pub struct State {
     pub turning: Turning,
     /// The object whose name is being typed.
     pub naming: Option<usize>,
+    /// What is being measured, and what was.
+    pub measuring: Measuring,
+    /// What was found out about meshes.
+    pub inspection: Inspection,
     /// What was clicked on.
     pub pinned: Option<Pinned>,
     /// Whether the keys are shown.
@@ -179,6 +188,8 @@ impl Default for State {
             locked: Arc::default(),
             turning: Turning::default(),
             naming: None,
+            measuring: Measuring::default(),
+            inspection: Inspection::default(),
             pinned: None,
             help: false,
             palette: None,

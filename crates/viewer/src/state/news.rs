@@ -4,6 +4,8 @@ use super::document::{Document, Tree};
 use super::effect::{Effect, Keep};
 use super::files;
 use super::history::History;
+use super::inspection::{Checked, Inspection, Sized};
+use super::measure::Measuring;
 use super::navigate;
 use super::objects;
 use super::pick::Pinned;
@@ -44,8 +46,12 @@ pub enum News {
     Nothing,
     /// A texture was read, for an object or for all.
     Texture(Arc<Texture>, PathBuf, Option<usize>),
-    /// A picture was written.
+    /// A picture, or what was measured, was written.
     PictureSaved(PathBuf),
+    /// The size of an object was worked out.
+    Sized(Sized),
+    /// Objects were looked over.
+    Checked(Vec<Checked>),
     /// The scene was written, as it was at this revision.
     SceneSaved(PathBuf, u64),
     /// It was not: a file is there.
@@ -123,6 +129,12 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
                 })
             });
         }
+        News::Sized(sized) => state.inspection.sized = Some(sized),
+        News::Checked(checked) => {
+            let is_new = |old: &Checked| checked.iter().all(|new| new.object != old.object);
+            state.inspection.checked.retain(is_new);
+            state.inspection.checked.extend(checked);
+        }
         News::Nothing => {}
         News::NotOpened(message) => {
             state.report(message);
@@ -138,6 +150,7 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
             {
                 state.pinned = Pinned::of(document, pinned.pick);
             }
+            return state.selected.map(Effect::Weigh);
         }
         News::Texture(texture, path, which) => {
             let path = std::path::absolute(&path).unwrap_or(path);
@@ -247,6 +260,7 @@ fn show(state: &mut State, loaded: Loaded) {
     let paths = document.paths.clone();
     state.document = Some(document);
     state.history = History::default();
+    state.inspection = Inspection::default();
     state.hover = None;
     state.pinned = None;
     state.naming = None;
@@ -263,6 +277,10 @@ fn show(state: &mut State, loaded: Loaded) {
     }
     state.trail = Default::default();
     state.locked = Arc::default();
+    state.measuring = Measuring {
+        snaps: state.measuring.snaps,
+        ..Measuring::default()
+    };
     match shading {
         Some(shading) => state.settings.shading = shading,
         None if keep == Keep::Nothing => state.settings = Settings::default(),

@@ -14,6 +14,8 @@ pub enum PromptKind {
     Picture,
     /// Where to save the scene.
     Scene,
+    /// Where to save what was measured.
+    Measurements,
     /// A texture for every object.
     Texture,
     /// A texture for this object.
@@ -62,8 +64,8 @@ pub enum Answer {
 pub struct Replacing {
     /// Which.
     pub path: PathBuf,
-    /// Whether by the scene, or else by the picture.
-    pub scene: bool,
+    /// By what: a picture, a scene or measurements.
+    pub by: PromptKind,
 }
 
 /// The list of all commands, while it is open.

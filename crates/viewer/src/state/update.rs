@@ -2,11 +2,11 @@
 
 use super::command::Command;
 use super::effect::Effect;
-use super::history::Kind;
+use super::measure::Kind;
 use super::pick::Pinned;
 use super::viewpoint::FOV_RANGE;
 use super::{Palette, Pending, PromptKind, Resolution, SAMPLES_LIMIT, State};
-use super::{files, navigate, objects, plane, preferences};
+use super::{files, history, inspect, navigate, objects, plane, preferences};
 use raycast_core::ranges::WIDEST_LINE;
 use raycast_core::shade::Wireframe;
 
@@ -17,7 +17,8 @@ pub fn update(state: &mut State, command: Command) -> Option<Effect> {
     let Some((name, goes_on)) = command.edit() else {
         return carry_out(state, command);
     };
-    let kind: Option<Kind> = goes_on.then(|| (std::mem::discriminant(&command), command.object()));
+    let kind: Option<history::Kind> =
+        goes_on.then(|| (std::mem::discriminant(&command), command.object()));
     let before = state.snapshot();
     let effect = carry_out(state, command);
     let now = state.now;
@@ -45,6 +46,9 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             navigate::zoom(state, at, factor);
         }
         Command::Roll(degrees) => navigate::roll(state, degrees),
+        Command::SetPivot { .. } if state.measuring.tool == Some(Kind::Path) => {
+            state.measuring.end_path();
+        }
         Command::SetPivot { at } => {
             navigate::leave(state);
             navigate::set_pivot(state, at);
@@ -110,7 +114,10 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             });
         }
 
-        Command::Select(which) => state.selected = which,
+        Command::Select(which) => {
+            state.selected = which;
+            return which.map(Effect::Weigh);
+        }
         Command::SetVisible(which, visible) => {
             return objects::edit_one(state, which, |object| object.visible = visible);
         }
@@ -140,6 +147,29 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::Duplicate(which) => return objects::duplicate(state, which),
         Command::Delete(which) => return objects::delete(state, which),
 
+        Command::SetTool(tool) => {
+            state.measuring.points.clear();
+            state.measuring.tool = tool;
+        }
+        Command::SetSnaps(on) => state.measuring.snaps = on,
+        Command::TakePointBack => {
+            state.measuring.points.pop();
+        }
+        Command::EndPath => state.measuring.end_path(),
+        Command::RemoveMeasurement(number) => {
+            if number < state.measuring.list.len() {
+                state.measuring.list.remove(number);
+            }
+        }
+        Command::ClearMeasurements => state.measuring.list.clear(),
+        Command::Check => return inspect::check(state),
+        Command::ShowFault(shown) => inspect::show(state, shown),
+
+        Command::Pin { at: (x, y) } if state.measuring.tool.is_some() => {
+            if let Some(target) = state.target(x, y) {
+                state.measuring.add(target.point);
+            }
+        }
         Command::Pin { at: (x, y) } => {
             let pick = state.pick(x, y);
             let document = state.document.as_ref()?;
@@ -147,6 +177,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             // While a tree is being built, its numbers are not yet the list's.
             let pinned = state.pinned.as_ref().filter(|_| document.is_built());
             state.selected = pinned.map(|pinned| pinned.pick.hit.object as usize);
+            return state.selected.map(Effect::Weigh);
         }
         Command::Unpin => state.pinned = None,
         Command::Copy(text) => {
@@ -170,6 +201,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::SetThreads(threads) => state.threads = threads.clamp(1, 256),
 
         Command::Ask(PromptKind::Picture) if state.document.is_none() => {}
+        Command::Ask(PromptKind::Measurements) if state.measuring.list.is_empty() => {}
         Command::Ask(kind) => return Some(files::ask(state, kind)),
         Command::SetAdding(adding) => {
             if let Some(prompt) = &mut state.prompt {
@@ -281,7 +313,14 @@ fn dismiss(state: &mut State) {
         state.after_saving = None;
     } else if state.naming.is_some() {
         state.naming = None;
-    } else if state.errors.pop().is_none() {
+    } else if state.errors.pop().is_some() {
+    } else if !state.measuring.points.is_empty() {
+        state.measuring.points.clear();
+    } else if state.measuring.tool.is_some() {
+        state.measuring.tool = None;
+    } else if state.inspection.shown.is_some() {
+        state.inspection.shown = None;
+    } else {
         state.pinned = None;
     }
 }

@@ -1,16 +1,20 @@
 //! Reading scenes and textures, building trees, writing pictures and scenes, asking for paths: a named thread
 //! for each task.
 
+use super::check::check;
 use super::dialog::{DIALOG_ENDINGS, dialog};
 use super::load::{Load, scene_name, tree};
-use super::save::{save, save_scene};
+use super::save::{save, save_scene, save_text};
 use super::tasks::{ANY, Progress, Shared, Stage, lock};
 use super::{Wake, case, neighbors, panic_text};
 use crate::state::effect::Keep;
+use crate::state::inspection::Sized;
 use crate::state::news::News;
 use crate::state::{PromptKind, Replacing};
 use raycast_core::formats::{self, Budget, Limits, SceneFile};
-use raycast_core::scene::Scene;
+use raycast_core::glam::DAffine3;
+use raycast_core::health;
+use raycast_core::scene::{Mesh, Scene};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -53,6 +57,9 @@ impl Files {
                 loads: Mutex::default(),
                 saves: AtomicU32::new(0),
                 newest_tree: AtomicU64::new(0),
+                newest_size: AtomicU64::new(0),
+                newest_check: AtomicU64::new(0),
+                check: Mutex::default(),
                 building: AtomicU32::new(0),
                 building_turn: Mutex::new(()),
                 opened: Mutex::default(),
@@ -96,6 +103,16 @@ impl Files {
             return Some(Activity {
                 label,
                 share,
+                can_cancel: true,
+            });
+        }
+        if let Some((_, name, progress)) = &*lock(&self.shared.check) {
+            let Stage::Reading(share) = progress.stage() else {
+                return None;
+            };
+            return Some(Activity {
+                label: format!("Checking {name}"),
+                share: Some(share),
                 can_cancel: true,
             });
         }
@@ -152,8 +169,17 @@ impl Files {
         });
     }
 
-    /// Lets what is being read go: nothing more is heard of it, and it ends before its tree is built.
+    /// Lets what is being read, or else looked over, go: nothing more is heard of it, and it ends before its
+    /// next step.
     pub fn cancel_load(&self) {
+        let newest = self.shared.newest_load.load(Ordering::Relaxed);
+        if !lock(&self.shared.loads)
+            .iter()
+            .any(|(load, ..)| *load == newest)
+        {
+            self.shared.newest_check.fetch_add(1, Ordering::Relaxed);
+            *lock(&self.shared.check) = None;
+        }
         self.shared.newest_load.fetch_add(1, Ordering::Relaxed);
     }
 
@@ -223,7 +249,10 @@ impl Files {
             shared.saves.fetch_sub(1, Ordering::Relaxed);
             match saved.map_err(|panic| panic_text(&*panic))? {
                 Ok(true) => Ok(News::PictureSaved(path)),
-                Ok(false) => Ok(News::Taken(Replacing { path, scene: false })),
+                Ok(false) => Ok(News::Taken(Replacing {
+                    path,
+                    by: PromptKind::Picture,
+                })),
                 Err(failure) => Err(failure.to_string()),
             }
         });
@@ -242,9 +271,57 @@ impl Files {
             let saved = save_scene(&scene, &path, own.as_deref(), replace, shared);
             Ok(match saved {
                 Ok(true) => News::SceneSaved(path, revision),
-                Ok(false) => News::Taken(Replacing { path, scene: true }),
+                Ok(false) => News::Taken(Replacing {
+                    path,
+                    by: PromptKind::Scene,
+                }),
                 Err(failure) => News::NotSaved(failure.to_string()),
             })
+        });
+    }
+
+    /// Writes text, likewise.
+    pub fn save_text(&self, text: String, path: PathBuf, by: PromptKind, replace: bool) {
+        self.shared.spawn("raycast-save", ANY, move |shared| {
+            match save_text(&text, &path, replace, shared) {
+                Ok(true) => Ok(News::PictureSaved(path)),
+                Ok(false) => Ok(News::Taken(Replacing { path, by })),
+                Err(failure) => Err(failure.to_string()),
+            }
+        });
+    }
+
+    /// Works out the size of a mesh in its place.
+    pub fn weigh(&self, mesh: Arc<Mesh>, world_from_object: DAffine3) {
+        let ticket = self.shared.newest_size.fetch_add(1, Ordering::Relaxed) + 1;
+        self.shared.spawn("raycast-size", ANY, move |shared| {
+            let goes_on = |_| shared.newest_size.load(Ordering::Relaxed) == ticket;
+            let size = health::size(&mesh, &world_from_object, &goes_on);
+            Ok(size.map_or(News::Nothing, |size| {
+                News::Sized(Sized {
+                    mesh: Arc::clone(&mesh),
+                    world_from_object,
+                    size,
+                })
+            }))
+        });
+    }
+
+    /// Looks meshes over, each of an object, and calls what is done by a name. The newest call wins.
+    pub fn check(&self, name: String, meshes: Vec<(usize, Arc<Mesh>)>) {
+        let ticket = self.shared.newest_check.fetch_add(1, Ordering::Relaxed) + 1;
+        let progress = Arc::new(Progress::default());
+        *lock(&self.shared.check) = Some((ticket, name, Arc::clone(&progress)));
+        self.shared.spawn("raycast-check", ANY, move |shared| {
+            let checked = check(&meshes, &progress, &|| {
+                (shared.wake)();
+                shared.newest_check.load(Ordering::Relaxed) == ticket
+            });
+            let mut under_way = lock(&shared.check);
+            if under_way.as_ref().is_some_and(|(own, ..)| *own == ticket) {
+                *under_way = None;
+            }
+            Ok(checked.map_or(News::Nothing, News::Checked))
         });
     }
 
@@ -374,7 +451,9 @@ mod tests {
         assert!(std::fs::read(&mesh).expect("the mesh").starts_with(b"v 0"));
         let other = folder.path().join("other.toml");
         std::fs::write(&other, "a letter").expect("written");
-        assert!(matches!(save(&other, None, false), News::Taken(there) if there.scene));
+        assert!(
+            matches!(save(&other, None, false), News::Taken(there) if there.by == PromptKind::Scene)
+        );
         assert!(matches!(save(&other, None, true), News::SceneSaved(..)));
     }
 

@@ -4,6 +4,7 @@
 //! [`outbox::Outbox`], scenes, textures and messages as [`News`](crate::state::news::News).
 
 pub mod case;
+mod check;
 pub mod demo;
 mod dialog;
 pub mod files;

@@ -1,4 +1,4 @@
-//! Writing pictures and scenes.
+//! Writing pictures, scenes and text.
 
 use super::tasks::{Shared, lock};
 use crate::failure::Failure;
@@ -87,5 +87,21 @@ pub(super) fn save(
     // Another scene may have been opened meanwhile.
     output.check_against(opened())?;
     file.finish()?;
+    Ok(true)
+}
+
+/// Whether the text was written: not where a file is there that it may not replace.
+pub(super) fn save_text(
+    text: &str,
+    path: &Path,
+    replace: bool,
+    shared: &Shared,
+) -> Result<bool, Failure> {
+    let output = Output::at(path, &[])?;
+    output.check_against(lock(&shared.opened).clone())?;
+    if output.is_taken() && !replace {
+        return Ok(false);
+    }
+    output.write(text.as_bytes())?.finish()?;
     Ok(true)
 }

@@ -24,6 +24,10 @@ pub(super) struct Shared {
     pub(super) loads: Mutex<Vec<(u64, String, Arc<Progress>)>>,
     pub(super) saves: AtomicU32,
     pub(super) newest_tree: AtomicU64,
+    pub(super) newest_size: AtomicU64,
+    pub(super) newest_check: AtomicU64,
+    /// What is being looked over.
+    pub(super) check: Mutex<Option<(u64, String, Arc<Progress>)>>,
     pub(super) building: AtomicU32,
     pub(super) building_turn: Mutex<()>,
     /// Every file that was opened: no picture is written over one.

@@ -72,7 +72,7 @@ fn a_file_is_replaced_when_the_person_says_so() {
     let ask = |state: &mut State| {
         let replacing = Replacing {
             path: path.clone(),
-            scene: false,
+            by: PromptKind::Picture,
         };
         let news = News::Taken(replacing.clone());
         assert_eq!(receive(state, news, Duration::ZERO), None);

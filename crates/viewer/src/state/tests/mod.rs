@@ -11,6 +11,8 @@ use super::update::{advance, middle, update};
 use super::*;
 use crate::state::document::{Document, Tree};
 use crate::state::effect::Keep;
+use crate::state::inspection::{Checked, Fault, Shown};
+use crate::state::measure::{Kind, Measurement};
 use crate::state::motion;
 use crate::state::news::{DialogAnswer, Loaded, News, expire_toasts, receive};
 use crate::state::viewpoint::{DEFAULT_FOV, StandardView, Viewpoint};

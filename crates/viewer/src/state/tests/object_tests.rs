@@ -205,3 +205,118 @@ fn a_texture_lies_on_the_object_that_it_was_loaded_for() {
     update(&mut state, Command::Undo);
     assert_eq!(has(&state), [false, true]);
 }
+
+#[test]
+fn clicks_measure_between_vertices_while_a_tool_is_on() {
+    let mut state = opened(1);
+    do_all(
+        &mut state,
+        [Command::Look(StandardView::Front), Command::Fit],
+    );
+    let at = |state: &State, point: DVec3| {
+        let camera = state.camera().expect("a camera");
+        camera.project(point).expect("in front")
+    };
+    // Near a corner, inside of the triangle.
+    let near = |state: &State, corner: DVec3| {
+        let middle = DVec3::new(1.0 / 3.0, 1.0 / 3.0, 0.0);
+        at(state, corner + (middle - corner) * 0.01)
+    };
+    update(&mut state, Command::SetTool(Some(Kind::Distance)));
+    for corner in [DVec3::X, DVec3::Y] {
+        let at = near(&state, corner);
+        update(&mut state, Command::Pin { at });
+    }
+    let [measured] = &state.measuring.list[..] else {
+        panic!("{:?}", state.measuring);
+    };
+    assert_eq!(measured.points, [DVec3::X, DVec3::Y], "vertices, not hits");
+    assert_eq!(state.pinned, None);
+    update(&mut state, Command::SetSnaps(false));
+    let beside = near(&state, DVec3::X);
+    update(&mut state, Command::Pin { at: beside });
+    assert_ne!(state.measuring.points, [DVec3::X]);
+    // Beside everything nothing is taken; Esc lets the point go, then the tool.
+    update(&mut state, Command::Pin { at: (0.5, 0.5) });
+    assert_eq!(state.measuring.points.len(), 1);
+    update(&mut state, Command::Dismiss);
+    assert!(state.measuring.points.is_empty() && state.measuring.tool.is_some());
+    update(&mut state, Command::Dismiss);
+    assert_eq!(state.measuring.tool, None);
+    update(&mut state, Command::Pin { at: beside });
+    assert!(state.pinned.is_some(), "clicks pick again");
+}
+
+#[test]
+fn measurements_are_saved_where_the_person_says() {
+    let mut state = opened(1);
+    let kind = PromptKind::Measurements;
+    assert_eq!(
+        update(&mut state, Command::Ask(kind)),
+        None,
+        "nothing to save"
+    );
+    state.measuring.list.push(Measurement {
+        kind: Kind::Distance,
+        points: vec![DVec3::ZERO, DVec3::X],
+    });
+    assert_eq!(
+        update(&mut state, Command::Ask(kind)),
+        Some(Effect::Dialog(kind))
+    );
+    update(&mut state, Command::TypePath("sizes".to_owned()));
+    let save = |replace| Effect::SaveMeasurements {
+        path: "sizes.csv".into(),
+        replace,
+    };
+    assert_eq!(update(&mut state, Command::ConfirmPath), Some(save(false)));
+    let taken = Replacing {
+        path: "sizes.csv".into(),
+        by: kind,
+    };
+    receive(&mut state, News::Taken(taken), Duration::ZERO);
+    assert_eq!(update(&mut state, Command::Replace), Some(save(true)));
+}
+
+#[test]
+fn faults_are_looked_at_one_by_one_while_the_mesh_is_the_same() {
+    let mut state = opened(2);
+    assert_eq!(
+        update(&mut state, Command::Check),
+        Some(Effect::Check(vec![0, 1]))
+    );
+    let weigh = update(&mut state, Command::Select(Some(1)));
+    assert_eq!(weigh, Some(Effect::Weigh(1)));
+    assert_eq!(
+        update(&mut state, Command::Check),
+        Some(Effect::Check(vec![1]))
+    );
+    let mesh = Arc::clone(&document(&state).scene.objects[1].mesh);
+    let health = Arc::new(raycast_core::health::check(&mesh, &|_| true).expect("it goes on"));
+    let object = 1;
+    let checked = vec![Checked {
+        object,
+        mesh,
+        health,
+    }];
+    receive(&mut state, News::Checked(checked), Duration::ZERO);
+    let fault = Fault::OpenEdges;
+    let shown = Shown {
+        object,
+        fault,
+        index: 2,
+    };
+    update(&mut state, Command::ShowFault(Some(shown)));
+    // The edge from (1, 0, 0) to (0, 1, 0) of the object that stands at x = 2.
+    let pivot = state.viewpoint.orbit.pivot;
+    assert!(pivot.distance(DVec3::new(2.5, 0.5, 0.0)) < 1e-12, "{pivot}");
+    let scene = Arc::clone(&document(&state).scene);
+    assert!(state.inspection.of(&scene, 1).is_some());
+    assert!(state.inspection.of(&scene, 0).is_none());
+    update(&mut state, Command::Delete(0));
+    let scene = Arc::clone(&document(&state).scene);
+    assert!(
+        state.inspection.of(&scene, 1).is_none(),
+        "numbers have changed hands"
+    );
+}

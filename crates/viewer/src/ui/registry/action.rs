@@ -15,6 +15,8 @@ pub enum Menu {
     View,
     /// What the picture shows.
     Look,
+    /// Measuring, and looking meshes over.
+    Tools,
     /// The window and how it works.
     Window,
     /// Help.
@@ -23,11 +25,12 @@ pub enum Menu {
 
 impl Menu {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::File,
         Self::Edit,
         Self::View,
         Self::Look,
+        Self::Tools,
         Self::Window,
         Self::Help,
     ];
@@ -39,6 +42,7 @@ impl Menu {
             Self::Edit => "Edit",
             Self::View => "View",
             Self::Look => "Look",
+            Self::Tools => "Tools",
             Self::Window => "Window",
             Self::Help => "Help",
         }

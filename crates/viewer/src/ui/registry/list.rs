@@ -3,6 +3,7 @@
 use super::action::{Action, Menu};
 use super::chord::{alt, ctrl, ctrl_shift, plain, shift};
 use crate::state::command::Command;
+use crate::state::measure::Kind;
 use crate::state::preferences::Theme;
 use crate::state::update::middle;
 use crate::state::viewpoint::StandardView;
@@ -67,6 +68,17 @@ macro_rules! view {
         )
         .when(has_scene)
         .on(|state| look(state, StandardView::$view))
+    };
+}
+
+macro_rules! tool {
+    ($id:literal, $name:literal, $does:literal, $kind:ident, $keys:expr) => {
+        Action::of(Menu::Tools, $id, $name, $does, $keys, |state| {
+            let is_on = state.measuring.tool == Some(Kind::$kind);
+            Command::SetTool((!is_on).then_some(Kind::$kind))
+        })
+        .when(has_scene)
+        .on(|state| state.measuring.tool == Some(Kind::$kind))
     };
 }
 
@@ -520,6 +532,81 @@ pub static ACTIONS: &[Action] = &[
         |state| Command::SetRefine(!state.preferences.refine),
     )
     .on(|state| state.preferences.refine),
+    tool!(
+        "measure.distance",
+        "Measure distance",
+        "Measure from a point to another",
+        Distance,
+        &[plain(Key::D)]
+    ),
+    tool!(
+        "measure.angle",
+        "Measure angle",
+        "Measure the angle at the second of three points",
+        Angle,
+        &[plain(Key::A)]
+    ),
+    tool!(
+        "measure.path",
+        "Measure path",
+        "Measure along points, one after another",
+        Path,
+        &[]
+    ),
+    tool!(
+        "measure.radius",
+        "Measure radius",
+        "Measure the circle through three points",
+        Radius,
+        &[]
+    ),
+    Action::of(
+        Menu::Tools,
+        "measure.end",
+        "End path",
+        "End the path that is being measured",
+        &[plain(Key::Enter)],
+        |_| Command::EndPath,
+    )
+    .when(|state| state.measuring.tool == Some(Kind::Path) && state.measuring.points.len() > 1),
+    Action::of(
+        Menu::Tools,
+        "measure.back",
+        "Take point back",
+        "Take back the last point of what is being measured",
+        &[plain(Key::Backspace)],
+        |_| Command::TakePointBack,
+    )
+    .when(|state| !state.measuring.points.is_empty()),
+    Action::of(
+        Menu::Tools,
+        "measure.save",
+        "Save CSV…",
+        "Write what was measured to a file",
+        &[],
+        |_| Command::Ask(PromptKind::Measurements),
+    )
+    .when(|state| !state.measuring.list.is_empty())
+    .apart(),
+    Action::of(
+        Menu::Tools,
+        "measure.clear",
+        "Clear",
+        "Forget all that was measured",
+        &[],
+        |_| Command::ClearMeasurements,
+    )
+    .when(|state| !state.measuring.list.is_empty()),
+    Action::of(
+        Menu::Tools,
+        "tools.check",
+        "Check the mesh",
+        "Look for holes and other faults in the marked object, or in all",
+        &[],
+        |_| Command::Check,
+    )
+    .when(has_scene)
+    .apart(),
     Action::of(
         Menu::Window,
         "window.panel",
