@@ -3,10 +3,12 @@
 mod mistyped;
 mod reading;
 mod values;
+mod written;
 
 pub use mistyped::mistyped;
 pub use reading::{LimitArg, ReadingArgs};
 pub use values::{OrbitArg, SceneColor};
+pub use written::render_command;
 
 use crate::failure::Failure;
 use crate::output;
@@ -15,7 +17,7 @@ use raycast_core::Cull;
 use raycast_core::camera::{Grid, Projection};
 use raycast_core::glam::DVec3;
 use raycast_core::render::Precision;
-use raycast_core::scene::Crop;
+use raycast_core::scene::{Color, Crop};
 use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
 use raycast_report::scenes::Made;
 use std::io::Write;
@@ -187,6 +189,9 @@ pub struct ShadingArgs {
         value_parser = values::line_width
     )]
     pub wireframe: Option<f32>,
+    /// The color of these edges: `#rrggbb` or `#rgb`
+    #[arg(long, value_name = "COLOR", requires = "wireframe")]
+    pub wireframe_color: Option<Color>,
     /// An image for the surface of every object
     #[arg(long, value_name = "IMAGE")]
     pub texture: Option<PathBuf>,
@@ -346,6 +351,9 @@ pub struct InfoArgs {
     /// Print a JSON array, an element a file
     #[arg(long)]
     pub json: bool,
+    /// Look for holes, flipped triangles and other faults in each mesh, and tell its area and volume
+    #[arg(long)]
+    pub health: bool,
     /// How files are read.
     #[command(flatten)]
     pub reading: ReadingArgs,

@@ -146,9 +146,12 @@ pub fn paint(scene: &mut Scene, args: &ShadingArgs, reading: &ReadingArgs) -> Re
 /// The shading that was asked for, over the scene file's, over the defaults.
 pub fn shading(args: &ShadingArgs, file: Option<Shading>) -> Shading {
     let base = file.unwrap_or_default();
-    let wireframe = args.wireframe.map(|width| Wireframe {
-        width,
-        ..base.wireframe.unwrap_or_default()
+    let wireframe = args.wireframe.map(|width| {
+        let lines = base.wireframe.unwrap_or_default();
+        Wireframe {
+            width,
+            color: args.wireframe_color.unwrap_or(lines.color),
+        }
     });
     Shading {
         mode: args.mode.unwrap_or(base.mode),

@@ -15,7 +15,7 @@ use crate::panels::{self, Commands, Status, overlay::TileOverlay};
 use crate::state::command::Command;
 use crate::state::effect::{Effect, Keep};
 use crate::state::news::{self, News};
-use crate::state::{PromptKind, Resolution, State, update};
+use crate::state::{PromptKind, State, update};
 use crate::ui::canvas::{self, Canvas};
 use crate::ui::{present, theme};
 use crate::worker::files::{Files, Saving};
@@ -25,7 +25,7 @@ use crate::worker::watch::Watch;
 use crate::worker::{Clock, Wake};
 use log::{FrameLine, FrameLog};
 use raycast_core::camera::{Camera, Grid};
-use raycast_core::formats::{ImageFile, Limits, SceneFile};
+use raycast_core::formats::Limits;
 use raycast_core::render::Settings;
 use settings::Remembered;
 use std::path::{Path, PathBuf};
@@ -115,6 +115,7 @@ impl App {
         let tasks = Files::new(Arc::clone(&wake)).within(limits);
         let renderer =
             Renderer::start(Arc::clone(&clock), Arc::clone(&wake), outbox, tasks.fault())?;
+        state.limits = limits;
         tasks.open(files, Keep::Nothing);
         Ok(Self {
             state,
@@ -331,20 +332,7 @@ impl App {
 
     fn save_scene(&self, path: PathBuf, replace: bool) {
         let state = &self.state;
-        if let Some(document) = &state.document {
-            let scene = SceneFile {
-                scene: document.scene.as_ref().clone(),
-                camera: Some(state.viewpoint.to_file()),
-                image: ImageFile {
-                    size: match state.resolution {
-                        Resolution::Fixed(columns, rows) => Some((columns, rows)),
-                        Resolution::Window { .. } => None,
-                    },
-                    samples: state.samples,
-                },
-                shading: Some(state.settings.shading),
-                ..SceneFile::default()
-            };
+        if let (Some(document), Some(scene)) = (&state.document, state.scene_file()) {
             let own = document.file.clone();
             let revision = state.history.revision();
             self.files.save_scene(scene, (path, own), revision, replace);

@@ -217,6 +217,7 @@ fn unsaved(ui: &mut Ui, state: &State, pending: &Pending, out: &mut Commands) {
     let before = match pending {
         Pending::Close => "closing",
         Pending::Reload => "reading it again",
+        Pending::CopyCommand => "copying the command that makes the picture",
         Pending::Open(_) | Pending::Case(_) | Pending::Neighbor(_) => "opening another",
     };
     card(ui, theme::colors(ui).accent).show(ui, |ui| {
@@ -229,7 +230,10 @@ fn unsaved(ui: &mut Ui, state: &State, pending: &Pending, out: &mut Commands) {
                 ("Don't save", "Go on, and lose the changes", Answer::Discard),
                 ("Cancel", "Stay with this scene (Esc)", Answer::Stay),
             ];
-            for (name, hint, answer) in answers {
+            // There is no command for what no file has.
+            let can_discard = *pending != Pending::CopyCommand;
+            let answers = answers.into_iter();
+            for (name, hint, answer) in answers.filter(|a| can_discard || a.2 != Answer::Discard) {
                 let button = ui.add(Button::new(name)).on_hover_text(hint);
                 if answer == Answer::Save && ui.memory(|memory| memory.focused().is_none()) {
                     button.request_focus();

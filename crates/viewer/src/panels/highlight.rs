@@ -55,7 +55,9 @@ fn box_of_marked(
         return;
     };
     let bounds = object.mesh.bounds();
-    if bounds.is_empty() || !object.visible {
+    // It would be in the way of what is looked at.
+    let is_in_the_way = state.measuring.tool.is_some() || state.inspection.shown.is_some();
+    if bounds.is_empty() || !object.visible || is_in_the_way {
         return;
     }
     let corners = bounds

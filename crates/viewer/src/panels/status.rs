@@ -26,6 +26,9 @@ fn under_cursor(state: &State) -> String {
     let Some(document) = &state.document else {
         return String::new();
     };
+    if let Some(tool) = state.measuring.tool {
+        return format!("{}: {}. Esc ends", tool.name(), tool.hint());
+    }
     let Some((x, y)) = state.hover else {
         return document.name.clone();
     };

@@ -164,6 +164,8 @@ pub enum Command {
     Unpin,
     /// Put text on the clipboard.
     Copy(String),
+    /// Copy the command that makes this picture.
+    CopyCommand,
 
     /// Take the last change back.
     Undo,

@@ -1,6 +1,8 @@
 //! Paths that are asked for, what is opened and saved, and what would be lost by it.
 
+use super::as_command;
 use super::effect::{Effect, Keep};
+use super::names::suggested_name;
 use super::{Answer, Pending, Prompt, PromptKind, Replacing, State};
 use raycast_core::picture::Format;
 use std::path::{Path, PathBuf};
@@ -22,21 +24,6 @@ pub(super) fn ask(state: &mut State, kind: PromptKind) -> Effect {
         dialog: true,
     });
     Effect::Dialog(kind)
-}
-
-/// A name for a file of this kind after the scene's.
-pub fn suggested_name(state: &State, kind: PromptKind) -> String {
-    let name = state
-        .document
-        .as_ref()
-        .map(|document| document.name.as_str());
-    let stem = name.and_then(|name| name.split('.').next());
-    let stem = stem.filter(|stem| !stem.is_empty());
-    match kind {
-        PromptKind::Scene => format!("{}.raycast.toml", stem.unwrap_or("scene")),
-        PromptKind::Measurements => format!("{}.csv", stem.unwrap_or("measurements")),
-        _ => format!("{}.png", stem.unwrap_or("picture")),
-    }
 }
 
 /// Takes what stands in the path line.
@@ -123,6 +110,7 @@ pub(super) fn proceed(state: &mut State, pending: Pending) -> Option<Effect> {
             let paths = paths().filter(|paths| !paths.is_empty())?;
             Some(Effect::Open(paths, Keep::All))
         }
+        Pending::CopyCommand => as_command::copy(state),
         Pending::Close => Some(Effect::Close),
     }
 }
@@ -135,6 +123,8 @@ pub(super) fn answer(state: &mut State, answer: Answer) -> Option<Effect> {
             state.typed = None;
             None
         }
+        // There is no command for what no file has.
+        Answer::Discard if pending == Pending::CopyCommand => None,
         Answer::Discard => proceed(state, pending),
         Answer::Save => {
             state.after_saving = Some(pending);

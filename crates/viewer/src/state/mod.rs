@@ -4,6 +4,7 @@
 //! brings back; the *view*, which navigation changes and which has a history of its own; the *session*
 //! (selection, questions, messages), which is never kept; and the *preferences*.
 
+mod as_command;
 pub mod command;
 pub mod document;
 pub mod effect;
@@ -13,6 +14,7 @@ mod inspect;
 pub mod inspection;
 pub mod measure;
 pub mod motion;
+mod names;
 mod navigate;
 pub mod news;
 mod objects;
@@ -36,6 +38,7 @@ use preferences::Preferences;
 use raycast_core::camera::{
     Camera, FrameLock, Grid, ImagePlane, PlaneError, PlaneRequest, Projection,
 };
+use raycast_core::formats::{ImageFile, Limits, SceneFile};
 use raycast_core::glam::DVec3;
 use raycast_core::render::{Settings, View};
 use raycast_core::scene::Bounds;
@@ -163,6 +166,8 @@ pub struct State {
     pub overlay: Overlay,
     /// Render threads.
     pub threads: usize,
+    /// How much reading files may take.
+    pub limits: Limits,
     /// Whether the side panel is open.
     pub panel: bool,
     /// How a person likes to work.
@@ -206,6 +211,7 @@ impl Default for State {
             grid: Grid::default(),
             overlay: Overlay::default(),
             threads: default_threads(),
+            limits: Limits::default(),
             panel: true,
             preferences: Preferences::default(),
         }
@@ -390,6 +396,24 @@ impl State {
                 samples: self.samples.unwrap_or(1),
                 ..self.settings
             },
+        })
+    }
+
+    /// The scene as its file holds it; `None` while there is none.
+    pub fn scene_file(&self) -> Option<SceneFile> {
+        let document = self.document.as_ref()?;
+        Some(SceneFile {
+            scene: document.scene.as_ref().clone(),
+            camera: Some(self.viewpoint.to_file()),
+            image: ImageFile {
+                size: match self.resolution {
+                    Resolution::Fixed(columns, rows) => Some((columns, rows)),
+                    Resolution::Window { .. } => None,
+                },
+                samples: self.samples,
+            },
+            shading: Some(self.settings.shading),
+            ..SceneFile::default()
         })
     }
 

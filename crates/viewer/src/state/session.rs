@@ -44,6 +44,8 @@ pub enum Pending {
     Neighbor(i32),
     /// Reading what is open again.
     Reload,
+    /// Copying the picture as a command.
+    CopyCommand,
     /// Closing the window.
     Close,
 }

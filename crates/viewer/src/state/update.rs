@@ -6,11 +6,11 @@ use super::measure::Kind;
 use super::pick::Pinned;
 use super::viewpoint::FOV_RANGE;
 use super::{Palette, Pending, PromptKind, Resolution, SAMPLES_LIMIT, State};
-use super::{files, history, inspect, navigate, objects, plane, preferences};
+use super::{as_command, files, history, inspect, navigate, objects, plane, preferences};
 use raycast_core::ranges::WIDEST_LINE;
 use raycast_core::shade::Wireframe;
 
-pub use super::files::suggested_name;
+pub use super::names::suggested_name;
 
 /// Carries out one command. What changes the document can be undone.
 pub fn update(state: &mut State, command: Command) -> Option<Effect> {
@@ -186,6 +186,8 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             state.tell(format!("Copied {first}{more}"));
             return Some(Effect::Copy(text));
         }
+
+        Command::CopyCommand => return as_command::copy(state),
 
         Command::Undo | Command::Redo => {
             let here = state.snapshot()?;

@@ -197,6 +197,15 @@ pub static ACTIONS: &[Action] = &[
     .when(has_scene),
     Action::of(
         Menu::File,
+        "file.command",
+        "Copy as command",
+        "Copy the raycast render line that makes this very picture, byte for byte",
+        &[ctrl_shift(Key::C)],
+        |_| Command::CopyCommand,
+    )
+    .when(has_scene),
+    Action::of(
+        Menu::File,
         "file.quit",
         "Quit",
         "Close the window",
