@@ -8,7 +8,7 @@ mod written;
 pub use mistyped::mistyped;
 pub use reading::{LimitArg, ReadingArgs};
 pub use values::{OrbitArg, SceneColor};
-pub use written::render_command;
+pub use written::{camera_of, camera_options, render_command};
 
 use crate::failure::Failure;
 use crate::output;

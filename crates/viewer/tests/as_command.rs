@@ -149,6 +149,90 @@ fn a_changed_scene_is_saved_first_and_its_command_writes_the_same_bytes() {
 }
 
 #[test]
+fn a_picture_that_is_dropped_brings_its_scene_and_its_view_back() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (mut state, files) = opened(folder.path());
+    for command in [
+        Command::Orbit {
+            yaw: 50.0,
+            pitch: -20.0,
+        },
+        Command::SetMode(Mode::Normals),
+        Command::SetSize(96, 64),
+    ] {
+        update(&mut state, command);
+    }
+    let path = folder.path().join("picture.png");
+    let save = |state: &State, path: &Path| {
+        let picture = Saving {
+            view: state.view_at_rest().expect("a view"),
+            grid: Grid::Size(32),
+            threads: 1,
+        };
+        files.save(picture, path.to_owned(), true);
+        assert!(matches!(wait(&files), News::PictureSaved(_)));
+        raycast_core::picture::ImageFile::decode(&std::fs::read(path).expect("a picture"))
+            .expect("an image")
+            .picture
+            .pixels
+    };
+    let pixels = save(&state, &path);
+    let at = state.viewpoint;
+    let drop = |state: &mut State| {
+        let Some(Effect::OpenPicture(path, among)) =
+            update(state, Command::DropPicture(path.clone()))
+        else {
+            panic!("a picture is opened");
+        };
+        let scene = state.document.as_ref().map(|d| Arc::clone(&d.scene));
+        files.open_picture(path, scene, among);
+    };
+    // The scene is open: the view and the look come back.
+    update(&mut state, Command::ResetView);
+    update(&mut state, Command::SetMode(Mode::Depth));
+    drop(&mut state);
+    receive(&mut state, wait(&files), Duration::ZERO);
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
+    assert!(near(state.viewpoint.orbit.yaw, at.orbit.yaw) && near(state.viewpoint.fov, at.fov));
+    assert_eq!(state.settings.shading.mode, Mode::Normals);
+    assert_eq!(state.size(), (96, 64));
+    let again = save(&state, &folder.path().join("again.png"));
+    let other = again.iter().zip(&pixels).filter(|(a, b)| a != b).count();
+    assert!(
+        other * 100 < pixels.len(),
+        "{other} of {} pixels",
+        pixels.len()
+    );
+    // Another scene is open: its own is found among the recent files.
+    files.open(Vec::new(), Keep::Nothing);
+    receive(&mut state, wait(&files), Duration::ZERO);
+    drop(&mut state);
+    for _ in 0..1000 {
+        // First the scene, then what the picture tells.
+        for news in files.fetch() {
+            receive(&mut state, news, Duration::ZERO);
+        }
+        if state.settings.shading.mode == Mode::Normals {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let document = state.document.as_ref().expect("a scene");
+    assert_eq!(document.name, "cube.obj");
+    assert_eq!(state.settings.shading.mode, Mode::Normals);
+    // It is nowhere to be found: it is said, and nothing changes.
+    files.open(Vec::new(), Keep::Nothing);
+    receive(&mut state, wait(&files), Duration::ZERO);
+    state.preferences.recent.clear();
+    drop(&mut state);
+    let news = wait(&files);
+    assert!(
+        matches!(&news, News::NotOpened(text) if text.contains("recent files")),
+        "{news:?}"
+    );
+}
+
+#[test]
 fn what_no_file_has_is_no_command() {
     let files = Files::new(Arc::new(|| {}));
     let mut state = State::default();

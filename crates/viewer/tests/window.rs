@@ -644,3 +644,23 @@ fn the_health_of_a_mesh_is_asked_for_and_its_faults_are_clicked() {
     click(&mut harness, "Open edges");
     assert_eq!(harness.state().state.inspection.shown, None);
 }
+
+#[test]
+fn views_are_kept_and_gone_to_and_cameras_are_pasted() {
+    let mut harness = open_two();
+    click(&mut harness, "Camera");
+    let here = harness.state().state.viewpoint;
+    click(&mut harness, "Keep view");
+    harness.key_press(Key::Num7);
+    harness.run();
+    click(&mut harness, "View 1");
+    assert_eq!(harness.state().state.viewpoint, here);
+    let text = "--eye 0,0,9 --target 0,0,1 --fov 30";
+    harness.event(egui::Event::Paste(text.to_owned()));
+    harness.run();
+    let pasted = harness.state().state.viewpoint;
+    assert_eq!((pasted.orbit.pivot, pasted.orbit.distance), (DVec3::Z, 8.0));
+    assert_eq!(pasted.fov, 30.0);
+    click(&mut harness, "Forget View 1");
+    assert!(harness.state().state.bookmarks.is_empty());
+}

@@ -240,7 +240,7 @@ impl App {
         let command = match images.into_iter().next() {
             _ if !scenes.is_empty() && adds => Command::Add(scenes),
             _ if !scenes.is_empty() => Command::Open(scenes),
-            Some(image) => Command::LoadTexture(image, None),
+            Some(image) => Command::DropPicture(image),
             None => return,
         };
         let effect = update::update(&mut self.state, command);
@@ -269,6 +269,11 @@ impl App {
                     _ => String::new(),
                 };
                 self.files.ask(kind, suggested);
+            }
+            Some(Effect::OpenPicture(path, among)) => {
+                let scene = self.state.document.as_ref();
+                let scene = scene.map(|document| Arc::clone(&document.scene));
+                self.files.open_picture(path, scene, among);
             }
             Some(Effect::SavePicture { path, replace }) => self.save_picture(path, replace),
             Some(Effect::SaveScene { path, replace }) => self.save_scene(path, replace),
@@ -475,5 +480,5 @@ impl eframe::App for App {
 fn is_image(path: &Path) -> bool {
     path.extension()
         .map(|extension| extension.to_string_lossy().to_ascii_lowercase())
-        .is_some_and(|extension| ["png", "jpg", "jpeg", "ppm"].contains(&extension.as_str()))
+        .is_some_and(|extension| ["png", "jpg", "jpeg", "ppm", "exr"].contains(&extension.as_str()))
 }

@@ -27,6 +27,7 @@ pub struct Remembered {
     refine: bool,
     watch: bool,
     recent: Vec<PathBuf>,
+    views: Vec<(PathBuf, Vec<String>)>,
 }
 
 impl Default for Remembered {
@@ -70,6 +71,7 @@ impl Remembered {
             refine: state.preferences.refine,
             watch: state.preferences.watch,
             recent: state.preferences.recent.clone(),
+            views: state.preferences.views.clone(),
         }
     }
 
@@ -117,6 +119,7 @@ impl Remembered {
             refine: self.refine,
             watch: self.watch,
             recent: self.recent.clone(),
+            views: self.views.clone(),
         };
     }
 }
@@ -147,6 +150,7 @@ mod tests {
                 refine: false,
                 watch: false,
                 recent: vec!["/a/b.obj".into()],
+                views: vec![("/a/b.obj".into(), vec!["--eye 0,0,1".to_owned()])],
             },
             ..State::default()
         };

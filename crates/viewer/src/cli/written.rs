@@ -1,8 +1,10 @@
 //! A command line that makes a picture: written so that it reads back as the same.
 
-use super::values::{CULLS, FILTERS, MODES, Names, PRECISIONS, PROJECTIONS, TEXTURE_PROJECTIONS};
-use raycast_core::camera::Camera;
-use raycast_core::formats::Limits;
+use super::values::{
+    self, CULLS, FILTERS, MODES, Names, PRECISIONS, PROJECTIONS, TEXTURE_PROJECTIONS,
+};
+use raycast_core::camera::{Camera, Placement, Projection, fov_to_frame, frame_to_fov};
+use raycast_core::formats::{CameraFile, Limits};
 use raycast_core::glam::DVec3;
 use raycast_core::render::Settings;
 use raycast_core::scene::UpAxis;
@@ -61,6 +63,67 @@ pub fn render_command(
     Some(words.join(" "))
 }
 
+/// A camera as options of `raycast render`, which [`camera_of`] reads. An orthographic frame is told by the field
+/// of view that has it at the target's distance.
+pub fn camera_options(camera: &CameraFile) -> String {
+    let CameraFile {
+        placement,
+        projection,
+        frame,
+    } = camera;
+    let fov = match projection {
+        Projection::Perspective => *frame,
+        Projection::Orthographic => frame_to_fov(*frame, placement.eye.distance(placement.target)),
+    };
+    format!(
+        "--eye {} --target {} --up {} --fov {fov} --projection {}",
+        point(placement.eye),
+        point(placement.target),
+        point(placement.up),
+        word(PROJECTIONS, *projection),
+    )
+}
+
+/// The camera that options of `raycast render` tell, whatever else stands between them; `None` where they tell no
+/// eye and no target, or no such camera is possible. What is not told is upright, perspective, of 45°.
+pub fn camera_of(text: &str) -> Option<CameraFile> {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let told = |name: &str| {
+        let at = words.iter().position(|word| *word == name)?;
+        words.get(at + 1).copied()
+    };
+    let read = |name: &str| told(name).map(values::point).transpose().ok();
+    let (eye, target) = (read("--eye")??, read("--target")??);
+    let towards = Placement::towards(eye, target);
+    let placement = Placement {
+        up: read("--up")?.unwrap_or(towards.up),
+        ..towards
+    };
+    placement.check().ok()?;
+    let projection = match told("--projection") {
+        Some(name) => PROJECTIONS.iter().find(|(known, _)| *known == name)?.1,
+        None => Projection::Perspective,
+    };
+    let distance = eye.distance(target);
+    let fov = told("--fov").map(values::fov).transpose().ok()?;
+    let rows = told("--size").map(values::size).transpose().ok()?;
+    let step = told("--step").map(values::step).transpose().ok()?;
+    let frame = match (fov, step.zip(rows)) {
+        (Some(fov), _) => fov_to_frame(fov, distance),
+        (None, Some((step, (_, rows)))) => step * f64::from(rows),
+        (None, None) => fov_to_frame(45.0, distance),
+    };
+    Some(CameraFile {
+        placement,
+        projection,
+        frame: match (projection, fov) {
+            (Projection::Perspective, Some(fov)) => fov,
+            (Projection::Perspective, None) => frame_to_fov(frame, distance),
+            (Projection::Orthographic, _) => frame,
+        },
+    })
+}
+
 /// The options of reading that are not at their defaults.
 fn reading(limits: &Limits) -> Vec<String> {
     let mut words = Vec::new();
@@ -117,6 +180,40 @@ mod tests {
             assert_eq!(quoted("a b"), "'a b'");
             assert_eq!(quoted("it's $HOME"), r"'it'\''s $HOME'");
             assert_eq!(quoted("#102030"), "'#102030'");
+        }
+    }
+
+    #[test]
+    fn a_camera_reads_back_as_it_was_written_and_nonsense_is_none() {
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let camera = CameraFile {
+                placement: Placement {
+                    eye: DVec3::new(1.0 / 3.0, -2e-7, 5e9),
+                    target: DVec3::new(0.5, 0.0, -1.0),
+                    up: DVec3::new(0.1, 1.0, 0.0),
+                },
+                projection,
+                frame: 33.0,
+            };
+            let read = camera_of(&camera_options(&camera)).expect("a camera");
+            assert_eq!(
+                (read.placement, read.projection),
+                (camera.placement, projection)
+            );
+            assert!((read.frame / 33.0 - 1.0).abs() < 1e-6, "{read:?}");
+        }
+        let line =
+            "raycast render a.obj -o a.png --size 40x30 --step 0.1 --eye 0,0,9 --target 0,0,0";
+        let read = camera_of(line).expect("a camera");
+        assert!((fov_to_frame(read.frame, 9.0) - 3.0).abs() < 1e-12);
+        for text in [
+            "",
+            "hello",
+            "--eye 0,0,0",
+            "--eye 1,2,3 --target 1,2,3",
+            "--eye a --target b",
+        ] {
+            assert_eq!(camera_of(text), None, "{text}");
         }
     }
 

@@ -1,6 +1,7 @@
 //! Parts of the window, one a file: each shows state and emits commands.
 
 mod banner;
+mod camera;
 mod gizmo;
 mod health;
 mod help;

@@ -1,7 +1,7 @@
 //! The side panel: what is done daily first, what is for experts closed.
 
 use super::{
-    Commands, Status, health, look, measure, objects, pick, picture, render, surface, tiles,
+    Commands, Status, camera, health, look, measure, objects, pick, picture, render, surface, tiles,
 };
 use crate::state::State;
 use egui::{ScrollArea, Ui};
@@ -20,6 +20,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Comman
             measure::show(ui, state, out);
             health::show(ui, state, out);
             surface::show(ui, state, out);
+            camera::show(ui, state, out);
             picture::show(ui, state, out);
             tiles::show(ui, state, status, out);
             render::show(ui, state, status, out);

@@ -115,7 +115,7 @@ fn turn(ui: &mut Ui, state: &State, number: usize, out: &mut Commands) {
 }
 
 /// Three numbers; which was changed, and what it made of them.
-fn three(
+pub(super) fn three(
     ui: &mut Ui,
     (name, hint): (&str, &str),
     value: DVec3,

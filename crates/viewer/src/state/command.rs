@@ -8,6 +8,7 @@ use super::viewpoint::StandardView;
 use super::{Answer, PromptKind, Tint};
 use raycast_core::Cull;
 use raycast_core::camera::{FrameLock, Grid, Projection};
+use raycast_core::glam::DVec3;
 use raycast_core::scene::{Color, ColorRule, Transform};
 use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
 use std::path::PathBuf;
@@ -60,6 +61,24 @@ pub enum Command {
     ViewBack,
     /// The view that was come back from.
     ViewForward,
+
+    /// Keep the view.
+    AddBookmark,
+    /// Go to a view that was kept, by its place in the list.
+    GoToBookmark(usize),
+    /// Forget a view.
+    RemoveBookmark(usize),
+    /// Copy the camera as text.
+    CopyCamera,
+    /// Go where a text says.
+    PasteCamera(String),
+    /// Look from a place at another, upright.
+    SetPlacement {
+        /// From.
+        eye: DVec3,
+        /// At.
+        target: DVec3,
+    },
 
     /// Another ray spacing, in scene units.
     SetStep(f64),
@@ -197,6 +216,8 @@ pub enum Command {
     CancelLoad,
     /// Put an image on an object; on every one, for `None`.
     LoadTexture(PathBuf, Option<usize>),
+    /// Show what a picture was made of, if it tells; else put it on every object.
+    DropPicture(PathBuf),
     /// Write the picture to a file; its name says which kind. Where one is there already, ask first.
     SavePicture(PathBuf),
     /// Write the scene to its file; ask for one if it has none.

@@ -32,6 +32,9 @@ pub enum Effect {
     Build,
     /// Read an image as the texture of an object; of all, for `None`.
     LoadTexture(PathBuf, Option<usize>),
+    /// Read what a picture was made of; and where that is not the scene that is open, look for it in these
+    /// files. A picture that does not tell is a texture.
+    OpenPicture(PathBuf, Vec<PathBuf>),
     /// Write the picture; in place of what is there only if it may `replace` that.
     SavePicture {
         /// Where.

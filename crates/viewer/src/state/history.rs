@@ -51,6 +51,9 @@ pub type Kind = (
     Option<usize>,
 );
 
+/// Meshes as they were, and as they were read again.
+pub type Renewed = Vec<(Arc<Mesh>, Arc<Mesh>)>;
+
 #[derive(Clone, Debug)]
 struct Step {
     name: &'static str,
@@ -155,6 +158,23 @@ impl History {
             ..step
         });
         (step.name, step.other)
+    }
+
+    /// Puts meshes that were read again in place of what they were, in every step.
+    pub fn renew(&mut self, meshes: &[(Arc<Mesh>, Arc<Mesh>)]) {
+        self.last = None;
+        for step in self.undo.iter_mut().chain(&mut self.redo) {
+            let mut scene = Scene::clone(&step.other.scene);
+            for object in &mut scene.objects {
+                let new = meshes
+                    .iter()
+                    .find(|(old, _)| Arc::ptr_eq(old, &object.mesh));
+                if let Some((_, new)) = new {
+                    object.mesh = Arc::clone(new);
+                }
+            }
+            step.other.scene = Arc::new(scene);
+        }
     }
 
     /// What undo would take back.

@@ -5,6 +5,7 @@
 //! (selection, questions, messages), which is never kept; and the *preferences*.
 
 mod as_command;
+mod bookmarks;
 pub mod command;
 pub mod document;
 pub mod effect;
@@ -112,6 +113,8 @@ pub struct State {
     pub viewpoint: Viewpoint,
     /// Where it was seen from at first.
     pub home: Viewpoint,
+    /// Views that were kept, for this scene.
+    pub bookmarks: Vec<Viewpoint>,
     /// A change of view under way.
     pub motion: Option<Motion>,
     /// The camera's history.
@@ -185,6 +188,7 @@ impl Default for State {
             history: History::default(),
             viewpoint: Viewpoint::default(),
             home: Viewpoint::default(),
+            bookmarks: Vec::new(),
             motion: None,
             trail: Trail::default(),
             viewport: (1280, 720),

@@ -3,7 +3,8 @@
 use super::State;
 use super::motion::Motion;
 use super::viewpoint::{FOV_RANGE, StandardView, Viewpoint};
-use raycast_core::camera::{Projection, Ray};
+use raycast_core::camera::{Orbit, Placement, Projection, Ray};
+use raycast_core::glam::DVec3;
 use raycast_core::math;
 
 /// The camera looks from further away than this many times the scene's size only where a file has it so: a
@@ -70,6 +71,19 @@ pub(super) fn look_back(state: &mut State) {
         state,
         here.turned_to((here.orbit.yaw + 180.0, -here.orbit.pitch)),
     );
+}
+
+/// Looks from a place at another; nothing where they say no direction.
+pub(super) fn place(state: &mut State, eye: DVec3, target: DVec3) {
+    let placement = Placement::towards(eye, target);
+    if placement.check().is_ok() {
+        leave(state);
+        let here = state.viewpoint;
+        state.viewpoint = Viewpoint {
+            orbit: Orbit::from_placement(&placement),
+            ..here
+        };
+    }
 }
 
 /// Rolls the camera.

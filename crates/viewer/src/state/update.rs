@@ -6,7 +6,9 @@ use super::measure::Kind;
 use super::pick::Pinned;
 use super::viewpoint::FOV_RANGE;
 use super::{Palette, Pending, PromptKind, Resolution, SAMPLES_LIMIT, State};
-use super::{as_command, files, history, inspect, navigate, objects, plane, preferences};
+use super::{
+    as_command, bookmarks, files, history, inspect, navigate, objects, plane, preferences,
+};
 use raycast_core::ranges::WIDEST_LINE;
 use raycast_core::shade::Wireframe;
 
@@ -59,6 +61,13 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::LookBack => navigate::look_back(state),
         Command::ViewBack => navigate::back(state),
         Command::ViewForward => navigate::forward(state),
+
+        Command::AddBookmark => bookmarks::add(state),
+        Command::GoToBookmark(number) => bookmarks::go(state, number),
+        Command::RemoveBookmark(number) => bookmarks::remove(state, number),
+        Command::CopyCamera => return bookmarks::copy(state),
+        Command::PasteCamera(text) => bookmarks::paste(state, &text),
+        Command::SetPlacement { eye, target } => navigate::place(state, eye, target),
 
         Command::SetStep(step) => plane::set_step(state, step),
         Command::ScaleStep(factor) => plane::scale_step(state, factor),
@@ -242,6 +251,15 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::LoadTexture(path, which) => {
             state.prompt = None;
             return Some(Effect::LoadTexture(path, which));
+        }
+        Command::DropPicture(path) => {
+            state.prompt = None;
+            // Nothing is opened in place of what would be lost.
+            let among = match state.has_unsaved() {
+                true => Vec::new(),
+                false => state.preferences.recent.clone(),
+            };
+            return Some(Effect::OpenPicture(path, among));
         }
         Command::SavePicture(path) => return files::save_picture(state, path, false),
         Command::SaveScene => return files::save_scene(state),

@@ -50,6 +50,13 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
     context.input(|input| {
         let mut commands = Vec::new();
         for event in &input.events {
+            match event {
+                egui::Event::Copy if !typing => commands.push(Command::CopyCamera),
+                egui::Event::Paste(text) if !typing => {
+                    commands.push(Command::PasteCamera(text.clone()));
+                }
+                _ => {}
+            }
             let egui::Event::Key {
                 key,
                 physical_key,

@@ -227,6 +227,16 @@ impl Files {
         });
     }
 
+    /// Reads what a picture was made of. Where that is not `scene`, the one that is open, it is looked for
+    /// `among` other files. A picture that does not tell is a texture.
+    pub fn open_picture(&self, path: PathBuf, scene: Option<Arc<Scene>>, among: Vec<PathBuf>) {
+        let limits = self.limits;
+        let name = scene_name(std::slice::from_ref(&path));
+        self.load(name, move |load| {
+            load.picture(&path, scene.as_deref(), among, limits)
+        });
+    }
+
     /// Reads an image as a texture of an object, or of all.
     pub fn load_texture(&self, path: PathBuf, which: Option<usize>) {
         let budget = Budget::new(self.limits);

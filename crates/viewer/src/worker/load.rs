@@ -8,8 +8,9 @@ use crate::state::document::{Document, Tree};
 use crate::state::effect::Keep;
 use crate::state::news::{Loaded, News};
 use raycast_core::formats::{self, Budget, Limits, SceneFile};
+use raycast_core::picture::{ImageFile, Recipe};
 use raycast_core::scene::Scene;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -68,6 +69,52 @@ impl Load<'_> {
         loaded.keep = keep;
         loaded.errors = read.errors;
         Ok(News::Loaded(Box::new(loaded)))
+    }
+
+    /// What a picture was made of, once its scene is open; the picture as a texture, if it does not tell.
+    pub(super) fn picture(
+        &self,
+        path: &Path,
+        scene: Option<&Scene>,
+        among: Vec<PathBuf>,
+        limits: Limits,
+    ) -> Result<News, String> {
+        let budget = Budget::new(limits);
+        let Some(recipe) = recipe(path)? else {
+            lock(&self.shared.opened).push(path.to_owned());
+            let texture = formats::read_texture_within(path, &budget);
+            let texture = Arc::new(texture.map_err(|error| error.to_string())?);
+            return Ok(News::Texture(texture, path.to_owned(), None));
+        };
+        let recipe_news = || Ok(News::Recipe(Box::new(recipe)));
+        if scene.is_some_and(|scene| scene.content() == recipe.scene) {
+            return recipe_news();
+        }
+        let count = among.len();
+        for (index, file) in among.into_iter().enumerate() {
+            if self.is_over() {
+                return Err("it was let go".to_owned());
+            }
+            self.progress.read(index as f32 / count as f32);
+            (self.shared.wake)();
+            let read = formats::read_scene_within(&file, &Budget::new(limits), &|_| {});
+            let Ok(read) = read else {
+                continue;
+            };
+            if read.scene.content() == recipe.scene {
+                lock(&self.shared.opened).extend(read.opened.iter().cloned());
+                lock(&self.shared.opened).push(file.clone());
+                let loaded = self.finish(read, vec![file], Duration::ZERO)?;
+                self.shared
+                    .tell(self.ticket, News::Loaded(Box::new(loaded)));
+                return recipe_news();
+            }
+        }
+        Err(format!(
+            "{}: the scene that this picture was made of is neither open nor among the recent files. Open its \
+             meshes, and drop the picture again.",
+            path.display()
+        ))
     }
 
     pub(super) fn objects(&self, paths: Vec<PathBuf>, limits: Limits) -> Result<News, String> {
@@ -206,6 +253,19 @@ impl Load<'_> {
         let own = loads.iter().find(|(load, ..)| *load == self.ticket);
         own.map_or_else(String::new, |(_, name, _)| name.clone())
     }
+}
+
+/// What a picture was made of, where it tells.
+fn recipe(path: &Path) -> Result<Option<Recipe>, String> {
+    let cannot = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+    let bytes = std::fs::read(path).map_err(|error| cannot(&error))?;
+    // Pixels are decoded only where there is something to be told.
+    let name = b"raycast-recipe";
+    if !bytes.windows(name.len()).any(|part| part == name) {
+        return Ok(None);
+    }
+    let file = ImageFile::decode(&bytes).map_err(|error| cannot(&error))?;
+    Ok(file.recipe)
 }
 
 /// The tree over a scene, and the box around what can be seen of it.

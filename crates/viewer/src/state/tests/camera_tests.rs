@@ -195,3 +195,56 @@ fn zooming_out_does_not_lose_the_scene() {
     let frame = state.frame_height();
     assert!(frame < 15.0 * state.extent(), "{frame} {}", state.extent());
 }
+
+#[test]
+fn views_are_kept_for_a_file_and_recalled_with_it() {
+    let mut state = opened(1);
+    update(&mut state, Command::AddBookmark);
+    let first = state.viewpoint;
+    update(&mut state, Command::Look(StandardView::Top));
+    let second = state.viewpoint;
+    do_all(&mut state, [Command::AddBookmark, Command::AddBookmark]);
+    assert_eq!(
+        state.bookmarks,
+        [first, second],
+        "the same view is kept once"
+    );
+    update(&mut state, Command::GoToBookmark(0));
+    assert_eq!(state.viewpoint, first);
+    update(&mut state, Command::RemoveBookmark(0));
+    receive(&mut state, loaded(1, None), Duration::ZERO);
+    let [recalled] = state.bookmarks[..] else {
+        panic!("{:?}", state.bookmarks);
+    };
+    let (a, b) = (recalled.placement(), second.placement());
+    assert!(
+        a.eye.distance(b.eye) < 1e-12 && a.up.distance(b.up) < 1e-12,
+        "{a:?} {b:?}"
+    );
+    assert!((recalled.fov / second.fov - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_camera_is_copied_pasted_and_typed() {
+    let mut state = opened(1);
+    let here = state.viewpoint;
+    let Some(Effect::Copy(text)) = update(&mut state, Command::CopyCamera) else {
+        panic!("it is copied");
+    };
+    update(&mut state, Command::Look(StandardView::Left));
+    update(&mut state, Command::PasteCamera(text));
+    let (a, b) = (here.placement(), state.viewpoint.placement());
+    assert!(a.eye.distance(b.eye) < 1e-12 && a.target.distance(b.target) < 1e-12);
+    let before = state.viewpoint;
+    update(
+        &mut state,
+        Command::PasteCamera("a shopping list".to_owned()),
+    );
+    assert_eq!(state.viewpoint, before);
+    let (eye, target) = (DVec3::new(4.0, 2.0, 3.0), DVec3::Y);
+    update(&mut state, Command::SetPlacement { eye, target });
+    let placed = state.viewpoint.placement();
+    assert!(placed.eye.distance(eye) < 1e-12 && placed.target == target);
+    update(&mut state, Command::SetPlacement { eye, target: eye });
+    assert_eq!(state.viewpoint.placement(), placed, "that is no direction");
+}

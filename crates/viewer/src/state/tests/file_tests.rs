@@ -287,3 +287,29 @@ fn a_file_read_again_keeps_the_camera_and_what_a_person_changed() {
     assert_eq!(update(&mut state, Command::Reload), None);
     assert_eq!(state.question, Some(Pending::Reload));
 }
+
+#[test]
+fn undo_outlives_a_file_that_is_read_again_and_shows_what_it_holds_now() {
+    let mut state = opened(2);
+    update(&mut state, Command::SetVisible(0, false));
+    update(&mut state, Command::Rename(1, "lid".to_owned()));
+    let News::Loaded(mut again) = loaded(2, None) else {
+        panic!("it is a scene");
+    };
+    again.keep = Keep::All;
+    let new = Arc::clone(&again.document.scene.objects[0].mesh);
+    receive(&mut state, News::Loaded(again), Duration::ZERO);
+    assert_eq!(names(&state), ["object 0", "lid"]);
+    update(&mut state, Command::Undo);
+    assert_eq!(names(&state), ["object 0", "object 1"]);
+    update(&mut state, Command::Undo);
+    assert_eq!(visible(&state), [true, true]);
+    let objects = &document(&state).scene.objects;
+    assert!(
+        Arc::ptr_eq(&objects[0].mesh, &new),
+        "the new triangles, not the old"
+    );
+    update(&mut state, Command::Redo);
+    assert_eq!(visible(&state), [false, true]);
+    assert!(Arc::ptr_eq(&document(&state).scene.objects[0].mesh, &new));
+}

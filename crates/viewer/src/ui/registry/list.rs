@@ -200,7 +200,7 @@ pub static ACTIONS: &[Action] = &[
         "file.command",
         "Copy as command",
         "Copy the raycast render line that makes this very picture, byte for byte",
-        &[ctrl_shift(Key::C)],
+        &[ctrl_shift(Key::E)],
         |_| Command::CopyCommand,
     )
     .when(has_scene),
@@ -354,6 +354,25 @@ pub static ACTIONS: &[Action] = &[
         |_| Command::ViewForward,
     )
     .when(|state| state.trail.has_future()),
+    Action::of(
+        Menu::View,
+        "view.bookmark",
+        "Keep view",
+        "Keep this view in the list of the panel's part Camera",
+        &[plain(Key::B)],
+        |_| Command::AddBookmark,
+    )
+    .when(has_scene)
+    .apart(),
+    Action::of(
+        Menu::View,
+        "view.copy",
+        "Copy camera",
+        "Copy the camera as options of raycast render; Ctrl+C does the same, and Ctrl+V goes to one",
+        &[],
+        |_| Command::CopyCamera,
+    )
+    .when(has_scene),
     view!("view.front", "Front", Front, &[plain(Key::Num1)]).apart(),
     view!("view.back_side", "Back side", Back, &[ctrl(Key::Num1)]),
     view!("view.right", "Right", Right, &[plain(Key::Num3)]),
