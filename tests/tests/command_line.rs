@@ -1131,6 +1131,31 @@ fn info_tells_what_a_file_holds() {
     assert_eq!(files[1]["triangles"], 3);
     assert_eq!(files[1]["dropped"]["zero_area"], 1);
     assert_eq!(files[1]["dropped"]["not_finite"], 1);
+    assert!(files[0]["objects"][0].get("health").is_none());
+    let told = succeed(arguments!["info", "--json", "--health", &mesh, &dropped]);
+    let files = json(&told.output);
+    let cube = &files[0]["objects"][0]["health"];
+    assert!(
+        cube["closed"] == true && cube["euler_characteristic"] == 2,
+        "{cube}"
+    );
+    let [area, volume] = ["area", "volume"].map(|key| cube[key].as_f64().expect("a number"));
+    // A cube of any side.
+    assert!(
+        (volume.powi(2) / (area / 6.0).powi(3) - 1.0).abs() < 1e-12,
+        "{cube}"
+    );
+    let one = &files[1]["objects"][0]["health"];
+    assert!(
+        one["open_edges"] == 3 && one["degenerate"] == 2 && one["volume"].is_null(),
+        "{one}"
+    );
+    let text = String::from_utf8(succeed(arguments!["info", "--health", &dropped]).output);
+    let text = text.expect("UTF-8");
+    assert!(
+        text.contains("not closed") && text.contains("3 open edges, 2 degenerate"),
+        "{text}"
+    );
     refuse(1, arguments!["info", folder.path().join("none.obj")]);
 }
 

@@ -17,10 +17,11 @@ use raycast_viewer::state::document::Document;
 use raycast_viewer::state::effect::{Effect, Keep};
 use raycast_viewer::state::inspection::Checked;
 use raycast_viewer::state::news::{Loaded, News, receive};
+use raycast_viewer::state::preferences::Mouse;
 use raycast_viewer::state::update::update;
 use raycast_viewer::state::{Replacing, Resolution, State, Tint};
 use raycast_viewer::ui::canvas::Canvas;
-use raycast_viewer::ui::input::GESTURES;
+use raycast_viewer::ui::input::gestures;
 use raycast_viewer::ui::modes::MODES;
 use raycast_viewer::ui::registry::ACTIONS;
 use raycast_viewer::ui::theme;
@@ -222,7 +223,7 @@ fn the_help_lists_every_key_and_gesture() {
     harness.key_press(Key::F1);
     harness.run();
     harness.get_by_label("Keys and gestures");
-    let gestures = GESTURES.iter().flat_map(|g| [g.gesture, g.does]);
+    let gestures = gestures(Mouse::Viewer).flat_map(|g| [g.gesture, g.does]);
     let with_keys = ACTIONS.iter().filter(|action| !action.keys.is_empty());
     let names = with_keys.map(|action| action.name);
     for text in gestures.chain(names) {
@@ -663,4 +664,26 @@ fn views_are_kept_and_gone_to_and_cameras_are_pasted() {
     assert_eq!(pasted.fov, 30.0);
     click(&mut harness, "Forget View 1");
     assert!(harness.state().state.bookmarks.is_empty());
+}
+
+#[test]
+fn w_walks_while_one_walks_and_draws_lines_else() {
+    let mut harness = open_two();
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::W);
+    harness.run();
+    assert!(harness.state().state.walk.is_some());
+    let before = harness.state().state.viewpoint.orbit.pivot;
+    harness.key_down(Key::W);
+    harness.step();
+    harness.step();
+    harness.key_up(Key::W);
+    harness.run();
+    let state = &harness.state().state;
+    assert_ne!(state.viewpoint.orbit.pivot, before);
+    assert!(state.settings.shading.wireframe.is_none());
+    harness.key_press(Key::Escape);
+    harness.key_press(Key::W);
+    harness.run();
+    let state = &harness.state().state;
+    assert!(state.walk.is_none() && state.settings.shading.wireframe.is_some());
 }

@@ -1,6 +1,6 @@
 //! What is remembered from one session to the next: how a person likes to work, not what was open.
 
-use crate::state::preferences::{Preferences, SCALE_RANGE, Theme};
+use crate::state::preferences::{Mouse, Preferences, SCALE_RANGE, Theme};
 use crate::state::{Overlay, State, Tint, default_threads};
 use raycast_core::camera::{FrameLock, Grid};
 use serde::{Deserialize, Serialize};
@@ -23,6 +23,7 @@ pub struct Remembered {
     tint: String,
     theme: String,
     scale: f32,
+    mouse: String,
     smooth: bool,
     refine: bool,
     watch: bool,
@@ -67,6 +68,12 @@ impl Remembered {
             }
             .to_owned(),
             scale: state.preferences.scale,
+            mouse: match state.preferences.mouse {
+                Mouse::Viewer => "viewer",
+                Mouse::Blender => "blender",
+                Mouse::Cad => "cad",
+            }
+            .to_owned(),
             smooth: state.preferences.smooth,
             refine: state.preferences.refine,
             watch: state.preferences.watch,
@@ -115,6 +122,11 @@ impl Remembered {
                 _ => Theme::System,
             },
             scale: scale.clamp(SCALE_RANGE.0, SCALE_RANGE.1),
+            mouse: match self.mouse.as_str() {
+                "blender" => Mouse::Blender,
+                "cad" => Mouse::Cad,
+                _ => Mouse::Viewer,
+            },
             smooth: self.smooth,
             refine: self.refine,
             watch: self.watch,
@@ -146,6 +158,7 @@ mod tests {
             preferences: Preferences {
                 theme: Theme::Light,
                 scale: 1.5,
+                mouse: Mouse::Cad,
                 smooth: false,
                 refine: false,
                 watch: false,

@@ -26,6 +26,11 @@ fn under_cursor(state: &State) -> String {
     let Some(document) = &state.document else {
         return String::new();
     };
+    if state.walk.is_some() {
+        let hint =
+            "Walk: W A S D go, E Q up and down, a drag looks around, the wheel changes speed";
+        return format!("{hint}. Esc ends");
+    }
     if let Some(tool) = state.measuring.tool {
         return format!("{}: {}. Esc ends", tool.name(), tool.hint());
     }

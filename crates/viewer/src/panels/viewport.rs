@@ -66,7 +66,13 @@ pub fn show(
     let place = |(x, y): (f64, f64)| rect.min + vec2((x / scale) as f32, (y / scale) as f32);
     highlight::show(&painter, state, place);
     marks::show(&painter, state, place);
-    out.extend(input::mouse(ui, &response, scale, at));
+    out.extend(input::mouse(
+        ui,
+        &response,
+        (state.preferences.mouse, state.walk.is_some()),
+        scale,
+        at,
+    ));
     gizmo::show(ui, room, state, out);
     if response.dragged()
         && let Some(camera) = state.camera()

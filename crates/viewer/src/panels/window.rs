@@ -46,7 +46,7 @@ pub fn show(
     let (room, place) = central.inner;
     banner::show(&context, room, state, news, out);
     if state.help {
-        help::show(&context, out);
+        help::show(&context, state, out);
     }
     palette::show(&context, state, out);
     ring(&context);

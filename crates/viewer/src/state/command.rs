@@ -2,7 +2,7 @@
 
 use super::inspection::Shown;
 use super::measure::Kind;
-use super::preferences::Theme;
+use super::preferences::{Mouse, Theme};
 use super::turn::Turning;
 use super::viewpoint::StandardView;
 use super::{Answer, PromptKind, Tint};
@@ -62,6 +62,24 @@ pub enum Command {
     /// The view that was come back from.
     ViewForward,
 
+    /// Begin to walk, or stop.
+    SetWalk(bool),
+    /// Walk for a while.
+    Walk {
+        /// To the right, up and forwards, each from −1 to 1.
+        way: DVec3,
+        /// For so long.
+        seconds: f64,
+    },
+    /// Walk so many times as fast.
+    ScaleWalk(f64),
+    /// Turn where one stands, in degrees.
+    LookAround {
+        /// About the vertical axis.
+        yaw: f64,
+        /// Up from the horizon.
+        pitch: f64,
+    },
     /// Keep the view.
     AddBookmark,
     /// Go to a view that was kept, by its place in the list.
@@ -235,6 +253,8 @@ pub enum Command {
     SetTheme(Theme),
     /// How large the interface is.
     SetScale(f32),
+    /// What drags of the mouse do.
+    SetMouse(Mouse),
     /// Whether the camera takes its time from one view to another.
     SetSmooth(bool),
     /// Whether pictures get more samples while nothing moves.
@@ -268,6 +288,8 @@ impl Command {
                 | Self::Pan { .. }
                 | Self::Zoom { .. }
                 | Self::Roll(_)
+                | Self::Walk { .. }
+                | Self::LookAround { .. }
         )
     }
 

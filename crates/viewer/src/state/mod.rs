@@ -113,6 +113,8 @@ pub struct State {
     pub viewpoint: Viewpoint,
     /// Where it was seen from at first.
     pub home: Viewpoint,
+    /// How fast one walks, in sizes of the scene a second; not at all, for `None`.
+    pub walk: Option<f64>,
     /// Views that were kept, for this scene.
     pub bookmarks: Vec<Viewpoint>,
     /// A change of view under way.
@@ -188,6 +190,7 @@ impl Default for State {
             history: History::default(),
             viewpoint: Viewpoint::default(),
             home: Viewpoint::default(),
+            walk: None,
             bookmarks: Vec::new(),
             motion: None,
             trail: Trail::default(),

@@ -86,6 +86,49 @@ pub(super) fn place(state: &mut State, eye: DVec3, target: DVec3) {
     }
 }
 
+/// How fast one walks at first, in sizes of the scene a second; and the slowest and the fastest.
+const WALK: f64 = 0.25;
+const WALK_RANGE: (f64, f64) = (1e-3, 10.0);
+
+/// Begins to walk, or stops. Where rays are side by side nobody comes nearer: they come from the eye then.
+pub(super) fn set_walk(state: &mut State, on: bool) {
+    state.walk = on.then_some(WALK);
+    if on {
+        leave(state);
+        state.viewpoint.projection = Projection::Perspective;
+    }
+}
+
+/// Walks at another speed.
+pub(super) fn scale_walk(state: &mut State, factor: f64) {
+    if let Some(speed) = &mut state.walk
+        && factor.is_finite()
+    {
+        *speed = (*speed * factor).clamp(WALK_RANGE.0, WALK_RANGE.1);
+    }
+}
+
+/// Walks for a while: to the right, up in the picture and forwards.
+pub(super) fn walk(state: &mut State, way: DVec3, seconds: f64) {
+    let (Some(speed), true) = (state.walk, way.is_finite() && seconds.is_finite()) else {
+        return;
+    };
+    leave(state);
+    let length = speed * state.extent() * seconds;
+    let viewpoint = &mut state.viewpoint;
+    let (right, up, back) = (viewpoint.right(), viewpoint.up(), viewpoint.orbit.back());
+    viewpoint.orbit.pivot += (right * way.x + up * way.y - back * way.z) * length;
+}
+
+/// Turns where one stands: the eye stays, and the pivot goes round.
+pub(super) fn look_around(state: &mut State, yaw: f64, pitch: f64) {
+    leave(state);
+    let orbit = &mut state.viewpoint.orbit;
+    let eye = orbit.pivot + orbit.back() * orbit.distance;
+    orbit.turn(-yaw, -pitch);
+    orbit.pivot = eye - orbit.back() * orbit.distance;
+}
+
 /// Rolls the camera.
 pub(super) fn roll(state: &mut State, degrees: f64) {
     if degrees.is_finite() {

@@ -21,6 +21,18 @@ pub enum Theme {
     Light,
 }
 
+/// What drags of the mouse do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mouse {
+    /// Left orbits; right, middle and Shift with left pan.
+    #[default]
+    Viewer,
+    /// As in Blender: middle orbits, with Shift it pans, with Ctrl it zooms.
+    Blender,
+    /// As in many CAD programs: right orbits, middle pans.
+    Cad,
+}
+
 /// The settings of the program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preferences {
@@ -28,6 +40,8 @@ pub struct Preferences {
     pub theme: Theme,
     /// How large the interface is; 1 is what the desktop asks for.
     pub scale: f32,
+    /// What drags of the mouse do.
+    pub mouse: Mouse,
     /// Whether the camera takes its time from one view to another.
     pub smooth: bool,
     /// Whether a picture that stands still gets more samples by itself.
@@ -45,6 +59,7 @@ impl Default for Preferences {
         Self {
             theme: Theme::System,
             scale: 1.0,
+            mouse: Mouse::default(),
             smooth: true,
             refine: true,
             watch: true,

@@ -62,6 +62,10 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::ViewBack => navigate::back(state),
         Command::ViewForward => navigate::forward(state),
 
+        Command::SetWalk(on) => navigate::set_walk(state, on),
+        Command::Walk { way, seconds } => navigate::walk(state, way, seconds),
+        Command::ScaleWalk(factor) => navigate::scale_walk(state, factor),
+        Command::LookAround { yaw, pitch } => navigate::look_around(state, yaw, pitch),
         Command::AddBookmark => bookmarks::add(state),
         Command::GoToBookmark(number) => bookmarks::go(state, number),
         Command::RemoveBookmark(number) => bookmarks::remove(state, number),
@@ -274,6 +278,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             state.preferences.scale = scale.clamp(least, most);
         }
         Command::SetScale(_) => {}
+        Command::SetMouse(mouse) => state.preferences.mouse = mouse,
         Command::SetSmooth(on) => state.preferences.smooth = on,
         Command::SetRefine(on) => state.preferences.refine = on,
         Command::SetWatch(on) => state.preferences.watch = on,
@@ -334,6 +339,8 @@ fn dismiss(state: &mut State) {
     } else if state.naming.is_some() {
         state.naming = None;
     } else if state.errors.pop().is_some() {
+    } else if state.walk.is_some() {
+        state.walk = None;
     } else if !state.measuring.points.is_empty() {
         state.measuring.points.clear();
     } else if state.measuring.tool.is_some() {

@@ -248,3 +248,49 @@ fn a_camera_is_copied_pasted_and_typed() {
     update(&mut state, Command::SetPlacement { eye, target: eye });
     assert_eq!(state.viewpoint.placement(), placed, "that is no direction");
 }
+
+#[test]
+fn walking_moves_the_eye_and_looking_around_does_not() {
+    let mut state = opened(1);
+    update(
+        &mut state,
+        Command::Walk {
+            way: DVec3::Z,
+            seconds: 1.0,
+        },
+    );
+    let eye = |state: &State| state.viewpoint.placement().eye;
+    let before = eye(&state);
+    assert_eq!(
+        before,
+        opened(1).viewpoint.placement().eye,
+        "only who walks goes"
+    );
+    do_all(
+        &mut state,
+        [
+            Command::SetProjection(Projection::Orthographic),
+            Command::SetWalk(true),
+            Command::LookAround {
+                yaw: 30.0,
+                pitch: -10.0,
+            },
+        ],
+    );
+    assert_eq!(state.viewpoint.projection, Projection::Perspective);
+    assert!(eye(&state).distance(before) < 1e-12);
+    let forward = state.camera().expect("a camera").forward();
+    update(&mut state, Command::ScaleWalk(2.0));
+    update(
+        &mut state,
+        Command::Walk {
+            way: DVec3::Z,
+            seconds: 0.5,
+        },
+    );
+    // Half a second at half the scene's size a second.
+    let there = before + forward * (0.25 * state.extent());
+    assert!(eye(&state).distance(there) < 1e-12);
+    update(&mut state, Command::Dismiss);
+    assert_eq!(state.walk, None);
+}

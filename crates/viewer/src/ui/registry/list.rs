@@ -4,7 +4,7 @@ use super::action::{Action, Menu};
 use super::chord::{alt, ctrl, ctrl_shift, plain, shift};
 use crate::state::command::Command;
 use crate::state::measure::Kind;
-use crate::state::preferences::Theme;
+use crate::state::preferences::{Mouse, Theme};
 use crate::state::update::middle;
 use crate::state::viewpoint::StandardView;
 use crate::state::{PromptKind, State};
@@ -68,6 +68,15 @@ macro_rules! view {
         )
         .when(has_scene)
         .on(|state| look(state, StandardView::$view))
+    };
+}
+
+macro_rules! mouse {
+    ($id:literal, $name:literal, $does:literal, $habits:ident) => {
+        Action::of(Menu::Window, $id, $name, $does, &[], |_| {
+            Command::SetMouse(Mouse::$habits)
+        })
+        .on(|state| state.preferences.mouse == Mouse::$habits)
     };
 }
 
@@ -354,6 +363,17 @@ pub static ACTIONS: &[Action] = &[
         |_| Command::ViewForward,
     )
     .when(|state| state.trail.has_future()),
+    Action::of(
+        Menu::View,
+        "view.walk",
+        "Walk",
+        "Walk through the scene: W A S D, E and Q, a drag looks around, the wheel changes speed",
+        &[shift(Key::W)],
+        |state| Command::SetWalk(state.walk.is_none()),
+    )
+    .when(has_scene)
+    .on(|state| state.walk.is_some())
+    .apart(),
     Action::of(
         Menu::View,
         "view.bookmark",
@@ -653,6 +673,25 @@ pub static ACTIONS: &[Action] = &[
         |state| Command::SetSmooth(!state.preferences.smooth),
     )
     .on(|state| state.preferences.smooth),
+    mouse!(
+        "window.mouse",
+        "Mouse of a viewer",
+        "Left drag orbits; right, middle or Shift+left drag pans",
+        Viewer
+    )
+    .apart(),
+    mouse!(
+        "window.mouse_blender",
+        "Mouse as in Blender",
+        "Middle drag orbits, with Shift it pans, with Ctrl it zooms",
+        Blender
+    ),
+    mouse!(
+        "window.mouse_cad",
+        "Mouse as in CAD",
+        "Right drag orbits, middle drag pans",
+        Cad
+    ),
     Action::of(
         Menu::Window,
         "window.system_theme",
