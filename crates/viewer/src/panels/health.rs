@@ -9,6 +9,10 @@ use crate::ui::format;
 use crate::ui::registry::action;
 use crate::ui::theme;
 use egui::{Button, RichText, Ui, vec2};
+use std::sync::Arc;
+
+/// The most objects whose faults are listed: more are not read, and take longer than a frame has.
+const MOST: usize = 40;
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     let Some(document) = &state.document else {
@@ -28,11 +32,24 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
         if response.on_hover_text(check.hint()).clicked() {
             out.push((check.command)(state));
         }
-        for number in 0..document.scene.objects.len() {
-            if let Some(checked) = state.inspection.of(&document.scene, number) {
-                let name = &document.scene.objects[number].name;
-                ui.push_id(number, |ui| object(ui, state, name, checked, out));
-            }
+        let objects = &document.scene.objects;
+        let checked = state.inspection.checked.iter().filter_map(|checked| {
+            let object = objects.get(checked.object)?;
+            Arc::ptr_eq(&object.mesh, &checked.mesh).then_some((checked, &object.name))
+        });
+        // What is sound among many needs no lines of its own.
+        let is_one = state.inspection.checked.len() == 1;
+        let (listed, sound): (Vec<_>, Vec<_>) =
+            checked.partition(|(checked, _)| is_one || !checked.health.is_sound());
+        for (checked, name) in listed.iter().take(MOST) {
+            ui.push_id(checked.object, |ui| object(ui, state, name, checked, out));
+        }
+        if listed.len() > MOST {
+            ui.weak(format!("… and {} more with faults", listed.len() - MOST));
+        }
+        if !sound.is_empty() {
+            let count = format::count(sound.len() as u64);
+            ui.weak(format!("Without any fault: {count}"));
         }
     });
 }

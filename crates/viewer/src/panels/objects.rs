@@ -86,10 +86,8 @@ fn object_row(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &
                     ui.label(RichText::new(text).color(colors.error))
                         .on_hover_text(hint);
                 }
-                if state.is_locked(number) {
-                    if padlock(ui, &format!("Unlock {}", object.name)) {
-                        out.push(Command::SetLocked(number, false));
-                    }
+                if state.is_locked(number) && padlock(ui, &format!("Unlock {}", object.name)) {
+                    out.push(Command::SetLocked(number, false));
                 }
                 let room = vec2(ui.available_width(), 0.0);
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| {

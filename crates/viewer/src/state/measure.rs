@@ -213,8 +213,8 @@ impl State {
         let reach = SNAP * f64::from(self.size().0) / f64::from(self.viewport.0.max(1));
         let near = self.corners_of(pick)?.into_iter().filter_map(|corner| {
             let (cx, cy) = camera.project(corner)?;
-            let distance = (cx - x).hypot(cy - y);
-            (distance <= reach).then_some((distance, corner))
+            let square = (cx - x) * (cx - x) + (cy - y) * (cy - y);
+            (square <= reach * reach).then_some((square, corner))
         });
         let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0));
         Some(nearest.map_or(hit, |(_, point)| Target {
