@@ -51,6 +51,20 @@ pub struct Verification {
     pub first_wrong: Vec<WrongPixel>,
 }
 
+impl std::ops::AddAssign for Verification {
+    /// Adds what another rectangle of the same picture came to, further down.
+    fn add_assign(&mut self, other: Self) {
+        self.pixels += other.pixels;
+        self.checked += other.checked;
+        self.silhouettes += other.silhouettes;
+        self.edges += other.edges;
+        self.channels += other.channels;
+        self.wrong += other.wrong;
+        self.first_wrong.extend(other.first_wrong);
+        self.first_wrong.truncate(TOLD);
+    }
+}
+
 /// At how many pixels each channel was checked. What a pixel does not tell is not checked, nor what
 /// hangs on the place in a triangle that the ray grazes (a cosine of 0.1 or less), colours under lines,
 /// or colours that rounding may have made anything (a texture with more than a texel to a hit's error).

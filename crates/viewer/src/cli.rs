@@ -1,10 +1,14 @@
 //! What a command line may hold.
 
+mod frames;
 mod mistyped;
+mod plan;
 mod reading;
 mod values;
 
+pub use frames::{FrameArgs, FrameRange, frame_path};
 pub use mistyped::mistyped;
+pub use plan::PlanArgs;
 pub use reading::{LimitArg, ReadingArgs};
 pub use values::{OrbitArg, SceneColor};
 
@@ -72,6 +76,8 @@ pub enum Command {
     Cast(CastArgs),
     /// Put fragments together into the picture that the full camera would have made
     Stitch(StitchArgs),
+    /// Write pictures and fragments as command lines, for an engine that runs many jobs
+    Plan(PlanArgs),
     /// Write the meshes of files in another format
     Convert(ConvertArgs),
     /// Tell what files hold
@@ -97,14 +103,20 @@ Examples:
   raycast render bunny.obj -o bunny.png
   raycast render bunny.obj -o dense.exr --step 0.0001 --fov 30
   raycast render scene.raycast.toml -o scene.png --samples 16 --stats -
+  raycast render bunny.obj -o large.tif --size 65536x32768 --resume
+  raycast render bunny.obj -o turn-%05d.png --turntable 100
   raycast render a.obj b.obj -o both.png --eye -1,2,5 --target 0,0.5,0")]
 pub struct RenderArgs {
     /// Meshes, or a scene file whose camera, image and shading are then the defaults
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// The image to write: .png, .ppm, .jpg or .exr (a fragment: .png or .exr)
+    /// The image to write: .png, .ppm, .jpg, .tif or .exr (a fragment: .png or .exr)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
+    /// Go on where an earlier render of the same picture was ended, and leave what is done if this one is: a
+    /// part file and its journal beside the image. For large pictures, but .jpg
+    #[arg(long, conflicts_with_all = ["sub_camera", "unfinished"])]
+    pub resume: bool,
     /// Where from.
     #[command(flatten)]
     pub camera: CameraArgs,
@@ -125,6 +137,9 @@ pub struct RenderArgs {
     /// How rays meet triangles.
     #[command(flatten)]
     pub casting: CastingArgs,
+    /// Which frames.
+    #[command(flatten)]
+    pub animation: FrameArgs,
     /// How files are read.
     #[command(flatten)]
     pub reading: ReadingArgs,
@@ -302,7 +317,7 @@ pub struct StitchArgs {
     /// What `raycast render --sub-camera` wrote
     #[arg(required = true)]
     pub fragments: Vec<PathBuf>,
-    /// The image to write: .png, .ppm, .jpg or .exr
+    /// The image to write: .png, .ppm, .jpg, .tif or .exr
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
 }

@@ -26,6 +26,13 @@ impl Progress {
         Self { bar }
     }
 
+    /// A bar that nobody sees.
+    pub fn hidden() -> Self {
+        Self {
+            bar: ProgressBar::hidden(),
+        }
+    }
+
     /// Begins to load files.
     pub fn loading(&self) {
         self.begin("loading", "{msg:>9} {bar:40} {percent:>3} %", SHARES);

@@ -375,6 +375,7 @@ fn open_two() -> Harness<'static, Bench> {
             name: "mesh.obj".to_owned(),
             paths: vec!["mesh.obj".into()],
             opened: Vec::new(),
+            animation: None,
             file: None,
             read: Arc::clone(&scene),
             built: Arc::clone(&scene),

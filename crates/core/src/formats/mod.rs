@@ -18,6 +18,7 @@ mod placed;
 mod ply;
 mod polygon;
 mod ray_file;
+mod scene_animation;
 mod scene_file;
 mod scene_read;
 mod scene_toml;

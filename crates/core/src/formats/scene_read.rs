@@ -5,10 +5,11 @@ use super::kind::without_mark;
 use super::mesh_file::{self, MeshObject};
 use super::scene_file::{CameraFile, FileKind, ImageFile, SceneFile};
 use super::scene_toml::{
-    BackgroundToml, CameraToml, ImageToml, ObjectToml, SceneToml, ShadingToml, ShapeToml,
+    AnimationToml, BackgroundToml, CameraToml, ImageToml, ObjectToml, SceneToml, ShadingToml,
+    ShapeToml,
 };
 use super::{Progress, texture};
-use crate::camera::{ImagePlane, Placement, PlacementError, Projection};
+use crate::camera::{CameraPath, ImagePlane, Keyframe, Placement, PlacementError, Projection};
 use crate::quote::{self, quote};
 use crate::ranges::{self, OutOfRange};
 use crate::scene::{
@@ -45,7 +46,14 @@ pub(super) fn read(
         FormatError::refused(path, line, &shorten(error.message()))
     })?;
     let (mut warnings, mut notes) = (Vec::new(), Vec::new());
-    let camera = parsed.camera.map(|camera| reader.camera(&camera));
+    let camera = parsed
+        .camera
+        .map(|camera| reader.camera(&camera))
+        .transpose()?;
+    let projection = camera.map(|camera| camera.projection);
+    let animation = parsed
+        .animation
+        .map(|animation| reader.animation(&animation, projection));
     let image = reader.image(&parsed.image)?;
     let shading = reader.shading(parsed.shading.as_ref(), &parsed.image)?;
     let objects = reader.objects(&parsed.objects, progress, &mut warnings, &mut notes)?;
@@ -57,7 +65,8 @@ pub(super) fn read(
     Ok(SceneFile {
         kind: FileKind::Scene,
         scene,
-        camera: camera.transpose()?,
+        camera,
+        animation: animation.transpose()?,
         image,
         shading,
         warnings,
@@ -166,6 +175,46 @@ impl Reader<'_> {
         } else {
             Err(self.fault(value, "finite numbers", &format!("{:?}", value.get_ref())))
         }
+    }
+
+    /// Keyframes, each a camera with the projection of the scene's.
+    fn animation(
+        &self,
+        animation: &Spanned<AnimationToml>,
+        projection: Option<Projection>,
+    ) -> Result<CameraPath, FormatError> {
+        let AnimationToml { curve, ease, key } = animation.get_ref();
+        let mut keys: Vec<Keyframe> = Vec::with_capacity(key.len());
+        for spanned in key {
+            let key = spanned.get_ref();
+            if let Some(last) = keys.last()
+                && key.at <= last.frame
+            {
+                let expected = format!("a keyframe after {}", last.frame);
+                return Err(self.fault(spanned, &expected, &key.at.to_string()));
+            }
+            let projection = projection.unwrap_or_default();
+            let is_orthographic = projection == Projection::Orthographic;
+            // Without a view of its own a keyframe has the camera's: any will do to be checked.
+            let any = || Spanned::new(spanned.span(), 1.0);
+            let frame = key.frame.clone().or_else(|| is_orthographic.then(any));
+            let camera = CameraToml {
+                projection: projection.into(),
+                eye: key.eye.clone(),
+                target: key.target.clone(),
+                up: key.up.clone(),
+                fov: key.fov.clone(),
+                frame,
+            };
+            let camera = self.camera(&Spanned::new(spanned.span(), camera))?;
+            keys.push(Keyframe {
+                frame: key.at,
+                placement: camera.placement,
+                view: (key.fov.is_some() || key.frame.is_some()).then_some(camera.frame),
+            });
+        }
+        CameraPath::new(keys, (*curve).into(), (*ease).into())
+            .ok_or_else(|| self.fault(animation, "a keyframe ([[animation.key]])", "none"))
     }
 
     fn camera(&self, camera: &Spanned<CameraToml>) -> Result<CameraFile, FormatError> {
@@ -549,6 +598,7 @@ impl Reader<'_> {
 mod tests {
     use super::super::read_scene_from;
     use super::*;
+    use crate::camera::{Curve, Ease};
     use crate::scene::{Color, ColorRule};
     use crate::shade::{Filter, Mode, TextureProjection};
 
@@ -988,5 +1038,60 @@ texture = "t.ppm"
             let told = error.to_string();
             assert!(told.len() < 500, "{} characters", told.len());
         }
+    }
+
+    #[test]
+    fn an_animation_comes_back_and_its_faults_are_named() {
+        let text = "\
+[camera]
+eye = [0.0, 1.0, 5.0]
+target = [0.0, 0.0, 0.0]
+
+[animation]
+ease = \"smooth\"
+
+[[animation.key]]
+at = 3
+eye = [0.0, 1.0, 5.0]
+target = [0.0, 0.0, 0.0]
+
+[[animation.key]]
+at = 7
+eye = [2.0, 1.0, 5.0]
+target = [0.0, 0.5, 0.0]
+fov = 20.0
+";
+        let read = |text: &str| crate::formats::read_scene_from(text, &|_| None);
+        let file = read(text).expect("a scene");
+        let path = file.animation.clone().expect("an animation");
+        assert_eq!(path.frames(), (3, 7));
+        assert_eq!(
+            (path.curve(), path.ease()),
+            (Curve::CatmullRom, Ease::Smooth)
+        );
+        let views: Vec<_> = path.keys().iter().map(|key| key.view).collect();
+        assert_eq!(views, [None, Some(20.0)]);
+        assert_eq!(path.keys()[1].placement.target, DVec3::new(0.0, 0.5, 0.0));
+        let saved = file.to_toml(Path::new("/")).expect("it can be saved");
+        assert_eq!(read(&saved).expect("a scene").animation, Some(path));
+
+        for (from, to, line, told) in [
+            ("at = 7", "at = 3", "scene:13", "a keyframe after 3"),
+            ("fov = 20.0", "fov = 180.0", "scene:17", "found 180"),
+            ("fov = 20.0", "frame = 2.0", "scene:17", "orthographic"),
+            ("ease = \"smooth\"", "ease = \"fast\"", "scene:6", "fast"),
+            (
+                "[2.0, 1.0, 5.0]",
+                "[0.0, 0.5, 0.0]",
+                "scene:",
+                "target away",
+            ),
+        ] {
+            let error = read(&text.replace(from, to)).expect_err(to).to_string();
+            assert!(error.contains(line) && error.contains(told), "{error}");
+        }
+        let none = "[animation]\nkey = []\n";
+        let error = read(none).expect_err("no keyframes").to_string();
+        assert!(error.contains("expected a keyframe"), "{error}");
     }
 }

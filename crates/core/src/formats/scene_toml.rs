@@ -1,6 +1,6 @@
 //! The tables of a `.raycast.toml`, as they stand in the file.
 
-use crate::camera::Projection;
+use crate::camera::{Curve, Ease, Projection};
 use crate::scene::{Color, ColorRule, Shape, UpAxis};
 use crate::shade::{Filter, Mode, TextureProjection};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
@@ -11,6 +11,8 @@ use toml::Spanned;
 pub(super) struct SceneToml {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) camera: Option<Spanned<CameraToml>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) animation: Option<Spanned<AnimationToml>>,
     #[serde(default, skip_serializing_if = "ImageToml::is_empty")]
     pub(super) image: ImageToml,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -24,6 +26,32 @@ pub(super) struct SceneToml {
 pub(super) struct CameraToml {
     #[serde(default)]
     pub(super) projection: ProjectionToml,
+    pub(super) eye: Spanned<[f64; 3]>,
+    pub(super) target: Spanned<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) up: Option<Spanned<[f64; 3]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) fov: Option<Spanned<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) frame: Option<Spanned<f64>>,
+}
+
+/// Keyframes of the camera.
+#[derive(Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AnimationToml {
+    #[serde(default)]
+    pub(super) curve: CurveToml,
+    #[serde(default)]
+    pub(super) ease: EaseToml,
+    pub(super) key: Vec<Spanned<KeyToml>>,
+}
+
+#[derive(Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct KeyToml {
+    /// The frame.
+    pub(super) at: u32,
     pub(super) eye: Spanned<[f64; 3]>,
     pub(super) target: Spanned<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -327,9 +355,23 @@ words!(ProjectionToml for Projection { Perspective, Orthographic });
 words!(ModeToml for Mode {
     Color, Flat, Smooth, Normals, Depth, Barycentric, Uv, Texture, Wireframe
 });
+words!(CurveToml for Curve { Linear, CatmullRom });
+words!(EaseToml for Ease { None, Smooth });
 words!(UpAxisToml for UpAxis { Y, Z });
 words!(FilterToml for Filter { Nearest, Bilinear });
 words!(TextureProjectionToml for TextureProjection { Uv, Triplanar });
+
+impl Default for CurveToml {
+    fn default() -> Self {
+        Curve::default().into()
+    }
+}
+
+impl Default for EaseToml {
+    fn default() -> Self {
+        Ease::default().into()
+    }
+}
 
 impl Default for ProjectionToml {
     fn default() -> Self {

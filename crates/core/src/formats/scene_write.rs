@@ -1,4 +1,5 @@
 use super::files::relative;
+use super::scene_animation;
 use super::scene_file::{CameraFile, SceneFile};
 use super::scene_toml::{
     BackgroundToml, CameraToml, ColorRuleToml, ColorToml, ImageToml, ObjectToml, SceneToml,
@@ -60,6 +61,10 @@ impl SceneFile {
             .collect::<Result<_, SaveError>>()?;
         let file = SceneToml {
             camera: self.camera.map(|camera| spanned(camera_table(&camera))),
+            animation: self.animation.as_ref().map(|path| {
+                let projection = self.camera.map(|camera| camera.projection);
+                spanned(scene_animation::table(path, projection.unwrap_or_default()))
+            }),
             image: ImageToml {
                 size: self
                     .image

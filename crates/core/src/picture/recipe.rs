@@ -42,6 +42,11 @@ impl Recipe {
         Digest::of(self.lines().as_bytes())
     }
 
+    /// Whether every pixel covers what lies behind the picture.
+    pub fn is_opaque(&self) -> bool {
+        self.shading.background != Background::Transparent
+    }
+
     /// In what another recipe differs, in words: the first that does of scene, size, camera and
     /// settings. `None` where they are the same.
     pub fn difference(&self, other: &Self) -> Option<String> {

@@ -297,6 +297,7 @@ impl App {
             let scene = SceneFile {
                 scene: document.scene.as_ref().clone(),
                 camera: Some(state.viewpoint.to_file()),
+                animation: document.animation.clone(),
                 image: ImageFile {
                     size: match state.resolution {
                         Resolution::Fixed(columns, rows) => Some((columns, rows)),

@@ -1,9 +1,12 @@
 //! Commands that need no window.
 
+mod banded;
 mod bench;
 mod cast;
 mod convert;
+mod frames;
 mod info;
+mod plan;
 mod render;
 mod report;
 mod stitch;
@@ -47,9 +50,13 @@ pub fn run(cli: Cli) -> ExitCode {
     };
     let done = match command {
         Command::View { .. } => Ok(()),
-        Command::Render(args) => render::run(&args),
+        Command::Render(args) => match args.animation.range() {
+            Some(range) => frames::run(&args, range),
+            None => render::run(&args),
+        },
         Command::Cast(args) => cast::run(&args),
         Command::Stitch(args) => stitch::run(&args),
+        Command::Plan(args) => plan::run(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Bench(args) => bench::run(&args),

@@ -27,10 +27,40 @@ pub(super) fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
 pub(super) struct PartFile {
     file: File,
     path: PathBuf,
+    /// Whether it stays where it is: put in its place, or kept for a later command.
     is_placed: bool,
 }
 
 impl PartFile {
+    /// The part file at `path`, with what it has, or a new one; it stays there until it is put in its place,
+    /// whatever ends this command. The same of `is_private` as with [`PartFile::create_in`].
+    ///
+    /// # Errors
+    /// A file that cannot be opened, or that another command is writing.
+    pub(super) fn keep_at(path: PathBuf, is_private: bool) -> io::Result<Self> {
+        let mut options = File::options();
+        options.read(true).write(true).create(true).truncate(false);
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::OpenOptionsExt;
+            options.mode(if is_private { 0o600 } else { 0o666 });
+        }
+        #[cfg(not(unix))]
+        let _ = is_private;
+        let file = options.open(&path)?;
+        // Where a file system has no locks, nobody else is known of.
+        let is_held = matches!(file.try_lock(), Err(TryLockError::WouldBlock));
+        if is_held || !is_at(&file, &path) {
+            let reason = format!("another command is writing {}", path.display());
+            return Err(io::Error::other(reason));
+        }
+        Ok(Self {
+            file,
+            path,
+            is_placed: true,
+        })
+    }
+
     /// A new, empty part file in `directory`. If `is_private` only its owner may read it; else
     /// everybody whom the umask allows.
     ///

@@ -129,7 +129,7 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
         PromptKind::Picture => (
             "Save the picture",
             "Save",
-            "a name ending in .png, .ppm, .jpg or .exr",
+            "a name ending in .png, .ppm, .jpg, .tif or .exr",
         ),
         PromptKind::Scene => ("Save the scene", "Save", "a name ending in .raycast.toml"),
         PromptKind::Texture => ("Load a texture", "Load", "path of an image"),

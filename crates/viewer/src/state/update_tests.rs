@@ -362,6 +362,7 @@ fn loaded(count: usize, camera: Option<CameraFile>) -> News {
             name: "mesh.obj".to_owned(),
             paths: vec!["mesh.obj".into()],
             opened: Vec::new(),
+            animation: None,
             file: None,
             read: Arc::clone(&scene),
             built: Arc::clone(&scene),

@@ -520,6 +520,7 @@ impl Load<'_> {
                 name,
                 paths,
                 opened: file.opened,
+                animation: file.animation,
                 file: own,
                 bounds: setup::bounds(&scene, &accel),
                 read: Arc::clone(&scene),
