@@ -186,3 +186,48 @@ fn a_tiff_is_read_by_another_program() {
         assert!(tiff.output == png.output && tiff.output.len() == 701 * 530 * 4);
     }
 }
+
+#[test]
+fn a_deep_zooms_finest_tiles_are_the_picture_and_its_coarsest_one_pixel() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let size = ["--size", "1000x700"];
+    render(&at("a.dzi"), &size);
+    render(&at("whole.png"), &size);
+    let whole = rgb(&at("whole.png"));
+    let tile = |level: u32, column: u32, row: u32| {
+        let path = at(&format!("a_files/{level}/{column}_{row}.png"));
+        let file = bytes(&path);
+        let reader = RowReader::open(Cursor::new(&file), file.len() as u64).expect("a PNG");
+        (reader.size(), rgb(&path))
+    };
+    for (column, row) in [(0, 0), (3, 2), (1, 2)] {
+        let ((width, height), pixels) = tile(10, column, row);
+        assert_eq!(
+            (width, height),
+            ((1000 - column * 256).min(256), (700 - row * 256).min(256))
+        );
+        for (y, line) in pixels.chunks_exact(3 * width as usize).enumerate() {
+            let start = ((row as usize * 256 + y) * 1000 + column as usize * 256) * 3;
+            assert!(
+                line == &whole[start..start + line.len()],
+                "{column} {row}: {y}"
+            );
+        }
+    }
+    assert_eq!(tile(9, 1, 1).0, (500 - 256, 350 - 256));
+    assert_eq!(tile(0, 0, 0).0, (1, 1));
+    assert_eq!(names(&at("a_files")).len(), 11);
+    let dzi = String::from_utf8(bytes(&at("a.dzi"))).expect("text");
+    assert!(dzi.contains("Width=\"1000\" Height=\"700\""), "{dzi}");
+    let page = String::from_utf8(bytes(&at("a.html"))).expect("text");
+    assert!(page.contains("tiles = \"a_files\", columns = 1000, rows = 700, top_level = 10"));
+    // Tiles are not mixed with those of another picture.
+    let again = arguments!["render", asset("torus.obj"), "-o", at("a.dzi")];
+    let line = refuse(1, again);
+    assert!(line.contains("it is there already"), "{line}");
+    assert_eq!(
+        names(folder.path()),
+        ["a.dzi", "a.html", "a_files", "whole.png"]
+    );
+}

@@ -110,7 +110,8 @@ pub struct RenderArgs {
     /// Meshes, or a scene file whose camera, image and shading are then the defaults
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// The image to write: .png, .ppm, .jpg, .tif or .exr (a fragment: .png or .exr)
+    /// The image to write: .png, .ppm, .jpg, .tif or .exr (a fragment: .png or .exr); or a .dzi, a pyramid of
+    /// tiles with a page for a browser
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Go on where an earlier render of the same picture was ended, and leave what is done if this one is: a
@@ -243,6 +244,10 @@ pub struct TileArgs {
     /// there is every 16th ray
     #[arg(long, value_name = "N", conflicts_with = "sub_camera")]
     pub unfinished: Option<usize>,
+    /// Draw the split from outside: the scene, and around it the frustum of each sub-camera, up to the plane of
+    /// the camera's target
+    #[arg(long, conflicts_with_all = ["sub_camera", "unfinished"])]
+    pub show_sub_cameras: bool,
 }
 
 impl TileArgs {

@@ -25,6 +25,7 @@
 mod folder;
 mod journal;
 mod part_file;
+mod part_folder;
 mod place;
 mod signals;
 mod standard;
@@ -32,6 +33,7 @@ mod target;
 
 pub use folder::Folder;
 pub use journal::Journal;
+pub use part_folder::FolderUnderWay;
 pub use signals::watch_signals;
 pub use standard::{print, say, written};
 pub use target::{Output, Unfinished};

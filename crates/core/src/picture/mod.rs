@@ -11,6 +11,7 @@ mod exr_read;
 mod file;
 mod format;
 mod fragment;
+mod halve;
 mod image;
 mod jpeg;
 mod memory;

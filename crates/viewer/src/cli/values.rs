@@ -233,17 +233,8 @@ mod tests {
     #[test]
     fn sizes_have_limits() {
         assert_eq!(size("1280x720"), Ok((1280, 720)));
-        for bad in [
-            "0x5",
-            "5x0",
-            "-1x5",
-            "65537x1",
-            "40000x40000",
-            "5",
-            "x",
-            "1x2x3",
-            "1.5x2",
-        ] {
+        assert_eq!(size("65536x65536"), Ok((65_536, 65_536)));
+        for bad in ["0x5", "5x0", "-1x5", "65537x1", "5", "x", "1x2x3", "1.5x2"] {
             assert!(size(bad).is_err(), "{bad}");
         }
     }

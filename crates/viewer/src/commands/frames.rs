@@ -36,9 +36,9 @@ pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
             "{name}: several frames are written to a file each (out-%05d.png), or to one .png or .apng"
         )));
     }
-    if args.tiles.unfinished.is_some() {
+    if args.tiles.unfinished.is_some() || args.tiles.show_sub_cameras {
         return Err(Failure::usage(
-            "--unfinished is for one picture, not for frames",
+            "--unfinished and --show-sub-cameras are for one picture, not for frames",
         ));
     }
     let mut inputs: Vec<&Path> = args.files.iter().map(AsRef::as_ref).collect();

@@ -4,12 +4,14 @@ mod banded;
 mod bench;
 mod cast;
 mod convert;
+mod deep_zoom;
 mod frames;
 mod info;
 mod plan;
 mod render;
 mod report;
 mod stitch;
+mod sub_cameras;
 mod verify;
 
 use crate::failure::Failure;

@@ -1,4 +1,6 @@
 use super::banded::{Banded, Written};
+use super::deep_zoom::{DeepZoom, is_deep_zoom};
+use super::sub_cameras::from_outside;
 use super::{Failure, warn_of_reading, workers};
 use crate::cli::{RenderArgs, TileArgs};
 use crate::output::Output;
@@ -17,7 +19,18 @@ use std::time::{Duration, Instant};
 /// Renders a picture, or a fragment of one, to a file.
 pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let started = Instant::now();
-    let format = Format::from_name(&args.output.to_string_lossy())?;
+    let deep_zoom = is_deep_zoom(&args.output);
+    let format = match deep_zoom {
+        true => Format::Png,
+        false => Format::from_name(&args.output.to_string_lossy())?,
+    };
+    if deep_zoom
+        && (args.tiles.sub_camera.is_some() || args.tiles.unfinished.is_some() || args.resume)
+    {
+        return Err(Failure::usage(
+            "a deep zoom (.dzi) is of a whole picture: leave out --sub-camera, --unfinished and --resume",
+        ));
+    }
     if args.tiles.sub_camera.is_some() {
         check_fragment(&args.tiles, format)?;
     }
@@ -29,6 +42,10 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let mut inputs: Vec<&Path> = args.files.iter().map(AsRef::as_ref).collect();
     inputs.extend(args.shading.texture.as_deref());
     let output = Output::at(&args.output, &inputs)?;
+    let deep_zoom = match deep_zoom {
+        true => Some(DeepZoom::at(&args.output, &inputs)?),
+        false => None,
+    };
     inputs.push(&args.output);
     let stats_target = StatsTarget::at(args.stats.as_deref(), &inputs)?;
     let pool = workers(args.casting.threads)?;
@@ -38,7 +55,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         output.check_against(opened)?;
         stats_target.check_against(opened)
     })?;
-    let view = &opened.view;
+    let outside = match args.tiles.show_sub_cameras {
+        true => Some(pool.install(|| from_outside(&opened.view, args.tiles.grid()))?),
+        false => None,
+    };
+    let view = outside.as_ref().unwrap_or(&opened.view);
     let camera = view.camera;
     let plane = camera.plane();
     let grid = args.tiles.grid();
@@ -58,6 +79,22 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         _ => "",
     };
     let recipe = Recipe::of(view);
+    if let Some(deep_zoom) = deep_zoom {
+        let rendering = Instant::now();
+        let mut sum = TileStats::default();
+        let clock = || rendering.elapsed();
+        pool.install(|| {
+            deep_zoom.write((plane.columns, plane.rows), &progress, |rect| {
+                let part = camera.sub_camera(rect);
+                let (picture, tiles) = render_rect(view, part, grid, &clock, &|_| {})?;
+                sum += tiles;
+                Ok(picture)
+            })
+        })?;
+        progress.clear();
+        let wall = rendering.elapsed();
+        return tell(&opened, &stats_target, &sum, wall, started, &pool);
+    }
     let banded = match (part, args.tiles.unfinished) {
         (None, None) => Banded::of(&args.output, format, &recipe, &output, args.resume)?,
         _ => None,

@@ -10,6 +10,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 const PREFIX: &str = ".raycast-";
 const SUFFIX: &str = ".part";
 
+/// The file in a part folder that its process holds locked.
+pub(super) const LOCK: &str = ".raycast-lock";
+
 /// Part files of one process at one time in one folder: more are a fault.
 const MOST: u32 = 1 << 16;
 
@@ -103,6 +106,28 @@ impl PartFile {
         Err(io::Error::other("there are too many part files"))
     }
 
+    /// A new, empty part folder in `directory`, and its lock.
+    ///
+    /// # Errors
+    /// A directory that cannot be written.
+    pub(super) fn folder_in(directory: &Path) -> io::Result<(PathBuf, File)> {
+        let process = std::process::id();
+        let mut paths = unfinished();
+        for number in 0..MOST {
+            let path = directory.join(format!("{PREFIX}{process}-{number}{SUFFIX}"));
+            match fs::create_dir(&path) {
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
+                made => made?,
+            }
+            paths.push(path.clone());
+            // One that is taken for abandoned before it is locked is gone, and the first file fails.
+            let lock = File::create(path.join(LOCK))?;
+            let _ = lock.try_lock();
+            return Ok((path, lock));
+        }
+        Err(io::Error::other("there are too many part files"))
+    }
+
     /// The file, to be written.
     pub(super) fn file(&mut self) -> &mut File {
         &mut self.file
@@ -159,7 +184,17 @@ pub(super) fn sweep(directory: &Path) {
 /// Removes a part file if it can be locked: its process is gone, or has yet to lock it and will then
 /// make another.
 fn remove_if_abandoned(path: &Path) {
-    if !fs::symlink_metadata(path).is_ok_and(|found| found.is_file()) {
+    let Ok(found) = fs::symlink_metadata(path) else {
+        return;
+    };
+    if found.is_dir() {
+        let lock = File::options().read(true).write(true).open(path.join(LOCK));
+        if lock.is_ok_and(|lock| lock.try_lock().is_ok()) {
+            let _ = fs::remove_dir_all(path);
+        }
+        return;
+    }
+    if !found.is_file() {
         return;
     }
     let Ok(file) = File::options().read(true).write(true).open(path) else {
