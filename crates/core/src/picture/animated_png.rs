@@ -10,6 +10,8 @@ pub struct AnimatedPng<W: Write> {
     writer: Writer<W>,
     size: (u32, u32),
     is_opaque: bool,
+    /// Frames that are to come.
+    left: u32,
 }
 
 impl<W: Write> AnimatedPng<W> {
@@ -41,6 +43,7 @@ impl<W: Write> AnimatedPng<W> {
             writer,
             size,
             is_opaque,
+            left: frames,
         })
     }
 
@@ -53,6 +56,8 @@ impl<W: Write> AnimatedPng<W> {
         if (picture.width, picture.height) != self.size {
             return Err(ImageError::Encode("its frames differ in size".to_owned()));
         }
+        self.left = (self.left.checked_sub(1))
+            .ok_or_else(|| ImageError::Encode("it has more frames than it tells".to_owned()))?;
         if self.is_opaque {
             let mut rgb: Vec<u8> = super::buffers::reserved(picture.pixels.len() * 3)?;
             rgb.extend(picture.pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]));
@@ -68,6 +73,11 @@ impl<W: Write> AnimatedPng<W> {
     /// # Errors
     /// Fewer pictures than there should be; what cannot be written.
     pub fn finish(self) -> Result<(), ImageError> {
+        if self.left > 0 {
+            return Err(ImageError::Encode(
+                "it has fewer frames than it tells".to_owned(),
+            ));
+        }
         self.writer.finish().map_err(failed)
     }
 }

@@ -44,7 +44,7 @@ impl FromStr for FrameRange {
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Animation")]
 pub struct FrameArgs {
-    /// Render these frames, both ends included, of --turntable or of the scene file's [animation]; to an image
+    /// Render these frames, both ends included, of --turntable or of the scene file's keyframes; to an image
     /// each, -o out-%05d.png, or all to one PNG, -o out.png
     #[arg(long, value_name = "A..B")]
     pub frames: Option<FrameRange>,

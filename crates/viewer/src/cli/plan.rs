@@ -29,7 +29,7 @@ pub struct PlanArgs {
     /// [default: PLAN.png or PLAN-%05d.png]
     #[arg(long, value_name = "FILE")]
     pub pictures: Option<PathBuf>,
-    /// These frames, both ends included, of --turntable or of the scene file's [animation]
+    /// These frames, both ends included, of --turntable or of the scene file's keyframes
     #[arg(long, value_name = "A..B")]
     pub frames: Option<FrameRange>,
     /// Turn once around what the camera looks at in so many frames [default frames: all]
