@@ -55,7 +55,7 @@ where
 
 /// What it said and how it ended. A panic is a failed test, whatever the exit status.
 #[derive(Clone, Debug)]
-pub struct Told {
+pub struct ProgramOutput {
     /// The exit status; `None` where a signal ended it.
     pub status: Option<i32>,
     /// Standard output.
@@ -65,7 +65,7 @@ pub struct Told {
 }
 
 /// Runs a command to its end.
-pub fn run(command: &mut Command) -> Told {
+pub fn run(command: &mut Command) -> ProgramOutput {
     let Output {
         status,
         stdout,
@@ -73,7 +73,7 @@ pub fn run(command: &mut Command) -> Told {
     } = command.output().expect("the program can be started");
     let errors = String::from_utf8(stderr).expect("messages are UTF-8");
     assert!(!errors.contains("panicked"), "{command:?}: {errors}");
-    Told {
+    ProgramOutput {
         status: status.code(),
         output: stdout,
         errors,
@@ -81,7 +81,7 @@ pub fn run(command: &mut Command) -> Told {
 }
 
 /// Runs the program, which must succeed.
-pub fn succeed<I, S>(arguments: I) -> Told
+pub fn succeed<I, S>(arguments: I) -> ProgramOutput
 where
     I: IntoIterator<Item = S>,
     S: AsRef<std::ffi::OsStr>,

@@ -4,6 +4,7 @@ use raycast_core::camera::{Camera, Grid, Lattice, Ray, Rect};
 use raycast_core::picture::{Layers, Picture};
 use raycast_core::render::{Cancel, View};
 use raycast_core::scene::{Mesh, Scene};
+use raycast_core::shade::Mode;
 use raycast_core::{Accel, Cull, Detail, Precision, PrimitiveHit, Simd};
 use raycast_oracle::Truth;
 use raycast_oracle::random::Random;
@@ -12,6 +13,19 @@ use raycast_report::fault::{compare, compare_pixel};
 use raycast_report::stage::scene_of;
 use rayon::prelude::*;
 use std::time::Duration;
+
+/// Every mode.
+pub const MODES: [Mode; 9] = [
+    Mode::Color,
+    Mode::Flat,
+    Mode::Smooth,
+    Mode::Normals,
+    Mode::Depth,
+    Mode::Barycentric,
+    Mode::Uv,
+    Mode::Texture,
+    Mode::Wireframe,
+];
 
 /// A stage that asks and compares, and panics where an answer is not the truth.
 pub trait Check {
@@ -23,16 +37,16 @@ pub trait Check {
     fn check(&self, ray: &Ray, cull: Cull) -> Option<Truth>;
     /// As [`Stage::check`] without brute force, for large meshes.
     fn check_quickly(&self, ray: &Ray, cull: Cull) -> Option<Truth>;
-    /// [`Stage::check`] for many rays, in parallel. How many of them met something.
+    /// [`Stage::check`] for many rays, in parallel. How many of them hit something.
     fn check_all(&self, rays: &[Ray], cull: Cull) -> usize;
-    /// [`Stage::check_quickly`] for many rays, in parallel. How many of them met something.
+    /// [`Stage::check_quickly`] for many rays, in parallel. How many of them hit something.
     fn check_all_quickly(&self, rays: &[Ray], cull: Cull) -> usize;
     /// Renders the view, in tiles, and compares every `every`-th pixel (along both sides) with the
     /// truth, and with [`Accel::cast`] of the pixel's ray.
     fn check_picture(&self, camera: Camera, cull: Cull, every: u32) -> Picture;
     /// Casts a lattice of rays with every instruction set, exact and fast. Each ray must get what
     /// [`Accel::cast_primitive`] gives it, bit for bit, and every `every`-th one, with those whose
-    /// neighbours show something else, the truth. How many met something.
+    /// neighbours show something else, the truth. How many hit something.
     fn check_lattice(&self, lattice: &Lattice, cull: Cull, every: usize) -> usize;
 }
 
@@ -136,7 +150,7 @@ impl Check for Stage {
                         Detail::Full => found == expected,
                         Detail::Triangle => found.primitive == expected.primitive,
                     };
-                    // What a block decides is right where a single ray in doubles alone may not be.
+                    // What a packet decides is right where a single ray in double precision alone may not be.
                     let wrong: Vec<usize> = (0..lattice.len())
                         .filter(|&i| {
                             !is_same((&found[i], &expected[i])) && !is_same((&found[i], &exact[i]))

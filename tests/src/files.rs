@@ -30,6 +30,31 @@ pub fn write(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
     path
 }
 
+/// A ray as `raycast cast` reads it: origin, t_min, direction, t_max.
+pub type FileRay = [f32; 8];
+
+/// Writes a file of rays.
+pub fn write_rays(path: &Path, rays: &[FileRay]) {
+    let bytes: Vec<u8> = rays
+        .iter()
+        .flatten()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    std::fs::write(path, bytes).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+}
+
+/// A named pipe in a folder; its path.
+#[cfg(unix)]
+pub fn pipe(folder: &Path) -> PathBuf {
+    let pipe = folder.join("pipe");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    assert!(
+        made.is_ok_and(|status| status.success()),
+        "a pipe can be made"
+    );
+    pipe
+}
+
 /// The names in a folder, in order.
 pub fn names(folder: &Path) -> Vec<OsString> {
     let entries = std::fs::read_dir(folder).expect("the folder can be listed");

@@ -1,12 +1,12 @@
 //! `raycast convert`: a mesh in any format is the same mesh.
 
 use raycast_tests::arguments;
-use raycast_tests::binary::{Told, refuse, succeed};
+use raycast_tests::binary::{ProgramOutput, refuse, succeed};
 use raycast_tests::files::{asset, bytes, folder, names, write};
 use std::ffi::OsString;
 use std::path::Path;
 
-fn convert(from: &Path, to: &Path, more: &[&str]) -> Told {
+fn convert(from: &Path, to: &Path, more: &[&str]) -> ProgramOutput {
     let mut arguments = arguments!["convert", from, "-o", to];
     arguments.extend(more.iter().map(OsString::from));
     succeed(&arguments)

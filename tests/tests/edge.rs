@@ -1,7 +1,7 @@
 //! The program's edge: exit status, standard output, mistyped commands, scenes of which nothing is left.
 
 use raycast_tests::arguments;
-use raycast_tests::binary::{Told, command, refuse, run, succeed};
+use raycast_tests::binary::{ProgramOutput, command, refuse, run, succeed};
 use raycast_tests::files::{asset, bytes, folder, names, write};
 use std::ffi::OsString;
 use std::path::Path;
@@ -270,7 +270,7 @@ fn info_and_render_agree_on_scenes() {
     ] {
         let scene = write(folder.path(), "a.raycast.toml", &text);
         let picture = folder.path().join("a.png");
-        let mut told: Vec<Told> = Vec::new();
+        let mut told: Vec<ProgramOutput> = Vec::new();
         for arguments in [
             arguments!["info", &scene],
             arguments!["render", &scene, "-o", &picture, "--threads", "1"],

@@ -37,7 +37,7 @@ fn ray(random: &mut Random, stage: &Stage, (center, radius): (DVec3, f64)) -> Ra
         _ => point(random, stage),
     };
     let direction = match random.below(16) {
-        // Along an axis: planes, boxes and edges of grids are met head on.
+        // Along an axis: rays hit planes, boxes and edges of grids head on.
         0 => DVec3::AXES[random.below(3) as usize] * (target - origin).length(),
         _ => target - origin,
     };
@@ -200,8 +200,8 @@ fn pictures_of_random_meshes_over_many_decades() {
     assert!(covered > 80_000, "{covered}");
 }
 
-/// Vertices and edges on the pixels' own lattice, triangles in one plane over one another, doubles:
-/// every ray meets borders, and ties abound.
+/// Vertices and edges on the pixels' own lattice, triangles in one plane over one another, duplicates:
+/// every ray hits borders, and ties abound.
 #[test]
 fn pictures_on_a_lattice() {
     let mut random = Random::new(15);

@@ -1,7 +1,7 @@
 //! Disks that are full, folders that are read-only, files that change while they are read.
 
 use raycast_tests::arguments;
-use raycast_tests::binary::{self, Told, command, refuse, run, succeed};
+use raycast_tests::binary::{self, ProgramOutput, command, refuse, run, succeed};
 use raycast_tests::files::{asset, bytes, folder, names, write};
 use std::ffi::OsString;
 use std::io::Write;
@@ -10,7 +10,7 @@ use std::process::Stdio;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A refusal: exit status 1, one line that says all of this.
-fn assert_refused(told: &Told, said: &[&str]) {
+fn assert_refused(told: &ProgramOutput, said: &[&str]) {
     assert_eq!(told.status, Some(1), "{told:?}");
     assert_eq!(told.errors.lines().count(), 1, "{told:?}");
     for word in said {
@@ -69,14 +69,14 @@ fn a_full_device_is_told() {
 
 /// Runs a script that may mount, with the program as its `$1`; what it said, or nothing where it may not.
 #[cfg(target_os = "linux")]
-fn with_mounts(script: &str, arguments: &[&std::ffi::OsStr]) -> Option<Told> {
+fn with_mounts(script: &str, arguments: &[&std::ffi::OsStr]) -> Option<ProgramOutput> {
     // A mount namespace of its own: what is mounted goes with it.
     let mut unshare = std::process::Command::new("unshare");
     unshare.args(["--mount", "sh", "-c", script, "sh"]);
     unshare.arg(binary::path()).args(arguments);
     unshare.stdin(Stdio::null());
     let output = unshare.output().ok()?;
-    let told = Told {
+    let told = ProgramOutput {
         status: output.status.code(),
         output: output.stdout,
         errors: String::from_utf8_lossy(&output.stderr).into_owned(),

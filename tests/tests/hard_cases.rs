@@ -29,7 +29,7 @@ use rayon::prelude::*;
 const RAYS: usize = 6_000;
 /// Rays a case that brute force answers too, each triangle counted.
 const BRUTE: usize = 2_000_000;
-/// Rays a camera that are held against the truth, and not only against the single ray.
+/// Rays a camera that are compared with the oracle, and not only with the single ray.
 const TRUTHS: usize = 300;
 
 const UNIT: [DVec3; 3] = [DVec3::ZERO, DVec3::X, DVec3::Y];
@@ -210,7 +210,7 @@ fn no_ray_of_a_camera_leaves() {
 }
 
 /// Single rays at each closed surface, random ones and those aimed at corners and edges: none may pass.
-/// A hundredth of them are held against the truth.
+/// A hundredth of them are compared with the oracle.
 #[test]
 fn no_single_ray_leaves() {
     let count = long_rays(20_000_000) / 100;

@@ -11,7 +11,7 @@ use raycast_report::cameras::{PROJECTIONS, camera};
 use raycast_report::meshes;
 use raycast_tests::check::{Check, Stage, part};
 
-/// What was checked, told at the end.
+/// What was checked, printed at the end.
 struct Tally {
     name: &'static str,
     rays: usize,
@@ -32,7 +32,7 @@ impl Tally {
         self.hits += stage.check_lattice(lattice, cull, every);
     }
 
-    /// At least this share of the rays must have met something, or nothing was tested.
+    /// At least this share of the rays must have hit something, or nothing was tested.
     fn end(self, least: f64) {
         let Self { name, rays, hits } = self;
         println!("{name}: {rays} rays, {hits} hits, none wrong");

@@ -1,4 +1,4 @@
-//! The layers that ARCHITECTURE.md states, held against the code: a module uses only modules listed
+//! The layers that ARCHITECTURE.md states, compared with the code: a module uses only modules listed
 //! before its own, and the files of a room use one another in one direction.
 
 use std::collections::{BTreeMap, BTreeSet};

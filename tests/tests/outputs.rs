@@ -1,4 +1,4 @@
-//! What the program writes: never over what it reads, never over what it was not told to replace,
+//! What the program writes: never over what it reads, never over what it was not allowed to replace,
 //! and with the mode, the owner and the links of what was there.
 
 #![allow(

@@ -1,23 +1,15 @@
 //! The real binary over files that are hostile, damaged or odd: an error of one line or a warning,
 //! never a wait, never in silence.
 
-use raycast_tests::binary::{Told, command, refuse, run, succeed};
+use raycast_tests::binary::{ProgramOutput, command, refuse, run, succeed};
+#[cfg(unix)]
+use raycast_tests::files::pipe;
+use raycast_tests::files::{folder, write};
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
-use tempfile::TempDir;
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-
-fn folder() -> TempDir {
-    tempfile::tempdir().expect("a folder for temporary files")
-}
-
-fn write(folder: &TempDir, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
-    let path = folder.path().join(name);
-    std::fs::write(&path, bytes).expect("a file can be written");
-    path
-}
 
 fn render(file: &Path, more: &[&str]) -> Vec<OsString> {
     let mut arguments: Vec<OsString> = vec!["render".into(), file.into(), "-o".into()];
@@ -28,15 +20,15 @@ fn render(file: &Path, more: &[&str]) -> Vec<OsString> {
 }
 
 /// Renders a small picture, which must succeed.
-fn rendered(file: &Path, more: &[&str]) -> Told {
+fn rendered(file: &Path, more: &[&str]) -> ProgramOutput {
     succeed(render(file, more))
 }
 
 #[test]
 fn images_that_claim_too_much_are_refused_before_they_are_made() {
     let folder = folder();
-    let image = write(&folder, "bomb.ppm", b"P6\n32768 32768\n255\n");
-    let mesh = write(&folder, "a.obj", TRIANGLE);
+    let image = write(folder.path(), "bomb.ppm", b"P6\n32768 32768\n255\n");
+    let mesh = write(folder.path(), "a.obj", TRIANGLE);
     let with = |image: &Path, more: &[&str]| {
         let name = image.display().to_string();
         let all: Vec<&str> = ["--texture", name.as_str()]
@@ -54,9 +46,9 @@ fn images_that_claim_too_much_are_refused_before_they_are_made() {
     assert!(told.contains("limit `bytes`"), "{told}");
     assert!(started.elapsed() < Duration::from_secs(20));
     // A mesh does without.
-    write(&folder, "a.mtl", "newmtl x\nmap_Kd bomb.ppm\n");
+    write(folder.path(), "a.mtl", "newmtl x\nmap_Kd bomb.ppm\n");
     let mesh = write(
-        &folder,
+        folder.path(),
         "b.obj",
         format!("mtllib a.mtl\nusemtl x\n{TRIANGLE}"),
     );
@@ -67,7 +59,7 @@ fn images_that_claim_too_much_are_refused_before_they_are_made() {
 #[test]
 fn limits_count_what_a_scene_takes() {
     let folder = folder();
-    let mesh = write(&folder, "a.obj", format!("{TRIANGLE}f 1 2 3\n"));
+    let mesh = write(folder.path(), "a.obj", format!("{TRIANGLE}f 1 2 3\n"));
     rendered(&mesh, &["--limit", "triangles=2"]);
     let told = refuse(1, render(&mesh, &["--limit", "triangles=1"]));
     assert!(
@@ -81,7 +73,7 @@ fn limits_count_what_a_scene_takes() {
     let told = refuse(1, render(&mesh, &[&name, "--limit", "triangles=3"]));
     assert!(told.contains("limit `triangles`"), "{told}");
     let object = "[[object]]\nmesh = \"a.obj\"\n";
-    let scene = write(&folder, "a.raycast.toml", object.repeat(2));
+    let scene = write(folder.path(), "a.raycast.toml", object.repeat(2));
     rendered(&scene, &["--limit", "triangles=4"]);
     refuse(1, render(&scene, &["--limit", "triangles=3"]));
 }
@@ -90,16 +82,15 @@ fn limits_count_what_a_scene_takes() {
 #[test]
 fn nothing_is_waited_for_that_a_file_names() {
     let folder = folder();
-    let pipe = folder.path().join("pipe");
-    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
-    assert!(
-        made.is_ok_and(|status| status.success()),
-        "a pipe can be made"
-    );
+    pipe(folder.path());
     std::fs::create_dir(folder.path().join("in")).expect("a folder");
     let started = Instant::now();
     for library in ["/dev/zero", "../pipe", "../../../../../dev/zero"] {
-        let mesh = write(&folder, "in/a.obj", format!("mtllib {library}\n{TRIANGLE}"));
+        let mesh = write(
+            folder.path(),
+            "in/a.obj",
+            format!("mtllib {library}\n{TRIANGLE}"),
+        );
         let told = rendered(&mesh, &["--follow-anywhere"]);
         assert!(
             told.errors.contains("not a regular file"),
@@ -109,15 +100,19 @@ fn nothing_is_waited_for_that_a_file_names() {
         let told = rendered(&mesh, &[]);
         assert!(told.errors.contains(library), "{}", told.errors);
     }
-    write(&folder, "in/a.mtl", "newmtl x\nmap_Kd ../pipe\n");
+    write(folder.path(), "in/a.mtl", "newmtl x\nmap_Kd ../pipe\n");
     let mesh = write(
-        &folder,
+        folder.path(),
         "in/b.obj",
         format!("mtllib a.mtl\nusemtl x\n{TRIANGLE}"),
     );
     let told = rendered(&mesh, &[]);
     assert!(told.errors.contains("a pipe"), "{}", told.errors);
-    let scene = write(&folder, "a.raycast.toml", "[[object]]\nmesh = \"pipe\"\n");
+    let scene = write(
+        folder.path(),
+        "a.raycast.toml",
+        "[[object]]\nmesh = \"pipe\"\n",
+    );
     let told = refuse(1, render(&scene, &[]));
     assert!(
         told.contains("a.raycast.toml:2: ") && told.contains("a pipe"),
@@ -134,12 +129,7 @@ fn nothing_is_waited_for_that_a_file_names() {
 #[test]
 fn a_pipe_on_the_command_line_is_read_once() {
     let folder = folder();
-    let pipe = folder.path().join("pipe");
-    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
-    assert!(
-        made.is_ok_and(|status| status.success()),
-        "a pipe can be made"
-    );
+    let pipe = pipe(folder.path());
     let writer = {
         let pipe = pipe.clone();
         std::thread::spawn(move || std::fs::write(pipe, TRIANGLE))
@@ -157,16 +147,16 @@ fn what_is_followed_far_is_named() {
     for name in ["a/b", "a/textures"] {
         std::fs::create_dir_all(folder.path().join(name)).expect("a folder");
     }
-    write(&folder, "a/textures/near.mtl", "newmtl x\nKd 1 0 0\n");
-    write(&folder, "far.mtl", "newmtl x\nKd 0 1 0\n");
+    write(folder.path(), "a/textures/near.mtl", "newmtl x\nKd 1 0 0\n");
+    write(folder.path(), "far.mtl", "newmtl x\nKd 0 1 0\n");
     let mesh = write(
-        &folder,
+        folder.path(),
         "a/b/near.obj",
         format!("mtllib ../textures/near.mtl\nusemtl x\n{TRIANGLE}"),
     );
     assert_eq!(rendered(&mesh, &[]).errors, "");
     let mesh = write(
-        &folder,
+        folder.path(),
         "a/b/far.obj",
         format!("mtllib ../../far.mtl\nusemtl x\n{TRIANGLE}"),
     );
@@ -185,14 +175,14 @@ fn faces_cover_their_insides_alone() {
         f 1 2 3 4 5\nf 5 4 6 7\n";
     let camera = ["--mode", "flat", "--color", "#ffffff"];
     let pixels = |name: &str, text: &str| {
-        let mesh = write(&folder, name, text);
+        let mesh = write(folder.path(), name, text);
         rendered(&mesh, &camera);
         let png = std::fs::read(mesh.with_extension("out.png")).expect("a picture");
         image::load_from_memory(&png).expect("a PNG").into_bytes()
     };
     assert_eq!(pixels("l.obj", l), pixels("boxes.obj", boxes));
     let bow_tie = write(
-        &folder,
+        folder.path(),
         "bow.obj",
         "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 4\n",
     );
@@ -209,7 +199,7 @@ fn faces_cover_their_insides_alone() {
 fn what_rounding_does_is_told() {
     let folder = folder();
     let mesh = write(
-        &folder,
+        folder.path(),
         "a.obj",
         "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 1 1 1\nv 1.0000000001 1 1\nv 1 1.0000000001 1\n\
          v 1 1.000001 1\nf 1 2 3\nf 4 5 6\nf 1 4 7\n",
@@ -241,7 +231,7 @@ fn what_rounding_does_is_told() {
 #[test]
 fn cameras_that_look_nowhere_are_refused_in_the_same_words() {
     let folder = folder();
-    let mesh = write(&folder, "a.obj", TRIANGLE);
+    let mesh = write(folder.path(), "a.obj", TRIANGLE);
     for (options, lines, why) in [
         (
             &["--eye", "0,0,5", "--target", "0,0,0", "--up", "0,0,0"][..],
@@ -262,7 +252,7 @@ fn cameras_that_look_nowhere_are_refused_in_the_same_words() {
         let told = refuse(2, render(&mesh, options));
         assert!(told.contains(why), "{told}");
         let scene = format!("[camera]\n{lines}\n[[object]]\nmesh = \"a.obj\"\n");
-        let scene = write(&folder, "a.raycast.toml", scene);
+        let scene = write(folder.path(), "a.raycast.toml", scene);
         let told = refuse(1, render(&scene, &[]));
         assert!(told.contains(why), "{told}");
     }
@@ -274,7 +264,7 @@ fn cameras_that_look_nowhere_are_refused_in_the_same_words() {
     ] {
         let by_option = refuse(2, render(&mesh, &[option]));
         let scene = format!("{key}\n[[object]]\nmesh = \"a.obj\"\n");
-        let scene = write(&folder, "b.raycast.toml", scene);
+        let scene = write(folder.path(), "b.raycast.toml", scene);
         let by_file = refuse(1, render(&scene, &[]));
         let (_, words) = by_file.rsplit_once(": ").expect("a place and a reason");
         assert!(by_option.contains(words.trim()), "{by_option} / {by_file}");
@@ -285,7 +275,7 @@ fn cameras_that_look_nowhere_are_refused_in_the_same_words() {
 #[test]
 fn render_and_info_agree_on_scenes() {
     let folder = folder();
-    write(&folder, "a.obj", TRIANGLE);
+    write(folder.path(), "a.obj", TRIANGLE);
     let object = "[[object]]\nmesh = \"a.obj\"\n";
     for (text, is_good) in [
         (String::new(), true),
@@ -304,10 +294,10 @@ fn render_and_info_agree_on_scenes() {
         (format!("[image]\nsamples = 4097\n{object}"), false),
         (format!("{object}parent = \"b\"\n"), false),
     ] {
-        let scene = write(&folder, "a.raycast.toml", &text);
+        let scene = write(folder.path(), "a.raycast.toml", &text);
         let information = run(&mut command(["info".as_ref(), scene.as_os_str()]));
         let picture = run(&mut command(render(&scene, &[])));
-        // There is a picture of what can be seen alone; what a file says can be told without.
+        // There is a picture of what can be seen alone; `info` says what a file holds without one.
         let is_read = picture.status == Some(0) || picture.errors.contains("nothing to see");
         assert_eq!(is_read, is_good, "{text}: {}", picture.errors);
         assert_eq!(information.status == Some(0), is_good, "{text}");

@@ -13,6 +13,7 @@ use raycast_core::shade::{Background, Filter, Mode, Shading, Wireframe};
 use raycast_report::cameras::camera;
 use raycast_report::meshes;
 use raycast_tests::check::{Check, Stage, render};
+use raycast_tests::files::asset;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -20,12 +21,6 @@ const SIZE: (u32, u32) = (64, 48);
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("reference")
-}
-
-fn asset(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../assets")
-        .join(name)
 }
 
 /// Compares a picture with the reference of that name, pixel by pixel; both are left to look at

@@ -12,23 +12,12 @@ use raycast_core::{Accel, Cull, Detail};
 use raycast_oracle::random::Random;
 use raycast_report::cameras::{PROJECTIONS, camera};
 use raycast_report::meshes;
-use raycast_tests::check::{Check, Stage, on_threads, pixel, render};
+use raycast_tests::check::{Check, MODES, Stage, instruction_sets, on_threads, pixel, render};
 use raycast_tests::models;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
-
-const MODES: [Mode; 8] = [
-    Mode::Color,
-    Mode::Flat,
-    Mode::Smooth,
-    Mode::Normals,
-    Mode::Depth,
-    Mode::Barycentric,
-    Mode::Uv,
-    Mode::Wireframe,
-];
 
 /// Several objects, one of them moved, with edges and vertices on pixels' centres.
 fn stage() -> Stage {
@@ -163,6 +152,44 @@ fn strips_of_tiles_equal_tiles() {
     }
 }
 
+/// The colours before they are rounded to bytes, and every other channel, to the bit: bytes forgive what a
+/// fused multiplication on one instruction set changes, nearly always.
+#[test]
+fn every_instruction_set_gives_the_same_light_in_every_mode() {
+    let stage = stage();
+    for projection in PROJECTIONS {
+        for (index, mode) in MODES.into_iter().enumerate() {
+            let mut view = stage.view(front(projection, (150, 110)), Cull::None);
+            view.settings.shading = Shading {
+                mode,
+                wireframe: (index % 2 == 1).then(Wireframe::default),
+                ..Shading::default()
+            };
+            view.settings.samples = 2;
+            let of = |simd| -> Vec<u32> {
+                let accel = Accel::clone(&stage.accel).with_simd(simd);
+                let view = View {
+                    accel: Arc::new(accel),
+                    ..view.clone()
+                };
+                let layers = render(&view, Grid::default()).layers;
+                let layers = layers.expect("layers were asked for");
+                let numbers = (layers.color.iter().flatten())
+                    .chain(&layers.depth)
+                    .chain(layers.normal.iter().flatten())
+                    .chain(layers.uv.iter().flatten());
+                let bits = numbers.map(|number| number.to_bits());
+                bits.chain(layers.object).chain(layers.triangle).collect()
+            };
+            let sets = instruction_sets();
+            let plain = of(sets[0]);
+            for &simd in &sets[1..] {
+                assert!(of(simd) == plain, "{projection:?} {mode:?} {simd:?}");
+            }
+        }
+    }
+}
+
 /// Any rectangle of the picture is what the whole shows there.
 #[test]
 fn a_sub_camera_shows_its_part_of_the_whole() {
@@ -236,7 +263,7 @@ fn the_last_pass_equals_the_render() {
     }
 }
 
-/// A render that is told to stop does not say that it is done.
+/// A cancelled render does not say that it is done.
 #[test]
 fn a_cancelled_render_is_none() {
     let stage = stage();

@@ -213,7 +213,7 @@ fn the_bunny_opens_orbits_and_fills_in() {
     }
 }
 
-/// A file that is not there is told in the window, which stays open.
+/// The window says that a file is missing, and stays open.
 #[test]
 fn a_missing_file_does_not_end_the_session() {
     if !can_run() {

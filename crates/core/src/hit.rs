@@ -34,7 +34,7 @@ pub enum Precision {
     Exact,
 }
 
-/// What is asked of a hit: what is not asked for costs nothing.
+/// What of a hit is needed: what is not needed costs nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Detail {
     /// Which triangle; t, u and v may be anything.

@@ -52,7 +52,7 @@
 //!
 //! A module uses only modules before it:
 //!
-//! [`math`], `num`, [`Ray`], [`Hit`] → [`scene`] → [`camera`] → `triangle` → `bvh` → `single` → [`packet`] →
+//! [`math`], `num`, [`Ray`], [`Hit`] → [`scene`] → [`health`] → [`camera`] → `triangle` → `bvh` → `single` → [`packet`] →
 //! [`shade`] → [`picture`] → [`render`](mod@render) → [`formats`]
 //!
 //! The crate is pure: it has no window, no global state and no clock, and it never prints. Files are read
@@ -62,6 +62,7 @@ mod bvh;
 pub mod camera;
 pub mod digest;
 pub mod formats;
+pub mod health;
 mod hit;
 mod hits;
 pub mod math;

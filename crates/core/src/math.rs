@@ -45,6 +45,16 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     libm::atan2(y, x)
 }
 
+/// The exponential function.
+pub fn exp(exponent: f64) -> f64 {
+    libm::exp(exponent)
+}
+
+/// The logarithm to the base 2; minus infinity for 0, NaN below.
+pub fn log2(number: f64) -> f64 {
+    libm::log2(number)
+}
+
 /// `base` to the power of `exponent`; NaN for a negative base and an exponent that is not whole.
 pub fn pow(base: f64, exponent: f64) -> f64 {
     libm::pow(base, exponent)
@@ -95,6 +105,8 @@ mod tests {
                 (atan(x), x.atan()),
                 (atan2(x, share), x.atan2(share)),
                 (pow(share.abs(), 2.4), share.abs().powf(2.4)),
+                (exp(x), x.exp()),
+                (log2(share.abs()), share.abs().log2()),
             ] {
                 let apart = found.to_bits().abs_diff(expected.to_bits());
                 assert!(apart <= 2, "{found} for {expected} at {x}");

@@ -7,6 +7,11 @@ pub const MOST_SAMPLES: u32 = 4096;
 /// The widest that lines are drawn, in pixels.
 pub const WIDEST_LINE: f32 = 100.0;
 
+/// The narrowest vertical field of view, in degrees: 1.7e-11 radians, so that neighbouring rays of a picture of
+/// 1000 rows differ by some 80 roundings of a unit direction (2⁻⁵³). Much narrower, all rays are one ray in double
+/// precision, every triangle near it needs exact arithmetic, and the picture shows nothing.
+pub const NARROWEST_FOV: f64 = 1e-9;
+
 /// A field of view, in degrees, that is as wide as no perspective picture can be.
 pub const FOV_END: f64 = 180.0;
 
@@ -20,7 +25,9 @@ pub enum OutOfRange {
     #[error("expected a width above 0 and at most {WIDEST_LINE} pixels, found {0}")]
     LineWidth(f32),
     /// A vertical field of view.
-    #[error("expected a field of view above 0 and below {FOV_END} degrees, found {0}")]
+    #[error(
+        "expected a field of view from {NARROWEST_FOV:e} to below {FOV_END} degrees, found {0}"
+    )]
     Fov(f64),
     /// A share of texture in a surface's colour.
     #[error("expected a blend from 0 to 1, found {0}")]
@@ -45,12 +52,12 @@ pub fn line_width(pixels: f32) -> Result<f32, OutOfRange> {
     fits.then_some(pixels).ok_or(OutOfRange::LineWidth(pixels))
 }
 
-/// A vertical field of view in degrees, above 0 and below [`FOV_END`].
+/// A vertical field of view in degrees, from [`NARROWEST_FOV`] to below [`FOV_END`].
 ///
 /// # Errors
 /// Any other number.
 pub fn fov(degrees: f64) -> Result<f64, OutOfRange> {
-    let fits = degrees > 0.0 && degrees < FOV_END;
+    let fits = (NARROWEST_FOV..FOV_END).contains(&degrees);
     fits.then_some(degrees).ok_or(OutOfRange::Fov(degrees))
 }
 
@@ -78,7 +85,7 @@ mod tests {
             assert!(line_width(width).is_err(), "{width}");
         }
         assert!(fov(1e-9).is_ok() && fov(179.9).is_ok());
-        for degrees in [0.0, -1.0, 180.0, f64::NAN, f64::INFINITY] {
+        for degrees in [0.0, -1.0, 1e-10, 180.0, f64::NAN, f64::INFINITY] {
             assert!(fov(degrees).is_err(), "{degrees}");
         }
         assert!(blend(0.0).is_ok() && blend(1.0).is_ok());

@@ -1,4 +1,4 @@
-//! Whole numbers times powers of two: sums and products of doubles without rounding.
+//! Whole numbers times powers of two: sums and products of `f64` without rounding.
 
 use dashu_int::{IBig, Sign};
 use dashu_ratio::RBig;
@@ -145,7 +145,7 @@ impl Ord for Dyadic {
 /// A point or a direction.
 pub(crate) type Vector = [Dyadic; 3];
 
-/// The vector that three doubles are.
+/// The vector of three `f64`.
 pub(crate) fn vector(x: [f64; 3]) -> Vector {
     x.map(Dyadic::new)
 }

@@ -1,4 +1,4 @@
-//! What a ray certainly misses, in doubles with proven bounds.
+//! What a ray certainly misses, in double precision with proven bounds.
 
 use crate::{Ray, Triangle};
 use glam::DVec3;
@@ -11,7 +11,7 @@ pub(crate) const HALF_ULP: f64 = f64::EPSILON * 0.5;
 /// less than anything that a filter should throw away.
 pub(crate) const TINY: f64 = 1e-150;
 
-/// Beyond this, products of three coordinates could leave the doubles' range: nothing is thrown
+/// Beyond this, products of three coordinates could leave the range of double precision: nothing is thrown
 /// away.
 const RANGE: f64 = 1e100;
 

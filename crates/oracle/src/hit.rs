@@ -37,7 +37,7 @@ impl ExactRay {
 
     /// The rule: with corners A, B, C relative to the origin, w_a = d·(B × C), w_b = d·(C × A),
     /// w_c = d·(A × B) must all be ≥ 0 or all ≤ 0, and not all 0. Their sum is d·n, with
-    /// n = (b − a) × (c − a) the side from which the corners run counter-clockwise: a ray meets
+    /// n = (b − a) × (c − a) the side from which the corners run counter-clockwise: a ray hits
     /// the front where it goes against n. And t = A·(B × C) / (d·n), since n·A = A·(B × C).
     pub(crate) fn hit<'a>(&self, triangle: &'a Triangle, cull_backs: bool) -> Option<ExactHit<'a>> {
         let base = exact::vector(triangle.base.to_array());
@@ -93,7 +93,7 @@ impl ExactHit<'_> {
         by_distance.then(self.triangle.number().cmp(&other.triangle.number()))
     }
 
-    /// The hit in the nearest doubles.
+    /// The hit, rounded to double precision.
     pub(crate) fn rounded(&self, ray: &Ray) -> Truth {
         let [a, b, c] = self.triangle.rounded();
         let normal = (b - a).cross(c - a).normalize_or_zero();

@@ -1,9 +1,9 @@
 //! The truth about rays and triangles, by arithmetic without rounding.
 //!
 //! It knows nothing of the code that it checks: it takes plain values, has a big-number library of
-//! its own, and asks every triangle that a proven bound in doubles does not rule out.
+//! its own, and decides every triangle that a proven bound in double precision does not rule out.
 //!
-//! - [`oracle`]: the nearest triangle that a ray meets, and how it meets a given one.
+//! - [`oracle`]: the nearest triangle that a ray hits, and how it hits a given one.
 //! - [`random`]: what to ask about, the same on every machine.
 
 mod exact;
@@ -14,7 +14,9 @@ pub mod random;
 mod ray;
 mod tree;
 mod triangle;
+mod truth;
 
-pub use oracle::{Oracle, Truth};
+pub use oracle::Oracle;
 pub use ray::Ray;
 pub use triangle::Triangle;
+pub use truth::Truth;

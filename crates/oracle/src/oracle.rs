@@ -1,40 +1,23 @@
 //! A ray's nearest triangle, by arithmetic without rounding.
 //!
-//! A filter in doubles, with bounds that are proven where they stand, throws away triangles that a
+//! A filter in double precision, with bounds that are proven where they stand, throws away triangles that a
 //! ray certainly misses; every triangle that is left is decided exactly. So an answer never depends
 //! on a rounded number.
 
 use crate::filter::Filter;
 use crate::hit::{ExactHit, ExactRay};
 use crate::tree::Tree;
-use crate::{Ray, Triangle};
+use crate::{Ray, Triangle, Truth};
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
 
-/// How a ray meets a triangle, in truth.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Truth {
-    /// The object's number.
-    pub object: u32,
-    /// The triangle's number in its object.
-    pub triangle: u32,
-    /// The ray's parameter, as the nearest double.
-    pub t: f64,
-    /// Weight of the second corner, as the nearest double.
-    pub u: f64,
-    /// Weight of the third corner, as the nearest double.
-    pub v: f64,
-    /// The cosine between the ray and the triangle's normal, 0 to 1 (rounded).
-    pub cosine: f64,
-}
-
-/// Triangles, ready to be asked about.
+/// Triangles, prepared for rays.
 ///
-/// A ray meets a triangle where the three determinants of the direction and two corners (seen from
+/// A ray hits a triangle where the three determinants of the direction and two corners (seen from
 /// the origin) are all ≥ 0 or all ≤ 0 and not all zero, and `t_min < t ≤ t_max`: edges and
-/// vertices belong to all triangles that have them, and a triangle without area is never met. A
-/// triangle with a corner that is not finite is never met either; a ray with a number that is not
-/// finite (but for a `t_max` of +infinity), or without direction, meets nothing.
+/// vertices belong to all triangles that have them, and a triangle without area is never hit. A
+/// triangle with a corner that is not finite is never hit either; a ray with a number that is not
+/// finite (but for a `t_max` of +infinity), or without direction, hits nothing.
 #[derive(Clone, Debug)]
 pub struct Oracle {
     triangles: Vec<Triangle>,
@@ -68,7 +51,7 @@ impl Oracle {
         Self::new(corners.iter().enumerate().map(triangle).collect())
     }
 
-    /// The nearest triangle that `ray` meets; ties go to the lowest object, then triangle.
+    /// The nearest triangle that `ray` hits; ties go to the lowest object, then triangle.
     /// `cull_backs`: only those whose corners run counter-clockwise to the ray.
     pub fn nearest(&self, ray: &Ray, cull_backs: bool) -> Option<Truth> {
         if !ray.is_valid() {
@@ -91,9 +74,15 @@ impl Oracle {
         nearest_of(&self.triangles, ray, cull_backs)
     }
 
-    /// How `ray` meets the triangle with these numbers, others or not in its way; `None` where it
+    /// How `ray` hits the triangle with these numbers, others or not in its way; `None` where it
     /// does not, or where there is no such triangle.
-    pub fn meet(&self, object: u32, triangle: u32, ray: &Ray, cull_backs: bool) -> Option<Truth> {
+    pub fn intersect(
+        &self,
+        object: u32,
+        triangle: u32,
+        ray: &Ray,
+        cull_backs: bool,
+    ) -> Option<Truth> {
         let triangle = self.triangle(object, triangle)?;
         if !ray.is_valid() {
             return None;
@@ -207,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn what_only_touches_the_eye_is_not_met() {
+    fn what_only_touches_the_eye_is_not_hit() {
         let oracle = Oracle::of_corners(&[UNIT, UNIT.map(|p| p - Vec3::Z)]);
         for eye in [
             DVec3::ZERO,
@@ -298,7 +287,7 @@ mod tests {
         assert!(hits > 1000, "only {hits} hits");
     }
 
-    /// Products leave the doubles' range long before the numbers do.
+    /// Products leave the range of double precision long before the numbers do.
     #[test]
     fn origins_at_the_end_of_the_doubles_are_answered() {
         let oracle = Oracle::of_corners(&[UNIT]);
@@ -318,13 +307,13 @@ mod tests {
         let nearer = UNIT.map(|p| p + Vec3::Z);
         let oracle = Oracle::of_corners(&[UNIT, nearer, [b, b + b, c], [a, c, b]]);
         let ray = down(0.25, 0.25);
-        let met = |triangle, cull| oracle.meet(0, triangle, &ray, cull).map(|hit| hit.t);
-        assert_eq!(met(0, false), Some(5.0));
-        assert_eq!(met(1, false), Some(4.0));
-        assert_eq!(met(2, false), None);
-        assert_eq!((met(3, false), met(3, true)), (Some(5.0), None));
-        assert_eq!(met(4, false), None);
-        assert_eq!(oracle.meet(1, 0, &ray, false), None);
+        let at = |triangle, cull| oracle.intersect(0, triangle, &ray, cull).map(|hit| hit.t);
+        assert_eq!(at(0, false), Some(5.0));
+        assert_eq!(at(1, false), Some(4.0));
+        assert_eq!(at(2, false), None);
+        assert_eq!((at(3, false), at(3, true)), (Some(5.0), None));
+        assert_eq!(at(4, false), None);
+        assert_eq!(oracle.intersect(1, 0, &ray, false), None);
         assert_eq!(oracle.triangle(0, 1).map(|t| t.corners), Some(nearer));
     }
 }

@@ -14,7 +14,7 @@ pub struct Triangle {
 }
 
 impl Triangle {
-    /// The corners as the nearest doubles.
+    /// The corners, rounded to double precision.
     pub(crate) fn rounded(&self) -> [DVec3; 3] {
         self.corners.map(|corner| self.base + corner.as_dvec3())
     }

@@ -1,7 +1,7 @@
 //! Visibility of whole pictures of 1280 × 720: RayCast with each instruction set beside other people's
 //! trees, and beside Embree where `EMBREE_LIBRARY` names it.
 //!
-//! `cargo bench -p raycast-report` runs all; words after `--` choose, and `--help` tells more. Ways
+//! `cargo bench -p raycast-report` runs all; words after `--` choose, and `--help` tells more. Casters
 //! run one after another here: for ratios on a machine that is shared use `raycast bench --baselines`,
 //! which takes turns.
 
@@ -9,10 +9,10 @@ use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use raycast_core::camera::Lattice;
 use raycast_core::{Accel, Precision};
+use raycast_report::casters::{self, Caster};
 use raycast_report::embree::Embree;
 use raycast_report::scenes::Made;
 use raycast_report::subject::{find_tiles, tiles};
-use raycast_report::ways::{self, Way};
 use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
@@ -30,8 +30,8 @@ const SCENES: [Made; 5] = [
 struct Ready {
     /// The medium view's rays, then the close one's.
     views: [Vec<Lattice>; 2],
-    raycast: Vec<Box<dyn Way>>,
-    others: Vec<Box<dyn Way>>,
+    raycast: Vec<Box<dyn Caster>>,
+    others: Vec<Box<dyn Caster>>,
 }
 
 impl Ready {
@@ -42,16 +42,16 @@ impl Ready {
             let camera = made.camera(&scene, SIZE, close).expect("a good size");
             tiles(&camera, 1)
         };
-        let raycast = ways::instruction_sets().into_iter().map(|simd| {
+        let raycast = casters::instruction_sets().into_iter().map(|simd| {
             let accel = Arc::new(accel.clone().with_simd(simd));
-            ways::raycast_simd(&accel, Precision::Exact)
+            casters::raycast_simd(&accel, Precision::Exact)
         });
         let raycast = raycast.collect();
         let views = [view(false), view(true)];
         let accel = Arc::new(accel);
-        let mut others = ways::trees(&accel);
+        let mut others = casters::trees(&accel);
         if let Ok(library) = Embree::load(rayon::current_num_threads()) {
-            others.extend(ways::embree(&accel, &library).expect("Embree's scenes"));
+            others.extend(casters::embree(&accel, &library).expect("Embree's scenes"));
         }
         Self {
             views,
@@ -69,13 +69,13 @@ fn ready(made: Made) -> Arc<Ready> {
     Arc::clone(entry.or_insert_with(|| Arc::new(Ready::new(made))))
 }
 
-fn run(bencher: Bencher<'_, '_>, way: Option<&dyn Way>, lattices: &[Lattice]) {
+fn run(bencher: Bencher<'_, '_>, caster: Option<&dyn Caster>, lattices: &[Lattice]) {
     // What this machine does not have takes no time.
-    let Some(way) = way else { return };
+    let Some(caster) = caster else { return };
     let rays: usize = lattices.iter().map(Lattice::len).sum();
     bencher
         .counter(ItemsCount::new(rays))
-        .bench_local(|| black_box(find_tiles(way, lattices)));
+        .bench_local(|| black_box(find_tiles(caster, lattices)));
 }
 
 /// RayCast, from the plainest instruction set to the widest.
@@ -84,7 +84,7 @@ fn raycast_medium<const SIMD: usize>(bencher: Bencher<'_, '_>, made: Made) {
     let ready = ready(made);
     run(
         bencher,
-        ready.raycast.get(SIMD).map(|way| &**way),
+        ready.raycast.get(SIMD).map(|caster| &**caster),
         &ready.views[0],
     );
 }
@@ -94,15 +94,18 @@ fn raycast_close<const SIMD: usize>(bencher: Bencher<'_, '_>, made: Made) {
     let ready = ready(made);
     run(
         bencher,
-        ready.raycast.get(SIMD).map(|way| &**way),
+        ready.raycast.get(SIMD).map(|caster| &**caster),
         &ready.views[1],
     );
 }
 
 fn other(made: Made, name: &str, bencher: Bencher<'_, '_>, view: usize) {
     let ready = ready(made);
-    let way = ready.others.iter().find(|way| way.name().starts_with(name));
-    run(bencher, way.map(|way| &**way), &ready.views[view]);
+    let caster = ready
+        .others
+        .iter()
+        .find(|caster| caster.name().starts_with(name));
+    run(bencher, caster.map(|caster| &**caster), &ready.views[view]);
 }
 
 const OTHERS: [&str; 4] = [

@@ -1,9 +1,9 @@
-//! Rays with the truth about them, for every way to be compared with.
+//! Rays with the truth about them, for every caster to be compared with.
 
 use crate::Stage;
+use crate::casters::{self, Caster, Rays};
 use crate::errors::Errors;
 use crate::subject;
-use crate::ways::{self, Rays, Way};
 use raycast_core::camera::{Camera, Ray};
 use raycast_core::{Cull, PrimitiveHit};
 use raycast_oracle::Truth;
@@ -40,7 +40,7 @@ impl<'a> Checked<'a> {
             let ray = |&(x, y): &(u32, u32)| camera.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
             rays.extend(pixels.iter().map(ray));
         }
-        let rounded = rays.iter().map(|ray| ways::rounded(ray, &stage.accel));
+        let rounded = rays.iter().map(|ray| casters::rounded(ray, &stage.accel));
         let rounded = rounded.collect();
         let ask = |rays: Vec<Ray>| Asked {
             truths: rays
@@ -58,41 +58,41 @@ impl<'a> Checked<'a> {
         }
     }
 
-    /// The rays that a way is asked: for one that answers none but a camera's, those.
-    pub fn rays(&self, way: &dyn Way) -> &[Ray] {
-        match way.rays() {
+    /// The rays that a caster is given: a camera's alone where it answers no others.
+    pub fn rays(&self, caster: &dyn Caster) -> &[Ray] {
+        match caster.rays() {
             Rays::Camera => &self.double.rays[self.free..],
             Rays::Double => &self.double.rays,
             Rays::Single => &self.single.rays,
         }
     }
 
-    /// A way's errors. Brute force is asked about as many rays as `tests` tests of a ray against a
+    /// A caster's errors. Brute force is given as many rays as `tests` tests of a ray against a
     /// triangle allow.
-    pub fn errors(&self, way: &dyn Way, tests: usize) -> Errors {
-        let (asked, first) = match way.rays() {
+    pub fn errors(&self, caster: &dyn Caster, tests: usize) -> Errors {
+        let (asked, first) = match caster.rays() {
             Rays::Camera => (&self.double, self.free),
             Rays::Double => (&self.double, 0),
             Rays::Single => (&self.single, 0),
         };
-        let hits = match way.rays() {
+        let hits = match caster.rays() {
             Rays::Camera => {
                 let pictures = self.pictures.iter();
                 pictures
-                    .flat_map(|(camera, pixels)| pick(way, camera, pixels))
+                    .flat_map(|(camera, pixels)| pick(caster, camera, pixels))
                     .collect()
             }
-            _ => cast(way, &asked.rays, tests),
+            _ => cast(caster, &asked.rays, tests),
         };
         let range = first..first + hits.len();
         let (rays, truths) = (&asked.rays[range.clone()], &asked.truths[range]);
-        Errors::of(self.stage, way, rays, truths, &hits)
+        Errors::of(self.stage, caster, rays, truths, &hits)
     }
 }
 
 /// Answers to rays, as many as there is time for, on all workers.
-fn cast(way: &dyn Way, rays: &[Ray], tests: usize) -> Vec<PrimitiveHit> {
-    let affordable = match way.tries() {
+fn cast(caster: &dyn Caster, rays: &[Ray], tests: usize) -> Vec<PrimitiveHit> {
+    let affordable = match caster.tries() {
         0 => rays.len(),
         tries => rays.len().min((tests / tries).max(1)),
     };
@@ -100,7 +100,7 @@ fn cast(way: &dyn Way, rays: &[Ray], tests: usize) -> Vec<PrimitiveHit> {
         .par_chunks(64)
         .map(|rays| {
             let mut hits = Vec::new();
-            way.cast(rays, &mut hits);
+            caster.cast(rays, &mut hits);
             hits
         })
         .collect();
@@ -108,7 +108,7 @@ fn cast(way: &dyn Way, rays: &[Ray], tests: usize) -> Vec<PrimitiveHit> {
 }
 
 /// Answers to a camera's rays through some pixels: the whole picture is cast, in its tiles.
-fn pick(way: &dyn Way, camera: &Camera, pixels: &[(u32, u32)]) -> Vec<PrimitiveHit> {
+fn pick(caster: &dyn Caster, camera: &Camera, pixels: &[(u32, u32)]) -> Vec<PrimitiveHit> {
     let plane = camera.plane();
     let mut picture = vec![PrimitiveHit::NONE; plane.columns as usize * plane.rows as usize];
     let tiles = subject::tiles(camera, 1);
@@ -116,7 +116,7 @@ fn pick(way: &dyn Way, camera: &Camera, pixels: &[(u32, u32)]) -> Vec<PrimitiveH
         .par_iter()
         .map(|tile| {
             let mut hits = Vec::new();
-            way.cast_lattice(tile, &mut hits);
+            caster.cast_lattice(tile, &mut hits);
             hits
         })
         .collect();

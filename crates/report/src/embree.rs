@@ -21,7 +21,7 @@ use thiserror::Error;
 /// The environment variable that names the library.
 pub const LIBRARY_VARIABLE: &str = "EMBREE_LIBRARY";
 
-/// What Embree gives as a number where nothing was met.
+/// The number that Embree gives for a miss.
 pub const NONE: u32 = u32::MAX;
 
 /// Names to try where the variable names none.
@@ -66,7 +66,7 @@ pub enum EmbreeError {
     },
 }
 
-/// `N` rays side by side with what they meet: `RTCRayHit` for one, `RTCRayHit8`, `RTCRayHit16`.
+/// `N` rays side by side with what they hit: `RTCRayHit` for one, `RTCRayHit8`, `RTCRayHit16`.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct Packet<const N: usize> {
@@ -82,15 +82,15 @@ pub struct Packet<const N: usize> {
     mask: [u32; N],
     id: [u32; N],
     flags: [u32; N],
-    /// Normals of the triangles met, as long as twice their area.
+    /// Normals of the triangles hit, as long as twice their area.
     pub normal: [[f32; N]; 3],
     /// Weights of the second corners.
     pub u: [f32; N],
     /// Weights of the third corners.
     pub v: [f32; N],
-    /// Triangles met.
+    /// Triangles hit.
     pub triangle: [u32; N],
-    /// The geometry met, or [`NONE`].
+    /// The geometry hit, or [`NONE`].
     pub geometry: [u32; N],
     instance: [u32; N],
     instance_triangle: [u32; N],
@@ -116,7 +116,7 @@ impl<const N: usize> Packet<N> {
         instance_triangle: [NONE; N],
     };
 
-    /// Makes the packet ready for another cast: what was met is forgotten.
+    /// Makes the packet ready for another cast: its hits are cleared.
     #[inline(always)]
     pub fn reset(&mut self) {
         self.t_far = [f32::INFINITY; N];

@@ -1,26 +1,26 @@
-//! What a way answered, against the truth.
+//! What a caster answered, against the truth.
 
+use crate::casters::Caster;
 use crate::fault::{GRAZING, ulps};
 use crate::stage::Stage;
 use crate::timing::quantile;
-use crate::ways::Way;
 use raycast_core::camera::Ray;
 use raycast_core::{Cull, PrimitiveHit};
 use raycast_oracle::Truth;
 use rayon::prelude::*;
 
-/// A way's errors over some rays.
+/// A caster's errors over some rays.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Errors {
-    /// Rays that were asked.
+    /// Rays that were cast.
     pub rays: u64,
-    /// Rays that in truth meet something.
+    /// Rays that hit something by exact arithmetic.
     pub hits: u64,
-    /// Nothing was met where in truth there is a triangle: a hole.
+    /// Misses where exact arithmetic finds a triangle: holes.
     pub leaks: u64,
-    /// Something was met where in truth there is nothing.
+    /// Hits where exact arithmetic finds nothing.
     pub phantoms: u64,
-    /// A triangle that is not the nearest, or is not met at all.
+    /// Hits of a triangle that is not the closest, or that the ray misses.
     pub others: u64,
     /// Another triangle, which is truly as near: right but for the rule that the lowest number wins.
     /// Not counted as wrong.
@@ -35,7 +35,7 @@ impl Errors {
     /// Compares answers to rays with the truth about these same rays.
     pub fn of(
         stage: &Stage,
-        way: &dyn Way,
+        caster: &dyn Caster,
         rays: &[Ray],
         truths: &[Option<Truth>],
         hits: &[PrimitiveHit],
@@ -45,7 +45,7 @@ impl Errors {
                 rays: 1,
                 ..Self::default()
             };
-            errors.add(stage, way, ray, truth.as_ref(), hit);
+            errors.add(stage, caster, ray, truth.as_ref(), hit);
             errors
         };
         let mut all = rays
@@ -62,7 +62,7 @@ impl Errors {
     fn add(
         &mut self,
         stage: &Stage,
-        way: &dyn Way,
+        caster: &dyn Caster,
         ray: &Ray,
         truth: Option<&Truth>,
         hit: &PrimitiveHit,
@@ -81,11 +81,11 @@ impl Errors {
             (Some(truth), false) => truth,
         };
         self.hits += 1;
-        let found = way.identify(hit.primitive);
+        let found = caster.identify(hit.primitive);
         let mut met = *truth;
         if found != (truth.object, truth.triangle) {
             // As near to a double's rounding is as near as the oracle tells.
-            match stage.meet(found, ray, Cull::None) {
+            match stage.intersect(found, ray, Cull::None) {
                 Some(other) if other.t == truth.t => {
                     self.ties += 1;
                     met = other;

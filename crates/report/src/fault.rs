@@ -3,7 +3,7 @@
 use raycast_core::Hit;
 use raycast_oracle::Truth;
 
-/// Below this cosine between ray and normal, distances and weights are not held to a bound.
+/// Below this cosine between ray and normal, distances and weights have no bound to keep.
 pub const GRAZING: f64 = 0.1;
 /// How far off distances may be elsewhere, in units in the last place of single precision.
 pub const T_BOUND: f64 = 4.0;

@@ -1,14 +1,14 @@
-//! Tiles, single rays, brute force and the truth held against one another, on whatever bytes say: what
+//! Tiles, single rays, brute force and the oracle compared with one another, on whatever bytes say: what
 //! a fuzzer drives.
 //!
 //! Bytes choose a small mesh, a camera and a part of its rays, from numbers that kernels stumble over:
 //! equal ones, both zeros, neighbours in the last place, tiny and huge ones, corners that triangles share,
 //! eyes in corners, on edges and in planes. Bytes that are missing are zeros.
 
+use crate::casters::instruction_sets;
 use crate::fault::compare;
 use crate::meshes::mesh;
 use crate::stage::{Stage, scene_of};
-use crate::ways::instruction_sets;
 use raycast_core::camera::{Camera, ImagePlane, Lattice, Placement, Projection, Ray, Rect};
 use raycast_core::glam::DVec3;
 use raycast_core::{Accel, Cull, Detail, Precision, PrimitiveHit};
@@ -17,7 +17,7 @@ use raycast_core::{Accel, Cull, Detail, Precision, PrimitiveHit};
 const TRIANGLES: usize = 64;
 const CORNERS: usize = 24;
 
-/// Rays of a lattice that are held against the truth and against brute force, besides those whose
+/// Rays of a lattice that are compared with the oracle and with brute force, besides those whose
 /// neighbours show something else.
 const TRUTHS: usize = 24;
 /// And of those, at most.
@@ -30,14 +30,14 @@ pub struct Scenario {
     pub stage: Stage,
     /// The rays.
     pub lattice: Lattice,
-    /// Which faces they meet.
+    /// Which faces they hit.
     pub cull: Cull,
 }
 
 /// Builds what the bytes say, and checks it.
 ///
 /// # Errors
-/// The first answer that is not the truth, or not the same as another way's, with what is needed to ask
+/// The first answer that is not the truth, or not the same as another caster's, with what is needed to ask
 /// again.
 pub fn check(bytes: &[u8]) -> Result<(), String> {
     scenario(bytes).map_or(Ok(()), |scenario| scenario.check())

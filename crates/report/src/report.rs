@@ -1,15 +1,15 @@
 //! All of a report, from scenes to files.
 
+use crate::budget::ReportBudget;
 use crate::cases::time::RACES;
-use crate::effort::Effort;
 use crate::embree::Embree;
 use crate::machine::Machine;
+use crate::progress::ReportProgress;
 use crate::sections::{
-    Section, breaking, density, hard, levels, meshes, numerics, pay, shape, time,
+    Section, breaking, density, feature_cost, filters, hard, levels, meshes, numerics, shape, time,
 };
 use crate::subject::{Input, Subject};
 use crate::table::ReportError;
-use crate::watch::Watch;
 
 /// A file of a report: its name, and all of it.
 pub type ReportFile = (String, Vec<u8>);
@@ -21,17 +21,17 @@ pub type ReportFile = (String, Vec<u8>);
 /// A scene that cannot be cast at, a plot that cannot be drawn.
 pub fn report(
     inputs: &[Input],
-    effort: &Effort,
+    budget: &ReportBudget,
     command: &str,
-    watch: &dyn Watch,
+    progress: &dyn ReportProgress,
 ) -> Result<Vec<ReportFile>, ReportError> {
     let machine = Machine::this(rayon::current_num_threads());
     let library = Embree::load(machine.threads);
     let mut figures = Vec::with_capacity(inputs.len());
     for input in inputs {
-        watch.begin("building", 1);
-        let subject = Subject::new(input, effort.simd, library.as_ref().ok())?;
-        figures.push(meshes::measure(&subject, effort, watch)?);
+        progress.begin("building", 1);
+        let subject = Subject::new(input, budget.simd, library.as_ref().ok())?;
+        figures.push(meshes::measure(&subject, budget, progress)?);
     }
 
     let mut opening = Section::default();
@@ -43,13 +43,13 @@ pub fn report(
     });
     opening.say(
         "Two references, never mixed. **Wrong triangles** and errors of `t`, `u`, `v` are against exact \
-         rational arithmetic on the same vertices and the very rays that a way was given (for ways in \
+         rational arithmetic on the same vertices and the very rays that a caster was given (for casters in \
          single precision: rays rounded to it). **Errors of pictures** are against the same picture \
-         with 256 rays a pixel. Speeds are of ways taken in turn, ray set-up and the writing of hits \
+         with 256 rays a pixel. Speeds are of casters taken in turn, ray set-up and the writing of hits \
          included; medians.",
     );
-    opening.say("The ways of casting:");
-    opening.say(WAYS);
+    opening.say("The casters:");
+    opening.say(CASTERS);
     let embree = library.as_ref().ok();
     let mut ordinary = Section::default();
     ordinary.say("## A. Speed against wrong triangles");
@@ -59,7 +59,7 @@ pub fn report(
         names.join(", ")
     ));
     let over_meshes = numerics::over_meshes(&figures);
-    let outcomes = hard::measure(effort, embree, watch)?;
+    let outcomes = hard::measure(budget, embree, progress)?;
     let over_cases = hard::over_cases(&outcomes);
     numerics::show(
         &mut ordinary,
@@ -72,39 +72,40 @@ pub fn report(
     hard::show(&mut ordinary, &outcomes, &over_cases);
     time::show(
         &mut ordinary,
-        &time::measure(RACES, effort.rounds.div_ceil(2), watch)?,
+        &time::measure(RACES, budget.rounds.div_ceil(2), progress)?,
     );
     let mut breaks = Section::default();
-    breaks.say("## B. Where each way breaks");
-    for sweep in breaking::Sweep::ALL {
-        let curves = breaking::measure(sweep, effort, embree, watch)?;
+    breaks.say("## B. Where each caster breaks");
+    for sweep in breaking::BreakingSweep::ALL {
+        let curves = breaking::measure(sweep, budget, embree, progress)?;
         breaking::show(&mut breaks, sweep, &curves);
     }
     let mut speed = Section::default();
     speed.say("## C. The shape of speed");
     speed.say("All of one bumpy ball, seen so that it fills the frame where nothing else is said.");
-    for sweep in shape::Sweep::ALL {
-        let curves = shape::measure(sweep, effort, embree, watch)?;
+    for sweep in shape::SpeedSweep::ALL {
+        let curves = shape::measure(sweep, budget, embree, progress)?;
         shape::show(&mut speed, sweep, &curves);
     }
     let mut dense = Section::default();
     dense.say("## D. The density of rays");
     if let Some(input) = inputs.first() {
-        let pictures = density::measure(&input.name, &input.scene, effort, watch)?;
+        let pictures = density::measure(&input.name, &input.scene, budget, progress)?;
         density::show(&mut dense, &pictures)?;
     }
     let mut paid = Section::default();
     paid.say("## E. Pay for what is used");
-    pay::show(&mut paid, &pay::measure(effort, watch)?);
-    let mut way_down = Section::default();
+    feature_cost::show(&mut paid, &feature_cost::measure(budget, progress)?);
+    filters::show(&mut paid, budget, &filters::measure(budget, progress)?);
+    let mut descent = Section::default();
     // One mesh shows more than many.
     let single = inputs.iter().find(|input| input.scene.objects.len() == 1);
     if let Some(input) = single.or(inputs.first()) {
-        watch.begin("levels", 1);
-        if let Some(shown) = levels::measure(input, effort.simd)? {
-            levels::show(&mut way_down, shown);
+        progress.begin("levels", 1);
+        if let Some(shown) = levels::measure(input, budget.simd)? {
+            levels::show(&mut descent, shown);
         }
-        watch.step();
+        progress.step();
     }
     let mut closing = Section::default();
     closing.say("## To measure this again");
@@ -112,19 +113,19 @@ pub fn report(
     let sections = [
         opening,
         ordinary,
-        meshes::show(&figures, effort),
+        meshes::show(&figures, budget),
         breaks,
         speed,
         dense,
         paid,
-        way_down,
+        descent,
         closing,
     ];
-    files(sections, watch)
+    files(sections, progress)
 }
 
 /// What the names in plots and tables mean.
-const WAYS: &str = "\
+const CASTERS: &str = "\
 - **RayCast tiles**: a tile of a camera's rays at once, as pictures are made; *exact*, or *fast* (rounded \
 where doubles cannot tell). With the name of an instruction set where it is not this machine's widest.
 - **RayCast single rays**: one ray after another, as `raycast cast` answers them.
@@ -140,17 +141,17 @@ f32 is single precision, f64 double.";
 /// Writes everything down.
 fn files(
     sections: impl IntoIterator<Item = Section>,
-    watch: &dyn Watch,
+    progress: &dyn ReportProgress,
 ) -> Result<Vec<ReportFile>, ReportError> {
     let mut text = String::new();
     let mut files = Vec::new();
     for section in sections {
-        watch.begin("drawing", section.charts.len() as u64);
+        progress.begin("drawing", section.charts.len() as u64);
         text.push_str(&section.text);
         for (name, chart) in section.charts {
             files.push((format!("{name}.svg"), chart.svg()?.into_bytes()));
             files.push((format!("{name}.png"), chart.png()?));
-            watch.step();
+            progress.step();
         }
         for (name, table) in section.tables {
             files.push((format!("{name}.csv"), table.csv()?));

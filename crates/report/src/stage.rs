@@ -43,15 +43,20 @@ impl Stage {
         })
     }
 
-    /// The nearest triangle that a ray meets, in truth.
+    /// The nearest triangle that a ray hits, in truth.
     pub fn truth(&self, ray: &Ray, cull: Cull) -> Option<Truth> {
         self.oracle.nearest(&as_given(ray), cull == Cull::Back)
     }
 
-    /// How a ray meets the triangle with these numbers, others or not in its way.
-    pub fn meet(&self, (object, triangle): (u32, u32), ray: &Ray, cull: Cull) -> Option<Truth> {
+    /// How a ray hits the triangle with these numbers, others or not in its way.
+    pub fn intersect(
+        &self,
+        (object, triangle): (u32, u32),
+        ray: &Ray,
+        cull: Cull,
+    ) -> Option<Truth> {
         self.oracle
-            .meet(object, triangle, &as_given(ray), cull == Cull::Back)
+            .intersect(object, triangle, &as_given(ray), cull == Cull::Back)
     }
 
     /// A view of it, a colour a triangle, with layers.

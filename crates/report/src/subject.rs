@@ -1,14 +1,14 @@
 //! A scene that is measured.
 
 use crate::table::ReportError;
-use crate::{Stage, embree, ways};
+use crate::{Stage, casters, embree};
+use casters::Caster;
 use raycast_core::camera::{Camera, Lattice, Rect};
 use raycast_core::scene::Scene;
 use raycast_core::{Accel, MISS, Precision, Simd};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use ways::Way;
 
 /// A scene to be measured, as it is handed in.
 #[derive(Clone, Debug)]
@@ -31,12 +31,12 @@ pub struct Subject {
     pub parsing: Option<Duration>,
     /// What it took to build RayCast's tree.
     pub building: Duration,
-    /// All ways, RayCast's own first.
-    pub ways: Vec<Box<dyn Way>>,
+    /// All casters, RayCast's own first.
+    pub casters: Vec<Box<dyn Caster>>,
 }
 
 impl Subject {
-    /// Builds every way's tree; RayCast's tiles are cast with `simd` or the widest that this machine has
+    /// Builds every caster's tree; RayCast's tiles are cast with `simd` or the widest that this machine has
     /// below it, and with the plainer ones beside it.
     ///
     /// # Errors
@@ -49,15 +49,15 @@ impl Subject {
         let started = Instant::now();
         let accel = Arc::new(Accel::build(&input.scene)?.with_simd(simd));
         let building = started.elapsed();
-        let mut all = ways::raycast(&accel);
-        for simd in ways::instruction_sets() {
+        let mut all = casters::raycast(&accel);
+        for simd in casters::instruction_sets() {
             if simd < accel.simd() {
                 let plainer = Arc::new(Accel::build(&input.scene)?.with_simd(simd));
-                all.push(ways::raycast_simd(&plainer, Precision::Exact));
+                all.push(casters::raycast_simd(&plainer, Precision::Exact));
             }
         }
-        all.extend(ways::baselines(&accel));
-        if let Some(Ok(embree)) = library.map(|library| ways::embree(&accel, library)) {
+        all.extend(casters::baselines(&accel));
+        if let Some(Ok(embree)) = library.map(|library| casters::embree(&accel, library)) {
             all.extend(embree);
         }
         Ok(Self {
@@ -65,7 +65,7 @@ impl Subject {
             stage: Stage::of_parts(Arc::clone(&input.scene), accel)?,
             parsing: input.parsing,
             building,
-            ways: all,
+            casters: all,
         })
     }
 }
@@ -93,7 +93,7 @@ pub fn tiles(camera: &Camera, stride: u32) -> Vec<Lattice> {
     tiles
 }
 
-/// The stride at which a way that tries so many triangles a ray takes no longer than `tests` tests.
+/// The stride at which a caster that tries so many triangles a ray takes no longer than `tests` tests.
 pub fn stride(camera: &Camera, tries: usize, tests: usize) -> u32 {
     let plane = camera.plane();
     let rays = (tests / tries.max(1)).max(1) as f64;
@@ -106,12 +106,12 @@ pub fn stride(camera: &Camera, tries: usize, tests: usize) -> u32 {
     }
 }
 
-/// Casts all rays of all tiles on the current workers, and counts those that meet something.
-pub fn cast_tiles(way: &dyn Way, tiles: &[Lattice]) -> usize {
+/// Casts all rays of all tiles on the current workers, and counts those that hit something.
+pub fn cast_tiles(caster: &dyn Caster, tiles: &[Lattice]) -> usize {
     tiles
         .par_iter()
         .map_init(Vec::new, |hits, tile| {
-            way.cast_lattice(tile, hits);
+            caster.cast_lattice(tile, hits);
             std::hint::black_box(&hits)
                 .iter()
                 .filter(|hit| !hit.is_miss())
@@ -120,12 +120,12 @@ pub fn cast_tiles(way: &dyn Way, tiles: &[Lattice]) -> usize {
         .sum()
 }
 
-/// As [`cast_tiles`], but for visibility alone: which triangle each ray meets, not where.
-pub fn find_tiles(way: &dyn Way, tiles: &[Lattice]) -> usize {
+/// As [`cast_tiles`], but for visibility alone: which triangle each ray hits, not where.
+pub fn find_tiles(caster: &dyn Caster, tiles: &[Lattice]) -> usize {
     tiles
         .par_iter()
         .map_init(Vec::new, |primitives, tile| {
-            way.find_lattice(tile, primitives);
+            caster.find_lattice(tile, primitives);
             let primitives = std::hint::black_box(&primitives);
             primitives
                 .iter()

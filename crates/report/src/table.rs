@@ -207,14 +207,14 @@ mod tests {
 
     #[test]
     fn tables_for_people_and_programs() {
-        let mut table = Table::new(&["way, its name", "rays"]);
+        let mut table = Table::new(&["caster, its name", "rays"]);
         table.row(vec!["a|b".into(), Cell::from(12_345)]);
         table.row(vec!["c".into(), Cell::Empty]);
         assert_eq!(
             table.markdown(),
-            "| way, its name | rays |\n| --- | ---: |\n| a\\|b | 12,345 |\n| c |  |\n"
+            "| caster, its name | rays |\n| --- | ---: |\n| a\\|b | 12,345 |\n| c |  |\n"
         );
         let csv = String::from_utf8(table.csv().expect("CSV")).expect("text");
-        assert_eq!(csv, "\"way, its name\",rays\na|b,12345\nc,\n");
+        assert_eq!(csv, "\"caster, its name\",rays\na|b,12345\nc,\n");
     }
 }

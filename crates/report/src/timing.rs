@@ -1,4 +1,4 @@
-//! Times of several ways, taken in turn, and what is typical of them.
+//! Times of several casters, taken in turn, and what is typical of them.
 
 use std::time::{Duration, Instant};
 

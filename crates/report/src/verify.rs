@@ -11,7 +11,7 @@ use raycast_oracle::Truth;
 use raycast_oracle::random::Random;
 use rayon::prelude::*;
 
-/// How many wrong pixels are told of.
+/// How many wrong pixels are listed.
 const TOLD: usize = 5;
 
 /// A rectangle of a camera's picture that is said to show a scene.
@@ -21,7 +21,7 @@ pub struct Claim<'a> {
     pub camera: Camera,
     /// The rectangle.
     pub rect: Rect,
-    /// Which faces its rays meet.
+    /// Which faces its rays hit.
     pub cull: Cull,
     /// In which colours.
     pub shading: Shading,
@@ -51,6 +51,20 @@ pub struct Verification {
     pub first_wrong: Vec<WrongPixel>,
 }
 
+impl std::ops::AddAssign for Verification {
+    /// Adds what another rectangle of the same picture came to, further down.
+    fn add_assign(&mut self, other: Self) {
+        self.pixels += other.pixels;
+        self.checked += other.checked;
+        self.silhouettes += other.silhouettes;
+        self.edges += other.edges;
+        self.channels += other.channels;
+        self.wrong += other.wrong;
+        self.first_wrong.extend(other.first_wrong);
+        self.first_wrong.truncate(TOLD);
+    }
+}
+
 /// At how many pixels each channel was checked. What a pixel does not tell is not checked, nor what
 /// hangs on the place in a triangle that the ray grazes (a cosine of 0.1 or less), colours under lines,
 /// or colours that rounding may have made anything (a texture with more than a texel to a hit's error).
@@ -78,7 +92,7 @@ impl std::ops::AddAssign for Channels {
     }
 }
 
-/// A pixel that does not show what its ray meets.
+/// A pixel that does not show what its ray hits.
 #[derive(Clone, Copy, Debug)]
 pub struct WrongPixel {
     /// Its column in the whole picture.
@@ -90,7 +104,7 @@ pub struct WrongPixel {
     /// The object that it shows (`u32::MAX` for none), the triangle, and the distance; `None` where the
     /// picture tells colours alone.
     pub shown: Option<(u32, u32, f32)>,
-    /// What its ray meets, in truth.
+    /// What its ray hits, in truth.
     pub truth: Option<Truth>,
 }
 
@@ -259,7 +273,7 @@ fn check(
     })
 }
 
-/// What a pixel's layers tell, but for its colour, against what its first ray meets.
+/// What a pixel's layers tell, but for its colour, against what its first ray hits.
 fn check_layers(
     layers: &Layers,
     i: usize,
@@ -307,7 +321,7 @@ fn compare_channels<const N: usize>(
 
 /// The place of a pixel's `index`-th sample, from its top left corner: the middle, then multiples of the
 /// powers of the plastic number's inverse (Roberts, "The Unreasonable Effectiveness of Quasirandom
-/// Sequences", 2018), in doubles, as the renderer documents them.
+/// Sequences", 2018), in double precision, as the renderer documents them.
 fn sample_offset(index: u32) -> (f64, f64) {
     const PLASTIC: f64 = 1.324_717_957_244_746;
     let along = |share: f64| (0.5 + f64::from(index) * share).fract();

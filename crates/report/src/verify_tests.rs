@@ -203,7 +203,7 @@ fn a_good_picture_passes_and_each_fault_is_found() {
             let first = &found.first_wrong[0];
             assert_eq!((first.x, first.y), (40, 30));
         }
-        // Where nothing is met: a hit, a colour, a normal.
+        // Where no ray hits anything: a hit, a colour, a normal.
         for spoil in [
             (|layers| (layers.object[0], layers.triangle[0], layers.depth[0]) = (0, 0, 3.0))
                 as fn(&mut Layers),

@@ -1,22 +1,30 @@
 //! What a command line may hold.
 
+mod frames;
 mod mistyped;
+mod plan;
 mod reading;
+mod texture_map;
 mod values;
+mod written;
 
+pub use frames::{FrameArgs, FrameRange, frame_path};
 pub use mistyped::mistyped;
+pub use plan::PlanArgs;
 pub use reading::{LimitArg, ReadingArgs};
+pub use texture_map::TextureMapArgs;
 pub use values::{OrbitArg, SceneColor};
+pub use written::{camera_of, camera_options, render_command};
 
 use crate::failure::Failure;
 use crate::output;
 use clap::{Args, Parser, Subcommand};
 use raycast_core::Cull;
 use raycast_core::camera::{Grid, Projection};
-use raycast_core::glam::DVec3;
+use raycast_core::glam::{DVec2, DVec3};
 use raycast_core::render::Precision;
-use raycast_core::scene::Crop;
-use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
+use raycast_core::scene::{Color, Crop, TextureProjection, Wrap};
+use raycast_core::shade::{Background, Filter, Mode};
 use raycast_report::scenes::Made;
 use std::io::Write;
 use std::path::PathBuf;
@@ -72,8 +80,12 @@ pub enum Command {
     Cast(CastArgs),
     /// Put fragments together into the picture that the full camera would have made
     Stitch(StitchArgs),
+    /// Write pictures and fragments as command lines, for an engine that runs many jobs
+    Plan(PlanArgs),
     /// Write the meshes of files in another format
     Convert(ConvertArgs),
+    /// Draw a mesh's triangles into its texture
+    TextureMap(Box<TextureMapArgs>),
     /// Tell what files hold
     Info(InfoArgs),
     /// Measure frame times on this machine; prints JSON
@@ -97,14 +109,21 @@ Examples:
   raycast render bunny.obj -o bunny.png
   raycast render bunny.obj -o dense.exr --step 0.0001 --fov 30
   raycast render scene.raycast.toml -o scene.png --samples 16 --stats -
+  raycast render bunny.obj -o large.tif --size 65536x32768 --resume
+  raycast render bunny.obj -o turn-%05d.png --turntable 100
   raycast render a.obj b.obj -o both.png --eye -1,2,5 --target 0,0.5,0")]
 pub struct RenderArgs {
     /// Meshes, or a scene file whose camera, image and shading are then the defaults
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// The image to write: .png, .ppm, .jpg or .exr (a fragment: .png or .exr)
+    /// The image to write: .png, .ppm, .jpg, .tif or .exr (a fragment: .png or .exr); or a .dzi, a pyramid of
+    /// tiles with a page for a browser
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
+    /// Go on where an earlier render of the same picture was ended, and leave what is done if this one is: a
+    /// part file and its journal beside the image. For large pictures, but .jpg
+    #[arg(long, conflicts_with_all = ["sub_camera", "unfinished"])]
+    pub resume: bool,
     /// Where from.
     #[command(flatten)]
     pub camera: CameraArgs,
@@ -125,6 +144,9 @@ pub struct RenderArgs {
     /// How rays meet triangles.
     #[command(flatten)]
     pub casting: CastingArgs,
+    /// Which frames.
+    #[command(flatten)]
+    pub animation: FrameArgs,
     /// How files are read.
     #[command(flatten)]
     pub reading: ReadingArgs,
@@ -187,6 +209,9 @@ pub struct ShadingArgs {
         value_parser = values::line_width
     )]
     pub wireframe: Option<f32>,
+    /// The color of these edges: `#rrggbb` or `#rgb`
+    #[arg(long, value_name = "COLOR", requires = "wireframe")]
+    pub wireframe_color: Option<Color>,
     /// An image for the surface of every object
     #[arg(long, value_name = "IMAGE")]
     pub texture: Option<PathBuf>,
@@ -196,6 +221,23 @@ pub struct ShadingArgs {
     /// How surfaces find their place in the texture [default: uv]
     #[arg(long, value_name = "KIND", value_parser = values::named(values::TEXTURE_PROJECTIONS))]
     pub texture_projection: Option<TextureProjection>,
+    /// What the texture shows beyond its image, along both its axes or along each: `repeat`, `mirror`,
+    /// `clamp`, `border` (the object's own colours) or `border:#rrggbb` [default: repeat]
+    #[arg(long, value_name = "KIND[,KIND]", requires = "texture", value_parser = values::wrap)]
+    pub wrap: Option<[Wrap; 2]>,
+    /// Where the texture of a plane, sphere or cylinder stands, in each object's own space [default: the
+    /// middle of its box]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
+    pub texture_center: Option<DVec3>,
+    /// From there to who looks at it: a plane's normal, longitude 0 [default: 0,0,1]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
+    pub texture_front: Option<DVec3>,
+    /// Up in it: the axis of a sphere or cylinder [default: 0,1,0]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
+    pub texture_up: Option<DVec3>,
+    /// Width and height of a plane; the height of a cylinder [default: the box's]
+    #[arg(long, value_name = "W,H", allow_hyphen_values = true, value_parser = values::extent)]
+    pub texture_size: Option<DVec2>,
     /// From the object's colours (0) to its texture (1) [default: 1]
     #[arg(long, value_name = "0..1", allow_hyphen_values = true, value_parser = values::blend)]
     pub blend: Option<f32>,
@@ -228,6 +270,10 @@ pub struct TileArgs {
     /// there is every 16th ray
     #[arg(long, value_name = "N", conflicts_with = "sub_camera")]
     pub unfinished: Option<usize>,
+    /// Draw the split from outside: the scene, and around it the frustum of each sub-camera, up to the plane of
+    /// the camera's target
+    #[arg(long, conflicts_with_all = ["sub_camera", "unfinished"])]
+    pub show_sub_cameras: bool,
 }
 
 impl TileArgs {
@@ -302,7 +348,7 @@ pub struct StitchArgs {
     /// What `raycast render --sub-camera` wrote
     #[arg(required = true)]
     pub fragments: Vec<PathBuf>,
-    /// The image to write: .png, .ppm, .jpg or .exr
+    /// The image to write: .png, .ppm, .jpg, .tif or .exr
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
 }
@@ -346,6 +392,9 @@ pub struct InfoArgs {
     /// Print a JSON array, an element a file
     #[arg(long)]
     pub json: bool,
+    /// Look for holes, flipped triangles and other faults in each mesh, and tell its area and volume
+    #[arg(long)]
+    pub health: bool,
     /// How files are read.
     #[command(flatten)]
     pub reading: ReadingArgs,

@@ -150,6 +150,18 @@ pub fn check_picture(
     room.check(memory_for(columns, rows), what, fits)
 }
 
+/// Refuses a picture that is made band by band where there is not the memory for one band.
+///
+/// # Errors
+/// Too wide a picture, with the figures.
+pub fn check_band(name: &Path, bytes: u64) -> Result<(), Failure> {
+    let Some(room) = Room::now() else {
+        return Ok(());
+    };
+    let what = format!("{}: a band of the picture", name.display());
+    room.check(bytes, what, "a narrower picture would fit")
+}
+
 /// The largest picture of a shape that takes no more than so many bytes.
 fn largest(
     (columns, rows): (u32, u32),

@@ -9,6 +9,8 @@
 //!   done, failed, or ended by SIGINT, SIGTERM or SIGHUP. What SIGKILL or a power cut leaves, the next
 //!   command that writes into the folder removes: part files are locked while they are written, and
 //!   only those that nobody holds are removed. Where a file system has no locks they are left alone.
+//! - **Gone on with, if asked for.** [`Output::resume`] writes a part file that stays when its command is
+//!   ended, with a journal of what of it is safe on the disk; the next command goes on after that.
 //! - **No input is lost.** A place is compared with every file that was opened on the way, by device
 //!   and inode where the system has them: links, hard links and roundabout paths are no way around.
 //! - **What it replaces stays what it was**: mode, owner and group are kept; a link is followed, also
@@ -21,13 +23,17 @@
 //! log, which is there to be read while it grows.
 
 mod folder;
+mod journal;
 mod part_file;
+mod part_folder;
 mod place;
 mod signals;
 mod standard;
 mod target;
 
 pub use folder::Folder;
+pub use journal::Journal;
+pub use part_folder::FolderUnderWay;
 pub use signals::watch_signals;
 pub use standard::{print, say, written};
 pub use target::{Output, Unfinished};

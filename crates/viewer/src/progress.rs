@@ -10,11 +10,11 @@ const SHARES: u64 = 1000;
 /// A bar of one stage after another. Its counts are atomic: workers add to them, and a thread of
 /// the bar's own draws.
 #[derive(Debug)]
-pub struct Progress {
+pub struct TerminalProgress {
     bar: ProgressBar,
 }
 
-impl Progress {
+impl TerminalProgress {
     /// A bar on standard error, or none at all where that is no terminal.
     pub fn new() -> Self {
         let bar = if std::io::stderr().is_terminal() {
@@ -24,6 +24,13 @@ impl Progress {
         };
         bar.enable_steady_tick(Duration::from_millis(100));
         Self { bar }
+    }
+
+    /// A bar that nobody sees.
+    pub fn hidden() -> Self {
+        Self {
+            bar: ProgressBar::hidden(),
+        }
     }
 
     /// Begins to load files.
@@ -42,7 +49,7 @@ impl Progress {
         self.begin("building", "{msg:>9} {spinner} {elapsed}", 1);
     }
 
-    /// Begins to do `count` things, counted by [`Progress::done`].
+    /// Begins to do `count` things, counted by [`TerminalProgress::done`].
     pub fn counting(&self, what: &'static str, count: u64) {
         self.begin(what, "{msg:>9} {bar:40} {pos}/{len} {eta}", count);
     }
@@ -68,13 +75,13 @@ impl Progress {
     }
 }
 
-impl Default for Progress {
+impl Default for TerminalProgress {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl Drop for Progress {
+impl Drop for TerminalProgress {
     /// An error's line must not share a line with the bar.
     fn drop(&mut self) {
         self.clear();

@@ -7,20 +7,18 @@ pub use nothing_to_see::NothingToSee;
 use crate::cli::{CameraArgs, ReadingArgs, ShadingArgs};
 use crate::failure::Failure;
 use raycast_core::camera::{
-    Camera, Orbit, Placement, PlaneRequest, Projection, fit_distance, fov_to_frame, frame_to_fov,
+    Camera, DEFAULT_FOV, Orbit, Placement, PlaneRequest, Projection, fit_distance, fov_to_frame,
+    frame_to_fov,
 };
 use raycast_core::formats::{self, CameraFile, FormatError, Progress, SceneFile};
-use raycast_core::scene::{Bounds, Dropped, Scene};
+use raycast_core::scene::{Bounds, Dropped, Projector, Scene};
 use raycast_core::shade::{Shading, Wireframe};
-use raycast_core::{Accel, Simd};
+use raycast_core::{Accel, Simd, ranges};
 use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The picture's size where nobody says another.
 pub const DEFAULT_SIZE: (u32, u32) = (1280, 720);
-
-/// The vertical field of view in degrees where nobody says another.
-pub const DEFAULT_FOV: f64 = 45.0;
 
 /// Reads files into one scene, their objects in the order of the files, with the camera, image and
 /// shading of the first scene file that has them.
@@ -130,6 +128,9 @@ pub fn paint(scene: &mut Scene, args: &ShadingArgs, reading: &ReadingArgs) -> Re
                 ))
             })?;
         }
+        if let Some(wrap) = args.wrap {
+            texture = texture.wrapped(wrap);
+        }
         let texture = Arc::new(texture);
         for object in &mut scene.objects {
             object.texture = Some(Arc::clone(&texture));
@@ -140,15 +141,50 @@ pub fn paint(scene: &mut Scene, args: &ShadingArgs, reading: &ReadingArgs) -> Re
             object.color = rule;
         }
     }
+    place_textures(scene, args)
+}
+
+/// Gives every object's texture the projection and the place that were asked for.
+///
+/// # Errors
+/// A place without directions or size.
+fn place_textures(scene: &mut Scene, args: &ShadingArgs) -> Result<(), Failure> {
+    if args.texture_projection.is_some() {
+        for object in &mut scene.objects {
+            object.mapping.projection = None;
+        }
+    }
+    let directions = [args.texture_center, args.texture_front, args.texture_up];
+    if directions == [None; 3] && args.texture_size.is_none() {
+        return Ok(());
+    }
+    for object in &mut scene.objects {
+        let about = || Projector::about(&object.mesh.bounds());
+        let old = object.mapping.projector.unwrap_or_else(about);
+        let [center, front, up] = directions;
+        let projector = Projector {
+            center: center.unwrap_or(old.center),
+            front: front.unwrap_or(old.front),
+            up: up.unwrap_or(old.up),
+            size: args.texture_size.unwrap_or(old.size),
+        };
+        if let Err(error) = projector.axes() {
+            return Err(Failure::usage(error.to_string()));
+        }
+        object.mapping.projector = Some(projector);
+    }
     Ok(())
 }
 
 /// The shading that was asked for, over the scene file's, over the defaults.
 pub fn shading(args: &ShadingArgs, file: Option<Shading>) -> Shading {
     let base = file.unwrap_or_default();
-    let wireframe = args.wireframe.map(|width| Wireframe {
-        width,
-        ..base.wireframe.unwrap_or_default()
+    let wireframe = args.wireframe.map(|width| {
+        let lines = base.wireframe.unwrap_or_default();
+        Wireframe {
+            width,
+            color: args.wireframe_color.unwrap_or(lines.color),
+        }
     });
     Shading {
         mode: args.mode.unwrap_or(base.mode),
@@ -203,6 +239,12 @@ pub fn camera(
         frame_height: args.fov.map(|fov| fov_to_frame(fov, distance)),
     }
     .resolve(default_size, frame)?;
+    if let (Some(step), Projection::Perspective) = (args.step, projection) {
+        let fov = frame_to_fov(f64::from(plane.rows) * step, distance);
+        if let Err(error) = ranges::fov(fov) {
+            return Err(Failure::usage(format!("a step of {step}: {error}")));
+        }
+    }
     Ok(Camera::new(placement, projection, plane))
 }
 

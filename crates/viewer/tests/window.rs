@@ -15,11 +15,13 @@ use raycast_viewer::state::PromptKind;
 use raycast_viewer::state::command::Command;
 use raycast_viewer::state::document::Document;
 use raycast_viewer::state::effect::{Effect, Keep};
+use raycast_viewer::state::inspection::Checked;
 use raycast_viewer::state::news::{Loaded, News, receive};
+use raycast_viewer::state::preferences::Mouse;
 use raycast_viewer::state::update::update;
 use raycast_viewer::state::{Replacing, Resolution, State, Tint};
 use raycast_viewer::ui::canvas::Canvas;
-use raycast_viewer::ui::input::GESTURES;
+use raycast_viewer::ui::input::gestures;
 use raycast_viewer::ui::modes::MODES;
 use raycast_viewer::ui::registry::ACTIONS;
 use raycast_viewer::ui::theme;
@@ -221,7 +223,7 @@ fn the_help_lists_every_key_and_gesture() {
     harness.key_press(Key::F1);
     harness.run();
     harness.get_by_label("Keys and gestures");
-    let gestures = GESTURES.iter().flat_map(|g| [g.gesture, g.does]);
+    let gestures = gestures(Mouse::Viewer).flat_map(|g| [g.gesture, g.does]);
     let with_keys = ACTIONS.iter().filter(|action| !action.keys.is_empty());
     let names = with_keys.map(|action| action.name);
     for text in gestures.chain(names) {
@@ -285,7 +287,7 @@ fn a_file_is_replaced_when_the_person_says_so() {
         let mut harness = open_with(State {
             replacing: Some(Replacing {
                 path: path.clone(),
-                scene: false,
+                by: PromptKind::Picture,
             }),
             ..State::default()
         });
@@ -375,6 +377,7 @@ fn open_two() -> Harness<'static, Bench> {
             name: "mesh.obj".to_owned(),
             paths: vec!["mesh.obj".into()],
             opened: Vec::new(),
+            animation: None,
             file: None,
             read: Arc::clone(&scene),
             built: Arc::clone(&scene),
@@ -540,4 +543,148 @@ fn what_has_the_keyboard_can_be_reached_and_seen() {
     }
     let focused = harness.ctx.memory(|memory| memory.focused());
     assert!(focused.is_some());
+}
+
+#[test]
+fn the_marked_object_is_moved_turned_and_locked_by_numbers_and_buttons() {
+    let mut harness = open_two();
+    click(&mut harness, "right one");
+    click(&mut harness, "Move Y");
+    harness.event(egui::Event::Text("1.5".to_owned()));
+    harness.key_press(Key::Enter);
+    harness.run();
+    let transform = |harness: &Harness<'_, Bench>| {
+        let document = harness.state().state.document.as_ref().expect("a scene");
+        document.scene.objects[1].transform
+    };
+    assert_eq!(transform(&harness).translate, DVec3::new(2.0, 1.5, 0.0));
+    click(&mut harness, "Turn about the scene's Z");
+    assert_eq!(transform(&harness).rotate, DVec3::Z * 90.0);
+    // All three factors, as it keeps its shape.
+    click(&mut harness, "Scale X");
+    harness.event(egui::Event::Text("2".to_owned()));
+    harness.key_press(Key::Enter);
+    harness.run();
+    assert_eq!(transform(&harness).scale, DVec3::splat(2.0));
+    click(&mut harness, "Lock");
+    let locked = transform(&harness);
+    click(&mut harness, "Turn about the scene's Z");
+    assert_eq!(transform(&harness), locked);
+    click(&mut harness, "Unlock right one");
+    click(&mut harness, "Put back");
+    assert_eq!(transform(&harness).scale, DVec3::ONE);
+    for _ in 0..6 {
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        harness.run();
+    }
+    assert_eq!(transform(&harness).translate, DVec3::new(2.0, 0.0, 0.0));
+}
+
+#[test]
+fn a_distance_is_measured_by_two_clicks_and_copied() {
+    let mut harness = open_two();
+    harness.key_press(Key::Num1);
+    harness.key_press(Key::F);
+    harness.key_press(Key::D);
+    harness.run();
+    click(&mut harness, "Measure");
+    harness.get_by_label("Click two points");
+    for point in [DVec3::new(0.98, 0.005, 0.0), DVec3::new(2.01, 0.01, 0.0)] {
+        let camera = harness.state().state.camera().expect("a camera");
+        let (x, y) = camera.project(point).expect("in front");
+        let picture = harness.get_by_label("The picture").rect();
+        let at = picture.min + egui::vec2(x as f32, y as f32);
+        harness.event(egui::Event::PointerMoved(at));
+        harness.run();
+        for pressed in [true, false] {
+            harness.event(egui::Event::PointerButton {
+                pos: at,
+                button: PointerButton::Primary,
+                pressed,
+                modifiers: Modifiers::NONE,
+            });
+        }
+        harness.run();
+    }
+    let measuring = &harness.state().state.measuring;
+    assert_eq!(measuring.list.len(), 1, "{measuring:?}");
+    // From the corner (1, 0, 0) of the one to the corner (2, 0, 0) of the other.
+    assert_eq!(measuring.list[0].value(), Some(1.0));
+    click(&mut harness, "1.0000");
+    let copied = Effect::Copy("1".to_owned());
+    assert_eq!(harness.state().effects.last(), Some(&copied));
+    click(&mut harness, "Remove measurement 1");
+    assert!(harness.state().state.measuring.list.is_empty());
+}
+
+#[test]
+fn the_health_of_a_mesh_is_asked_for_and_its_faults_are_clicked() {
+    let mut harness = open_two();
+    click(&mut harness, "left one");
+    click(&mut harness, "Health");
+    click(&mut harness, "Check the mesh");
+    assert_eq!(
+        harness.state().effects.last(),
+        Some(&Effect::Check(vec![0]))
+    );
+    let document = harness.state().state.document.as_ref().expect("a scene");
+    let mesh = Arc::clone(&document.scene.objects[0].mesh);
+    let health = Arc::new(raycast_core::health::check(&mesh, &|_| true).expect("it goes on"));
+    let checked = vec![Checked {
+        object: 0,
+        mesh,
+        health,
+    }];
+    let state = &mut harness.state_mut().state;
+    receive(state, News::Checked(checked), Duration::ZERO);
+    harness.run();
+    harness.get_by_label("not closed");
+    click(&mut harness, "Open edges");
+    click(&mut harness, "The next fault");
+    let shown = harness.state().state.inspection.shown;
+    assert_eq!(shown.map(|shown| shown.index), Some(1));
+    click(&mut harness, "Open edges");
+    assert_eq!(harness.state().state.inspection.shown, None);
+}
+
+#[test]
+fn views_are_kept_and_gone_to_and_cameras_are_pasted() {
+    let mut harness = open_two();
+    click(&mut harness, "Camera");
+    let here = harness.state().state.viewpoint;
+    click(&mut harness, "Keep view");
+    harness.key_press(Key::Num7);
+    harness.run();
+    click(&mut harness, "View 1");
+    assert_eq!(harness.state().state.viewpoint, here);
+    let text = "--eye 0,0,9 --target 0,0,1 --fov 30";
+    harness.event(egui::Event::Paste(text.to_owned()));
+    harness.run();
+    let pasted = harness.state().state.viewpoint;
+    assert_eq!((pasted.orbit.pivot, pasted.orbit.distance), (DVec3::Z, 8.0));
+    assert_eq!(pasted.fov, 30.0);
+    click(&mut harness, "Forget View 1");
+    assert!(harness.state().state.bookmarks.is_empty());
+}
+
+#[test]
+fn w_walks_while_one_walks_and_draws_lines_else() {
+    let mut harness = open_two();
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::W);
+    harness.run();
+    assert!(harness.state().state.walk.is_some());
+    let before = harness.state().state.viewpoint.orbit.pivot;
+    harness.key_down(Key::W);
+    harness.step();
+    harness.step();
+    harness.key_up(Key::W);
+    harness.run();
+    let state = &harness.state().state;
+    assert_ne!(state.viewpoint.orbit.pivot, before);
+    assert!(state.settings.shading.wireframe.is_none());
+    harness.key_press(Key::Escape);
+    harness.key_press(Key::W);
+    harness.run();
+    let state = &harness.state().state;
+    assert!(state.walk.is_none() && state.settings.shading.wireframe.is_some());
 }

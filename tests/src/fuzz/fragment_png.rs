@@ -24,7 +24,7 @@ pub fn check(bytes: &[u8]) -> Result<(), String> {
     stitches(fragment)
 }
 
-/// Whether a fragment that is a whole picture stitches to itself, and any other is told what is
+/// Whether a fragment that is a whole picture stitches to itself, and any other is refused with what is
 /// missing; and that two in one place are refused.
 ///
 /// # Errors

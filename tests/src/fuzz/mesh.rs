@@ -25,7 +25,7 @@ pub fn check_text(name: &str, bytes: &[u8], write: fn(&Mesh) -> String) -> Resul
     is_seen_soundly(&file)
 }
 
-/// Whether the numbers of a mesh agree with one another, and what rays can meet is finite.
+/// Whether the numbers of a mesh agree with one another, and what rays can hit is finite.
 ///
 /// # Errors
 /// The first thing that does not hold.

@@ -1,13 +1,13 @@
 //! What holds of the picture of every scene that was read.
 
 use super::reading::is_message;
+use crate::check::MODES;
 use raycast_core::camera::{
     Camera, ImagePlane, Orbit, Projection, Rect, fit_distance, fov_to_frame,
 };
 use raycast_core::formats::{CameraFile, SceneFile};
 use raycast_core::picture::Layers;
 use raycast_core::render::{Settings, Tile, View};
-use raycast_core::shade::Mode;
 use raycast_core::{Accel, Cull};
 use std::sync::Arc;
 use std::time::Duration;
@@ -18,20 +18,8 @@ const SIZE: (u32, u32) = (12, 9);
 /// More samples change nothing in kind.
 const SAMPLES: u32 = 3;
 
-const MODES: [Mode; 9] = [
-    Mode::Color,
-    Mode::Flat,
-    Mode::Smooth,
-    Mode::Normals,
-    Mode::Depth,
-    Mode::Barycentric,
-    Mode::Uv,
-    Mode::Texture,
-    Mode::Wireframe,
-];
-
 /// Whether a scene shows a small picture without a number that is none, every pixel of which shows
-/// what its ray meets. The camera and shading are the file's; where it has none, all of the scene is in
+/// what its ray hits. The camera and shading are the file's; where it has none, all of the scene is in
 /// view, in a mode that depends on how many triangles there are.
 ///
 /// # Errors

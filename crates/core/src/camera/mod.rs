@@ -3,6 +3,7 @@
 mod grid;
 mod lattice;
 mod orbit;
+mod path;
 mod placement;
 mod plane;
 mod projection;
@@ -14,11 +15,10 @@ pub use crate::ray::Ray;
 pub use grid::Grid;
 pub use lattice::Lattice;
 pub use orbit::Orbit;
+pub use path::{CameraPath, Curve, Ease, Keyframe};
 pub use placement::{Placement, PlacementError};
-pub use plane::{
-    FrameLock, ImagePlane, PIXEL_LIMIT, PlaneError, PlaneRequest, SIDE_LIMIT, check_step,
-};
+pub use plane::{FrameLock, ImagePlane, PlaneError, PlaneRequest, SIDE_LIMIT, check_step};
 pub use projection::{Camera, Projection, fov_to_frame, frame_to_fov};
 pub use rect::Rect;
 pub use sub_camera::SubCamera;
-pub use view::fit_distance;
+pub use view::{DEFAULT_FOV, fit_distance};

@@ -2,6 +2,9 @@ use super::{Camera, ImagePlane, Orbit, PlaneError, Projection, fov_to_frame};
 use crate::math;
 use crate::scene::Bounds;
 
+/// The vertical field of view in degrees where nobody says another.
+pub const DEFAULT_FOV: f64 = 45.0;
+
 /// Room left around a scene that fits the picture, as a share of the frame.
 const MARGIN: f64 = 1.06;
 
@@ -42,7 +45,7 @@ pub fn fit_distance(
 }
 
 impl Camera {
-    /// A perspective camera with a vertical field of view of 45° that has all of `bounds` in view, from
+    /// A perspective camera with a vertical field of view of [`DEFAULT_FOV`] that has all of `bounds` in view, from
     /// `yaw` and `pitch` degrees around their centre (see [`Orbit`]), over `columns × rows` pixels.
     ///
     /// # Errors
@@ -52,7 +55,6 @@ impl Camera {
         (yaw, pitch): (f64, f64),
         (columns, rows): (u32, u32),
     ) -> Result<Self, PlaneError> {
-        const FOV: f64 = 45.0;
         let mut orbit = Orbit {
             pivot: bounds.center(),
             yaw,
@@ -60,8 +62,8 @@ impl Camera {
             distance: 1.0,
         };
         let aspect = f64::from(columns) / f64::from(rows.max(1));
-        orbit.distance = fit_distance(bounds, &orbit, Projection::Perspective, FOV, aspect);
-        let step = fov_to_frame(FOV, orbit.distance) / f64::from(rows.max(1));
+        orbit.distance = fit_distance(bounds, &orbit, Projection::Perspective, DEFAULT_FOV, aspect);
+        let step = fov_to_frame(DEFAULT_FOV, orbit.distance) / f64::from(rows.max(1));
         let plane = ImagePlane::new(columns, rows, step)?;
         Ok(Self::new(orbit.placement(), Projection::Perspective, plane))
     }
@@ -85,8 +87,8 @@ mod tests {
                 pitch: 16.0,
                 distance: 1.0,
             };
-            orbit.distance = fit_distance(&bounds, &orbit, projection, 45.0, 2.0);
-            let step = fov_to_frame(45.0, orbit.distance) / 100.0;
+            orbit.distance = fit_distance(&bounds, &orbit, projection, DEFAULT_FOV, 2.0);
+            let step = fov_to_frame(DEFAULT_FOV, orbit.distance) / 100.0;
             let plane = ImagePlane::new(200, 100, step).expect("a good plane");
             let camera = Camera::new(orbit.placement(), projection, plane);
             for corner in bounds.corners() {

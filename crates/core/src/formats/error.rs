@@ -2,16 +2,16 @@ use crate::quote;
 pub(super) use crate::quote::{quote, shorten};
 use std::path::{Path, PathBuf};
 
-/// A place in a file.
+/// A position in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct FilePosition {
     /// The file.
     pub file: PathBuf,
     /// The line, from 1; `None` where the fault is not on one line.
     pub line: Option<usize>,
 }
 
-impl std::fmt::Display for Place {
+impl std::fmt::Display for FilePosition {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let file = quote::path(&self.file);
         match self.line {
@@ -29,7 +29,7 @@ pub enum FormatError {
     #[error("{place}: {source}")]
     Io {
         /// Where.
-        place: Place,
+        place: FilePosition,
         /// Why.
         source: std::io::Error,
     },
@@ -37,7 +37,7 @@ pub enum FormatError {
     #[error("{place}: expected {expected}, found {found}")]
     Unexpected {
         /// Where.
-        place: Place,
+        place: FilePosition,
         /// What must stand there.
         expected: String,
         /// What does.
@@ -47,7 +47,7 @@ pub enum FormatError {
     #[error("{place}: {reason}")]
     Refused {
         /// Where.
-        place: Place,
+        place: FilePosition,
         /// Why, in one line.
         reason: String,
     },
@@ -55,13 +55,19 @@ pub enum FormatError {
     #[error("{place}: {what}; at most {most} are allowed (limit `{limit}`)")]
     TooMuch {
         /// Where.
-        place: Place,
+        place: FilePosition,
         /// What there is too much of.
         what: String,
         /// The limit's name.
         limit: &'static str,
         /// How much it allows.
         most: u64,
+    },
+    /// The reading was cancelled by its caller.
+    #[error("{place}: reading it was cancelled")]
+    Cancelled {
+        /// The file that was being read.
+        place: FilePosition,
     },
 }
 
@@ -104,11 +110,18 @@ impl FormatError {
         let (Self::Io { place, .. }
         | Self::Unexpected { place, .. }
         | Self::Refused { place, .. }
-        | Self::TooMuch { place, .. }) = self;
+        | Self::TooMuch { place, .. }
+        | Self::Cancelled { place }) = self;
         let text = self.to_string();
         match text.strip_prefix(&format!("{place}: ")) {
             Some(reason) => reason.to_owned(),
             None => text,
+        }
+    }
+
+    pub(super) fn cancelled(file: &Path) -> Self {
+        Self::Cancelled {
+            place: place(file, None),
         }
     }
 
@@ -122,8 +135,8 @@ impl FormatError {
     }
 }
 
-fn place(file: &Path, line: Option<usize>) -> Place {
-    Place {
+fn place(file: &Path, line: Option<usize>) -> FilePosition {
+    FilePosition {
         file: file.to_owned(),
         line,
     }

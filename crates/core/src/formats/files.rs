@@ -133,6 +133,7 @@ impl<'b> Filling<'b> {
                 bytes.extend(byte);
                 step = STEP - 1;
             }
+            self.share.go_on(&self.path)?;
             if let Err(error) = more(bytes, step as u64) {
                 return Ok(Err(error));
             }

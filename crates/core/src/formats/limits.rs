@@ -1,4 +1,5 @@
 use super::error::FormatError;
+use crate::render::Cancel;
 use crate::scene::UpAxis;
 use std::cell::Cell;
 use std::path::Path;
@@ -42,6 +43,7 @@ pub struct Budget {
     limits: Limits,
     bytes: Cell<u64>,
     triangles: Cell<u64>,
+    cancel: Cancel,
 }
 
 impl Budget {
@@ -55,6 +57,21 @@ impl Budget {
             },
             ..Self::default()
         }
+    }
+
+    /// The same budget for a reading that ends in [`FormatError::Cancelled`] soon after `cancel` is asked to:
+    /// where it next counts what it holds, within some tenths of a second in files of millions of triangles.
+    #[must_use]
+    pub fn cancelled_by(self, cancel: Cancel) -> Self {
+        Self { cancel, ..self }
+    }
+
+    /// Whether to go on reading a file.
+    ///
+    /// # Errors
+    /// The reading was cancelled.
+    pub(super) fn go_on(&self, file: &Path) -> Result<(), FormatError> {
+        go_on(&self.cancel, file)
     }
 
     /// The limits.
@@ -94,6 +111,7 @@ impl Budget {
             bytes: self.bytes.get(),
             triangles: self.triangles.get(),
             held: AtomicU64::new(0),
+            cancel: self.cancel.clone(),
         }
     }
 
@@ -137,6 +155,7 @@ pub(super) struct Allowance {
     triangles: u64,
     /// What the threads hold together.
     held: AtomicU64,
+    cancel: Cancel,
 }
 
 impl Allowance {
@@ -148,8 +167,9 @@ impl Allowance {
     /// Counts `more` bytes, held for `what` of a file.
     ///
     /// # Errors
-    /// More than there may be, of all threads together.
+    /// More than there may be, of all threads together; the reading was cancelled.
     pub(super) fn hold(&self, file: &Path, what: &str, more: u64) -> Result<(), FormatError> {
+        go_on(&self.cancel, file)?;
         let held = self
             .held
             .fetch_add(more, Ordering::Relaxed)
@@ -166,6 +186,13 @@ impl Allowance {
         let sum = self.triangles.saturating_add(count);
         too_many_triangles(file, sum, self.limits.triangles)
     }
+}
+
+fn go_on(cancel: &Cancel, file: &Path) -> Result<(), FormatError> {
+    if cancel.is_cancelled() {
+        return Err(FormatError::cancelled(file));
+    }
+    Ok(())
 }
 
 fn too_many_triangles(file: &Path, count: u64, most: u64) -> FormatError {
@@ -187,7 +214,11 @@ pub(super) struct Share<'b> {
 
 impl Share<'_> {
     /// Makes this a share of `bytes` if it was one of fewer.
+    ///
+    /// # Errors
+    /// More than the budget has left; the reading was cancelled.
     pub(super) fn grow(&mut self, file: &Path, what: &str, bytes: u64) -> Result<(), FormatError> {
+        self.budget.go_on(file)?;
         let more = bytes.saturating_sub(self.bytes);
         let sum = self.budget.bytes.get().saturating_add(more);
         if sum > self.budget.limits.bytes {
@@ -197,6 +228,11 @@ impl Share<'_> {
         self.budget.bytes.set(sum);
         self.bytes += more;
         Ok(())
+    }
+
+    /// Whether to go on reading, as [`Budget::go_on`].
+    pub(super) fn go_on(&self, file: &Path) -> Result<(), FormatError> {
+        self.budget.go_on(file)
     }
 
     /// Keeps `bytes` of it taken for good, for what stays when reading is over.
@@ -238,6 +274,21 @@ mod tests {
         drop(second);
         assert_eq!(budget.bytes_left(), 80);
         assert!(budget.share(file, "it", u64::MAX).is_err());
+    }
+
+    #[test]
+    fn a_cancelled_reading_counts_nothing_more() {
+        let cancel = Cancel::default();
+        let budget = Budget::default().cancelled_by(cancel.clone());
+        let allowance = budget.allowance();
+        let file = Path::new("a");
+        let mut share = budget.share(file, "it", 1).expect("it goes on");
+        assert!(allowance.hold(file, "it", 1).is_ok());
+        cancel.cancel();
+        let told = share.grow(file, "it", 2).expect_err("it was cancelled");
+        assert_eq!(told.to_string(), "a: reading it was cancelled");
+        assert!(allowance.hold(file, "it", 1).is_err());
+        assert!(budget.go_on(file).is_err());
     }
 
     #[test]

@@ -18,8 +18,13 @@ mod placed;
 mod ply;
 mod polygon;
 mod ray_file;
+mod scene_animation;
 mod scene_file;
+mod scene_objects;
 mod scene_read;
+#[cfg(test)]
+mod scene_read_tests;
+mod scene_text;
 mod scene_toml;
 mod scene_write;
 mod stl;
@@ -31,11 +36,11 @@ mod unpack;
 mod weld;
 mod write;
 
-pub use error::{FormatError, Place};
+pub use error::{FilePosition, FormatError};
 pub use guard::panic_is_caught;
 pub use limits::{Budget, Limits};
 pub use ray_file::{HIT_BYTES, RAY_BYTES, decode_ray, encode_hit};
-pub use scene_file::{CameraFile, FileKind, ImageFile, SceneFile, ShadingFile};
+pub use scene_file::{CameraFile, FileKind, ImageSettings, SceneFile, ShadingFile};
 pub use scene_write::SaveError;
 pub use write::{MeshFormat, WriteError, Written, write_materials, write_meshes};
 

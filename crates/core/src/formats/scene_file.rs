@@ -1,4 +1,4 @@
-use crate::camera::{Placement, Projection};
+use crate::camera::{CameraPath, Placement, Projection};
 use crate::scene::Scene;
 use crate::shade::Shading;
 use std::collections::HashSet;
@@ -51,8 +51,10 @@ pub struct SceneFile {
     pub scene: Scene,
     /// `[camera]`.
     pub camera: Option<CameraFile>,
+    /// `[animation]`: the camera's keyframes.
+    pub animation: Option<CameraPath>,
     /// `[image]`.
-    pub image: ImageFile,
+    pub image: ImageSettings,
     /// `[shading]`, with the background of `[image]`.
     pub shading: Option<ShadingFile>,
     /// What was not as it should be, and did not matter enough to stop: a line each. Never saved.
@@ -79,7 +81,7 @@ pub struct CameraFile {
 
 /// A scene file's picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ImageFile {
+pub struct ImageSettings {
     /// Columns and rows.
     pub size: Option<(u32, u32)>,
     /// Rays a pixel.
@@ -100,6 +102,7 @@ impl SceneFile {
         });
         self.scene.objects.extend(moved);
         self.camera = self.camera.or(other.camera);
+        self.animation = self.animation.take().or(other.animation);
         self.image.size = self.image.size.or(other.image.size);
         self.image.samples = self.image.samples.or(other.image.samples);
         self.shading = self.shading.or(other.shading);

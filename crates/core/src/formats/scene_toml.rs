@@ -1,8 +1,8 @@
 //! The tables of a `.raycast.toml`, as they stand in the file.
 
-use crate::camera::Projection;
-use crate::scene::{Color, ColorRule, Shape, UpAxis};
-use crate::shade::{Filter, Mode, TextureProjection};
+use crate::camera::{Curve, Ease, Projection};
+use crate::scene::{Color, ColorRule, Shape, TextureProjection, UpAxis, Wrap};
+use crate::shade::{Filter, Mode};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 use toml::Spanned;
 
@@ -11,6 +11,8 @@ use toml::Spanned;
 pub(super) struct SceneToml {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) camera: Option<Spanned<CameraToml>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) animation: Option<Spanned<AnimationToml>>,
     #[serde(default, skip_serializing_if = "ImageToml::is_empty")]
     pub(super) image: ImageToml,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -24,6 +26,32 @@ pub(super) struct SceneToml {
 pub(super) struct CameraToml {
     #[serde(default)]
     pub(super) projection: ProjectionToml,
+    pub(super) eye: Spanned<[f64; 3]>,
+    pub(super) target: Spanned<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) up: Option<Spanned<[f64; 3]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) fov: Option<Spanned<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) frame: Option<Spanned<f64>>,
+}
+
+/// Keyframes of the camera.
+#[derive(Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AnimationToml {
+    #[serde(default)]
+    pub(super) curve: CurveToml,
+    #[serde(default)]
+    pub(super) ease: EaseToml,
+    pub(super) key: Vec<Spanned<KeyToml>>,
+}
+
+#[derive(Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct KeyToml {
+    /// The frame.
+    pub(super) at: u32,
     pub(super) eye: Spanned<[f64; 3]>,
     pub(super) target: Spanned<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -107,6 +135,22 @@ pub(super) struct ObjectToml {
     pub(super) seed: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) texture: Option<Spanned<String>>,
+    /// The part of the texture's image to use: left, top, width and height in its pixels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) crop: Option<Spanned<[u32; 4]>>,
+    /// What the texture shows beyond its image, along u and v.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) wrap: Option<[WrapToml; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) texture_projection: Option<TextureProjectionToml>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) texture_center: Option<Spanned<[f64; 3]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) texture_front: Option<Spanned<[f64; 3]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) texture_up: Option<Spanned<[f64; 3]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) texture_size: Option<Spanned<[f64; 2]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) translate: Option<Spanned<[f64; 3]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -231,21 +275,35 @@ shapes! {
     Disc { radius, segments }
 }
 
-/// A colour as `#rrggbb`.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ColorToml(pub(super) Color);
+/// A value whose word in the file is the one that it is displayed as.
+macro_rules! displayed {
+    ($(#[$about:meta])* $name:ident($of:ident)) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug)]
+        pub(super) struct $name(pub(super) $of);
 
-impl<'de> Deserialize<'de> for ColorToml {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let text = String::deserialize(deserializer)?;
-        text.parse().map(Self).map_err(D::Error::custom)
-    }
+        impl<'de> Deserialize<'de> for $name {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let text = String::deserialize(deserializer)?;
+                text.parse().map(Self).map_err(D::Error::custom)
+            }
+        }
+
+        impl Serialize for $name {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.collect_str(&self.0)
+            }
+        }
+    };
 }
 
-impl Serialize for ColorToml {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(&self.0)
-    }
+displayed! {
+    /// A colour as `#rrggbb`.
+    ColorToml(Color)
+}
+displayed! {
+    /// What a texture shows beyond its image.
+    WrapToml(Wrap)
 }
 
 /// An object's colour rule; the seed stands beside it.
@@ -327,9 +385,25 @@ words!(ProjectionToml for Projection { Perspective, Orthographic });
 words!(ModeToml for Mode {
     Color, Flat, Smooth, Normals, Depth, Barycentric, Uv, Texture, Wireframe
 });
+words!(CurveToml for Curve { Linear, CatmullRom });
+words!(EaseToml for Ease { None, Smooth });
 words!(UpAxisToml for UpAxis { Y, Z });
-words!(FilterToml for Filter { Nearest, Bilinear });
-words!(TextureProjectionToml for TextureProjection { Uv, Triplanar });
+words!(FilterToml for Filter { Nearest, Bilinear, Trilinear, Ewa });
+words!(TextureProjectionToml for TextureProjection {
+    Uv, Triplanar, PerTriangle, Plane, Sphere, Cylinder
+});
+
+impl Default for CurveToml {
+    fn default() -> Self {
+        Curve::default().into()
+    }
+}
+
+impl Default for EaseToml {
+    fn default() -> Self {
+        Ease::default().into()
+    }
+}
 
 impl Default for ProjectionToml {
     fn default() -> Self {

@@ -1,12 +1,13 @@
 use super::files::relative;
+use super::scene_animation;
 use super::scene_file::{CameraFile, SceneFile};
 use super::scene_toml::{
     BackgroundToml, CameraToml, ColorRuleToml, ColorToml, ImageToml, ObjectToml, SceneToml,
-    ShadingToml, Transparent,
+    ShadingToml, Transparent, WrapToml,
 };
 use crate::camera::Projection;
 use crate::quote::shorten;
-use crate::scene::{Scene, SceneError, Transform, UpAxis};
+use crate::scene::{Scene, SceneError, Transform, UpAxis, Wrap};
 use crate::shade::{Background, Shading};
 use glam::DAffine3;
 use std::path::Path;
@@ -60,6 +61,10 @@ impl SceneFile {
             .collect::<Result<_, SaveError>>()?;
         let file = SceneToml {
             camera: self.camera.map(|camera| spanned(camera_table(&camera))),
+            animation: self.animation.as_ref().map(|path| {
+                let projection = self.camera.map(|camera| camera.projection);
+                spanned(scene_animation::table(path, projection.unwrap_or_default()))
+            }),
             image: ImageToml {
                 size: self
                     .image
@@ -169,6 +174,7 @@ fn object(
             });
         }
     };
+    let (image, projector) = (object.texture.as_ref(), object.mapping.projector);
     let (color, seed) = ColorRuleToml::from_rule(object.color);
     let Transform {
         translate,
@@ -189,6 +195,18 @@ fn object(
         color: Some(color),
         seed,
         texture,
+        crop: image
+            .and_then(|image| image.crop())
+            .map(|crop| spanned([crop.x, crop.y, crop.width, crop.height])),
+        wrap: image
+            .map(|image| image.wrap())
+            .filter(|wrap| *wrap != [Wrap::Repeat; 2])
+            .map(|wrap| wrap.map(WrapToml)),
+        texture_projection: object.mapping.projection.map(Into::into),
+        texture_center: projector.map(|at| spanned(at.center.to_array())),
+        texture_front: projector.map(|at| spanned(at.front.to_array())),
+        texture_up: projector.map(|at| spanned(at.up.to_array())),
+        texture_size: projector.map(|at| spanned(at.size.to_array())),
         translate: (translate != at_rest.translate).then(|| spanned(translate.to_array())),
         rotate: (rotate != at_rest.rotate).then(|| spanned(rotate.to_array())),
         scale: (scale != at_rest.scale).then(|| spanned(scale.to_array())),

@@ -24,6 +24,42 @@ pub(crate) trait Integer: Clone {
     fn highest(&self) -> u64;
 }
 
+/// Callers see to it that nothing overflows.
+impl Integer for i128 {
+    fn shifted(mantissa: i64, shift: u32) -> Self {
+        Self::from(mantissa) << shift
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        self + other
+    }
+
+    fn minus(&self, other: &Self) -> Self {
+        self - other
+    }
+
+    fn times(&self, other: &Self) -> Self {
+        self * other
+    }
+
+    fn sign(&self) -> Ordering {
+        self.cmp(&0)
+    }
+
+    fn bits(&self) -> u32 {
+        Self::BITS - self.unsigned_abs().leading_zeros()
+    }
+
+    fn compare_shifted(&self, shift: u32, other: &Self) -> Ordering {
+        (self << shift).cmp(other)
+    }
+
+    fn highest(&self) -> u64 {
+        let beyond = Integer::bits(self).saturating_sub(u64::BITS);
+        (self.unsigned_abs() >> beyond) as u64
+    }
+}
+
 impl Integer for BigInt {
     fn shifted(mantissa: i64, shift: u32) -> Self {
         Self::from(mantissa) << shift

@@ -10,9 +10,9 @@ use crate::hit::{Cull, Detail, MISS, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::num::simd::{F32x8, Lanes, Mask8, Work, dispatch};
 use crate::single;
-use crate::triangle::PreparedRay;
 use crate::triangle::interpolate::{Corners, LANES, Places, RowHits, interpolate_row};
 use crate::triangle::linear::{LinearHit, Pencil, PencilRow};
+use crate::triangle::{Nearest, PreparedRay};
 
 impl Accel {
     /// Casts every ray of a lattice into `hits`, row by row.
@@ -100,7 +100,7 @@ impl Work for Find<'_> {
             columns: self.lattice.columns,
             rows: self.lattice.rows,
         };
-        let mut traversal = Traversal::new(self.accel, self.lattice);
+        let mut traversal = Traversal::new(self.accel, self.lattice, self.precision);
         let mut zbuffer = IntervalZBuffer::new();
         for large in whole.split(LARGE_SIDE) {
             traversal.list(lanes, &large);
@@ -109,7 +109,7 @@ impl Work for Find<'_> {
             }
             for part in large.split(SIDE as u32) {
                 if traversal.cast(lanes, &part, self.cull, &mut zbuffer, &mut ()) {
-                    self.keep(&part, &zbuffer);
+                    self.keep(&part, &mut zbuffer);
                 }
             }
         }
@@ -124,8 +124,9 @@ impl Work for Find<'_> {
 impl Find<'_> {
     /// Keeps what a packet found, and casts its undecided rays.
     #[inline(always)]
-    pub(super) fn keep(&mut self, part: &RayRect, zbuffer: &IntervalZBuffer) {
+    pub(super) fn keep(&mut self, part: &RayRect, zbuffer: &mut IntervalZBuffer) {
         let columns = part.columns as usize;
+        let mut undecided = 0;
         for row in 0..part.rows {
             let first = ((part.row + row) * self.lattice.columns + part.column) as usize;
             let held = &zbuffer.row(row)[..columns];
@@ -137,28 +138,49 @@ impl Find<'_> {
                 any_undecided |= IntervalZBuffer::is_undecided(held);
             }
             self.counts.hits += u64::from(count);
-            if any_undecided {
-                for (column, _) in held
-                    .iter()
-                    .enumerate()
-                    .filter(|held| IntervalZBuffer::is_undecided(*held.1))
-                {
-                    let primitive = self.cast_one(part.column + column as u32, part.row + row);
-                    self.primitives[first + column] = primitive;
-                    // It was counted as a hit.
-                    self.counts.hits -= u64::from(primitive == MISS);
+            undecided |= u32::from(any_undecided) << (row % SIDE as u32);
+        }
+        if undecided != 0 {
+            self.decide(part, zbuffer, undecided);
+        }
+    }
+
+    /// Casts the undecided rays of a packet; `rows` (as bits) hold some.
+    #[inline(never)]
+    fn decide(&mut self, part: &RayRect, zbuffer: &mut IntervalZBuffer, rows: u32) {
+        zbuffer.sort_rivals();
+        for row in (0..part.rows).filter(|row| rows >> row & 1 != 0) {
+            for column in 0..part.columns {
+                if !IntervalZBuffer::is_undecided(zbuffer.row(row)[column as usize]) {
+                    continue;
                 }
+                let rivals = zbuffer.rivals(row, column);
+                let (column, row) = (part.column + column, part.row + row);
+                let primitive = self.cast_one(column, row, rivals);
+                self.primitives[(row * self.lattice.columns + column) as usize] = primitive;
+                // It was counted as a hit.
+                self.counts.hits -= u64::from(primitive == MISS);
             }
         }
     }
 
-    /// What [`Accel::cast_primitive`] answers.
-    #[inline(never)]
-    fn cast_one(&mut self, column: u32, row: u32) -> u32 {
+    /// What [`Accel::cast_primitive`] answers for a ray whose closest hit is one of its rivals.
+    fn cast_one(&mut self, column: u32, row: u32, rivals: Option<&[(u32, u32)]>) -> u32 {
         let ray = self.lattice.ray(column, row);
         let ray = PreparedRay::new(&ray, self.accel.origin, self.cull, self.precision);
         let Some(ray) = ray else { return MISS };
-        let primitive = single::nearest(self.accel, &ray).primitive;
+        let nearest = match rivals {
+            Some(rivals) if self.precision == Precision::Exact => {
+                let mut nearest = Nearest::NONE;
+                for &(_, primitive) in rivals {
+                    self.accel.meet(&ray, primitive, &mut nearest);
+                }
+                nearest
+            }
+            // Double precision, which fast casting trusts, may see a triangle that no ray hits.
+            _ => single::nearest(self.accel, &ray),
+        };
+        let primitive = nearest.primitive;
         if ray.was_exact() {
             self.counts.exact_rays += 1;
         } else {

@@ -136,6 +136,40 @@ fn assert_views_equal_rays(accel: &Accel, size: f64, offset: DVec3) {
     assert!(met > 50_000, "{met}");
 }
 
+/// A picture of 32k + 1 columns and rows ends in packets of one column, one row, one ray.
+#[test]
+fn the_last_column_and_row_are_cast() {
+    let accel = waves(12, 2.0, DVec3::ZERO);
+    for side in [33, 65] {
+        let plane = ImagePlane::new(side, side, 0.02).expect("a good plane");
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let orbit = Orbit {
+                pivot: DVec3::ZERO,
+                yaw: 30.0,
+                pitch: 50.0,
+                distance: 3.0,
+            };
+            let camera = Camera::new(orbit.placement(), projection, plane);
+            let (columns, rows) = (side as usize, side as usize);
+            let mut hits = Vec::new();
+            let lattice = whole(camera);
+            accel.cast_lattice(
+                &lattice,
+                Cull::None,
+                Precision::Exact,
+                Detail::Full,
+                &mut hits,
+            );
+            let met = |at: &usize| !hits[*at].is_miss();
+            let in_column = (0..rows).map(|row| row * columns + columns - 1).filter(met);
+            let in_row = ((rows - 1) * columns..rows * columns).filter(met);
+            let (in_column, in_row) = (in_column.count(), in_row.count());
+            assert!(in_column > 5 && in_row > 5, "{in_column} {in_row}");
+            assert_tiles_equal_rays(&accel, camera);
+        }
+    }
+}
+
 #[test]
 fn tiles_answer_as_single_rays_do() {
     for (size, offset) in [
@@ -259,7 +293,7 @@ fn lattices_aimed_at_vertices_are_decided_exactly() {
 
 #[test]
 fn what_is_hidden_need_not_be_told_apart() {
-    // Two triangles in one place, and a third in front of both, in every order. The two lean
+    // Two triangles a rounding apart, and a third in front of both, in every order. The two lean
     // towards the eye, so that they come first.
     let far = [
         DVec3::new(-4.0, -4.0, -2.0),
@@ -267,13 +301,16 @@ fn what_is_hidden_need_not_be_told_apart() {
         DVec3::new(0.25, 30.0, 14.0),
     ];
     // The same plane from another corner, so that rounding tells nothing.
-    let other = [far[0] + (far[0] - far[1]), far[1], far[2]];
+    let in_plane = far[0] + (far[0] - far[1]);
+    let next = f64::from((in_plane.z as f32).next_up());
+    let other = [in_plane.with_z(next), far[1], far[2]];
     let near = [
         DVec3::new(-9.0, -9.0, 3.0),
         DVec3::new(9.0, -9.0, 3.0),
         DVec3::new(0.0, 9.0, 3.0),
     ];
-    let triangles = [far, other, near];
+    let in_one_plane = [in_plane, far[1], far[2]];
+    let triangles = [far, other, near, in_one_plane];
     let open = |shown: &[usize]| {
         let positions = shown.iter().flat_map(|&at| triangles[at]).collect();
         let numbers = (0..shown.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
@@ -294,6 +331,8 @@ fn what_is_hidden_need_not_be_told_apart() {
         assert!(open(&without) > 500, "{order:?}");
         assert!(open(&order) < 10, "{order:?}");
     }
+    // What lies in exactly one plane is ordered once, not once a ray.
+    assert!(open(&[0, 3]) < 10);
 }
 
 #[test]

@@ -194,6 +194,7 @@ mod tests {
     use crate::camera::{ImagePlane, Orbit};
     use crate::num::simd::Plain;
     use crate::packet::params::{ROW, SIDE};
+    use crate::scene::Bounds;
     use glam::Vec3;
 
     #[test]
@@ -249,6 +250,53 @@ mod tests {
             let around = touched(a.min(b), a.max(b));
             assert_eq!(around & 0x0660, 0x0660, "all between its corners");
             assert_eq!(touched(reach.min, reach.max), 0xffff);
+        }
+    }
+
+    /// The eye that planes are made from may be off: what the rays of the true one go through is touched.
+    #[test]
+    fn an_eye_that_is_off_loses_no_box() {
+        let plane = ImagePlane::new(SIDE as u32, SIDE as u32, 0.05).expect("a good plane");
+        let orbit = Orbit {
+            pivot: DVec3::ZERO,
+            yaw: 40.0,
+            pitch: -25.0,
+            distance: 4.0,
+        };
+        let reach = Box32 {
+            min: Vec3::splat(-20.0),
+            max: Vec3::splat(20.0),
+        };
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let camera = Camera::new(orbit.placement(), projection, plane);
+            for corner in Bounds::around([DVec3::NEG_ONE, DVec3::ONE]).corners() {
+                let from = Viewpoint {
+                    camera: &camera,
+                    eye: orbit.placement().eye + corner * 0.01,
+                    eye_error: 0.01,
+                    bounds: &reach,
+                };
+                let last = (SIDE - 1) as f64;
+                let (left, top) = camera.across_and_along(0.0, 0.0);
+                let (right, bottom) = camera.across_and_along(last, last);
+                let window = Window {
+                    across: (left, right),
+                    along: (bottom, top),
+                };
+                let frustum = Frustum::new(from, &window);
+                for (x, y) in [(0.0, 0.0), (last, 0.0), (0.0, last), (last, last)] {
+                    let point = camera.ray(x, y).at(6.0).as_vec3();
+                    let one = Box32 {
+                        min: point,
+                        max: point,
+                    };
+                    let [_, (_, is_touched)] = frustum.enter(Plain, &BoxPair::of([one, one]));
+                    assert!(
+                        is_touched,
+                        "{projection:?}: ({x}, {y}), eye off by {corner}"
+                    );
+                }
+            }
         }
     }
 }

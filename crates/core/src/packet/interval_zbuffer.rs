@@ -7,8 +7,10 @@
 //! (Abrash, "Rasterization on Larrabee", 2009; Greene, Kass, Miller, "Hierarchical Z-Buffer Visibility",
 //! 1993).
 
+use super::decisions::Decisions;
 use super::params::{CELLS, ROW, SIDE};
 use super::ray_box::RayBox;
+use super::rivals::Rivals;
 use super::setup::{CornerLanes, PacketSpace, TriangleSetup};
 use super::small_triangles::SmallCoverage;
 use crate::bvh::tree::TRIANGLE_LIMIT;
@@ -38,10 +40,16 @@ const PROVISIONAL: u32 = !TRIANGLE_LIMIT;
 
 /// Stands for a primitive index where the nearest of several triangles is undecided. A triangle surely
 /// nearer than all of them replaces it.
+///
+/// Invariant: the closest hit so far of such a ray, if it has one, is one of its [`Rivals`].
 const UNDECIDED: u32 = MISS - 1;
 
 /// The nearest triangle of each ray so far; rows of rays one after another.
+///
+/// In this order, and aligned: eight rays that are read at once lie in one cache line. Where half of them lay in two,
+/// visibility took 4 to 7 % longer.
 #[derive(Clone, Debug)]
+#[repr(C, align(64))]
 pub(crate) struct IntervalZBuffer {
     /// Lower bound of the depth key: inverse depth, or negated depth for orthographic packets, so that it
     /// grows towards the eye. −∞ where nothing is surely hit.
@@ -53,6 +61,8 @@ pub(crate) struct IntervalZBuffer {
     hi_z: [f32; CELLS * CELLS],
     /// Cells whose hi-z may be out of date, as bits.
     dirty: u32,
+    /// What undecided rays are undecided between.
+    rivals: Rivals,
     /// Where orthographic rays begin: nothing is nearer. Infinite for perspective.
     begin: f32,
 }
@@ -85,6 +95,7 @@ impl IntervalZBuffer {
             primitives: [MISS; RAYS],
             hi_z: [f32::NEG_INFINITY; CELLS * CELLS],
             dirty: 0,
+            rivals: Rivals::default(),
             begin: f32::INFINITY,
         }
     }
@@ -97,6 +108,7 @@ impl IntervalZBuffer {
         self.primitives = [MISS; RAYS];
         self.hi_z = [f32::NEG_INFINITY; CELLS * CELLS];
         self.dirty = 0;
+        self.rivals.clear();
         // Orthographic rays begin at the image plane, where the negated depth is zero.
         self.begin = if perspective { f32::INFINITY } else { 0.0 };
         let (columns, rows) = (columns as usize, rows as usize);
@@ -117,6 +129,16 @@ impl IntervalZBuffer {
     pub(crate) fn row(&self, row: u32) -> &[u32] {
         let first = row as usize * SIDE;
         &self.primitives[first..first + SIDE]
+    }
+
+    /// Brings rivals into the order that [`IntervalZBuffer::rivals`] needs.
+    pub(crate) fn sort_rivals(&mut self) {
+        self.rivals.sort();
+    }
+
+    /// The rivals of an undecided ray, once they are sorted: see [`Rivals::of`].
+    pub(crate) fn rivals(&self, row: u32, column: u32) -> Option<&[(u32, u32)]> {
+        self.rivals.of(row as usize * SIDE + column as usize)
     }
 
     /// The primitive index of a stored entry, or [`MISS`].
@@ -310,8 +332,34 @@ impl IntervalZBuffer {
         self.dirty |= columns << (CELLS * (rays.bottom as usize / ROW));
     }
 
-    /// Sets up eight triangles and rasterises those with a primitive index, each within its bounds.
-    /// `is_edge_on` tells whether no ray can hit a triangle: asked of the ill-conditioned ones.
+    /// Sets rough triangles up again by component. Those (as bits) that exact arithmetic decides no ray hits, of the
+    /// ill-conditioned ones and of those that orthographic rays may begin at.
+    #[inline(never)]
+    fn refine(
+        &self,
+        space: &PacketSpace,
+        set_up: &mut TriangleSetup,
+        boxes: &[RayBox; LANES],
+        primitives: &[u32],
+        decisions: &mut Decisions<'_>,
+    ) -> u32 {
+        let mut never_hit = 0;
+        for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
+            let mut is_doubtful = set_up.ill_conditioned[l];
+            if decisions.are_exact() && !(is_doubtful && decisions.is_never_hit(primitive)) {
+                if set_up.is_rough[l] && set_up.boxes[l].right >= 0 {
+                    let corners = decisions.corners(primitive);
+                    space.set_up_componentwise(corners, &boxes[l], l, set_up);
+                }
+                is_doubtful = self.begin != f32::INFINITY && set_up.may_touch(l, self.begin);
+            }
+            never_hit |= u32::from(is_doubtful && decisions.is_never_hit(primitive)) << l;
+        }
+        never_hit
+    }
+
+    /// Sets up eight triangles and rasterises those with a primitive index, each within its bounds. Those that are
+    /// ill-conditioned, or that rays may begin at, are left out where exact arithmetic decides that no ray hits them.
     #[inline(always)]
     pub(crate) fn rasterize(
         &mut self,
@@ -320,14 +368,19 @@ impl IntervalZBuffer {
         corners: &CornerLanes,
         boxes: &[RayBox; LANES],
         primitives: &[u32],
-        mut is_edge_on: impl FnMut(u32) -> bool,
+        decisions: &mut Decisions<'_>,
     ) {
-        let set_up = space.set_up(corners, boxes);
+        let mut set_up = space.set_up(corners, boxes);
+        let any_rough = set_up.is_rough.iter().fold(false, |any, &is| any | is);
+        let never_hit = if any_rough || self.begin != f32::INFINITY {
+            self.refine(space, &mut set_up, boxes, primitives, decisions)
+        } else {
+            0
+        };
         for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
-            if set_up.ill_conditioned[l] && is_edge_on(primitive) {
-                continue;
+            if never_hit >> l & 1 == 0 {
+                self.rasterize_one(lanes, &set_up, l, primitive, decisions);
             }
-            self.rasterize_one(lanes, &set_up, l, primitive);
         }
         self.update_hi_z(lanes);
     }
@@ -339,6 +392,7 @@ impl IntervalZBuffer {
         set_up: &TriangleSetup,
         l: usize,
         primitive: u32,
+        decisions: &mut Decisions<'_>,
     ) {
         let linear = |f: &[[f32; LANES]; 3]| [f[0][l], f[1][l], f[2][l]];
         let functions = EdgeFunctions {
@@ -371,7 +425,7 @@ impl IntervalZBuffer {
             );
         } else if set_up.boxes[l].is_narrow() {
             let rows = (bottom - top + 1) as usize;
-            self.rasterize_rows(lanes, &functions, row * SIDE + column, rows);
+            self.rasterize_rows(lanes, &functions, row * SIDE + column, rows, decisions);
             let (first, last) = (column / ROW, column.div_ceil(ROW));
             let columns = (1u32 << first) | (1 << last);
             for cell_row in row / ROW..=bottom as usize / ROW {
@@ -383,6 +437,7 @@ impl IntervalZBuffer {
                 &functions,
                 (column, row),
                 (right as usize, bottom as usize),
+                decisions,
             );
         }
     }
@@ -395,6 +450,7 @@ impl IntervalZBuffer {
         functions: &EdgeFunctions,
         (column, row): (usize, usize),
         (right, bottom): (usize, usize),
+        decisions: &mut Decisions<'_>,
     ) {
         let EdgeFunctions {
             edges,
@@ -453,9 +509,9 @@ impl IntervalZBuffer {
                 };
                 let first = (row + cell_row * ROW) * SIDE + column + cell_column * ROW;
                 if inside & (1 << cell) != 0 {
-                    self.cover(lanes, &here, first);
+                    self.cover(lanes, &here, first, decisions);
                 } else {
-                    self.rasterize_rows(lanes, &here, first, ROW);
+                    self.rasterize_rows(lanes, &here, first, ROW, decisions);
                 }
                 self.dirty |= 1 << place;
             }
@@ -470,6 +526,7 @@ impl IntervalZBuffer {
         functions: &EdgeFunctions,
         first: usize,
         rows: usize,
+        decisions: &mut Decisions<'_>,
     ) {
         let EdgeFunctions {
             edges: [e, f, g],
@@ -485,13 +542,17 @@ impl IntervalZBuffer {
         let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
         let merge = DepthMerge::new(lanes, functions, self.begin);
         for row in 0..rows {
-            let Some((low, high, primitives)) = self.rays(first + row * SIDE) else {
+            let first = first + row * SIDE;
+            let Some((low, high, primitives)) = self.rays(first) else {
                 return;
             };
             let least = a.min(b).min(c);
             let outside = least.lt(minus_error);
             let inside = error.lt(least);
-            merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
+            let open = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
+            if open.rays != 0 {
+                self.leave_undecided(merge.primitive, open, first, decisions);
+            }
             a = a + step_a;
             b = b + step_b;
             c = c + step_c;
@@ -501,17 +562,27 @@ impl IntervalZBuffer {
 
     /// Merges a triangle into a cell whose rays all lie surely inside its edges.
     #[inline(always)]
-    fn cover(&mut self, lanes: impl Lanes, functions: &EdgeFunctions, first: usize) {
+    fn cover(
+        &mut self,
+        lanes: impl Lanes,
+        functions: &EdgeFunctions,
+        first: usize,
+        decisions: &mut Decisions<'_>,
+    ) {
         let n = functions.depth_key;
         let x = lanes.load(&COLUMNS);
         let mut near = lanes.splat(n[0]) + lanes.splat(n[1]) * x;
         let step = lanes.splat(n[2]);
         let merge = DepthMerge::new(lanes, functions, self.begin);
         for row in 0..ROW {
-            let Some((low, high, primitives)) = self.rays(first + row * SIDE) else {
+            let first = first + row * SIDE;
+            let Some((low, high, primitives)) = self.rays(first) else {
                 return;
             };
-            merge.row(lanes, near, None, low, high, primitives);
+            let open = merge.row(lanes, near, None, low, high, primitives);
+            if open.rays != 0 {
+                self.leave_undecided(merge.primitive, open, first, decisions);
+            }
             near = near + step;
         }
     }
@@ -527,6 +598,40 @@ impl IntervalZBuffer {
             self.high.get_mut(first..)?.first_chunk_mut()?,
             self.primitives.get_mut(first..)?.first_chunk_mut()?,
         ))
+    }
+
+    /// Marks open rays of eight from `first` on undecided between what they hold and a triangle, except those that
+    /// are surely inside of it and hold another of its plane: there the lower primitive id wins.
+    #[inline(never)]
+    fn leave_undecided(
+        &mut self,
+        primitive: u32,
+        open: Open,
+        first: usize,
+        decisions: &mut Decisions<'_>,
+    ) {
+        // Neighbouring rays mostly hold the same triangle.
+        let mut last = (MISS, None);
+        for_each_bit(u64::from(open.rays), |lane| {
+            let ray = first + lane;
+            let rival = held_primitive(self.primitives[ray]);
+            if let Some(rival) = rival
+                && open.inside >> lane & 1 != 0
+            {
+                if last.0 != rival {
+                    last = (rival, decisions.first_in_one_plane(rival, primitive));
+                }
+                // Both hits have one depth, which either's bounds hold.
+                if let Some(first) = last.1 {
+                    if first == primitive {
+                        self.primitives[ray] = primitive;
+                    }
+                    return;
+                }
+            }
+            self.rivals.push_both(ray, rival, primitive);
+            self.primitives[ray] = UNDECIDED;
+        });
     }
 
     /// Marks every ray undecided that an ill-conditioned triangle may hit: those in its bounds where the
@@ -547,8 +652,11 @@ impl IntervalZBuffer {
                 let below = values.iter().any(|&value| value < -error);
                 let above = values.iter().any(|&value| value > error);
                 if !(below & above) {
-                    self.high[j * SIDE + i] = f32::INFINITY;
-                    self.primitives[j * SIDE + i] = UNDECIDED;
+                    let ray = j * SIDE + i;
+                    self.high[ray] = f32::INFINITY;
+                    let held = std::mem::replace(&mut self.primitives[ray], UNDECIDED);
+                    self.rivals
+                        .push_both(ray, held_primitive(held), functions.primitive);
                 }
             }
         }
@@ -572,6 +680,14 @@ impl IntervalZBuffer {
             self.hi_z[cell] = least.reduce_min();
         }
     }
+}
+
+/// Rays of eight, as bits, that merging a triangle leaves open: neither hit first nor left as they were.
+#[derive(Clone, Copy)]
+struct Open {
+    rays: u32,
+    /// Those of all eight that are surely inside the triangle.
+    inside: u32,
 }
 
 /// What merging a triangle into rows needs, the same for every row.
@@ -606,7 +722,7 @@ impl<L: Lanes> DepthMerge<L> {
         low: &mut [f32; ROW],
         high: &mut [f32; ROW],
         primitives: &mut [u32; ROW],
-    ) {
+    ) -> Open {
         let (old_low, old_high) = (lanes.load(low), lanes.load(high));
         let near_low = near - self.error;
         let near_high = near + self.error;
@@ -626,11 +742,17 @@ impl<L: Lanes> DepthMerge<L> {
         let loses = missed | near_high.lt(old_low);
         wins.store(self.primitive, primitives);
         // Rays where neither holds stay undecided until something nearer wins them.
-        let open = !(wins | loses).bits() & ALL;
-        if open != 0 {
-            for_each_bit(u64::from(open), |lane| primitives[lane % ROW] = UNDECIDED);
+        Open {
+            rays: !(wins | loses).bits() & ALL,
+            inside: met.bits(),
         }
     }
+}
+
+/// The primitive index of a ray that is neither undecided nor a miss so far.
+#[inline(always)]
+fn held_primitive(held: u32) -> Option<u32> {
+    (held != MISS && held != UNDECIDED).then_some(held & !PROVISIONAL)
 }
 
 /// Index of a box's first ray in the packet.

@@ -11,9 +11,11 @@
 //! 3. `small_triangles`, `slivers`: triangles that bound few rays are tested against those alone; long
 //!    thin ones have their bounds shrunk to what their rows span.
 //! 4. `setup`: what is left is set up as linear functions of a ray's place: three edge functions and an
-//!    inverse depth, with bounds on their errors (Pineda 1988; Olano and Greer 1997).
+//!    inverse depth, with bounds on their errors (Pineda 1988; Olano and Greer 1997). Where the bounds say little,
+//!    `componentwise_setup` does it again with bounds of its own.
 //! 5. `interval_zbuffer`: triangles are rasterised into an interval of depth a ray, in single precision.
-//!    What the intervals cannot decide is marked undecided, and `cast` gives it to the single ray.
+//!    What the intervals cannot decide is marked undecided, its rivals are recorded, and `cast` lets the single
+//!    ray decide between them. What is the same for all rays is decided once (`decisions`).
 //!
 //! `observer` and `trace` record the way for pictures and tables. No decision here is final unless a
 //! derived bound says so: the answers are those of exact arithmetic.
@@ -21,14 +23,19 @@
 mod cast;
 #[cfg(test)]
 mod cast_tests;
+mod componentwise_setup;
 mod counts;
+mod decisions;
 mod frustum;
 mod interval_zbuffer;
 mod lane_math;
 mod observer;
 mod params;
 mod ray_bounds;
+#[cfg(test)]
+mod ray_bounds_tests;
 mod ray_box;
+mod rivals;
 mod setup;
 #[cfg(test)]
 mod setup_tests;

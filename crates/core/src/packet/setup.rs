@@ -43,7 +43,7 @@ use glam::DVec3;
 
 /// The furthest place from a packet's first ray at which functions are evaluated: rows of lanes may reach beyond
 /// the packet.
-const REACH: f64 = (SIDE + ROW) as f64;
+pub(super) const REACH: f64 = (SIDE + ROW) as f64;
 
 /// The unit roundoff of double precision.
 const EPSILON: f64 = f64::EPSILON / 2.0;
@@ -55,7 +55,7 @@ const EPSILON: f64 = f64::EPSILON / 2.0;
 /// sums (7u); a place in a row takes a product and a sum (2u); the rows below add a step each, at most [`SIDE`],
 /// and round each time (32u). Comparing two such values adds the bound to each (2u). 48u covers these and the
 /// higher orders.
-const LINEAR_ERROR: f64 = 48.0 / (1u64 << 24) as f64;
+pub(super) const LINEAR_ERROR: f64 = 48.0 / (1u64 << 24) as f64;
 
 /// The rays of a packet: what maps triangles into its space.
 #[derive(Clone, Debug)]
@@ -80,6 +80,20 @@ pub(crate) struct PacketSpace {
     pub(super) ray_error: f64,
     /// B/D; one for orthographic packets.
     pub(super) obliqueness: f64,
+    pub(super) rays: PacketRays,
+}
+
+/// The rays of a packet in world space.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PacketRays {
+    /// d: the direction of the first ray.
+    pub(super) direction: DVec3,
+    /// a and b: the steps from ray to ray, along columns and rows.
+    pub(super) steps: [DVec3; 2],
+    /// D; one for orthographic packets.
+    pub(super) distance: f64,
+    /// B; zero for orthographic packets.
+    pub(super) greatest: f64,
 }
 
 /// Corner coordinates of eight triangles in structure-of-arrays order: x, y and z of the first corner, of the
@@ -107,6 +121,19 @@ pub(crate) struct TriangleSetup {
     pub(crate) boxes: [RayBox; LANES],
     /// Edge-on or ill-conditioned: which side faces the eye is not sure.
     pub(crate) ill_conditioned: [bool; LANES],
+    /// Where errors of double precision are no less than those of single precision, so that componentwise bounds
+    /// decide more.
+    pub(crate) is_rough: [bool; LANES],
+}
+
+impl TriangleSetup {
+    /// Whether a triangle's depth key may come to a value somewhere in the packet.
+    #[inline(always)]
+    pub(super) fn may_touch(&self, l: usize, key: f32) -> bool {
+        let [constant, x, y] = self.depth_key.map(|coefficient| coefficient[l]);
+        let swing = (x.abs() + y.abs()) * REACH as f32 + self.depth_key_error[l];
+        (constant - key).abs() <= swing
+    }
 }
 
 impl PacketSpace {
@@ -179,6 +206,16 @@ impl PacketSpace {
             size,
             ray_error,
             obliqueness,
+            rays: PacketRays {
+                direction: d,
+                steps: [a, b],
+                distance: if perspective { camera.distance() } else { 1.0 },
+                greatest: if perspective {
+                    reach + camera.distance()
+                } else {
+                    0.0
+                },
+            },
         }
     }
 
@@ -220,6 +257,7 @@ impl PacketSpace {
             row: [0; LANES],
             boxes: *boxes,
             ill_conditioned: [false; LANES],
+            is_rough: [false; LANES],
         };
         for l in 0..LANES {
             let triangle = PacketTriangle::of(&corners, l);
@@ -266,6 +304,9 @@ impl PacketSpace {
                 & (key_error < f64::from(f32::MAX))
                 & (spread < f64::from(f32::MAX));
             out.ill_conditioned[l] = !(clear & sound);
+            let smooth =
+                (edge_error < 2.5 * LINEAR_ERROR) & (key_error < 2.5 * LINEAR_ERROR * spread);
+            out.is_rough[l] = !(clear & sound & smooth);
         }
         out
     }
@@ -417,19 +458,19 @@ struct Plane {
 
 /// Where a triangle's functions begin, and how far they are evaluated from there.
 #[derive(Clone, Copy)]
-struct Span {
+pub(super) struct Span {
     column: i32,
     row: i32,
     i: f64,
     j: f64,
-    across: f64,
-    along: f64,
+    pub(super) across: f64,
+    pub(super) along: f64,
 }
 
 impl Span {
     /// Functions begin at the left of the bounds; for wide bounds at a multiple of a row.
     #[inline(always)]
-    fn of(bounds: &RayBox) -> Self {
+    pub(super) fn of(bounds: &RayBox) -> Self {
         let RayBox {
             left,
             right,
@@ -457,16 +498,16 @@ impl Span {
 
 /// A linear function of a ray's place.
 #[derive(Clone, Copy)]
-struct Linear {
-    constant: f64,
-    x: f64,
-    y: f64,
+pub(super) struct Linear {
+    pub(super) constant: f64,
+    pub(super) x: f64,
+    pub(super) y: f64,
 }
 
 impl Linear {
     /// The same function of the place relative to a span's first ray.
     #[inline(always)]
-    fn moved(self, span: &Span) -> Self {
+    pub(super) fn moved(self, span: &Span) -> Self {
         Self {
             constant: self.constant + self.x * span.i + self.y * span.j,
             ..self
@@ -475,7 +516,7 @@ impl Linear {
 
     /// The sum of its terms' greatest magnitudes over a span.
     #[inline(always)]
-    fn size(self, span: &Span) -> f64 {
+    pub(super) fn size(self, span: &Span) -> f64 {
         self.constant.abs() + self.x.abs() * span.across + self.y.abs() * span.along
     }
 

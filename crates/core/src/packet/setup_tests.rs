@@ -30,7 +30,12 @@ struct Tally {
 }
 
 /// A camera some 5 units away from what is around `middle`, of 32 × 32 rays `pitch` apart there.
-fn camera(random: &mut Random, middle: DVec3, projection: Projection, pitch: f64) -> Camera {
+pub(super) fn camera(
+    random: &mut Random,
+    middle: DVec3,
+    projection: Projection,
+    pitch: f64,
+) -> Camera {
     let plane = ImagePlane::new(32, 32, pitch).expect("a good plane");
     let placement = Placement {
         eye: middle + random.point().normalize() * 5.0,
@@ -54,31 +59,72 @@ fn triangle(random: &mut Random, camera: &Camera, pitch: f64) -> [Vec3; 3] {
     [a, b, c].map(DVec3::as_vec3)
 }
 
-/// Checks one lane of a set-up at every ray.
+/// A triangle of about this `size` with an edge through a ray, or a corner on it, but for rounding, and that
+/// ray; some are seen nearly from their edge. Corners are relative to `frame`.
+pub(super) fn triangle_at_ray(
+    random: &mut Random,
+    camera: &Camera,
+    frame: DVec3,
+    size: f64,
+) -> ([Vec3; 3], (usize, usize)) {
+    let [x, y] = [(); 2].map(|()| (random.unit() * SIDE as f64) as usize);
+    let ray = camera.ray(x as f64 + 0.5, y as f64 + 0.5);
+    let origin = ray.origin - frame;
+    let point = origin - ray.direction * origin.dot(ray.direction);
+    let along = random.point() * size;
+    let (a, b) = (point + along, point - along * random.signed().max(0.0));
+    let thickness = size * 0.1f64.powi((random.signed() * 7.0).max(0.0) as i32);
+    let away = camera.forward() * (1.5 * size * random.signed());
+    let c = a + (b - a) * random.unit() + away + random.point() * thickness;
+    ([a, b, c].map(DVec3::as_vec3), (x, y))
+}
+
+/// The packet of a camera's rays; corners are relative to `frame`.
+pub(super) fn space(camera: &Camera, frame: DVec3, cull: Cull) -> PacketSpace {
+    let eye = camera.placement().eye - frame;
+    let error = if frame == DVec3::ZERO {
+        0.0
+    } else {
+        eye.abs().max_element() * f64::EPSILON * 0.5
+    };
+    let size = (SIDE as u32, SIDE as u32);
+    PacketSpace::new(camera, eye, error, (0.5, 0.5), 1.0, size, cull)
+}
+
+/// Eight triangles' corners in structure-of-arrays order.
+pub(super) fn lanes_of(triangles: [[Vec3; 3]; LANES]) -> CornerLanes {
+    let mut corners: CornerLanes = [[0.0; LANES]; 9];
+    for (l, triangle) in triangles.iter().enumerate() {
+        for (at, x) in triangle.iter().flat_map(|c| c.to_array()).enumerate() {
+            corners[at][l] = x;
+        }
+    }
+    corners
+}
+
+/// Checks one lane of a set-up at some rays.
 fn check(
-    set_up: &TriangleSetup,
-    l: usize,
+    (set_up, l): (&TriangleSetup, usize),
     camera: &Camera,
     cull: Cull,
     placed: &Placed,
+    rays: impl Iterator<Item = (usize, usize)>,
     tally: &mut Tally,
 ) {
-    tally.all += SIDE * SIDE;
-    if set_up.ill_conditioned[l] {
-        return;
-    }
     let perspective = camera.projection() == Projection::Perspective;
-    for y in 0..SIDE {
-        for x in 0..SIDE {
+    for (x, y) in rays {
+        tally.all += 1;
+        let is_culled = set_up.boxes[l].right < 0;
+        if is_culled || !set_up.ill_conditioned[l] {
             let ray = camera.ray(x as f64 + 0.5, y as f64 + 0.5);
             let ray = Ray {
                 // Where orthographic rays begin is another matter.
-                t_min: if perspective { 0.0 } else { -1e9 },
+                t_min: if perspective { 0.0 } else { -1e99 },
                 ..ray
             };
             let truth: Option<Nearest> = exact::hit(&ray, placed, cull, 0);
-            if set_up.boxes[l].right < 0 {
-                assert!(truth.is_none(), "culled, and met by ({x}, {y})");
+            if is_culled {
+                assert!(truth.is_none(), "left out, and hit by ({x}, {y})");
                 tally.culled += 1;
                 tally.decided += 1;
                 continue;
@@ -116,43 +162,99 @@ fn check(
     }
 }
 
-fn check_all(projection: Projection, pitch: f64, frame: DVec3) -> Tally {
+/// How triangles are made, and set up.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    /// By the greatest coordinate.
+    Plain,
+    /// With an edge through a ray, to be checked at that ray alone.
+    AtRay,
+    /// The same triangles, by component.
+    Componentwise,
+    /// With a corner next to the eye.
+    NextToTheEye,
+    /// With coordinates of any exponent.
+    AnyExponent,
+}
+
+fn hostile_triangle(
+    random: &mut Random,
+    kind: Kind,
+    (camera, eye): (&Camera, DVec3),
+    pitch: f64,
+) -> [Vec3; 3] {
+    let [a, b, c] = triangle(random, camera, pitch);
+    let decades = |random: &mut Random, most: f64| crate::math::pow(10.0, most * random.signed());
+    match kind {
+        Kind::Plain | Kind::AtRay | Kind::Componentwise => [a, b, c],
+        Kind::NextToTheEye => {
+            // Single precision's numbers next to the eye; where it is one, its neighbours at some rays' pitch.
+            let beside = random.point() * (pitch * decades(random, 3.0));
+            let next = (eye + beside).as_vec3();
+            let turned = [[next, b, c], [c, next, b], [b, c, next]];
+            turned[(random.unit() * 3.0) as usize % 3]
+        }
+        Kind::AnyExponent => [(); 3].map(|()| {
+            let [x, y, z] = [(); 3].map(|()| random.signed() * decades(random, 15.0));
+            DVec3::new(x, y, z).as_vec3()
+        }),
+    }
+}
+
+/// Sets up triangles that cameras see around `frame`, and checks each at all rays of the packet, or at the one that
+/// an edge goes through.
+fn check_all(
+    (projection, pitch, frame): (Projection, f64, DVec3),
+    rounds: usize,
+    kind: Kind,
+) -> Tally {
+    let at_rays = kind == Kind::AtRay;
     let mut random = Random(51);
     let mut tally = Tally::default();
-    for round in 0..12 {
+    for round in 0..rounds {
         let camera = camera(&mut random, frame, projection, pitch);
         let cull = [Cull::None, Cull::Back][round % 2];
+        let space = space(&camera, frame, cull);
         let eye = camera.placement().eye - frame;
-        let error = if frame == DVec3::ZERO {
-            0.0
-        } else {
-            eye.abs().max_element() * f64::EPSILON * 0.5
-        };
-        let space = PacketSpace::new(
-            &camera,
-            eye,
-            error,
-            (0.5, 0.5),
-            1.0,
-            (SIDE as u32, SIDE as u32),
-            cull,
-        );
-        let triangles: [[Vec3; 3]; LANES] =
-            std::array::from_fn(|_| triangle(&mut random, &camera, pitch));
-        let mut corners: CornerLanes = [[0.0; LANES]; 9];
-        for (l, triangle) in triangles.iter().enumerate() {
-            for (at, x) in triangle.iter().flat_map(|c| c.to_array()).enumerate() {
-                corners[at][l] = x;
+        let triangles: [([Vec3; 3], (usize, usize)); LANES] = std::array::from_fn(|_| {
+            if at_rays {
+                triangle_at_ray(&mut random, &camera, frame, 12.0 * pitch)
+            } else {
+                (
+                    hostile_triangle(&mut random, kind, (&camera, eye), pitch),
+                    (0, 0),
+                )
+            }
+        });
+        let corners = lanes_of(triangles.map(|(triangle, _)| triangle));
+        let boxes = triangles.map(|(_, (x, y))| match at_rays {
+            true => RayBox {
+                left: x as i32,
+                right: x as i32,
+                top: y as i32,
+                bottom: y as i32,
+            },
+            false => ALL,
+        });
+        let mut set_up = space.set_up(&corners, &boxes);
+        if !matches!(kind, Kind::Plain | Kind::AtRay) {
+            for (l, &(corners, _)) in triangles.iter().enumerate() {
+                set_up.boxes[l] = ALL;
+                space.set_up_componentwise(corners, &ALL, l, &mut set_up);
             }
         }
-        let boxes = [ALL; LANES];
-        let set_up = space.set_up(&corners, &boxes);
-        for (l, &corners_of) in triangles.iter().enumerate() {
+        for (l, &(corners, ray)) in triangles.iter().enumerate() {
             let placed = Placed {
-                corners: corners_of,
+                corners,
                 origin: frame,
             };
-            check(&set_up, l, &camera, cull, &placed, &mut tally);
+            let (columns, rows) = if at_rays {
+                (ray.0..ray.0 + 1, ray.1..ray.1 + 1)
+            } else {
+                (0..SIDE, 0..SIDE)
+            };
+            let rays = rows.flat_map(|y| columns.clone().map(move |x| (x, y)));
+            check((&set_up, l), &camera, cull, &placed, rays, &mut tally);
         }
     }
     tally
@@ -163,7 +265,7 @@ fn check_all(projection: Projection, pitch: f64, frame: DVec3) -> Tally {
 fn what_a_set_up_is_sure_of_is_so() {
     for projection in [Projection::Perspective, Projection::Orthographic] {
         for (pitch, least) in [(1e-2, 60), (1e-6, 60), (1e-10, 45), (1e-11, 0), (1e-13, 0)] {
-            let tally = check_all(projection, pitch, DVec3::ZERO);
+            let tally = check_all((projection, pitch, DVec3::ZERO), 12, Kind::Plain);
             let Tally {
                 decided,
                 all,
@@ -177,7 +279,53 @@ fn what_a_set_up_is_sure_of_is_so() {
             );
         }
         let far = DVec3::new(148_376.0, 1234.5, -223_423.25);
-        let Tally { decided, all, .. } = check_all(projection, 1e-6, far);
+        let Tally { decided, all, .. } = check_all((projection, 1e-6, far), 12, Kind::Plain);
         assert!(decided * 100 >= all * 40, "{decided} of {all}");
+    }
+}
+
+/// Each term of the bounds decides somewhere here: with it set to zero this test fails. Two are covered by
+/// others: rays' own error by the corners', and the numerator's error by the facing's, which is as large a share
+/// of a key that changes at least as much over a cell.
+#[test]
+fn edges_through_rays_are_decided_only_where_it_is_sure() {
+    let far = DVec3::new(148_376.0, 1234.5, -223_423.25);
+    let (mut hits, mut culled) = (0, 0);
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        let near = [1e-2, 1e-6, 1e-10, 1e-11, 3e-12, 1e-12].map(|pitch| (pitch, DVec3::ZERO));
+        let far = [1e-5, 1e-6, 1e-7].map(|pitch| (pitch, far));
+        for &(pitch, frame) in near.iter().chain(&far) {
+            let tally = check_all((projection, pitch, frame), 5000, Kind::AtRay);
+            hits += tally.hits;
+            culled += tally.culled;
+        }
+    }
+    assert!(hits > 90_000 && culled > 90_000, "{hits} {culled}");
+}
+
+/// The truth is integer arithmetic on the rays as they are.
+#[test]
+fn what_componentwise_bounds_are_sure_of_is_so() {
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        for (kind, pitch, least) in [
+            (Kind::Componentwise, 1e-2, 45),
+            (Kind::Componentwise, 1e-6, 45),
+            (Kind::Componentwise, 1e-10, 45),
+            (Kind::Componentwise, 1e-12, 30),
+            (Kind::Componentwise, 1e-13, 5),
+            (Kind::Componentwise, 1e-15, 0),
+            (Kind::NextToTheEye, 1e-2, 30),
+            (Kind::NextToTheEye, 1e-6, 20),
+            (Kind::AnyExponent, 1e-1, 40),
+            (Kind::AnyExponent, 1e-6, 20),
+        ] {
+            let far = DVec3::new(148_376.0, 1234.5, -223_423.25);
+            for frame in [DVec3::ZERO, DVec3::new(0.25, 0.0, -3.0), far] {
+                let Tally { decided, all, .. } = check_all((projection, pitch, frame), 4, kind);
+                let share = decided * 100 / all;
+                let is_enough = share >= least || frame != DVec3::ZERO;
+                assert!(is_enough, "{projection:?} {pitch}: {share} in a hundred");
+            }
+        }
     }
 }

@@ -119,7 +119,7 @@ impl Work for RecordTrace<'_> {
             primitives: &mut primitives,
             counts: &mut CastCounts::default(),
         };
-        let mut traversal = Traversal::new(accel, lattice);
+        let mut traversal = Traversal::new(accel, lattice, Precision::Exact);
         let mut zbuffer = IntervalZBuffer::new();
         for large in whole.split(LARGE_SIDE) {
             let before = traversal.counts.nodes;
@@ -144,7 +144,7 @@ impl Work for RecordTrace<'_> {
                     let mut recorder = Recorder::default();
                     let before = traversal.counts.nodes;
                     if traversal.cast(lanes, &part, cull, &mut zbuffer, &mut recorder) {
-                        find.keep(&part, &zbuffer);
+                        find.keep(&part, &mut zbuffer);
                     }
                     let seen = places(lattice, &part).map(|at| find.primitives[at]);
                     level.blocks.push(PacketTrace {

@@ -5,6 +5,7 @@
 //! the rest is queued, and set up eight at a time.
 
 use super::counts::CastCounts;
+use super::decisions::Decisions;
 use super::frustum::{CellFrusta, Frustum, Viewpoint, Window};
 use super::interval_zbuffer::{IntervalZBuffer, SmallOutcome};
 use super::observer::Observer;
@@ -15,9 +16,8 @@ use super::setup::{CornerLanes, PacketSpace};
 use crate::bvh::Accel;
 use crate::bvh::tree::{Box32, BoxPair, DEPTH_LIMIT, Subtree};
 use crate::camera::{Lattice, Projection};
-use crate::hit::Cull;
+use crate::hit::{Cull, Precision};
 use crate::num::simd::{F32x8, LANES, Lanes};
-use crate::triangle::edge_on::EdgeOn;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
@@ -214,13 +214,13 @@ pub(super) struct Traversal<'a> {
     /// Those queued for set-up, with the bounds of their rays.
     queued: Batch,
     boxes: [RayBox; LANES],
-    /// Which of the ill-conditioned ones no ray hits.
-    edge_on: EdgeOn,
+    /// What is decided exactly, once for all packets.
+    decisions: Decisions<'a>,
     pub(super) counts: CastCounts,
 }
 
 impl<'a> Traversal<'a> {
-    pub(super) fn new(accel: &'a Accel, lattice: &'a Lattice) -> Self {
+    pub(super) fn new(accel: &'a Accel, lattice: &'a Lattice, precision: Precision) -> Self {
         let eye_in_world = lattice.camera.placement().eye;
         let eye = eye_in_world - accel.origin;
         let off = accel.origin != DVec3::ZERO;
@@ -240,7 +240,7 @@ impl<'a> Traversal<'a> {
             batch: Batch::default(),
             queued: Batch::default(),
             boxes: [RayBox::default(); LANES],
-            edge_on: EdgeOn::new(&lattice.camera, accel.origin),
+            decisions: Decisions::new(accel, &lattice.camera, precision),
             counts: CastCounts::default(),
         }
     }
@@ -390,8 +390,8 @@ impl<'a> Traversal<'a> {
             }
             let corners = self.corners(lanes, self.queued.primitives());
             let primitives = &self.queued.primitives[..self.queued.len];
-            let is_edge_on = |primitive| self.edge_on.is(primitive, self.accel.corners(primitive));
-            zbuffer.rasterize(lanes, &space, &corners, &self.boxes, primitives, is_edge_on);
+            let decisions = &mut self.decisions;
+            zbuffer.rasterize(lanes, &space, &corners, &self.boxes, primitives, decisions);
             self.counts.triangles += primitives.len() as u64;
             observer.set_up(primitives);
             self.queued.len = 0;

@@ -27,16 +27,6 @@ pub(super) fn filled<T: Clone>(value: T, count: usize) -> Result<Vec<T>, OutOfMe
     Ok(vec![value; count])
 }
 
-/// What an iterator gives, which is known to be so many.
-pub(super) fn collected<T>(
-    count: usize,
-    values: impl IntoIterator<Item = T>,
-) -> Result<Vec<T>, OutOfMemory> {
-    let mut list = reserved(count)?;
-    list.extend(values);
-    Ok(list)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -46,7 +36,6 @@ mod tests {
         let too_many = usize::MAX / 64;
         let error = filled([0u32; 4], too_many).expect_err("there is no such machine");
         assert_eq!(error.bytes, too_many as u64 * 16);
-        assert!(collected::<u64>(too_many, []).is_err());
         assert_eq!(filled(7u8, 3), Ok(vec![7; 3]));
     }
 }

@@ -1,5 +1,5 @@
 use super::file::Tags;
-use super::{Format, ImageError, ImageFile, Picture, Recipe, exr, jpeg, png, ppm};
+use super::{Format, ImageError, ImageFile, Picture, Recipe, bands, exr_read, jpeg, png};
 
 impl Picture {
     /// The bytes of an image file of this kind: the same for the same picture.
@@ -10,8 +10,8 @@ impl Picture {
         self.encode_with(format, None)
     }
 
-    /// The same with what the picture was made of: PNG and EXR tell it, PPM and JPEG have no place for
-    /// it.
+    /// The same with what the picture was made of: PNG, TIFF and EXR tell it, PPM and JPEG have no place
+    /// for it.
     ///
     /// # Errors
     /// A side of no pixels, or more than the kind of file can hold; [`Format::Exr`] needs the
@@ -27,10 +27,10 @@ impl Picture {
             place: None,
         };
         match format {
-            Format::Png => png::encode(self, tags),
-            Format::Ppm => ppm::encode(self),
+            Format::Png if !format.is_banded(self.width, self.height) => png::encode(self, tags),
+            Format::Png => bands::encode(self, format, tags),
             Format::Jpeg => jpeg::encode(self),
-            Format::Exr => exr::encode(self, tags),
+            Format::Ppm | Format::Tiff | Format::Exr => bands::encode(self, format, tags),
         }
     }
 
@@ -40,7 +40,7 @@ impl Picture {
     /// # Errors
     /// Bytes that are no EXR, a damaged one, or one without RayCast's channels.
     pub fn decode_exr(bytes: &[u8]) -> Result<Self, ImageError> {
-        exr::decode(bytes).map(|ImageFile { picture, .. }| picture)
+        exr_read::decode(bytes).map(|ImageFile { picture, .. }| picture)
     }
 }
 
@@ -55,7 +55,7 @@ impl ImageFile {
         if bytes.starts_with(b"\x89PNG") {
             png::decode(bytes)
         } else if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-            exr::decode(bytes)
+            exr_read::decode(bytes)
         } else {
             Err(ImageError::Decode("it is neither PNG nor EXR".to_owned()))
         }
@@ -75,7 +75,13 @@ mod tests {
             layers.depth.pop();
         }
         for picture in [odd, odd_layers, Picture::blank(0, 2, true)] {
-            for format in [Format::Png, Format::Ppm, Format::Jpeg, Format::Exr] {
+            for format in [
+                Format::Png,
+                Format::Ppm,
+                Format::Jpeg,
+                Format::Tiff,
+                Format::Exr,
+            ] {
                 assert!(matches!(picture.encode(format), Err(ImageError::Encode(_))));
             }
         }

@@ -4,7 +4,7 @@ use super::OutOfMemory;
 #[derive(Debug, thiserror::Error)]
 pub enum ImageError {
     /// An extension that names no kind we write.
-    #[error("{name}: expected a name that ends in .png, .ppm, .jpg, .jpeg or .exr")]
+    #[error("{name}: expected a name that ends in .png, .ppm, .jpg, .jpeg, .tif, .tiff or .exr")]
     UnknownFormat {
         /// The file's name.
         name: String,

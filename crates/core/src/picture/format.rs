@@ -11,11 +11,21 @@ pub enum Format {
     Ppm,
     /// 8-bit sRGB, lossy; alpha is laid over black.
     Jpeg,
+    /// 8-bit sRGB with alpha, lossless, in tiles; BigTIFF where it may be large.
+    Tiff,
     /// OpenEXR: linear light and every layer.
     Exr,
 }
 
 impl Format {
+    /// Whether files of the kind tell what their picture was made of.
+    pub fn tells_recipe(self) -> bool {
+        match self {
+            Self::Png | Self::Tiff | Self::Exr => true,
+            Self::Ppm | Self::Jpeg => false,
+        }
+    }
+
     /// The kind that the end of a file's name says, after its last dot. A name of that end alone
     /// (`png`, `.png`) says none.
     ///
@@ -27,6 +37,7 @@ impl Format {
             Some("png") => Ok(Self::Png),
             Some("ppm") => Ok(Self::Ppm),
             Some("jpg" | "jpeg") => Ok(Self::Jpeg),
+            Some("tif" | "tiff") => Ok(Self::Tiff),
             Some("exr") => Ok(Self::Exr),
             _ => Err(ImageError::UnknownFormat {
                 name: name.to_owned(),

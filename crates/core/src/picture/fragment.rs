@@ -1,6 +1,6 @@
 use super::file::Tags;
 use super::place::{Place, check_place};
-use super::{Format, ImageError, ImageFile, OutOfMemory, Picture, Recipe, exr, png};
+use super::{Format, ImageError, ImageFile, OutOfMemory, Picture, Recipe, bands, png};
 use crate::camera::Rect;
 use crate::digest::Digest;
 
@@ -102,8 +102,8 @@ impl Fragment {
         };
         match format {
             Format::Png => png::encode(&self.picture, tags),
-            Format::Exr => exr::encode(&self.picture, tags),
-            Format::Ppm | Format::Jpeg => Err(ImageError::NotForFragments),
+            Format::Exr => bands::encode(&self.picture, format, tags),
+            Format::Ppm | Format::Jpeg | Format::Tiff => Err(ImageError::NotForFragments),
         }
     }
 
@@ -142,33 +142,59 @@ impl Fragment {
     }
 }
 
-/// Puts named fragments together into the picture that the full camera would have made.
+/// What a fragment is, without its pixels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// What its file is called in errors.
+    pub name: String,
+    /// Its place in the full picture.
+    pub rect: Rect,
+    /// What the full picture is made of.
+    pub recipe: Recipe,
+    /// Whether it has layers.
+    pub has_layers: bool,
+}
+
+impl Part {
+    /// What a fragment is.
+    pub fn of(name: &str, fragment: &Fragment) -> Self {
+        Self {
+            name: name.to_owned(),
+            rect: fragment.rect,
+            recipe: fragment.recipe,
+            has_layers: fragment.picture.layers.is_some(),
+        }
+    }
+
+    fn full_size(&self) -> (u32, u32) {
+        let plane = self.recipe.camera.plane();
+        (plane.columns, plane.rows)
+    }
+}
+
+/// Whether fragments are all of one picture, and hold each of its pixels once.
 ///
 /// # Errors
 /// None at all, recipes that differ, parts that are missing, or that overlap.
-pub fn stitch(fragments: &[(String, Fragment)]) -> Result<Picture, FragmentError> {
-    let Some((first_name, first)) = fragments.first() else {
+pub fn check_parts(parts: &[Part]) -> Result<(), FragmentError> {
+    let Some(first) = parts.first() else {
         return Err(FragmentError::None);
     };
-    for (name, fragment) in fragments {
-        if let Some(reason) = difference(first, fragment) {
+    for part in parts {
+        if let Some(reason) = difference(first, part) {
             return Err(FragmentError::Different {
-                name: name.clone(),
-                first: first_name.clone(),
+                name: part.name.clone(),
+                first: first.name.clone(),
                 reason,
             });
         }
-        fits(fragment).map_err(|reason| FragmentError::NotAFragment {
-            name: name.clone(),
-            reason,
-        })?;
     }
-    for (index, (name, fragment)) in fragments.iter().enumerate() {
-        for (other, before) in &fragments[..index] {
-            if let Some((x, y)) = overlap(fragment.rect, before.rect) {
+    for (index, part) in parts.iter().enumerate() {
+        for before in &parts[..index] {
+            if let Some((x, y)) = overlap(part.rect, before.rect) {
                 return Err(FragmentError::Overlap {
-                    name: name.clone(),
-                    other: other.clone(),
+                    name: part.name.clone(),
+                    other: before.name.clone(),
                     x,
                     y,
                 });
@@ -177,13 +203,10 @@ pub fn stitch(fragments: &[(String, Fragment)]) -> Result<Picture, FragmentError
     }
     let (width, height) = first.full_size();
     // Parts lie in the picture, and no two of them overlap: together they hold no more than it has.
-    let held: u64 = fragments
-        .iter()
-        .map(|(_, fragment)| fragment.rect.area() as u64)
-        .sum();
+    let held: u64 = parts.iter().map(|part| part.rect.area() as u64).sum();
     let missing = (u64::from(width) * u64::from(height)).saturating_sub(held);
     if missing > 0 {
-        let (x, y, right) = first_gap((width, height), fragments);
+        let (x, y, right) = first_gap((width, height), parts);
         return Err(FragmentError::Gap {
             missing,
             width,
@@ -193,7 +216,29 @@ pub fn stitch(fragments: &[(String, Fragment)]) -> Result<Picture, FragmentError
             right,
         });
     }
-    let mut picture = Picture::try_blank(width, height, first.picture.layers.is_some())?;
+    Ok(())
+}
+
+/// Puts named fragments together into the picture that the full camera would have made.
+///
+/// # Errors
+/// As [`check_parts`]; memory.
+pub fn stitch(fragments: &[(String, Fragment)]) -> Result<Picture, FragmentError> {
+    for (name, fragment) in fragments {
+        fits(fragment).map_err(|reason| FragmentError::NotAFragment {
+            name: name.clone(),
+            reason,
+        })?;
+    }
+    let parts: Vec<Part> = (fragments.iter())
+        .map(|(name, fragment)| Part::of(name, fragment))
+        .collect();
+    check_parts(&parts)?;
+    let Some(first) = parts.first() else {
+        return Err(FragmentError::None);
+    };
+    let (width, height) = first.full_size();
+    let mut picture = Picture::try_blank(width, height, first.has_layers)?;
     for (name, fragment) in fragments {
         let (pixels, layers) = (&fragment.picture.pixels, fragment.picture.layers.as_ref());
         if !picture.place(fragment.rect, pixels, layers) {
@@ -207,19 +252,19 @@ pub fn stitch(fragments: &[(String, Fragment)]) -> Result<Picture, FragmentError
 }
 
 /// Why two fragments are not of one picture.
-fn difference(first: &Fragment, fragment: &Fragment) -> Option<String> {
-    let ((width, height), (columns, rows)) = (first.full_size(), fragment.full_size());
+fn difference(first: &Part, part: &Part) -> Option<String> {
+    let ((width, height), (columns, rows)) = (first.full_size(), part.full_size());
     if (width, height) != (columns, rows) {
         return Some(format!(
             "it is part of a picture of {columns} x {rows}, not {width} x {height}"
         ));
     }
-    if let Some(reason) = first.recipe.difference(&fragment.recipe) {
+    if let Some(reason) = first.recipe.difference(&part.recipe) {
         return Some(reason);
     }
-    match (&first.picture.layers, &fragment.picture.layers) {
-        (Some(_), None) => Some("it has no layers".to_owned()),
-        (None, Some(_)) => Some("it has layers".to_owned()),
+    match (first.has_layers, part.has_layers) {
+        (true, false) => Some("it has no layers".to_owned()),
+        (false, true) => Some("it has layers".to_owned()),
         _ => None,
     }
 }
@@ -237,19 +282,19 @@ fn overlap(a: Rect, b: Rect) -> Option<(u32, u32)> {
 }
 
 /// The first pixel, row by row, that no fragment holds, and the last column of that gap in its row.
-fn first_gap((width, height): (u32, u32), fragments: &[(String, Fragment)]) -> (u32, u32, u32) {
+fn first_gap((width, height): (u32, u32), parts: &[Part]) -> (u32, u32, u32) {
     // What a row holds changes only where a rectangle begins or ends.
-    let mut rows: Vec<u32> = fragments
+    let mut rows: Vec<u32> = parts
         .iter()
-        .flat_map(|(_, fragment)| [fragment.rect.y, fragment.rect.bottom()])
+        .flat_map(|part| [part.rect.y, part.rect.bottom()])
         .chain([0])
         .filter(|&row| row < height)
         .collect();
     rows.sort_unstable();
     for y in rows {
-        let mut spans: Vec<(u32, u32)> = fragments
+        let mut spans: Vec<(u32, u32)> = parts
             .iter()
-            .map(|(_, fragment)| fragment.rect)
+            .map(|part| part.rect)
             .filter(|rect| rect.y <= y && y < rect.bottom())
             .map(|rect| (rect.x, rect.right()))
             .chain([(width, width)])
@@ -522,7 +567,7 @@ pub(super) mod tests {
                 recipe: Some(&fragment.recipe),
                 place: Some(&place),
             };
-            let bytes = exr::encode(&picture, tags).expect("encodes");
+            let bytes = bands::encode(&picture, Format::Exr, tags).expect("encodes");
             let error = Fragment::decode("part", &bytes).expect_err("it was repainted");
             assert!(error.to_string().contains(expected), "{error}");
         }
@@ -548,7 +593,7 @@ pub(super) mod tests {
             };
             let bytes = match format {
                 Format::Png => png::encode(&fragment.picture, tags),
-                _ => exr::encode(&fragment.picture, tags),
+                _ => bands::encode(&fragment.picture, Format::Exr, tags),
             };
             let error = Fragment::decode("part", &bytes.expect("encodes")).expect_err("another");
             assert!(error.to_string().contains("what it was made of"), "{error}");

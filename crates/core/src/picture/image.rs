@@ -3,6 +3,9 @@ use super::{ImageError, OutOfMemory};
 use crate::camera::{Grid, Rect};
 use crate::digest::{Digest, Digester};
 
+/// The most pixels of a file that is decoded at once.
+pub(super) const DECODED_LIMIT: u64 = 1 << 30;
+
 /// What a picture knows of each pixel besides its 8-bit colour. Row by row, one value a pixel.
 ///
 /// Colours are averaged over a pixel's samples; everything else is the first sample's, through the
@@ -138,6 +141,30 @@ impl Picture {
             pixels: filled([0; 4], pixels)?,
             layers,
         })
+    }
+
+    /// Takes away all but the first rows, and gives the rest. `rows` ≤ [`Picture::height`].
+    pub(super) fn split_off_rows(&mut self, rows: u32) -> Result<Self, OutOfMemory> {
+        let at = self.width as usize * rows as usize;
+        let mut rest = Self::try_blank(self.width, self.height - rows, self.layers.is_some())?;
+        rest.pixels.copy_from_slice(&self.pixels[at..]);
+        self.pixels.truncate(at);
+        if let (Some(from), Some(to)) = (&mut self.layers, &mut rest.layers) {
+            to.color.copy_from_slice(&from.color[at..]);
+            to.depth.copy_from_slice(&from.depth[at..]);
+            to.object.copy_from_slice(&from.object[at..]);
+            to.triangle.copy_from_slice(&from.triangle[at..]);
+            to.normal.copy_from_slice(&from.normal[at..]);
+            to.uv.copy_from_slice(&from.uv[at..]);
+            from.color.truncate(at);
+            from.depth.truncate(at);
+            from.object.truncate(at);
+            from.triangle.truncate(at);
+            from.normal.truncate(at);
+            from.uv.truncate(at);
+        }
+        self.height = rows;
+        Ok(rest)
     }
 
     /// A checksum of the pixels: of every layer where there are layers, from which the 8-bit colours

@@ -24,8 +24,10 @@ impl Format {
             // Opaque: red, green and blue apart (3), deflated (3), and with the file's chunks about them
             // (3). With alpha: nothing apart, 4 and 4.
             Self::Png => PIXEL + 9,
-            // The file alone.
-            Self::Ppm => PIXEL + 3,
+            // The file, and a band of it.
+            Self::Ppm => PIXEL + 6,
+            // The file, which grows twofold, and a band of it, with alpha.
+            Self::Tiff => PIXEL + 12,
             // Red, green and blue apart, and the file.
             Self::Jpeg => PIXEL + 3 + 3,
             // Every channel apart, and the file.

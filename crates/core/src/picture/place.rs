@@ -1,5 +1,5 @@
 use super::{ImageError, Picture};
-use crate::camera::{PIXEL_LIMIT, Rect};
+use crate::camera::{Rect, SIDE_LIMIT};
 use crate::digest::Digest;
 use std::fmt;
 use std::str::FromStr;
@@ -42,7 +42,7 @@ pub(super) fn check_place(
     }
     let inside = u64::from(x) + u64::from(width) <= u64::from(columns)
         && u64::from(y) + u64::from(height) <= u64::from(rows);
-    if !inside || u64::from(columns) * u64::from(rows) > PIXEL_LIMIT {
+    if !inside || columns.max(rows) > SIDE_LIMIT {
         return Err(format!(
             "{width} x {height} pixels at ({x}, {y}) are not in a picture of {columns} x {rows}"
         ));

@@ -1,12 +1,12 @@
 //! PNG, with what it was made of, and a fragment's place, in text chunks.
 
-use super::buffers::{collected, filled, reserved};
+use super::buffers::reserved;
 use super::file::Tags;
+use super::image::DECODED_LIMIT;
 use super::place::Place;
 use super::{ImageError, ImageFile, Picture, Recipe};
-use crate::camera::PIXEL_LIMIT;
 use ::png::{BitDepth, ColorType, Compression, Decoder, Encoder, Limits, SrgbRenderingIntent};
-use std::io::Cursor;
+use std::io::{BufRead, Cursor, Seek};
 
 /// The text chunk that holds a fragment's place.
 const FRAGMENT: &str = "raycast-fragment";
@@ -18,13 +18,15 @@ const RECIPE: &str = "raycast-recipe";
 /// take two bits at least).
 pub(super) const MOST_EXPANSION: u64 = 1032;
 
-/// The bytes of a PNG; opaque pictures are stored without alpha.
-pub(super) fn encode(picture: &Picture, tags: Tags<'_>) -> Result<Vec<u8>, ImageError> {
-    let failed = |error: ::png::EncodingError| ImageError::Encode(error.to_string());
-    let mut bytes = Vec::new();
-    let mut encoder = Encoder::new(&mut bytes, picture.width, picture.height);
-    let opaque = picture.pixels.iter().all(|pixel| pixel[3] == u8::MAX);
-    encoder.set_color(if opaque {
+/// An encoder that tells what it is told to.
+pub(super) fn encoder<'a>(
+    bytes: &'a mut Vec<u8>,
+    (columns, rows): (u32, u32),
+    is_opaque: bool,
+    tags: Tags<'_>,
+) -> Result<Encoder<'a, &'a mut Vec<u8>>, ImageError> {
+    let mut encoder = Encoder::new(bytes, columns, rows);
+    encoder.set_color(if is_opaque {
         ColorType::Rgb
     } else {
         ColorType::Rgba
@@ -43,6 +45,18 @@ pub(super) fn encode(picture: &Picture, tags: Tags<'_>) -> Result<Vec<u8>, Image
                 .map_err(failed)?;
         }
     }
+    Ok(encoder)
+}
+
+pub(super) fn failed(error: ::png::EncodingError) -> ImageError {
+    ImageError::Encode(error.to_string())
+}
+
+/// The bytes of a PNG; opaque pictures are stored without alpha.
+pub(super) fn encode(picture: &Picture, tags: Tags<'_>) -> Result<Vec<u8>, ImageError> {
+    let mut bytes = Vec::new();
+    let opaque = picture.pixels.iter().all(|pixel| pixel[3] == u8::MAX);
+    let encoder = encoder(&mut bytes, (picture.width, picture.height), opaque, tags)?;
     let mut writer = encoder.write_header().map_err(failed)?;
     if opaque {
         let mut rgb: Vec<u8> = reserved(picture.pixels.len() * 3)?;
@@ -57,54 +71,109 @@ pub(super) fn encode(picture: &Picture, tags: Tags<'_>) -> Result<Vec<u8>, Image
     Ok(bytes)
 }
 
-/// What a PNG that [`encode`] made holds.
-pub(super) fn decode(bytes: &[u8]) -> Result<ImageFile, ImageError> {
-    let failed = |error: ::png::DecodingError| ImageError::Decode(error.to_string());
-    let damaged = |reason: &str| ImageError::Decode(reason.to_owned());
-    let mut decoder = Decoder::new_with_limits(
-        Cursor::new(bytes),
-        Limits {
-            bytes: bytes.len() + (1 << 20),
-        },
-    );
-    let info = decoder.read_header_info().map_err(failed)?;
-    let pixels = u64::from(info.width) * u64::from(info.height);
-    // Checked before anything is made to hold them.
-    if pixels > PIXEL_LIMIT || pixels > bytes.len() as u64 * MOST_EXPANSION {
-        return Err(damaged("it tells of more pixels than it can hold"));
+/// A PNG that is read from the top, row by row.
+pub(super) struct Reader<R: BufRead + Seek> {
+    reader: ::png::Reader<R>,
+    channels: usize,
+}
+
+impl<R: BufRead + Seek> Reader<R> {
+    /// Of a file of `length` bytes.
+    pub(super) fn open(read: R, length: u64) -> Result<Self, ImageError> {
+        let limits = Limits {
+            bytes: usize::try_from(length)
+                .unwrap_or(usize::MAX)
+                .saturating_add(1 << 20),
+        };
+        let mut decoder = Decoder::new_with_limits(read, limits);
+        let info = decoder.read_header_info().map_err(damaged)?;
+        let pixels = u64::from(info.width) * u64::from(info.height);
+        // Checked before anything is made to hold them.
+        if pixels > length.saturating_mul(MOST_EXPANSION) {
+            return Err(too_many());
+        }
+        let reader = decoder.read_info().map_err(damaged)?;
+        let channels = match reader.output_color_type() {
+            (ColorType::Rgb, BitDepth::Eight) => 3,
+            (ColorType::Rgba, BitDepth::Eight) => 4,
+            _ => {
+                let expected = "expected 8-bit colour, with alpha or without".to_owned();
+                return Err(ImageError::Decode(expected));
+            }
+        };
+        Ok(Self { reader, channels })
     }
-    let mut reader = decoder.read_info().map_err(failed)?;
-    let (width, height) = (reader.info().width, reader.info().height);
-    let channels = match reader.output_color_type() {
-        (ColorType::Rgb, BitDepth::Eight) => 3,
-        (ColorType::Rgba, BitDepth::Eight) => 4,
-        _ => return Err(damaged("expected 8-bit colour, with alpha or without")),
-    };
-    let mut samples = filled(0, pixels as usize * channels)?;
-    reader.next_frame(&mut samples).map_err(failed)?;
-    reader.finish().map_err(failed)?;
-    let texts = &reader.info().uncompressed_latin1_text;
-    let text = |keyword| {
+
+    /// Columns and rows.
+    pub(super) fn size(&self) -> (u32, u32) {
+        (self.reader.info().width, self.reader.info().height)
+    }
+
+    /// What the picture was made of, where the file tells it.
+    pub(super) fn recipe(&self) -> Result<Option<Recipe>, ImageError> {
+        self.text(RECIPE).map(str::parse).transpose()
+    }
+
+    /// Of a fragment, its place.
+    pub(super) fn place(&self) -> Result<Option<Place>, ImageError> {
+        self.text(FRAGMENT).map(str::parse).transpose()
+    }
+
+    fn text(&self, keyword: &str) -> Option<&str> {
+        let texts = &self.reader.info().uncompressed_latin1_text;
         let chunk = texts.iter().find(|chunk| chunk.keyword == keyword)?;
         Some(chunk.text.as_str())
-    };
-    let recipe: Option<Recipe> = text(RECIPE).map(str::parse).transpose()?;
-    let place: Option<Place> = text(FRAGMENT).map(str::parse).transpose()?;
-    let count = pixels as usize;
-    let pixels = match channels {
-        3 => {
-            let rgb = samples.as_chunks().0.iter();
-            collected(count, rgb.map(|&[r, g, b]| [r, g, b, u8::MAX]))?
+    }
+
+    /// The next rows, which the file must have.
+    pub(super) fn rows(&mut self, rows: u32) -> Result<Picture, ImageError> {
+        let (width, _) = self.size();
+        let mut pixels = reserved(width as usize * rows as usize)?;
+        let bytes = width as usize * self.channels;
+        for _ in 0..rows {
+            let row = self.reader.next_row().map_err(damaged)?;
+            let row = row
+                .filter(|row| row.data().len() == bytes)
+                .ok_or_else(|| ImageError::Decode("it has fewer rows than it tells".to_owned()))?;
+            match self.channels {
+                3 => pixels
+                    .extend((row.data().as_chunks().0.iter()).map(|&[r, g, b]| [r, g, b, u8::MAX])),
+                _ => pixels.extend_from_slice(row.data().as_chunks().0),
+            }
         }
-        _ => collected(count, samples.as_chunks().0.iter().copied())?,
-    };
-    let picture = Picture {
-        width,
-        height,
-        pixels,
-        layers: None,
-    };
-    ImageFile::checked(picture, recipe, place)
+        Ok(Picture {
+            width,
+            height: rows,
+            pixels,
+            layers: None,
+        })
+    }
+
+    /// Reads the file to its end.
+    pub(super) fn finish(&mut self) -> Result<(), ImageError> {
+        self.reader.finish().map_err(damaged)
+    }
+}
+
+fn damaged(error: ::png::DecodingError) -> ImageError {
+    ImageError::Decode(error.to_string())
+}
+
+/// A header that cannot be true.
+pub(super) fn too_many() -> ImageError {
+    ImageError::Decode("it tells of more pixels than it can hold".to_owned())
+}
+
+/// What a PNG that [`encode`] made holds.
+pub(super) fn decode(bytes: &[u8]) -> Result<ImageFile, ImageError> {
+    let mut reader = Reader::open(Cursor::new(bytes), bytes.len() as u64)?;
+    let (columns, rows) = reader.size();
+    if u64::from(columns) * u64::from(rows) > DECODED_LIMIT {
+        return Err(too_many());
+    }
+    let picture = reader.rows(rows)?;
+    reader.finish()?;
+    ImageFile::checked(picture, reader.recipe()?, reader.place()?)
 }
 
 #[cfg(test)]

@@ -1,11 +1,8 @@
 //! PPM: a line of text and the bytes.
 
-use super::opaque::over_black;
-use super::{ImageError, Picture};
-
-pub(super) fn encode(picture: &Picture) -> Result<Vec<u8>, ImageError> {
-    let head = format!("P6\n{} {}\n255\n", picture.width, picture.height);
-    Ok(over_black(head.as_bytes(), &picture.pixels)?)
+/// What stands before the bytes.
+pub(super) fn head((columns, rows): (u32, u32)) -> Vec<u8> {
+    format!("P6\n{columns} {rows}\n255\n").into_bytes()
 }
 
 #[cfg(test)]

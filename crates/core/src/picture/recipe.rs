@@ -42,6 +42,11 @@ impl Recipe {
         Digest::of(self.lines().as_bytes())
     }
 
+    /// Whether every pixel covers what lies behind the picture.
+    pub fn is_opaque(&self) -> bool {
+        self.shading.background != Background::Transparent
+    }
+
     /// In what another recipe differs, in words: the first that does of scene, size, camera and
     /// settings. `None` where they are the same.
     pub fn difference(&self, other: &Self) -> Option<String> {
@@ -337,10 +342,19 @@ words!(mode_word, mode_of: Mode {
     Texture = "texture",
     Wireframe = "wireframe",
 });
-words!(filter_word, filter_of: Filter { Nearest = "nearest", Bilinear = "bilinear" });
+words!(filter_word, filter_of: Filter {
+    Nearest = "nearest",
+    Bilinear = "bilinear",
+    Trilinear = "trilinear",
+    Ewa = "ewa",
+});
 words!(texture_projection_word, texture_projection_of: TextureProjection {
     Uv = "uv",
     Triplanar = "triplanar",
+    PerTriangle = "per-triangle",
+    Plane = "plane",
+    Sphere = "sphere",
+    Cylinder = "cylinder",
 });
 
 #[cfg(test)]

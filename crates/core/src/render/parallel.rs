@@ -39,26 +39,43 @@ impl View {
         sink: &(dyn Fn(&TileStats) + Sync),
         picture: &mut Picture,
     ) -> bool {
-        let plane = self.camera.plane();
+        self.render_part_into(self.camera.whole(), grid, clock, cancel, sink, picture)
+    }
+
+    /// The same of one of the camera's sub-cameras, of whose rectangle's size the picture is; `grid` splits
+    /// that rectangle.
+    pub fn render_part_into(
+        &self,
+        part: SubCamera,
+        grid: Grid,
+        clock: Clock<'_>,
+        cancel: &Cancel,
+        sink: &(dyn Fn(&TileStats) + Sync),
+        picture: &mut Picture,
+    ) -> bool {
+        let rect = part.rect;
         let shader = self.shader();
         let buffers = || Buffers::new(&shader);
         if self.settings.samples <= 1 && !self.settings.layers {
             // Long strips first, for long rows of pixels, and short ones last, for which no worker waits
             // long (Polychronopoulos and Kuck, "Guided Self-Scheduling", 1987).
             let share = 4 * rayon::current_num_threads();
-            let strips = picture.strips(grid, |left| left / share);
+            let mut strips = picture.strips(grid, |left| left / share);
+            for tile in strips.iter_mut().flat_map(|strip| &mut strip.tiles) {
+                *tile = part.part(*tile).rect;
+            }
             let strips: Vec<_> = strips.into_iter().map(Mutex::new).collect();
             return in_parallel(strips.len(), cancel, buffers, |buffers, index| {
                 let mut strip = strips[index].lock().unwrap_or_else(PoisonError::into_inner);
                 Job::paint(self, &mut strip, clock, buffers, sink);
             });
         }
-        let tiles = grid.tiles(plane.columns, plane.rows);
+        let tiles = grid.tiles(rect.width, rect.height);
         let picture = Mutex::new(picture);
         in_parallel(tiles.len(), cancel, buffers, |buffers, index| {
-            let tile = self.finish(self.camera.sub_camera(tiles[index]), clock, buffers);
+            let tile = self.finish(part.part(tiles[index]), clock, buffers);
             let mut picture = picture.lock().unwrap_or_else(PoisonError::into_inner);
-            picture.place(tile.rect, &tile.pixels, tile.layers.as_ref());
+            picture.place(tiles[index], &tile.pixels, tile.layers.as_ref());
             drop(picture);
             sink(&tile.stats);
         })
@@ -131,6 +148,7 @@ impl View {
 
     fn shader(&self) -> Shader<'_> {
         Shader::new(&self.scene, &self.accel, self.camera, self.settings.shading)
+            .with_samples(self.settings.samples)
     }
 
     /// A tile in one go.

@@ -1,5 +1,8 @@
 use super::mesh::Attribute;
-use super::{Color, ColorRule, Material, Mesh, Object, Scene, Texture, Transform};
+use super::{
+    Color, ColorRule, Material, Mesh, Object, Projector, Scene, Texture, TextureMapping,
+    TextureProjection, Transform, Wrap,
+};
 use crate::digest::{Digest, Digester};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 
@@ -29,6 +32,7 @@ fn add_object(hash: &mut Digester, object: &Object) {
         parent,
         color,
         texture,
+        mapping,
         source: _,
         up_axis: _,
         texture_source: _,
@@ -67,6 +71,10 @@ fn add_object(hash: &mut Digester, object: &Object) {
     match texture {
         None => hash.number(0),
         Some(texture) => add_texture(hash, texture),
+    }
+    if *mapping != TextureMapping::default() {
+        hash.bytes(b"mapping");
+        add_mapping(hash, mapping);
     }
     // Nothing is added where all is visible: checksums made before objects could be hidden still hold.
     if !visible {
@@ -146,6 +154,48 @@ fn add_texture(hash: &mut Digester, texture: &Texture) {
     hash.number(texture.width().into());
     hash.number(texture.height().into());
     hash.bytes(texture.texels().as_flattened());
+    let wrap = texture.wrap();
+    if wrap != [Wrap::Repeat; 2] {
+        hash.number(MORE);
+        for wrap in wrap {
+            match wrap {
+                Wrap::Repeat => hash.number(0),
+                Wrap::Mirror => hash.number(1),
+                Wrap::Clamp => hash.number(2),
+                Wrap::Border(None) => hash.number(3),
+                Wrap::Border(Some(color)) => {
+                    hash.number(4);
+                    add_color(hash, color);
+                }
+            }
+        }
+    }
+}
+
+fn add_mapping(hash: &mut Digester, mapping: &TextureMapping) {
+    let TextureMapping {
+        projection,
+        projector,
+    } = mapping;
+    hash.number(match projection {
+        None => 0,
+        Some(TextureProjection::Uv) => 1,
+        Some(TextureProjection::Triplanar) => 2,
+        Some(TextureProjection::PerTriangle) => 3,
+        Some(TextureProjection::Plane) => 4,
+        Some(TextureProjection::Sphere) => 5,
+        Some(TextureProjection::Cylinder) => 6,
+    });
+    if let Some(projector) = projector {
+        let Projector {
+            center,
+            front,
+            up,
+            size,
+        } = projector;
+        hash.doubles([center, front, up].into_iter().flat_map(|v| v.to_array()));
+        hash.doubles(size.to_array());
+    }
 }
 
 fn add_color(hash: &mut Digester, Color([r, g, b]): Color) {
@@ -155,7 +205,7 @@ fn add_color(hash: &mut Digester, Color([r, g, b]): Color) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::MeshData;
+    use crate::scene::{Bounds, MeshData};
     use std::path::PathBuf;
     use std::sync::Arc;
 
@@ -195,6 +245,11 @@ mod tests {
         Texture::new(1, 2, vec![[texel; 4], [0; 4]]).map(Arc::new)
     }
 
+    fn wrapped(wrap: Wrap) -> Option<Arc<Texture>> {
+        let texture = texture(1).map(Arc::unwrap_or_clone)?;
+        Some(Arc::new(texture.wrapped([Wrap::Repeat, wrap])))
+    }
+
     #[test]
     fn all_that_decides_a_picture_counts() {
         let mut digests = vec![scene(data(), |_| ()).content(), Scene::default().content()];
@@ -220,7 +275,7 @@ mod tests {
             change(&mut data);
             digests.push(scene(data, |_| ()).content());
         }
-        let changes: [fn(&mut Object); 10] = [
+        let changes: [fn(&mut Object); 17] = [
             |object| object.transform.translate.y = 1e-300,
             |object| object.transform.rotate.y = 1.0,
             |object| object.transform.scale.y = 2.0,
@@ -231,6 +286,13 @@ mod tests {
             |object| object.color = ColorRule::PerTriangle { seed: 1 },
             |object| object.texture = texture(1),
             |object| object.texture = texture(2),
+            |object| object.texture = wrapped(Wrap::Mirror),
+            |object| object.texture = wrapped(Wrap::Clamp),
+            |object| object.texture = wrapped(Wrap::Border(None)),
+            |object| object.texture = wrapped(Wrap::Border(Some(Color([0; 3])))),
+            |object| object.mapping.projection = Some(TextureProjection::Uv),
+            |object| object.mapping.projection = Some(TextureProjection::Plane),
+            |object| object.mapping.projector = Some(Projector::about(&Bounds::EMPTY)),
         ];
         for change in changes {
             digests.push(scene(data(), change).content());

@@ -3,7 +3,7 @@ use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use robust::{Coord, orient2d};
 use std::mem::size_of;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// The largest distance from zero along an axis at which a vertex is kept: beyond it, products
 /// of single-precision coordinates would near the end of their range.
@@ -181,6 +181,7 @@ pub struct Mesh {
     material_of_triangle: Vec<u32>,
     colors: Vec<Option<Color>>,
     rounding: Rounding,
+    bounds: OnceLock<Bounds>,
 }
 
 impl Mesh {
@@ -247,6 +248,7 @@ impl Mesh {
             material_of_triangle,
             colors: data.colors,
             rounding,
+            bounds: OnceLock::new(),
         }
     }
 
@@ -350,15 +352,17 @@ impl Mesh {
         self.rounding
     }
 
-    /// The box around the kept triangles, in the file's coordinates.
+    /// The box around the kept triangles, in the file's coordinates. Worked out when it is first asked for.
     pub fn bounds(&self) -> Bounds {
-        Bounds::around(
-            self.kept
-                .iter()
-                .filter_map(|&number| self.corners(number))
-                .flatten()
-                .map(|position| self.offset + position.as_dvec3()),
-        )
+        *self.bounds.get_or_init(|| {
+            Bounds::around(
+                self.kept
+                    .iter()
+                    .filter_map(|&number| self.corners(number))
+                    .flatten()
+                    .map(|position| self.offset + position.as_dvec3()),
+            )
+        })
     }
 }
 

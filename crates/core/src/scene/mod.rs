@@ -3,15 +3,18 @@
 mod bounds;
 mod color;
 mod content;
+mod mapping;
 mod mesh;
 mod object;
 mod shape;
 mod texture;
 mod transform;
 mod up_axis;
+mod wrap;
 
 pub use bounds::Bounds;
 pub use color::{Color, ColorRule};
+pub use mapping::{Projector, ProjectorError, TextureMapping, TextureProjection};
 pub use mesh::{Attribute, BENT, COORDINATE_LIMIT, Dropped, Material, Mesh, MeshData, Rounding};
 pub(crate) use mesh::{is_storable, recentring_offset};
 pub use object::{Object, Scene, SceneError};
@@ -19,3 +22,4 @@ pub use shape::{Shape, ShapeError};
 pub use texture::{Crop, Texture};
 pub use transform::Transform;
 pub use up_axis::UpAxis;
+pub use wrap::Wrap;

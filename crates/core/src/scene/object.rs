@@ -1,4 +1,4 @@
-use super::{Bounds, Color, ColorRule, Mesh, Shape, Texture, Transform, UpAxis};
+use super::{Bounds, Color, ColorRule, Mesh, Shape, Texture, TextureMapping, Transform, UpAxis};
 use crate::quote::shorten;
 use glam::{DAffine3, DVec3};
 use std::path::PathBuf;
@@ -19,6 +19,8 @@ pub struct Object {
     pub color: ColorRule,
     /// An image for its surface.
     pub texture: Option<Arc<Texture>>,
+    /// How its texture lies on it, where that is its own.
+    pub mapping: TextureMapping,
     /// The file that its mesh was read from, for saving the scene: absolute, or relative where the
     /// mesh came from a caller's own store of files.
     pub source: Option<PathBuf>,
@@ -45,6 +47,7 @@ impl Object {
             parent: None,
             color: ColorRule::File,
             texture: None,
+            mapping: TextureMapping::default(),
             source: None,
             up_axis: UpAxis::Y,
             texture_source: None,

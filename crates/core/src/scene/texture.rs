@@ -1,3 +1,6 @@
+use super::Wrap;
+use std::sync::OnceLock;
+
 /// A part of a texture's image, in its pixels from the top left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crop {
@@ -12,12 +15,31 @@ pub struct Crop {
 }
 
 /// An sRGB image for a surface; rows from the top.
+///
+/// Texture coordinates (u, v) have their origin at the image's bottom left, and (1, 1) at its top right.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Texture {
     width: u32,
     height: u32,
     texels: Vec<[u8; 4]>,
+    wrap: [Wrap; 2],
+    /// Whether it repeats along both axes, as most do.
+    repeats: bool,
+    crop: Option<Crop>,
+    levels: Levels,
 }
+
+/// A texture's smaller versions, once they were needed. They follow from it, and are no part of what it is.
+#[derive(Clone, Debug, Default)]
+struct Levels(OnceLock<Vec<Texture>>);
+
+impl PartialEq for Levels {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Eq for Levels {}
 
 impl Texture {
     /// A texture of `width × height` sRGB texels, rows from the top.
@@ -30,10 +52,25 @@ impl Texture {
             width,
             height,
             texels,
+            wrap: [Wrap::Repeat; 2],
+            repeats: true,
+            crop: None,
+            levels: Levels::default(),
         })
     }
 
-    /// The part inside `crop`; `None` if that has no texel or leaves the image.
+    /// The same image with what it shows beyond its sides, along u and v.
+    pub fn wrapped(self, wrap: [Wrap; 2]) -> Self {
+        Self {
+            wrap,
+            repeats: wrap == [Wrap::Repeat; 2],
+            levels: Levels::default(),
+            ..self
+        }
+    }
+
+    /// The part inside `crop`, which then is the whole image: mappings, wrapping and filters know no
+    /// other texel. `None` if it has no texel or leaves the image.
     pub fn cropped(&self, crop: Crop) -> Option<Self> {
         let right = crop.x.checked_add(crop.width)?;
         let bottom = crop.y.checked_add(crop.height)?;
@@ -47,7 +84,46 @@ impl Texture {
             })
             .copied()
             .collect();
-        Self::new(crop.width, crop.height, texels)
+        let x = self.crop.map_or(0, |outer| outer.x);
+        let y = self.crop.map_or(0, |outer| outer.y);
+        Some(Self {
+            wrap: self.wrap,
+            repeats: self.repeats,
+            crop: Some(Crop {
+                x: x + crop.x,
+                y: y + crop.y,
+                ..crop
+            }),
+            ..Self::new(crop.width, crop.height, texels)?
+        })
+    }
+
+    /// Its smaller versions, which `make` gives when they are first asked for.
+    pub(crate) fn levels(&self, make: impl FnOnce(&Self) -> Vec<Self>) -> &[Self] {
+        self.levels.0.get_or_init(|| make(self))
+    }
+
+    /// Bytes that its texels take, and those of its smaller versions once a filter has needed them.
+    pub fn retained_bytes(&self) -> usize {
+        let levels = self.levels.0.get().map_or(&[][..], Vec::as_slice);
+        size_of_val(&self.texels[..]) + levels.iter().map(Self::retained_bytes).sum::<usize>()
+    }
+
+    /// The part of its file's image that it is; `None` for the whole.
+    pub fn crop(&self) -> Option<Crop> {
+        self.crop
+    }
+
+    /// Whether it repeats along both axes.
+    #[inline]
+    pub(crate) fn repeats(&self) -> bool {
+        self.repeats
+    }
+
+    /// What it shows beyond its sides, along u and v.
+    #[inline]
+    pub fn wrap(&self) -> [Wrap; 2] {
+        self.wrap
     }
 
     /// Columns.
@@ -63,5 +139,32 @@ impl Texture {
     /// The texels, row by row from the top.
     pub fn texels(&self) -> &[[u8; 4]] {
         &self.texels
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_crop_of_a_crop_is_told_in_the_files_pixels() {
+        let texels = (0..12).map(|i| [i, 0, 0, 255]).collect();
+        let whole = Texture::new(4, 3, texels).expect("a good texture");
+        let wrap = [Wrap::Mirror, Wrap::Clamp];
+        let crop = |x, y, width, height| Crop {
+            x,
+            y,
+            width,
+            height,
+        };
+        let outer = whole.wrapped(wrap).cropped(crop(1, 1, 3, 2));
+        let outer = outer.expect("within");
+        let inner = outer.cropped(crop(1, 0, 2, 1)).expect("within");
+        assert_eq!(inner.texels(), [[6, 0, 0, 255], [7, 0, 0, 255]]);
+        assert_eq!(inner.crop(), Some(crop(2, 1, 2, 1)));
+        assert_eq!(inner.wrap(), wrap);
+        assert_eq!(outer.cropped(crop(2, 0, 2, 1)), None);
+        assert_eq!(outer.cropped(crop(0, 0, 0, 1)), None);
+        assert_eq!(outer.cropped(crop(u32::MAX, 0, 2, 1)), None);
     }
 }

@@ -16,7 +16,7 @@ const FAINTEST: f64 = 0.1;
 /// made unit length. Divided by its gradient it is the distance in pixels from the edge's line. The
 /// origins of orthographic rays are linear in the pixel's place in the same way.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Edges {
+pub(super) struct EdgeLines {
     /// Coefficients of x, y and 1 for each edge. An edge that is seen as a point is infinitely far
     /// from every pixel.
     lines: [[f64; 3]; 3],
@@ -24,7 +24,7 @@ pub(super) struct Edges {
     height: f64,
 }
 
-impl Edges {
+impl EdgeLines {
     /// The edges of a triangle with corners relative to the eye.
     pub(super) fn new(camera: &Camera, corners: [DVec3; 3]) -> Self {
         let plane = camera.plane();
@@ -133,7 +133,7 @@ mod tests {
         for projection in [Projection::Perspective, Projection::Orthographic] {
             for eye in [DVec3::new(3.0, 2.0, 4.0), DVec3::new(-1.0, 0.5, 1.5)] {
                 let camera = camera(projection, eye);
-                let edges = Edges::new(&camera, corners.map(|corner| corner - eye));
+                let edges = EdgeLines::new(&camera, corners.map(|corner| corner - eye));
                 let [a, b, c] =
                     corners.map(|corner| camera.project(corner).expect("in front of the eye"));
                 for p in [(100.0, 50.0), (90.5, 47.5), (3.0, 99.0)] {
@@ -159,8 +159,8 @@ mod tests {
             DVec3::new(1.0, -1.0, -6.0),
             DVec3::new(0.0, 1.0, -4.0),
         ];
-        let near = Edges::new(&camera, corners);
-        let far = Edges::new(&camera, corners.map(|corner| corner * 1e20));
+        let near = EdgeLines::new(&camera, corners);
+        let far = EdgeLines::new(&camera, corners.map(|corner| corner * 1e20));
         for (x, y) in [(100.0, 50.0), (70.5, 20.5)] {
             assert!((near.coverage(x, y, 2.0) - far.coverage(x, y, 2.0)).abs() < 1e-6);
         }
@@ -168,7 +168,7 @@ mod tests {
 
     #[test]
     fn coverage_runs_from_all_to_none_over_a_pixel() {
-        let edges = Edges {
+        let edges = EdgeLines {
             lines: [[1.0, 0.0, 0.0], [0.0, 1.0, 1e3], [0.0, 1.0, 2e3]],
             height: 1e3,
         };
@@ -181,7 +181,7 @@ mod tests {
 
     #[test]
     fn lines_fade_in_small_triangles() {
-        let edges = |height| Edges {
+        let edges = |height| EdgeLines {
             lines: [[1.0, 0.0, 0.0], [0.0, 1.0, 1e3], [0.0, 1.0, 2e3]],
             height,
         };
@@ -194,9 +194,9 @@ mod tests {
     fn triangles_seen_from_within_their_plane_are_no_error() {
         let camera = camera(Projection::Perspective, DVec3::ZERO);
         let forward = camera.forward();
-        let edges = Edges::new(&camera, [forward, forward * 2.0, forward * 3.0]);
+        let edges = EdgeLines::new(&camera, [forward, forward * 2.0, forward * 3.0]);
         assert!(!edges.coverage(10.5, 10.5, 1.0).is_nan());
-        let behind = Edges::new(&camera, [forward, -forward, forward + camera.right()]);
+        let behind = EdgeLines::new(&camera, [forward, -forward, forward + camera.right()]);
         assert!(!behind.coverage(10.5, 10.5, 1.0).is_nan());
     }
 }

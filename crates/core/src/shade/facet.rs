@@ -1,6 +1,6 @@
 //! What all pixels of a triangle share.
 
-use super::edges::Edges;
+use super::edges::EdgeLines;
 use glam::{DVec3, Vec2, Vec3};
 
 /// What a mode asks of each triangle; nothing else is worked out.
@@ -44,7 +44,7 @@ pub(super) struct Facet {
     pub(super) texture: Option<Mapping>,
     /// Texture coordinates at the corners.
     pub(super) uvs: Option<[Vec2; 3]>,
-    pub(super) edges: Option<Edges>,
+    pub(super) edges: Option<EdgeLines>,
 }
 
 /// How a texture lies on a triangle.
@@ -54,6 +54,8 @@ pub(super) enum Mapping {
     Uv([Vec2; 3]),
     /// By its corners and normals in object space.
     Triplanar([Vec3; 3], [Vec3; 3]),
+    /// Point by point between its corners, in object space.
+    Placed([Vec3; 3]),
 }
 
 impl Facet {

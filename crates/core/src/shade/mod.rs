@@ -2,22 +2,33 @@
 
 mod edges;
 mod facet;
+mod footprint;
 mod light;
+mod mapping;
+mod mipmap;
 mod mode;
+mod per_triangle;
+mod placed;
 mod sample;
 mod shader;
+mod slopes;
 mod smooth;
 #[cfg(test)]
 mod smooth_tests;
 pub(crate) mod srgb;
 #[cfg(test)]
 mod tests;
+mod texture_map;
+mod texturing;
 mod tile;
 mod triplanar;
 #[cfg(test)]
 mod vertex_color_tests;
 
-pub use mode::{Background, Filter, Mode, Shading, TextureProjection, Wireframe};
+pub use crate::scene::TextureProjection;
+pub use mapping::texture_corners;
+pub use mode::{Background, Filter, Mode, Shading, Wireframe};
 pub use shader::Shader;
 pub(crate) use srgb::{encode_premultiplied, over_black};
+pub use texture_map::TextureMap;
 pub use tile::TileShader;

@@ -1,4 +1,4 @@
-use crate::scene::Color;
+use crate::scene::{Color, TextureProjection};
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,16 +32,18 @@ pub enum Filter {
     /// Four texels, blended in linear light.
     #[default]
     Bilinear,
+    /// Four texels of each of two of the image's smaller versions, by the longer side of what the pixel
+    /// sees of it: what is far away does not shimmer, but blurs where it is seen at a slant.
+    Trilinear,
+    /// All texels that the pixel sees, under an elliptical Gaussian: it neither shimmers nor blurs.
+    Ewa,
 }
 
-/// How a surface finds its place in a texture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum TextureProjection {
-    /// The mesh's texture coordinates; [`TextureProjection::Triplanar`] where it has none.
-    #[default]
-    Uv,
-    /// From three sides along the object's axes, blended by the surface's direction.
-    Triplanar,
+impl Filter {
+    /// Whether a pixel's colour depends on how much of the texture it sees.
+    pub(crate) fn has_footprint(self) -> bool {
+        matches!(self, Self::Trilinear | Self::Ewa)
+    }
 }
 
 /// Lines along triangles' edges.
@@ -100,7 +102,7 @@ pub struct Shading {
     pub blend: f32,
     /// How textures are read.
     pub filter: Filter,
-    /// How surfaces find their place in textures.
+    /// How surfaces find their place in textures, where their object does not say it.
     pub projection: TextureProjection,
 }
 

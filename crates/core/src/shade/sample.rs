@@ -1,11 +1,11 @@
-//! Reading textures: in linear light, repeated without end.
+//! Reading textures: in linear light, wrapped beyond the image.
 
 use super::Filter;
 use super::srgb::Tables;
-use crate::scene::Texture;
+use crate::scene::{Texture, Wrap};
 
 /// The texture at (u, v): origin bottom-left, one repeat a unit, linear light with alpha multiplied
-/// in. Texel centres lie half a texel from the texture's edges.
+/// in. Texel centres lie half a texel from the texture's edges. Beyond the image it is wrapped.
 ///
 /// Coordinates that are not finite read as zero.
 pub(super) fn sample(
@@ -15,11 +15,15 @@ pub(super) fn sample(
     v: f64,
     filter: Filter,
 ) -> [f32; 4] {
+    if !texture.repeats() {
+        return sample_wrapped(tables, texture, u, v, filter);
+    }
     let x = within(u) * f64::from(texture.width());
     let y = (1.0 - within(v)) * f64::from(texture.height());
     match filter {
         Filter::Nearest => texel(tables, texture, x as u32, y as u32),
-        Filter::Bilinear => {
+        // The others read a texture's levels this way.
+        Filter::Bilinear | Filter::Trilinear | Filter::Ewa => {
             let (left, right, across) = neighbors(x, texture.width());
             let (top, bottom, down) = neighbors(y, texture.height());
             let corners = [
@@ -36,6 +40,67 @@ pub(super) fn sample(
             })
         }
     }
+}
+
+/// [`sample`] of a texture that is not repeated.
+#[inline(never)]
+fn sample_wrapped(tables: &Tables, texture: &Texture, u: f64, v: f64, filter: Filter) -> [f32; 4] {
+    let [across, down] = texture.wrap();
+    let x = near(u, across) * f64::from(texture.width());
+    let y = (1.0 - near(v, down)) * f64::from(texture.height());
+    match filter {
+        Filter::Nearest => wrapped_texel(tables, texture, x.floor() as i64, y.floor() as i64),
+        Filter::Bilinear | Filter::Trilinear | Filter::Ewa => {
+            let (left, top) = ((x - 0.5).floor(), (y - 0.5).floor());
+            let (right, below) = ((x - 0.5 - left) as f32, (y - 0.5 - top) as f32);
+            let (left, top) = (left as i64, top as i64);
+            let mut color = [0.0; 4];
+            for (row, high) in [(top, 1.0 - below), (top + 1, below)] {
+                for (column, wide) in [(left, 1.0 - right), (left + 1, right)] {
+                    let texel = wrapped_texel(tables, texture, column, row);
+                    for (sum, channel) in color.iter_mut().zip(texel) {
+                        *sum += channel * wide * high;
+                    }
+                }
+            }
+            color
+        }
+    }
+}
+
+/// A coordinate with the same texels as a given one, at most two sides from zero: products with an image's
+/// side then keep their fraction. What is not finite is zero.
+pub(super) fn near(coordinate: f64, wrap: Wrap) -> f64 {
+    if !coordinate.is_finite() {
+        return 0.0;
+    }
+    match wrap {
+        Wrap::Repeat => coordinate - coordinate.floor(),
+        Wrap::Mirror => coordinate - 2.0 * (coordinate * 0.5).floor(),
+        // A side away there is nothing but the border, also between texels.
+        Wrap::Clamp | Wrap::Border(_) => coordinate.clamp(-1.0, 2.0),
+    }
+}
+
+/// The texel at any column and row: linear light with alpha multiplied in.
+pub(super) fn wrapped_texel(tables: &Tables, texture: &Texture, x: i64, y: i64) -> [f32; 4] {
+    let [across, down] = texture.wrap();
+    match (
+        across.texel(x, texture.width()),
+        down.texel(y, texture.height()),
+    ) {
+        (Some(x), Some(y)) => texel(tables, texture, x, y),
+        (None, _) => border(tables, across),
+        (_, None) => border(tables, down),
+    }
+}
+
+fn border(tables: &Tables, wrap: Wrap) -> [f32; 4] {
+    let Wrap::Border(Some(color)) = wrap else {
+        return [0.0; 4];
+    };
+    let [r, g, b] = color.0.map(|byte| tables.decode(byte));
+    [r, g, b, 1.0]
 }
 
 /// What is left of a coordinate after whole repeats: 0 to 1.
@@ -163,5 +228,49 @@ mod tests {
         let texture = Texture::new(2, 1, texels).expect("a good texture");
         let middle = sample(tables(), &texture, 0.5, 0.5, Filter::Bilinear);
         assert_eq!(middle, [0.0, 0.5, 0.0, 0.5]);
+    }
+
+    /// Opaque linear light of a border.
+    const RED: [f32; 4] = [1.0, 0.0, 0.0, 1.0];
+
+    #[test]
+    fn wraps_show_what_they_say_beyond_the_image() {
+        let red = Wrap::Border(Some(crate::scene::Color([255, 0, 0])));
+        // The column, and a place half a texel's side from its left, beyond the image on the right.
+        for (wrap, third, ninth) in [
+            (Wrap::Mirror, Some(1), Some(0)),
+            (Wrap::Clamp, Some(3), Some(3)),
+            (Wrap::Border(None), None, None),
+            (red, None, None),
+        ] {
+            let texture = texture().wrapped([wrap, Wrap::Repeat]);
+            let border = if wrap == red { RED } else { [0.0; 4] };
+            for filter in [Filter::Nearest, Filter::Bilinear] {
+                let at = |u| sample(tables(), &texture, u, 0.75, filter);
+                let texel = |column: Option<usize>| column.map_or(border, |x| expected(x, 0));
+                assert_eq!(at(6.5 / 4.0), texel(third), "{wrap} {filter:?}");
+                assert_eq!(at(8.5 / 4.0), texel(ninth), "{wrap} {filter:?}");
+                for inside in 0..4 {
+                    let u = (inside as f64 + 0.5) / 4.0;
+                    assert_eq!(at(u), texel(Some(inside)), "{wrap} {filter:?}");
+                }
+                for far in [1e300, -1e300, f64::NAN] {
+                    assert!(at(far).iter().all(|c| (0.0..=1.0).contains(c)));
+                }
+            }
+        }
+        // Rows: the image's top is v = 1.
+        let texture = texture().wrapped([Wrap::Repeat, Wrap::Clamp]);
+        let at = |v| sample(tables(), &texture, 0.125, v, Filter::Bilinear);
+        assert_eq!((at(1.4), at(-7.0)), (expected(0, 0), expected(0, 1)));
+    }
+
+    #[test]
+    fn a_border_is_blended_with_its_neighbors() {
+        let texture = texture().wrapped([Wrap::Border(None); 2]);
+        let edge = sample(tables(), &texture, 0.0, 0.75, Filter::Bilinear);
+        assert_eq!(edge, expected(0, 0).map(|channel| channel * 0.5));
+        let corner = sample(tables(), &texture, 0.0, 1.0, Filter::Bilinear);
+        assert_eq!(corner, expected(0, 0).map(|channel| channel * 0.25));
     }
 }

@@ -1,11 +1,11 @@
-use super::edges::Edges;
+use super::edges::EdgeLines;
 use super::facet::{Facet, Mapping, Needs, blend, facing_normal, unit};
 use super::light::Lights;
-use super::sample::sample;
+use super::slopes::slopes;
 use super::smooth::{self, Facets, Row, Vectors};
 use super::srgb::{self, Tables};
-use super::triplanar::Triplanar;
-use super::{Background, Mode, Shading, TextureProjection, Wireframe};
+use super::texturing::Texturing;
+use super::{Background, Mode, Shading, Wireframe};
 use crate::bvh::Accel;
 use crate::camera::{Camera, Projection, Rect};
 use crate::hit::{Detail, MISS, PrimitiveHit};
@@ -33,8 +33,9 @@ pub struct Shader<'a> {
     lights: Lights,
     /// For each object, world-space normals from its own; `None` for one that is squashed flat.
     world_normals: Vec<Option<Mat3>>,
-    /// For each object, how its texture lies on it where it has no coordinates.
-    triplanar: Vec<Option<Triplanar>>,
+    texturing: Texturing,
+    /// Of a pixel's width, how much a sample stands for.
+    sample_width: f64,
     depth: DepthRange,
     background: Option<[Vec3; 2]>,
     /// The background at the middle of each row.
@@ -99,20 +100,6 @@ impl<'a> Shader<'a> {
     /// A shader for one picture. `accel` must have been built over this `scene`.
     pub fn new(scene: &'a Scene, accel: &'a Accel, camera: Camera, shading: Shading) -> Self {
         let needs = needs(scene, &shading);
-        let triplanar = if needs.texture {
-            scene
-                .objects
-                .iter()
-                .map(|object| {
-                    let unplaced = object.has_texture()
-                        && (shading.projection == TextureProjection::Triplanar
-                            || !object.mesh.has_uvs());
-                    unplaced.then(|| Triplanar::new(&object.mesh))
-                })
-                .collect()
-        } else {
-            Vec::new()
-        };
         let lines = shading.wireframe.unwrap_or(Wireframe::ALONE);
         let width = if lines.width.is_finite() {
             lines.width.max(0.0)
@@ -129,7 +116,8 @@ impl<'a> Shader<'a> {
             to_eye: to_eye(&camera),
             lights: Lights::new(&camera),
             world_normals: world_normals(scene),
-            triplanar,
+            texturing: Texturing::new(scene, shading, needs.texture),
+            sample_width: 1.0,
             depth: if shading.mode == Mode::Depth {
                 DepthRange::over(scene, &camera)
             } else {
@@ -147,6 +135,15 @@ impl<'a> Shader<'a> {
             tables: srgb::tables(),
         }
         .with_backdrops()
+    }
+
+    /// Of a picture with so many samples a pixel: each stands for its part of what the pixel sees of a
+    /// texture, √(1 / samples) of its width.
+    pub fn with_samples(self, samples: u32) -> Self {
+        Self {
+            sample_width: 1.0 / f64::from(samples.max(1)).sqrt(),
+            ..self
+        }
     }
 
     /// How much the picture asks of hits: colours of triangles alone need no weights.
@@ -291,7 +288,7 @@ impl<'a> Shader<'a> {
                 facet.to_eye = self.middle_to_eye(corners);
             }
             if needs.edges {
-                facet.edges = Some(Edges::new(&self.camera, corners));
+                facet.edges = Some(EdgeLines::new(&self.camera, corners));
             }
         }
         if needs.smooth {
@@ -308,7 +305,7 @@ impl<'a> Shader<'a> {
             facet.triangle = triangle;
             facet.texture = object
                 .texture_on(triangle)
-                .and_then(|_| self.mapping(number, object, triangle));
+                .and_then(|_| self.texturing.mapping(number, object, triangle));
         }
         if needs.uvs {
             facet.uvs = object.mesh.corner_uvs(triangle);
@@ -384,19 +381,6 @@ impl<'a> Shader<'a> {
         Some(normals.map(|normal| (world_from_object * normal).normalize_or_zero()))
     }
 
-    /// How an object's texture lies on a triangle; `None` where it has no place.
-    fn mapping(&self, number: u32, object: &Object, triangle: u32) -> Option<Mapping> {
-        if self.triplanar.get(number as usize)?.is_none() {
-            return object.mesh.corner_uvs(triangle).map(Mapping::Uv);
-        }
-        let corners = object.mesh.corners(triangle)?;
-        let normals = object.mesh.corner_normals(triangle).unwrap_or_else(|| {
-            let [a, b, c] = corners.map(Vec3::as_dvec3);
-            [unit((b - a).cross(c - a)).as_vec3(); 3]
-        });
-        Some(Mapping::Triplanar(corners, normals))
-    }
-
     /// The colour of a sample on a triangle: linear light, alpha not multiplied in.
     pub(super) fn color_on(&self, facet: &Facet, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
         let inside = self.inside(facet, x, y, hit);
@@ -412,15 +396,15 @@ impl<'a> Shader<'a> {
         let display = |value: Vec3| opaque(value.to_array().map(|v| self.tables.display(v)).into());
         match self.shading.mode {
             Mode::Color => opaque(facet.color_at(hit.u, hit.v)),
-            Mode::Texture => opaque(self.surface_color(facet, hit)),
+            Mode::Texture => opaque(self.surface_color(facet, || (x, y), hit)),
             Mode::Flat => {
                 let light = self.lights.on(facet.normal, facet.to_eye);
-                opaque(self.surface_color(facet, hit) * light)
+                opaque(self.surface_color(facet, || (x, y), hit) * light)
             }
             Mode::Smooth => {
                 let to_eye = self.to_eye_at(x, y);
                 let light = self.lights.on(facet.normal_at(hit.u, hit.v), to_eye);
-                opaque(self.surface_color(facet, hit) * light)
+                opaque(self.surface_color(facet, || (x, y), hit) * light)
             }
             Mode::Normals => display(facet.normal_at(hit.u, hit.v) * 0.5 + 0.5),
             Mode::Depth => display(Vec3::splat(self.depth.grey(hit.t))),
@@ -441,9 +425,14 @@ impl<'a> Shader<'a> {
         to_eye * (1.0 / to_eye.length())
     }
 
-    /// The triangle's colour and its texture, mixed in linear light.
+    /// The triangle's colour and its texture, mixed in linear light, at the sample that `place` gives.
     #[inline]
-    pub(super) fn surface_color(&self, facet: &Facet, hit: &PrimitiveHit) -> Vec3 {
+    pub(super) fn surface_color(
+        &self,
+        facet: &Facet,
+        place: impl FnOnce() -> (f64, f64),
+        hit: &PrimitiveHit,
+    ) -> Vec3 {
         let color = facet.color_at(hit.u, hit.v);
         let Some(mapping) = &facet.texture else {
             return color;
@@ -452,46 +441,29 @@ impl<'a> Shader<'a> {
         let Some(texture) = object.texture_on(facet.triangle) else {
             return color;
         };
-        let [r, g, b, a] = self.texture_color(facet, mapping, texture, hit);
+        let texture = (facet.object, texture);
+        let [r, g, b, a] = if self.shading.filter.has_footprint() {
+            self.filtered(texture, mapping, place(), hit)
+        } else {
+            self.texturing.sampled(texture, mapping, hit)
+        };
         let blend = self.shading.blend;
         color * (1.0 - a * blend) + Vec3::new(r, g, b) * blend
     }
 
-    /// The texture's colour at a hit: linear light, alpha multiplied in.
-    fn texture_color(
+    /// The texture's colour over what the sample at a place sees of it.
+    #[inline(never)]
+    fn filtered(
         &self,
-        facet: &Facet,
+        texture: (u32, &Texture),
         mapping: &Mapping,
-        texture: &Texture,
+        place: (f64, f64),
         hit: &PrimitiveHit,
     ) -> [f32; 4] {
-        let read = |u, v| sample(self.tables, texture, u, v, self.shading.filter);
-        match mapping {
-            Mapping::Uv(uvs) => {
-                // In double precision: large coordinates keep their place within a repeat.
-                let [a, b, c] = uvs.map(|uv| uv.as_dvec2());
-                let (u, v) = (f64::from(hit.u), f64::from(hit.v));
-                let uv = a + (b - a) * u + (c - a) * v;
-                read(uv.x, uv.y)
-            }
-            Mapping::Triplanar(corners, normals) => {
-                let Some(triplanar) = &self.triplanar[facet.object as usize] else {
-                    return [0.0; 4];
-                };
-                let point = blend(*corners, hit.u, hit.v);
-                let normal = blend(*normals, hit.u, hit.v).normalize_or_zero();
-                let mut color = [0.0; 4];
-                for side in triplanar.sides(point, normal) {
-                    if side.weight > 0.0 {
-                        let part = read(side.uv[0], side.uv[1]);
-                        for (sum, channel) in color.iter_mut().zip(part) {
-                            *sum += channel * side.weight;
-                        }
-                    }
-                }
-                color
-            }
-        }
+        let corners = self.corners(hit.primitive);
+        let slopes = slopes(&self.camera, corners, place, (hit.u, hit.v));
+        let slopes = slopes.map(|slope| slope * self.sample_width);
+        self.texturing.filtered(texture, mapping, hit, slopes)
     }
 }
 

@@ -26,6 +26,15 @@ const ALL_MODES: [Mode; 9] = [
     Mode::Wireframe,
 ];
 
+const PROJECTIONS: [TextureProjection; 6] = [
+    TextureProjection::Uv,
+    TextureProjection::Triplanar,
+    TextureProjection::PerTriangle,
+    TextureProjection::Plane,
+    TextureProjection::Sphere,
+    TextureProjection::Cylinder,
+];
+
 /// A square from −1 to 1 at z = 0, of two triangles, with texture coordinates over it.
 fn square() -> MeshData {
     let corner = |x: f64, y: f64| DVec3::new(x, y, 0.0);
@@ -236,7 +245,7 @@ fn textures_mix_with_colors_in_linear_light() {
     textured.texture = Some(Arc::new(texture));
     let bench = Bench::new(vec![textured], front());
     let (own, image) = (linear([200, 100, 50]), linear([0, 200, 255]));
-    for projection in [TextureProjection::Uv, TextureProjection::Triplanar] {
+    for projection in PROJECTIONS {
         for blend in [0.0, 0.25, 1.0] {
             let shading = Shading {
                 blend,
@@ -301,7 +310,11 @@ fn a_texture_stands_upright() {
     let mut textured = object(square());
     textured.texture = texture.map(Arc::new);
     let bench = Bench::new(vec![textured], front());
-    for projection in [TextureProjection::Uv, TextureProjection::Triplanar] {
+    // Its diagonal is the bottom of a triangle that is laid into the image.
+    let upright = PROJECTIONS
+        .iter()
+        .filter(|p| **p != TextureProjection::PerTriangle);
+    for &projection in upright {
         let shading = Shading {
             filter: Filter::Nearest,
             projection,
@@ -399,10 +412,18 @@ fn check_tiles(with_normals: bool) {
     let hits: Hits = places.iter().map(|&(x, y)| bench.hit(x, y)).collect();
     for shown in ALL_MODES {
         for wireframe in [None, Some(Wireframe::default())] {
-            for blend in [0.0, 0.7] {
+            let filters = [
+                Filter::Nearest,
+                Filter::Bilinear,
+                Filter::Trilinear,
+                Filter::Ewa,
+            ];
+            for (index, projection) in PROJECTIONS.into_iter().enumerate() {
                 let shading = Shading {
                     wireframe,
-                    blend,
+                    blend: if index == 0 { 0.0 } else { 0.7 },
+                    projection,
+                    filter: filters[index % 4],
                     ..mode(shown)
                 };
                 let shader = bench.shader(shading);

@@ -155,7 +155,8 @@ impl<'s> TileShader<'s> {
             let from = lanes.mask_from(first);
             if varied {
                 for lane in first..lane {
-                    each.set(lane, shader.surface_color(facet, &hit(lane)));
+                    let place = || (f64::from(left) + lane as f64 + 0.5, f64::from(y) + 0.5);
+                    each.set(lane, shader.surface_color(facet, place, &hit(lane)));
                 }
             } else {
                 colors = colors.replaced(from, Vectors::splat(lanes, facet.color));

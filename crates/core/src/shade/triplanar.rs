@@ -41,17 +41,32 @@ impl Triplanar {
         let fourth = squared * squared;
         let sum = fourth.x + fourth.y + fourth.z;
         let weights = if sum > 0.0 { fourth / sum } else { Vec3::Z };
-        let sign = |component: f32| if component < 0.0 { -1.0 } else { 1.0 };
-        let side = |weight, u, v| Side {
+        let [left, above, front] = on_sides([x, y, z], normal);
+        let side = |weight, [u, v]: [f64; 2]| Side {
             weight,
             uv: [u + 0.5, v + 0.5],
         };
         [
-            side(weights.x, -z * sign(normal.x), y),
-            side(weights.y, x, -z * sign(normal.y)),
-            side(weights.z, x * sign(normal.z), y),
+            side(weights.x, left),
+            side(weights.y, above),
+            side(weights.z, front),
         ]
     }
+
+    /// The change of the three sides' texture coordinates along a step, for the same normal.
+    pub(super) fn along(&self, step: DVec3, normal: Vec3) -> [[f64; 2]; 3] {
+        on_sides((step * self.scale).to_array(), normal)
+    }
+}
+
+/// The texture coordinates on the three sides, from the middle of the box.
+fn on_sides([x, y, z]: [f64; 3], normal: Vec3) -> [[f64; 2]; 3] {
+    let sign = |component: f32| if component < 0.0 { -1.0 } else { 1.0 };
+    [
+        [-z * sign(normal.x), y],
+        [x, -z * sign(normal.y)],
+        [x * sign(normal.z), y],
+    ]
 }
 
 #[cfg(test)]

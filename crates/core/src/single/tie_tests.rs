@@ -6,6 +6,7 @@ use crate::bvh::Accel;
 use crate::bvh::tree::{Box32, BoxPair};
 use crate::hit::{Cull, Precision};
 use crate::math;
+use crate::random::Random;
 use crate::ray::Ray;
 use crate::scene::{Mesh, MeshData, Object, Scene};
 use crate::triangle::PreparedRay;
@@ -126,5 +127,59 @@ fn far_and_tiny_boxes_are_told_apart() {
             };
             assert_eq!(enter(&ranged)[0], is_met, "{t_min} {t_max}");
         }
+    }
+}
+
+/// Rays begin 2³⁰ units away, where numbers are 2⁻²² apart, and go exactly through a box that is but a point:
+/// the start next to the scene is found within its rounding.
+#[test]
+fn starts_next_to_the_scene_are_off_by_no_more_than_their_error() {
+    let step = 2f64.powi(-22);
+    let bounds = Box32 {
+        min: Vec3::splat(-1e-3),
+        max: Vec3::splat(1e-3),
+    };
+    let mut random = Random(61);
+    for round in 0..2000 {
+        let mut whole = |most: f64| (random.point() * most).round();
+        let origin = whole(1e9);
+        // The difference has no more than 53 bits: it is the direction exactly.
+        let target = whole(1000.0) * step;
+        let ray = Ray::new(origin, target - origin);
+        assert_eq!(ray.origin + ray.direction, target);
+        let prepared = PreparedRay::new(&ray, DVec3::ZERO, Cull::None, Precision::Exact);
+        let slab = SlabRay::new(&prepared.expect("a valid ray"), &bounds);
+        let point = target.as_vec3();
+        assert_eq!(point.as_dvec3(), target);
+        let only = Box32 {
+            min: point,
+            max: point,
+        };
+        let entered = slab.enter(&BoxPair::of([only, only]), f32::INFINITY);
+        assert!(entered[0].1 && entered[1].1, "{round}: {ray:?}");
+    }
+}
+
+/// A ray that moves by 2⁻²⁵ across a slab while it crosses the scene enters a box at its far side.
+#[test]
+fn boxes_beside_a_nearly_parallel_ray_are_entered() {
+    for sign in [1.0, -1.0] {
+        let slope = sign * 2f64.powi(-25);
+        let ray = Ray::new(DVec3::NEG_Y, DVec3::new(slope, 1.0, 0.0));
+        let prepared = PreparedRay::new(&ray, DVec3::ZERO, Cull::None, Precision::Exact);
+        let bounds = Box32 {
+            min: Vec3::NEG_ONE,
+            max: Vec3::ONE,
+        };
+        let slab = SlabRay::new(&prepared.expect("a valid ray"), &bounds);
+        let point = (DVec3::NEG_Y + ray.direction * 2.0).as_vec3();
+        let only = Box32 {
+            min: point,
+            max: point,
+        };
+        let entered = slab.enter(&BoxPair::of([only, only]), f32::INFINITY);
+        assert!(entered[0].1 && entered[1].1, "{sign}");
+        let limit = slab.limit(1.0, 0.5);
+        assert!(limit >= 1.5, "what may be nearer lies within {limit}");
     }
 }

@@ -16,7 +16,8 @@
 //!
 //! No term leaves double precision's range while its factors are zero or within 2^±300.
 
-use glam::{BVec3, DVec3, Vec3Swizzles};
+use crate::num::double_double::DoubleDouble;
+use glam::{BVec3, DVec3, Vec3, Vec3Swizzles};
 
 /// The unit roundoff of double precision.
 const EPSILON: f64 = f64::EPSILON / 2.0;
@@ -111,18 +112,125 @@ impl Determinants {
     }
 }
 
+impl Determinants {
+    /// The same in twice double precision: `frame` is what corners are relative to, in world space. `None` where
+    /// numbers are too large or too small.
+    ///
+    /// B×C is B×u and C×u too, with u = C − B, and A·(B×C) is A·((B−A)×(C−A)): of these the one whose permanent is
+    /// least is worked out, so that triangles next to nothing beside their distance are decided as well.
+    ///
+    /// With u = 2⁻⁵³ a corner relative to the origin is off by 3.1u² of itself, since the frame relative to the origin
+    /// is exact, as differences of corners are; a product of two by 12u² with its rounding, their difference by 3.1u²
+    /// more, the product with the third factor by 5u², or 8.1u² where that is a coordinate too, and two sums by 6.2u²:
+    /// below 32u² of the permanent. The result is rounded to double precision.
+    pub(super) fn in_double_double(
+        origin: DVec3,
+        direction: DVec3,
+        corners: [Vec3; 3],
+        frame: DVec3,
+    ) -> Option<Self> {
+        let axes = [0, 1, 2];
+        let frame = axes.map(|axis| DoubleDouble::difference(frame[axis], origin[axis]));
+        let relative = |corner: Vec3| {
+            let place = axes.map(|axis| frame[axis] + f64::from(corner[axis]).into());
+            WideFactor::of(place)
+        };
+        let way = |from: Vec3, to: Vec3| {
+            let difference = |axis| DoubleDouble::difference(to[axis].into(), from[axis].into());
+            WideFactor::of(axes.map(difference))
+        };
+        let [a, b, c] = corners;
+        let (ab, bc, ca) = (way(a, b), way(b, c), way(c, a));
+        let [a, b, c] = corners.map(relative);
+        let d = WideFactor::of(direction.to_array().map(DoubleDouble::from));
+        let in_range = [&a, &b, &c, &ab, &bc, &ca, &d].map(|factor| factor.size.in_range().all());
+        if in_range.contains(&false) {
+            return None;
+        }
+        let weight = |from, to, way| best_determinant(&d, &[(from, to), (from, way), (to, way)]);
+        Some(Self {
+            weights: [
+                weight(&b, &c, &bc),
+                weight(&c, &a, &ca),
+                weight(&a, &b, &ab),
+            ],
+            numerator: best_determinant(&a, &[(&b, &c), (&ca, &ab)]),
+        })
+    }
+}
+
+/// A vector in twice double precision, and rounded.
+struct WideFactor {
+    value: WideVector,
+    size: Factor,
+}
+
+impl WideFactor {
+    fn of(value: WideVector) -> Self {
+        let rounded = DVec3::from_array(value.map(|x| x.high));
+        Self {
+            value,
+            size: Factor::exact(rounded),
+        }
+    }
+}
+
+/// Of equal determinants u·(b×c) the one whose permanent is least.
+fn best_determinant(u: &WideFactor, pairs: &[(&WideFactor, &WideFactor)]) -> Determinant {
+    const OFF: f64 = 32.0 * EPSILON * EPSILON;
+    let mut best: Option<(f64, &WideFactor, &WideFactor)> = None;
+    for &(b, c) in pairs {
+        // A thousandth covers the permanent's own rounding.
+        let permanent = Determinant::new(u.size, b.size, c.size, 1.001).error;
+        if best.is_none_or(|best| permanent < best.0) {
+            best = Some((permanent, b, c));
+        }
+    }
+    let Some((permanent, b, c)) = best else {
+        return Determinant {
+            value: 0.0,
+            error: f64::INFINITY,
+        };
+    };
+    let value = dot(u.value, cross(b.value, c.value)).high;
+    Determinant {
+        value,
+        error: OFF * permanent + EPSILON * value.abs(),
+    }
+}
+
+type WideVector = [DoubleDouble; 3];
+
+fn cross(a: WideVector, b: WideVector) -> WideVector {
+    std::array::from_fn(|i| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        a[j] * b[k] - a[k] * b[j]
+    })
+}
+
+fn dot(a: WideVector, b: WideVector) -> DoubleDouble {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
 fn numerator([a, b, c]: [Factor; 3]) -> Determinant {
     Determinant::new(a, b, c, 9.0 * EPSILON)
 }
 
-/// Whether the plane of a triangle surely misses the eye. Corners are relative to the eye, which is off by
-/// at most `off` · ε. `None` where it is undecided.
-pub(super) fn plane_misses(corners: [DVec3; 3], off: f64) -> Option<bool> {
-    let corners = corners.map(|corner| Factor::new(corner, off));
-    let in_range = corners.iter().all(|corner| corner.in_range().all());
-    let sign = in_range
-        .then(|| numerator(corners))
-        .and_then(Determinant::signum);
+/// Whether the plane of a triangle surely misses the eye, which is off by at most `off` · ε. `None` where it is
+/// undecided.
+///
+/// It does where A·(B×C) is not zero, which is A·((B−A)×(C−A)): this has smaller terms where the triangle is small
+/// beside its distance.
+pub(super) fn plane_misses(corners: [DVec3; 3], eye: DVec3, off: f64) -> Option<bool> {
+    let relative = corners.map(|corner| Factor::new(corner - eye, off));
+    let [a, b, c] = corners;
+    let [to_b, to_c] = [b - a, c - a].map(Factor::exact);
+    let mut factors = relative.iter().chain([&to_b, &to_c]);
+    if !factors.all(|factor| factor.in_range().all()) {
+        return None;
+    }
+    let sign = numerator(relative).signum();
+    let sign = sign.or_else(|| numerator([relative[0], to_b, to_c]).signum());
     sign.map(|sign| sign != 0)
 }
 
@@ -135,6 +243,19 @@ pub(super) fn plane_crosses(direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<b
     let [d, b, c] = factors;
     let sign = in_range
         .then(|| Determinant::new(d, b, c, 8.0 * EPSILON))
+        .and_then(Determinant::signum);
+    sign.map(|sign| sign != 0)
+}
+
+/// Whether a point is surely off the plane of a triangle; `None` where it is undecided.
+///
+/// Corners are exact, and their differences within ε of themselves: (p−a)·((b−a)×(c−a)) is off as a numerator is.
+pub(super) fn is_off_plane(point: Vec3, corners: [Vec3; 3]) -> Option<bool> {
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    let factors = [b - a, c - a, point.as_dvec3() - a].map(Factor::exact);
+    let in_range = factors.iter().all(|factor| factor.in_range().all());
+    let sign = in_range
+        .then(|| numerator(factors))
         .and_then(Determinant::signum);
     sign.map(|sign| sign != 0)
 }

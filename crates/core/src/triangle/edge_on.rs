@@ -15,8 +15,50 @@ const KEPT: usize = 256;
 enum Shared {
     /// Their origin.
     Eye(DVec3),
-    /// Their direction.
-    Direction(DVec3),
+    /// Their direction, and what is known of their origins.
+    Direction(DVec3, Option<Level>),
+}
+
+/// A coordinate that the origins of all rays share exactly: where the image plane is square to an axis.
+#[derive(Clone, Copy, Debug)]
+struct Level {
+    axis: usize,
+    coordinate: f64,
+    /// Whether rays run towards greater coordinates.
+    ascends: bool,
+}
+
+impl Level {
+    /// An origin is eye + right · across + up · along: a coordinate that neither `right` nor `up` has is the eye's.
+    fn of(camera: &Camera) -> Option<Self> {
+        let (right, up) = (camera.right(), camera.up());
+        let axis = (0..3).find(|&axis| right[axis] == 0.0 && up[axis] == 0.0)?;
+        Some(Self {
+            axis,
+            coordinate: camera.placement().eye[axis],
+            ascends: camera.forward()[axis] > 0.0,
+        })
+    }
+
+    /// Whether a point is at this level, or beyond it against the rays. Its coordinate is `frame` + `relative`.
+    fn is_not_before(self, frame: f64, relative: f32) -> bool {
+        let relative = f64::from(relative);
+        let sum = frame + relative;
+        // What rounding took from the sum (Knuth's two-sum). Rounding is monotone: where the rounded sum is not the
+        // level itself, the exact one is on the same side of it.
+        let added = sum - frame;
+        let rest = (frame - (sum - added)) + (relative - added);
+        let above = if sum == self.coordinate {
+            rest
+        } else {
+            sum - self.coordinate
+        };
+        if self.ascends {
+            above <= 0.0
+        } else {
+            above >= 0.0
+        }
+    }
 }
 
 /// Decides which triangles no ray of a camera hits because all rays begin in their plane, or run along it.
@@ -24,7 +66,8 @@ enum Shared {
 /// Every hit of a ray from an eye has the parameter det(A, B, C) / (d·n), with A, B, C the corners relative to
 /// the eye. Where the plane holds the eye the determinant is zero for every direction: all hits are at t = 0, and a
 /// camera's rays begin behind that. Where rays share a direction d and d·n is zero, the sum of the three weights is
-/// zero: they have both signs or are all zero, and there is no hit.
+/// zero: they have both signs or are all zero, and there is no hit. Where such rays begin at one level of an axis,
+/// they hit nothing at that level, or behind it: such a hit would be at t ≤ 0.
 #[derive(Debug)]
 pub(crate) struct EdgeOn {
     shared: Shared,
@@ -38,7 +81,7 @@ impl EdgeOn {
     pub(crate) fn new(camera: &Camera, frame: DVec3) -> Self {
         let shared = match camera.projection() {
             Projection::Perspective => Shared::Eye(camera.placement().eye),
-            Projection::Orthographic => Shared::Direction(camera.forward()),
+            Projection::Orthographic => Shared::Direction(camera.forward(), Level::of(camera)),
         };
         Self {
             shared,
@@ -68,16 +111,21 @@ impl EdgeOn {
                 } else {
                     rounded.abs().max_element()
                 };
-                let misses = plane_misses(doubles.map(|corner| corner - rounded), off);
+                let misses = plane_misses(doubles, rounded, off);
                 let placed = Placed {
                     corners,
                     origin: self.frame,
                 };
                 !misses.unwrap_or_else(|| !plane_holds(eye, &placed))
             }
-            Shared::Direction(direction) => {
-                let crosses = plane_crosses(direction, doubles);
-                !crosses.unwrap_or_else(|| !plane_is_along(direction, corners))
+            Shared::Direction(direction, level) => {
+                let is_not_before = level.is_some_and(|level| {
+                    let frame = self.frame[level.axis];
+                    let mut relative = corners.iter().map(|corner| corner[level.axis]);
+                    relative.all(|relative| level.is_not_before(frame, relative))
+                });
+                let crosses = || plane_crosses(direction, doubles);
+                is_not_before || !crosses().unwrap_or_else(|| !plane_is_along(direction, corners))
             }
         }
     }
@@ -134,5 +182,35 @@ mod tests {
         assert!(edge_on.is(0, [a, b, a + Vec3::Z]));
         assert!(edge_on.is(1, [a, b, b.with_z(3e8)]));
         assert!(!edge_on.is(2, [a, b, b.with_x(b.x.next_up())]));
+    }
+
+    #[test]
+    fn what_is_not_before_the_image_plane_is_told_exactly() {
+        for (frame, height) in [(0.0, 3.0), (4096.0, 0.1), (1_000_000.1, 0.3)] {
+            let (frame, up) = (DVec3::Z * frame, DVec3::Z * f64::from(height as f32));
+            let triangle = |z: f32| {
+                [
+                    Vec3::new(1.0, 2.0, z),
+                    Vec3::new(-1.0, 0.5, z),
+                    Vec3::new(7.0, -1.0, z),
+                ]
+            };
+            let at = triangle(height as f32);
+            let next = triangle((height as f32).next_up());
+            let eye = frame + up;
+            // Not a number that a double holds, but for the first: the eye is above or below it.
+            let is_above = eye.z - frame.z > up.z;
+            let exact = eye.z - frame.z == up.z;
+            for way in [DVec3::NEG_Z, DVec3::Z] {
+                let camera = camera(eye, eye + way * 4.0, Projection::Orthographic);
+                let is = |number, corners| EdgeOn::new(&camera, frame).is(number, corners);
+                let behind = if way.z < 0.0 { !is_above } else { is_above };
+                assert_eq!(is(0, at), exact || behind, "{frame} {way}");
+                assert_eq!(is(1, next), way.z < 0.0);
+                let [a, b, c] = at;
+                let spans = is(2, [a, b.with_z(1e5), c.with_z(-1e5)]);
+                assert!(!spans);
+            }
+        }
     }
 }

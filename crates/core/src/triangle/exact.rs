@@ -112,6 +112,26 @@ pub(crate) fn plane_is_along(direction: DVec3, corners: [Vec3; 3]) -> bool {
     )
 }
 
+/// The longest coordinates for which [`lies_in_plane`] fits integers of 128 digits: differences are below
+/// 2^(L+1), their cross products below 2^(2L+3), and the determinant below 2^(3L+6).
+const SHORTEST: u32 = 40;
+
+/// Whether a point lies in the plane of a triangle: det(b − a, c − a, p − a) is zero.
+pub(super) fn lies_in_plane(point: Vec3, corners: [Vec3; 3]) -> bool {
+    fn of<I: Integer>(points: [DVec3; 4], lengths: Scale) -> bool {
+        let [a, b, c, p] = points.map(|point| lengths.vector::<I>(point));
+        let normal = cross(&subtract(&b, &a), &subtract(&c, &a));
+        dot(&subtract(&p, &a), &normal).sign() == Ordering::Equal
+    }
+    let [a, b, c] = corners;
+    let points = [a, b, c, point].map(Vec3::as_dvec3);
+    let lengths = Scale::of_vectors(&points);
+    if lengths.bits <= SHORTEST {
+        return of::<i128>(points, lengths);
+    }
+    sized!(lengths, Scale::of([]), of(points, lengths))
+}
+
 /// An exact hit: its parameter is `numerator / denominator · 2^exponent`.
 #[derive(Clone, Debug)]
 struct ExactHit<I> {

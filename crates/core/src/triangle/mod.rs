@@ -1,6 +1,7 @@
 //! One triangle and rays: which meet it, where, and which of two triangles is nearer, decided exactly.
 
 mod componentwise;
+pub(crate) mod coplanar;
 pub(crate) mod edge_on;
 pub(crate) mod exact;
 pub(crate) mod interpolate;

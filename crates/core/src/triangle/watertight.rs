@@ -9,6 +9,7 @@
 
 use super::Nearest;
 use super::componentwise::{Determinant, Determinants};
+use super::coplanar::are_coplanar;
 use super::exact::{self, Placed};
 use crate::hit::{Cull, Precision};
 use crate::ray::Ray;
@@ -129,10 +130,14 @@ impl PreparedRay {
             Precision::Exact => match self.judge_closely(primitive, corners) {
                 Verdict::Miss => None,
                 Verdict::Hit(hit) => Some(hit),
-                Verdict::Open => {
-                    self.was_exact.set(true);
-                    exact::hit(&self.ray, &self.placed(corners), self.cull, primitive)
-                }
+                Verdict::Open => match self.judge_in_double_double(primitive, corners) {
+                    Verdict::Miss => None,
+                    Verdict::Hit(hit) => Some(hit),
+                    Verdict::Open => {
+                        self.was_exact.set(true);
+                        exact::hit(&self.ray, &self.placed(corners), self.cull, primitive)
+                    }
+                },
             },
             Precision::Fast => self.guess(primitive, corners),
         }
@@ -142,9 +147,24 @@ impl PreparedRay {
     fn judge_closely(&self, primitive: u32, corners: [Vec3; 3]) -> Verdict {
         let relative = corners.map(|corner| corner.as_dvec3() - self.origin);
         let off = self.origin_error / EPSILON;
-        let Some(Determinants { weights, numerator }) =
-            Determinants::new(self.ray.direction, relative, off)
-        else {
+        self.judge_by(
+            primitive,
+            Determinants::new(self.ray.direction, relative, off),
+        )
+    }
+
+    /// Decides in twice double precision, or leaves undecided.
+    fn judge_in_double_double(&self, primitive: u32, corners: [Vec3; 3]) -> Verdict {
+        let Ray {
+            origin, direction, ..
+        } = self.ray;
+        let determinants = Determinants::in_double_double(origin, direction, corners, self.frame);
+        self.judge_by(primitive, determinants)
+    }
+
+    /// Decides by the signs of determinants, or leaves undecided.
+    fn judge_by(&self, primitive: u32, determinants: Option<Determinants>) -> Verdict {
+        let Some(Determinants { weights, numerator }) = determinants else {
             return Verdict::Open;
         };
         let [first, second, third] = weights.map(Determinant::signum);
@@ -223,16 +243,20 @@ impl PreparedRay {
         if same_corners(corners(candidate.primitive), corners(nearest.primitive)) {
             return Ordering::Equal;
         }
-        let closely = |primitive| self.judge_closely(primitive, corners(primitive));
-        if let (Verdict::Hit(candidate), Verdict::Hit(nearest)) =
-            (closely(candidate.primitive), closely(nearest.primitive))
-        {
-            if candidate.is_surely_before(&nearest) {
-                return Ordering::Less;
-            }
-            if nearest.is_surely_before(&candidate) {
-                return Ordering::Greater;
-            }
+        let [first, second] =
+            [candidate, nearest].map(|hit| (hit.primitive, corners(hit.primitive)));
+        let closely = [first, second].map(|(primitive, at)| self.judge_closely(primitive, at));
+        if let Some(order) = order_of(closely) {
+            return order;
+        }
+        if are_coplanar(first.1, second.1) {
+            self.was_exact.set(true);
+            return Ordering::Equal;
+        }
+        let more =
+            [first, second].map(|(primitive, at)| self.judge_in_double_double(primitive, at));
+        if let Some(order) = order_of(more) {
+            return order;
         }
         self.was_exact.set(true);
         let [candidate, nearest] =
@@ -293,6 +317,20 @@ impl PreparedRay {
             return Verdict::Miss;
         }
         self.within_range(primitive, edges.point(self.advance))
+    }
+}
+
+/// Which of two hits is surely nearer.
+fn order_of(verdicts: [Verdict; 2]) -> Option<Ordering> {
+    let [Verdict::Hit(a), Verdict::Hit(b)] = verdicts else {
+        return None;
+    };
+    if a.is_surely_before(&b) {
+        Some(Ordering::Less)
+    } else if b.is_surely_before(&a) {
+        Some(Ordering::Greater)
+    } else {
+        None
     }
 }
 
@@ -483,7 +521,12 @@ mod tests {
             (DVec3::new(1e7, -0.1, 3e3), 2e7),
             (DVec3::new(1e-9, 2e-9, -1e-9), 3e7),
         ] {
-            let [mut decided, mut closely_decided, mut hits] = [0; 3];
+            let [
+                mut decided,
+                mut closely_decided,
+                mut widely_decided,
+                mut hits,
+            ] = [0; 4];
             for _ in 0..4000 {
                 let middle = DVec3::new(place, place * 0.7, -place);
                 let size = place.max(1.0) * crate::math::pow(10.0, -6.0 * random.unit());
@@ -513,6 +556,10 @@ mod tests {
                 let verdicts = [
                     (prepared.judge(0, corners), &mut decided),
                     (prepared.judge_closely(0, corners), &mut closely_decided),
+                    (
+                        prepared.judge_in_double_double(0, corners),
+                        &mut widely_decided,
+                    ),
                 ];
                 for (verdict, decided) in verdicts {
                     match verdict {
@@ -534,6 +581,7 @@ mod tests {
             assert!(hits > 1000, "{hits}");
             assert!(decided > 300, "{decided}");
             assert!(closely_decided > 200, "{closely_decided} of {decided}");
+            assert!(widely_decided > 1500, "{widely_decided}");
         }
     }
 }

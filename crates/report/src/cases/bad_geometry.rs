@@ -1,6 +1,6 @@
 //! Triangles that are none, rays that are none, and too many of the same.
 
-use super::{Case, Setting, Theme};
+use super::{Case, CaseTheme, Setting};
 use crate::cameras::{PROJECTIONS, camera};
 use crate::meshes::{self, mesh, soup};
 use raycast_core::camera::Ray;
@@ -10,42 +10,42 @@ use raycast_oracle::random::Random;
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "no_area",
-        theme: Theme::BadGeometry,
+        theme: CaseTheme::BadGeometry,
         trouble: "Points, lines and folded triangles among good ones: NaN, hits on nothing, numbers shifted.",
         variants: 1,
         setting: no_area,
     },
     Case {
         name: "random_bits",
-        theme: Theme::BadGeometry,
+        theme: CaseTheme::BadGeometry,
         trouble: "Vertices of random bits, one index in 32 out of range: builders panic.",
         variants: 50,
         setting: random_bits,
     },
     Case {
         name: "one_bad_vertex",
-        theme: Theme::BadGeometry,
+        theme: CaseTheme::BadGeometry,
         trouble: "One vertex that is no number takes the whole mesh with it.",
         variants: 1,
         setting: one_bad_vertex,
     },
     Case {
         name: "rays_that_are_none",
-        theme: Theme::BadGeometry,
+        theme: CaseTheme::BadGeometry,
         trouble: "NaN or infinity in a ray: a hit, or a walk through every box.",
         variants: 1,
         setting: rays_that_are_none,
     },
     Case {
         name: "few_triangles",
-        theme: Theme::BadGeometry,
+        theme: CaseTheme::BadGeometry,
         trouble: "0, 1, 2, 3, 4 and 9 triangles: a tree of one node, or of none.",
         variants: 30,
         setting: few_triangles,
     },
     Case {
         name: "copies",
-        theme: Theme::BadGeometry,
+        theme: CaseTheme::BadGeometry,
         trouble: "1,000 to 100,000 copies of one triangle: builders take forever, and which one shows is chance.",
         variants: 3,
         setting: copies,

@@ -1,6 +1,6 @@
 //! What is hard for a kernel that sets a triangle up once for many rays.
 
-use super::{Case, Setting, Theme};
+use super::{Case, CaseTheme, Setting};
 use crate::cameras::{PROJECTIONS, camera};
 use crate::meshes::{self, mesh, soup};
 use raycast_core::Cull;
@@ -14,91 +14,91 @@ use std::f64::consts::TAU;
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "smaller_than_a_pixel",
-        theme: Theme::Blocks,
+        theme: CaseTheme::Blocks,
         trouble: "Triangles from a tenth of a pixel to a few: a set-up serves one ray, or none.",
         variants: 8,
         setting: smaller_than_a_pixel,
     },
     Case {
         name: "changing_density",
-        theme: Theme::Blocks,
+        theme: CaseTheme::Blocks,
         trouble: "Cells from 1e-3 to 1e3 in one surface: no one way suits a whole tile.",
         variants: 4,
         setting: changing_density,
     },
     Case {
         name: "around_the_eye",
-        theme: Theme::Blocks,
+        theme: CaseTheme::Blocks,
         trouble: "Triangles through the eye and its plane: their projections turn inside out.",
         variants: 12,
         setting: around_the_eye,
     },
     Case {
         name: "edge_on",
-        theme: Theme::Blocks,
+        theme: CaseTheme::Blocks,
         trouble: "Triangles whose planes hold the eye, or all but: no side, and no depth, is sure.",
         variants: 20,
         setting: edge_on,
     },
     Case {
         name: "corners_on_pixel_centres",
-        theme: Theme::Blocks,
+        theme: CaseTheme::Blocks,
         trouble: "Corners on the centres of pixels, edges through rows of them: zeros, and ties of depth.",
         variants: 24,
         setting: corners_on_pixel_centres,
     },
     Case {
         name: "edges_through_block_corners",
-        theme: Theme::Blocks,
+        theme: CaseTheme::Blocks,
         trouble: "Edges through the corner rays of blocks of 8 and 64: a block is accepted whole, or not, by one ray too many.",
         variants: 40,
         setting: edges_through_block_corners,
     },
     Case {
         name: "slivers_along_rows",
-        theme: Theme::Blocks,
+        theme: CaseTheme::Blocks,
         trouble: "Slivers thinner than a rounding, along rows and columns of rays: a row's bounds leave them out.",
         variants: 20,
         setting: slivers_along_rows,
     },
     Case {
         name: "surfaces_on_one_another",
-        theme: Theme::Blocks,
+        theme: CaseTheme::Blocks,
         trouble: "Surfaces a few units in the last place apart, differently cut: rounded depths are in any order.",
         variants: 12,
         setting: surfaces_on_one_another,
     },
     Case {
         name: "crossing_layers",
-        theme: Theme::Blocks,
+        theme: CaseTheme::Blocks,
         trouble: "150 layers through one another: a block is left too early, or shows the wrong side of a crossing.",
         variants: 12,
         setting: crossing_layers,
     },
     Case {
         name: "fan_on_a_pixel",
-        theme: Theme::Blocks,
+        theme: CaseTheme::Blocks,
         trouble: "Thousands of triangles that meet in one vertex, on a pixel's centre or next to it.",
         variants: 16,
         setting: fan_on_a_pixel,
     },
     Case {
         name: "ends_of_the_range",
-        theme: Theme::Blocks,
+        theme: CaseTheme::Blocks,
         trouble: "Coordinates of 1e-37 and of 1e18: products leave single precision, if not the numbers.",
         variants: 24,
         setting: ends_of_the_range,
     },
     Case {
         name: "narrow_and_wide",
-        theme: Theme::Blocks,
+        theme: CaseTheme::Blocks,
         trouble: "Views from a millionth of a degree to all but half a turn: directions all alike, or out of proportion.",
         variants: 20,
         setting: narrow_and_wide,
     },
     Case {
         name: "narrower_than_rounding",
-        theme: Theme::Blocks,
+        theme: CaseTheme::Blocks,
         trouble: "A view of a corner so narrow that neighbouring rays are a few roundings apart: a row of rays is no straight line.",
         variants: 24,
         setting: narrower_than_rounding,

@@ -1,6 +1,6 @@
 //! Closed surfaces that rays must not pass.
 
-use super::{Case, Setting, Theme};
+use super::{Case, CaseTheme, Setting};
 use crate::cameras::{PROJECTIONS, camera};
 use crate::meshes::{self, mesh};
 use raycast_core::camera::{Projection, Ray};
@@ -13,56 +13,56 @@ use std::f64::consts::TAU;
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "far_sphere",
-        theme: Theme::Leaks,
+        theme: CaseTheme::Leaks,
         trouble: "Far from the origin, rounded edges leave gaps: Embree's own test allows 2e-5 of the rays to leave.",
         variants: 1,
         setting: |_| far_sphere(None),
     },
     Case {
         name: "far_sphere_corners",
-        theme: Theme::Leaks,
+        theme: CaseTheme::Leaks,
         trouble: "Rounded edge planes of one vertex do not meet in a point, so rays aimed at corners and edges pass.",
         variants: 1,
         setting: |_| far_sphere(Some(4)),
     },
     Case {
         name: "far_plane",
-        theme: Theme::Leaks,
+        theme: CaseTheme::Leaks,
         trouble: "40,000 quads far from the origin: rays pass between them.",
         variants: 1,
         setting: far_plane,
     },
     Case {
         name: "common_edge",
-        theme: Theme::Leaks,
+        theme: CaseTheme::Leaks,
         trouble: "Rays within two units in the last place of an edge miss both of its triangles, where one path fuses a product and a sum.",
         variants: 100,
         setting: common_edge,
     },
     Case {
         name: "integer_heights",
-        theme: Theme::Leaks,
+        theme: CaseTheme::Leaks,
         trouble: "Rays exactly through vertices and edges: every sign is zero somewhere.",
         variants: 1,
         setting: |_| integer_heights(128),
     },
     Case {
         name: "octahedron",
-        theme: Theme::Leaks,
+        theme: CaseTheme::Leaks,
         trouble: "Rays through the silhouette's vertices and edges are taken for misses.",
         variants: 1,
         setting: octahedron,
     },
     Case {
         name: "horizon",
-        theme: Theme::Leaks,
+        theme: CaseTheme::Leaks,
         trouble: "An eye just above a vast plane: holes and stripes at the horizon.",
         variants: 1,
         setting: horizon,
     },
     Case {
         name: "small_distant_fan",
-        theme: Theme::Leaks,
+        theme: CaseTheme::Leaks,
         trouble: "Edges a ten-thousandth of their distance long: a plain cross product of corners gets about half of the hits wrong.",
         variants: 100,
         setting: small_distant_fan,

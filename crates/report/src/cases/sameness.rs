@@ -1,6 +1,6 @@
-//! One question, asked in several ways.
+//! One ray, given in several ways.
 
-use super::{Case, Setting, Theme};
+use super::{Case, CaseTheme, Setting};
 use crate::cameras::{PROJECTIONS, camera};
 use crate::meshes::{self, soup};
 use raycast_core::Cull;
@@ -11,28 +11,28 @@ use raycast_oracle::random::Random;
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "random_soups",
-        theme: Theme::Sameness,
+        theme: CaseTheme::Sameness,
         trouble: "Random triangles over many decades: tree and brute force disagree.",
         variants: 30,
         setting: random_soups,
     },
     Case {
         name: "culled_sphere",
-        theme: Theme::Sameness,
+        theme: CaseTheme::Sameness,
         trouble: "Without its back faces a closed mesh seen from outside is another picture.",
         variants: 2,
         setting: culled_sphere,
     },
     Case {
         name: "alternating_fronts",
-        theme: Theme::Sameness,
+        theme: CaseTheme::Sameness,
         trouble: "A thousand triangles turned to and fro: culled ones hide those behind them.",
         variants: 2,
         setting: alternating_fronts,
     },
     Case {
         name: "unit_triangle",
-        theme: Theme::Sameness,
+        theme: CaseTheme::Sameness,
         trouble: "One triangle seen from one unit away: u, v and t beyond 4 · 2^-23.",
         variants: 1,
         setting: unit_triangle,

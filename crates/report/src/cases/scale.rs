@@ -1,6 +1,6 @@
 //! Large and small, near and far, and all of them together.
 
-use super::{Case, Setting, Theme};
+use super::{Case, CaseTheme, Setting};
 use crate::cameras::{PROJECTIONS, camera};
 use crate::meshes::{self, mesh, soup};
 use raycast_core::camera::{Projection, Ray};
@@ -13,77 +13,77 @@ use std::f64::consts::TAU;
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "directions_of_any_length",
-        theme: Theme::Scale,
+        theme: CaseTheme::Scale,
         trouble: "Directions from 1e-9 to 1e9 long: short ones are clamped, long ones overflow.",
         variants: 1,
         setting: directions_of_any_length,
     },
     Case {
         name: "powers_of_two",
-        theme: Theme::Scale,
+        theme: CaseTheme::Scale,
         trouble: "A scene times 2^-50 to 2^40: an epsilon somewhere stands for a length.",
         variants: 16,
         setting: powers_of_two,
     },
     Case {
         name: "coordinates_to_1e18",
-        theme: Theme::Scale,
+        theme: CaseTheme::Scale,
         trouble: "Products of coordinates near the end of single precision.",
         variants: 3,
         setting: coordinates_to_1e18,
     },
     Case {
         name: "origins_beyond_the_scene",
-        theme: Theme::Scale,
+        theme: CaseTheme::Scale,
         trouble: "Rays that begin up to 1e300 away: products overflow, and what is not less is taken for more.",
         variants: 1,
         setting: origins_beyond_the_scene,
     },
     Case {
         name: "half_a_trillion",
-        theme: Theme::Scale,
+        theme: CaseTheme::Scale,
         trouble: "A slab of 1e12 by 1e12: the ray down is lost, or its distance is.",
         variants: 1,
         setting: half_a_trillion,
     },
     Case {
         name: "grazed_sliver",
-        theme: Theme::Scale,
+        theme: CaseTheme::Scale,
         trouble: "A sliver met at half a degree: a well-known library answered 12291 for something nearer than 600.",
         variants: 100,
         setting: grazed_sliver,
     },
     Case {
         name: "small_thing_on_vast_ground",
-        theme: Theme::Scale,
+        theme: CaseTheme::Scale,
         trouble: "An object of a hundredth on a ground of a million.",
         variants: 1,
         setting: small_thing_on_vast_ground,
     },
     Case {
         name: "ten_million_away",
-        theme: Theme::Scale,
+        theme: CaseTheme::Scale,
         trouble: "A mesh and its eye at 1e7: in single precision the mesh has steps of a unit.",
         variants: 3,
         setting: ten_million_away,
     },
     Case {
         name: "next_to_what_is_stored_far_away",
-        theme: Theme::Scale,
+        theme: CaseTheme::Scale,
         trouble: "An eye next to one object, while all is stored relative to another at 1e7: the eye itself is rounded.",
         variants: 12,
         setting: next_to_what_is_stored_far_away,
     },
     Case {
         name: "close_planes",
-        theme: Theme::Scale,
+        theme: CaseTheme::Scale,
         trouble: "A plane 1, 2, 4 or 8 units in the last place behind another shines through.",
         variants: 8,
         setting: close_planes,
     },
     Case {
         name: "feet_to_horizon",
-        theme: Theme::Scale,
+        theme: CaseTheme::Scale,
         trouble: "Triangles from the feet to the horizon: the near and far of a million to one in one of them.",
         variants: 9,
         setting: feet_to_horizon,

@@ -16,9 +16,9 @@ pub struct Setting {
     pub scene: Scene,
     /// Where to look at it from: at least one. Each has its own lattice of rays.
     pub cameras: Vec<Camera>,
-    /// Which faces rays meet.
+    /// Which faces rays hit.
     pub cull: Cull,
-    /// Whether every ray, of the cameras too, meets something: a miss is a leak.
+    /// Whether every ray, of the cameras too, hits something: a miss is a leak.
     pub is_closed: bool,
     /// Rays that are always cast.
     given: Vec<Ray>,
@@ -68,7 +68,7 @@ impl Setting {
         self
     }
 
-    /// Rays meet these faces.
+    /// Rays hit these faces.
     pub fn culled(mut self, cull: Cull) -> Self {
         self.cull = cull;
         self

@@ -1,6 +1,6 @@
 //! Zeros of both signs, ties, eyes on what they look at.
 
-use super::{Case, Setting, Theme};
+use super::{Case, CaseTheme, Setting};
 use crate::cameras::{PROJECTIONS, camera};
 use crate::meshes::{self, mesh, soup};
 use raycast_core::Cull;
@@ -11,35 +11,35 @@ use raycast_oracle::random::Random;
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "negative_zeros",
-        theme: Theme::Signs,
+        theme: CaseTheme::Signs,
         trouble: "A direction of (−0, 0, −1) is not answered as (0, 0, −1) is: its inverse is −∞.",
         variants: 1,
         setting: negative_zeros,
     },
     Case {
         name: "in_the_plane_of_a_face",
-        theme: Theme::Signs,
+        theme: CaseTheme::Signs,
         trouble: "A ray in the plane of a box's face: zero times infinity, and the box is lost.",
         variants: 1,
         setting: in_the_plane_of_a_face,
     },
     Case {
         name: "eye_on_the_surface",
-        theme: Theme::Signs,
+        theme: CaseTheme::Signs,
         trouble: "An eye on a vertex, on an edge, in a triangle's plane or inside a mesh: NaN, or the others wrong.",
         variants: 8,
         setting: eye_on_the_surface,
     },
     Case {
         name: "quads_in_one_place",
-        theme: Theme::Signs,
+        theme: CaseTheme::Signs,
         trouble: "Two surfaces in one place, turned either way: which one shows changes from ray to ray.",
         variants: 4,
         setting: quads_in_one_place,
     },
     Case {
         name: "four_triangles",
-        theme: Theme::Signs,
+        theme: CaseTheme::Signs,
         trouble: "Four triangles on one line of boxes: builders have looped or crashed.",
         variants: 1,
         setting: four_triangles,

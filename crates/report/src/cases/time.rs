@@ -1,7 +1,7 @@
 //! What takes other kernels, or took this one, time without bound: the answer is known, and it must come
 //! about as soon as for as many ordinary triangles in the same place.
 
-use super::{Case, Setting, Theme};
+use super::{Case, CaseTheme, Setting};
 use crate::cameras::{PROJECTIONS, camera};
 use crate::meshes::{self, mesh, soup};
 use crate::stage::scene_of;
@@ -52,24 +52,21 @@ const fn entry(name: &'static str, race: fn() -> Race) -> Entry {
     Entry { name, race }
 }
 
-/// All of them; those that take longer than [`GOAL`] say why.
+/// All of them; those that come near [`GOAL`] say why.
 pub const RACES: &[Entry] = &[
     entry("eye_at_a_cones_apex", cone),
     entry("eye_at_a_vertex_of_many", shared_vertex),
     entry("eye_on_an_edge_of_many", shared_edge),
-    // Orthographic rays that begin in the plane of a face are decided one by one.
     entry("eye_in_planes_of_many", shared_plane),
-    // The error of a set-up grows with the greatest coordinate: an edge next to the eye leaves rays undecided.
     entry("eye_next_to_a_vertex_of_many", next_to_vertex),
     entry("coincident_triangles", coincident),
     entry("copies_of_a_mesh", mesh_copies),
-    // As in the two before and after: edge-on to orthographic rays, and layers at one depth.
+    // Every triangle is set up twice, and hardly any occludes another.
     entry("exponents_of_any_size", exponents),
-    // Layers whose depths are equal in single precision are left to the single ray.
+    // Along the silhouette of the first box cells of rays are not covered, and go through all boxes behind it.
     entry("thin_boxes_behind_one_another", thin_boxes),
-    // The bounds of packets and set-ups are wider than such small triangles.
+    // Single precision does not tell the front from the back: each ray decides between the two.
     entry("tiny_and_far", tiny_and_far),
-    // Each ray orders the triangles of one plane anew.
     entry("layers_in_one_plane", one_plane),
 ];
 
@@ -77,7 +74,7 @@ macro_rules! case {
     ($name:literal, $race:ident, $size:expr, $trouble:literal) => {
         Case {
             name: $name,
-            theme: Theme::Time,
+            theme: CaseTheme::Time,
             trouble: $trouble,
             variants: 2,
             setting: |variant| setting(variant, $race(), $size),
@@ -235,13 +232,18 @@ fn shared_plane() -> Race {
     let corners: Vec<[DVec3; 3]> = (0..12)
         .map(|i| {
             let turn = TAU * f64::from(i) / 12.0;
-            let way = |turn: f64| single(DVec3::new(math::cos(turn), math::sin(turn), 0.0) * far);
+            let caster =
+                |turn: f64| single(DVec3::new(math::cos(turn), math::sin(turn), 0.0) * far);
             match i % 3 {
                 // All around the eye, in the image plane.
-                0 => [way(turn), way(turn + TAU / 3.0), way(turn - TAU / 3.0)],
+                0 => [
+                    caster(turn),
+                    caster(turn + TAU / 3.0),
+                    caster(turn - TAU / 3.0),
+                ],
                 // Edge-on, from the eye to far behind the target.
-                1 => [eye, way(turn), DVec3::NEG_Z * far],
-                _ => [DVec3::Z * far, way(turn), DVec3::NEG_Z * far],
+                1 => [eye, caster(turn), DVec3::NEG_Z * far],
+                _ => [DVec3::Z * far, caster(turn), DVec3::NEG_Z * far],
             }
             .map(|corner| if i % 3 == 0 { corner + eye } else { corner })
         })

@@ -1,6 +1,6 @@
 //! plotters' drawing area, magnified: all coordinates and sizes here are before it.
 
-use super::draw::ChartError;
+use super::error::ChartError;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};

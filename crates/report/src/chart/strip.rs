@@ -1,7 +1,8 @@
 //! Pictures side by side with words under them.
 
 use super::canvas::Canvas;
-use super::draw::{ChartError, encode_png, register_font};
+use super::error::ChartError;
+use super::output::{encode_png, register_font};
 use super::style;
 use image::RgbImage;
 use plotters::prelude::*;

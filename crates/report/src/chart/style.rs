@@ -36,8 +36,8 @@ impl Ink {
         Self::Grey,
     ];
 
-    /// The colour of a way of casting, by its name.
-    pub fn of_way(name: &str) -> Self {
+    /// The colour of a caster, by its name.
+    pub fn of_caster(name: &str) -> Self {
         const BEGINNINGS: [(&str, Ink); 7] = [
             ("RayCast tiles", Ink::Blue),
             ("RayCast", Ink::Sky),

@@ -53,7 +53,7 @@ pub(super) fn to_eye(camera: &Camera, x: f64, y: f64) -> Vector<24> {
     use raycast_core::camera::Projection;
     let to_single = |vector: raycast_core::glam::DVec3| {
         vector.to_array().map(|c| {
-            // Rounded in doubles a few times, then once to single precision.
+            // Rounded in double precision a few times, then once to single precision.
             Single::exactly(c).rounded()
         })
     };

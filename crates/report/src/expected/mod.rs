@@ -18,8 +18,8 @@ use light::Lights;
 use normal::ToWorld;
 use range::{Double, Vector, exactly, minus, plus};
 use raycast_core::camera::{Camera, Projection};
-use raycast_core::scene::{Color, ColorRule, Object};
-use raycast_core::shade::{Background, Mode, Shading, TextureProjection};
+use raycast_core::scene::{Color, ColorRule, Object, Wrap};
+use raycast_core::shade::{Background, Filter, Mode, Shading, TextureProjection};
 use raycast_oracle::Truth;
 use texture::Repeat;
 
@@ -91,7 +91,7 @@ impl<'a> Expected<'a> {
     }
 
     /// The colour of the sample at (x, y) of the picture, in pixels from its top left corner, where its
-    /// ray meets `truth`: linear light, alpha not multiplied in. Unknown where it cannot be told.
+    /// ray hits `truth`: linear light, alpha not multiplied in. Unknown where it is undecided.
     pub(crate) fn color(&self, x: f64, y: f64, truth: Option<&Truth>) -> [Single; 4] {
         let opaque = |[r, g, b]: Vector<24>| [r, g, b, Single::exactly(1.0)];
         let Some(truth) = truth else {
@@ -220,8 +220,22 @@ impl<'a> Expected<'a> {
         }
         let mesh = &hit.object.mesh;
         let filter = self.shading.filter;
-        let unplaced = self.shading.projection == TextureProjection::Triplanar || !mesh.has_uvs();
-        let [r, g, b, a] = if unplaced {
+        let own = hit.object.mapping.projection;
+        let by_uv = match own.unwrap_or(self.shading.projection) {
+            TextureProjection::Uv => mesh.has_uvs(),
+            TextureProjection::Triplanar => false,
+            // Not worked out a second time.
+            TextureProjection::PerTriangle
+            | TextureProjection::Plane
+            | TextureProjection::Sphere
+            | TextureProjection::Cylinder => return [Single::UNKNOWN; 3],
+        };
+        if texture.wrap() != [Wrap::Repeat; 2]
+            || !matches!(filter, Filter::Nearest | Filter::Bilinear)
+        {
+            return [Single::UNKNOWN; 3];
+        }
+        let [r, g, b, a] = if !by_uv {
             let Some(Some(repeat)) = self.repeats.get(hit.number as usize) else {
                 return [Single::UNKNOWN; 3];
             };

@@ -10,7 +10,7 @@ use raycast_core::glam::{DAffine3, DVec3, Vec3};
 /// The unit normal of a triangle on the side that the camera sees, by its corners as seen from the eye.
 ///
 /// Perspective: the side on which the eye is; orthographic: that against the rays. Unknown where rounding
-/// in doubles may turn it.
+/// in double precision may turn it.
 pub(super) fn flat(camera: &Camera, corners: [Vector<53>; 3]) -> Vector<24> {
     let [a, b, c] = corners;
     // Length does not matter before it is made one.

@@ -7,7 +7,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// Interval arithmetic (Moore, "Interval Analysis", 1966). If each operand of an operation lies in its
 /// range, the rounded result lies in the range that the operation gives: it is the exact result's,
 /// widened on both sides by 2^(1 − `DIGITS`) of its size. Rounding to nearest takes half of that; the
-/// other half covers this type's own rounding (in doubles, far finer) and a sum taken in another order.
+/// other half covers this type's own rounding (in double precision, far finer) and a sum taken in another order.
 /// Underflow is covered by the precision's smallest normal number; what may overflow is unknown.
 ///
 /// A range with an end that is not a number tells nothing: [`Range::is_known`] is `false`.

@@ -1,4 +1,4 @@
-//! Between sRGB and linear light by the standard's own formulas (IEC 61966-2-1), in doubles.
+//! Between sRGB and linear light by the standard's own formulas (IEC 61966-2-1), in double precision.
 
 use super::range::{Single, Vector};
 use raycast_core::math;

@@ -12,7 +12,7 @@ pub(super) type Texel = [Single; 4];
 
 const UNKNOWN: Texel = [Single::UNKNOWN; 4];
 
-/// Texture coordinates at a hit, as doubles blend those at the corners.
+/// Texture coordinates at a hit, as double precision blends those at the corners.
 pub(super) fn place([a, b, c]: [Vec2; 3], u: Single, v: Single) -> [Double; 2] {
     let (u, v): (Double, Double) = (u.to(), v.to());
     let coordinate = |of: fn(Vec2) -> f32| {
@@ -44,6 +44,8 @@ pub(super) fn sample(texture: &Texture, [u, v]: [Double; 2], filter: Filter) -> 
             }
         }
         Filter::Bilinear => bilinear(texture, x, y),
+        // What a pixel sees of a texture is not worked out a second time.
+        Filter::Trilinear | Filter::Ewa => UNKNOWN,
     }
 }
 

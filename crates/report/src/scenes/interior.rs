@@ -20,7 +20,7 @@ const ANGULAR: u32 = 2100;
 
 /// A furnished flat of nine rooms, about as many triangles as asked for and at least some 24,000: walls
 /// with doorways, tables, chairs, shelves of books, lamps, bowls and balls. A closed shell is around it:
-/// seen from inside, every ray meets something.
+/// seen from inside, every ray hits something.
 pub fn interior(triangles: u32) -> Mesh {
     let round = (triangles / (ROOMS * ROOMS)).saturating_sub(ANGULAR) / ROUND;
     let steps = ((f64::from(round).sqrt() / 2.0) as u32 * 2).max(8);

@@ -1,15 +1,15 @@
-//! Plot B: where each way breaks.
+//! Plot B: where each caster breaks.
 
 use super::Section;
+use crate::budget::ReportBudget;
 use crate::chart::{Axis, Better, Chart, Form, Ink, Series, number};
 use crate::checked::{Checked, pixels_by_lot};
-use crate::effort::Effort;
 use crate::embree::Embree;
 use crate::meshes::{grid, mesh};
+use crate::progress::ReportProgress;
 use crate::stage::scene_of;
 use crate::subject::{Input, Subject};
 use crate::table::{Cell, ReportError, Table, grouped};
-use crate::watch::Watch;
 use raycast_core::camera::{Camera, ImagePlane, Placement, Projection};
 use raycast_core::glam::DVec3;
 use raycast_core::math;
@@ -17,18 +17,18 @@ use raycast_core::scene::{Mesh, Scene};
 use raycast_oracle::random::Random;
 use std::sync::Arc;
 
-/// A way's wrong triangles in a million rays, along an axis.
+/// A caster's wrong triangles in a million rays, along an axis.
 #[derive(Clone, Debug)]
-pub struct Curve {
-    /// The way's name.
-    pub way: String,
+pub struct BreakingCurve {
+    /// The caster's name.
+    pub caster: String,
     /// Places along the axis, with rays and wrong triangles there.
     pub points: Vec<(f64, u64, u64)>,
 }
 
 /// What is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sweep {
+pub enum BreakingSweep {
     /// The size of triangles in the picture.
     Size,
     /// How far from the origin the same triangles are.
@@ -37,7 +37,7 @@ pub enum Sweep {
     Angle,
 }
 
-impl Sweep {
+impl BreakingSweep {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Size, Self::Distance, Self::Angle];
 
@@ -175,20 +175,20 @@ fn camera(eye: DVec3, target: DVec3, side: u32, frame: f64) -> Result<Camera, Re
     Ok(Camera::new(placement, Projection::Perspective, plane))
 }
 
-/// Asks every way along one axis.
+/// Asks every caster along one axis.
 ///
 /// # Errors
 /// A scene that cannot be built.
 pub fn measure(
-    sweep: Sweep,
-    effort: &Effort,
+    sweep: BreakingSweep,
+    budget: &ReportBudget,
     library: Option<&Arc<Embree>>,
-    watch: &dyn Watch,
-) -> Result<Vec<Curve>, ReportError> {
+    progress: &dyn ReportProgress,
+) -> Result<Vec<BreakingCurve>, ReportError> {
     let places = sweep.places();
-    watch.begin("breaking", places.len() as u64);
-    let side = (effort.breaking as f64).sqrt() as u32;
-    let mut curves: Vec<Curve> = Vec::new();
+    progress.begin("breaking", places.len() as u64);
+    let side = (budget.breaking as f64).sqrt() as u32;
+    let mut curves: Vec<BreakingCurve> = Vec::new();
     for place in places {
         let (scene, camera) = sweep.setting(place, side)?;
         let input = Input {
@@ -196,21 +196,24 @@ pub fn measure(
             scene: Arc::new(scene),
             parsing: None,
         };
-        let subject = Subject::new(&input, effort.simd, library)?;
-        let pixels = pixels_by_lot(&camera, effort.breaking);
+        let subject = Subject::new(&input, budget.simd, library)?;
+        let pixels = pixels_by_lot(&camera, budget.breaking);
         let checked = Checked::new(&subject.stage, Vec::new(), vec![(camera, pixels)]);
-        for way in &subject.ways {
-            let errors = checked.errors(way.as_ref(), effort.tests);
+        for caster in &subject.casters {
+            let errors = checked.errors(caster.as_ref(), budget.tests);
             let point = (place, errors.rays, errors.wrong());
-            match curves.iter_mut().find(|curve| curve.way == way.name()) {
+            match curves
+                .iter_mut()
+                .find(|curve| curve.caster == caster.name())
+            {
                 Some(curve) => curve.points.push(point),
-                None => curves.push(Curve {
-                    way: way.name().to_owned(),
+                None => curves.push(BreakingCurve {
+                    caster: caster.name().to_owned(),
                     points: vec![point],
                 }),
             }
         }
-        watch.step();
+        progress.step();
     }
     // From left to right.
     let axis = sweep.axis(&sweep.places());
@@ -222,7 +225,7 @@ pub fn measure(
 }
 
 /// Adds the plot of one axis, its numbers, and what is to be read from it.
-pub fn show(section: &mut Section, sweep: Sweep, curves: &[Curve]) {
+pub fn show(section: &mut Section, sweep: BreakingSweep, curves: &[BreakingCurve]) {
     let places = sweep.places();
     let rate = |&(_, rays, wrong): &(f64, u64, u64)| wrong as f64 / rays.max(1) as f64 * 1e6;
     let rates = || {
@@ -230,11 +233,11 @@ pub fn show(section: &mut Section, sweep: Sweep, curves: &[Curve]) {
             .iter()
             .flat_map(|curve| curve.points.iter().map(rate))
     };
-    let broken: Vec<&Curve> = curves
+    let broken: Vec<&BreakingCurve> = curves
         .iter()
         .filter(|c| c.points.iter().any(|p| p.2 > 0))
         .collect();
-    let whole: Vec<&Curve> = curves
+    let whole: Vec<&BreakingCurve> = curves
         .iter()
         .filter(|c| c.points.iter().all(|p| p.2 == 0))
         .collect();
@@ -243,50 +246,50 @@ pub fn show(section: &mut Section, sweep: Sweep, curves: &[Curve]) {
         let first = alike[0];
         series.push(Series {
             label: match alike.len() {
-                1 => first.way.clone(),
-                count => format!("{} (+{} alike)", first.way, count - 1),
+                1 => first.caster.clone(),
+                count => format!("{} (+{} alike)", first.caster, count - 1),
             },
             points: first
                 .points
                 .iter()
                 .map(|point| (point.0, rate(point)))
                 .collect(),
-            ink: Ink::of_way(&first.way),
-            form: if first.way.contains("f64") || first.way.contains("robust") {
+            ink: Ink::of_caster(&first.caster),
+            form: if first.caster.contains("f64") || first.caster.contains("robust") {
                 Form::Dashes
             } else {
                 Form::Line
             },
         });
     }
-    // Ways that are never wrong share one line, and one name.
+    // Casters that are never wrong share one line, and one name.
     if let Some(first) = whole.first() {
         series.push(Series::line(
             if whole.len() == 1 {
-                first.way.clone()
+                first.caster.clone()
             } else {
-                format!("{} ways, never wrong", whole.len())
+                format!("{} casters, never wrong", whole.len())
             },
             places.iter().map(|&place| (place, 0.0)).collect(),
-            Ink::of_way(&first.way),
+            Ink::of_caster(&first.caster),
         ));
     }
     let worst = broken.iter().map(|curve| {
         let worst = curve.points.iter().map(rate).fold(0.0, f64::max);
-        (worst, curve.way.as_str())
+        (worst, curve.caster.as_str())
     });
     let worst = worst.max_by(|a, b| a.0.total_cmp(&b.0));
     let chart = Chart {
         title: match worst {
-            Some((rate, way)) => format!(
-                "{}: {way} is wrong for up to {} % of rays",
+            Some((rate, caster)) => format!(
+                "{}: {caster} is wrong for up to {} % of rays",
                 sweep.title(),
                 number(rate / 1e4)
             ),
-            None => format!("{}: no way was wrong", sweep.title()),
+            None => format!("{}: no caster was wrong", sweep.title()),
         },
         subtitle:
-            "Wrong triangles against exact arithmetic, each way with the very rays that it was \
+            "Wrong triangles against exact arithmetic, each caster with the very rays that it was \
                    given. Broken lines: double precision, or Embree's robust mode."
                 .to_owned(),
         x: sweep.axis(&places),
@@ -303,22 +306,22 @@ pub fn show(section: &mut Section, sweep: Sweep, curves: &[Curve]) {
     let rays = curves
         .iter()
         .flat_map(|curve| curve.points.iter().map(|point| point.1));
-    let never: Vec<&str> = whole.iter().map(|curve| curve.way.as_str()).collect();
+    let never: Vec<&str> = whole.iter().map(|curve| curve.caster.as_str()).collect();
     section.say(format!(
         "Never wrong here, in {} rays a dot ({} for brute force): {}.",
         grouped(rays.clone().max().unwrap_or(0)),
         grouped(rays.min().unwrap_or(0)),
         if never.is_empty() {
-            "no way".to_owned()
+            "no caster".to_owned()
         } else {
             never.join("; ")
         }
     ));
-    let mut table = Table::new(&["way", "place", "rays", "wrong", "wrong per million"]);
+    let mut table = Table::new(&["caster", "place", "rays", "wrong", "wrong per million"]);
     for curve in curves {
         for point in &curve.points {
             table.row(vec![
-                curve.way.as_str().into(),
+                curve.caster.as_str().into(),
                 Cell::short(point.0),
                 point.1.into(),
                 point.2.into(),
@@ -329,12 +332,13 @@ pub fn show(section: &mut Section, sweep: Sweep, curves: &[Curve]) {
     section.numbers(sweep.name(), table);
 }
 
-/// Curves that are the same, of ways of the same family, together.
-fn alike<'a>(curves: &[&'a Curve]) -> Vec<Vec<&'a Curve>> {
-    let mut groups: Vec<Vec<&Curve>> = Vec::new();
+/// Curves that are the same, of casters of the same family, together.
+fn alike<'a>(curves: &[&'a BreakingCurve]) -> Vec<Vec<&'a BreakingCurve>> {
+    let mut groups: Vec<Vec<&BreakingCurve>> = Vec::new();
     for &curve in curves {
-        let same = |group: &&mut Vec<&Curve>| {
-            group[0].points == curve.points && Ink::of_way(&group[0].way) == Ink::of_way(&curve.way)
+        let same = |group: &&mut Vec<&BreakingCurve>| {
+            group[0].points == curve.points
+                && Ink::of_caster(&group[0].caster) == Ink::of_caster(&curve.caster)
         };
         match groups.iter_mut().find(same) {
             Some(group) => group.push(curve),

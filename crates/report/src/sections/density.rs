@@ -1,13 +1,13 @@
 //! Plot D: what the density of rays costs, and what it brings.
 
 use super::Section;
+use crate::budget::ReportBudget;
 use crate::chart::{Axis, Better, Chart, Ink, Series, captioned};
-use crate::effort::Effort;
 use crate::metrics::Difference;
+use crate::progress::ReportProgress;
 use crate::table::{Cell, ReportError, Table, short};
 use crate::timing::{Spread, interleaved};
 use crate::views;
-use crate::watch::Watch;
 use image::{Rgb, RgbImage};
 use raycast_core::Accel;
 use raycast_core::camera::{Camera, Grid, ImagePlane};
@@ -27,7 +27,7 @@ const SAMPLES: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
 
 /// A picture made in one way.
 #[derive(Clone, Debug)]
-pub struct Made {
+pub struct DensePicture {
     /// Pixels from one ray to the next.
     pub step: f64,
     /// Rays a sample.
@@ -43,8 +43,8 @@ pub struct Made {
 /// Pictures by step, pictures by samples, and what they are compared with.
 #[derive(Clone, Debug)]
 pub struct Pictures {
-    by_step: Vec<Made>,
-    by_samples: Vec<Made>,
+    by_step: Vec<DensePicture>,
+    by_samples: Vec<DensePicture>,
     reference: RgbImage,
     samples: u32,
     name: String,
@@ -57,13 +57,13 @@ pub struct Pictures {
 pub fn measure(
     name: &str,
     scene: &Arc<Scene>,
-    effort: &Effort,
-    watch: &dyn Watch,
+    budget: &ReportBudget,
+    progress: &dyn ReportProgress,
 ) -> Result<Pictures, ReportError> {
-    let camera = views::filling(scene, effort.compared, views::FOV, 1.2)?;
+    let camera = views::filling(scene, budget.compared, views::FOV, 1.2)?;
     let view = View {
         scene: Arc::clone(scene),
-        accel: Arc::new(Accel::build(scene)?.with_simd(effort.simd)),
+        accel: Arc::new(Accel::build(scene)?.with_simd(budget.simd)),
         camera,
         settings: Settings {
             shading: Shading {
@@ -74,14 +74,14 @@ pub fn measure(
             ..Settings::default()
         },
     };
-    watch.begin("reference", 1);
-    let reference = to_rgb(&render(&with_samples(&view, effort.samples)));
-    watch.step();
+    progress.begin("reference", 1);
+    let reference = to_rgb(&render(&with_samples(&view, budget.samples)));
+    progress.step();
     let steps = STEPS.map(|step| with_step(&view, step));
     let steps = steps.into_iter().collect::<Result<Vec<_>, _>>()?;
     let samples = SAMPLES.map(|samples| with_samples(&view, samples));
-    let rounds = effort.rounds.div_ceil(2);
-    watch.begin(
+    let rounds = budget.rounds.div_ceil(2);
+    progress.begin(
         "density",
         ((STEPS.len() + SAMPLES.len()) * (rounds + 1)) as u64,
     );
@@ -91,11 +91,11 @@ pub fn measure(
             std::hint::black_box(render(view));
         }));
     }
-    let times = interleaved(rounds, &mut works, &|| watch.step());
+    let times = interleaved(rounds, &mut works, &|| progress.step());
     let (step_times, sample_times) = times.split_at(STEPS.len());
-    let made = |view: &View, step: f64, seconds: Spread| -> Result<Made, ReportError> {
-        let picture = resized(&to_rgb(&render(view)), effort.compared);
-        Ok(Made {
+    let made = |view: &View, step: f64, seconds: Spread| -> Result<DensePicture, ReportError> {
+        let picture = resized(&to_rgb(&render(view)), budget.compared);
+        Ok(DensePicture {
             step,
             samples: view.settings.samples,
             ms: seconds.scaled(1e3),
@@ -111,7 +111,7 @@ pub fn measure(
         by_step: by_step.collect::<Result<_, _>>()?,
         by_samples: by_samples.collect::<Result<_, _>>()?,
         reference: reference.clone(),
-        samples: effort.samples,
+        samples: budget.samples,
         name: name.to_owned(),
     })
 }
@@ -138,7 +138,8 @@ fn with_step(view: &View, step: f64) -> Result<View, ReportError> {
     })
 }
 
-fn render(view: &View) -> Picture {
+/// A view's picture.
+pub(super) fn render(view: &View) -> Picture {
     let picture = view.render(
         Grid::default(),
         &|| Duration::ZERO,
@@ -149,7 +150,8 @@ fn render(view: &View) -> Picture {
     picture.unwrap_or_else(|| Picture::blank(1, 1, false))
 }
 
-fn to_rgb(picture: &Picture) -> RgbImage {
+/// Its colours alone.
+pub(super) fn to_rgb(picture: &Picture) -> RgbImage {
     RgbImage::from_fn(picture.width, picture.height, |x, y| {
         let [r, g, b, _] = picture.pixels[(y * picture.width + x) as usize];
         Rgb([r, g, b])
@@ -238,7 +240,7 @@ pub fn show(section: &mut Section, pictures: &Pictures) -> Result<(), ReportErro
         ("psnr", "PSNR, decibels", |d| d.psnr, Better::HigherLeft),
     ];
     for (short_name, label, measure, better) in measures {
-        let points = |made: &[Made]| -> Vec<(f64, f64)> {
+        let points = |made: &[DensePicture]| -> Vec<(f64, f64)> {
             made.iter()
                 .map(|made| (made.ms.median, measure(&made.difference)))
                 .collect()

@@ -1,23 +1,23 @@
-//! The hard cases: which ways are wrong in which.
+//! The hard cases: which casters are wrong in which.
 
 use super::Section;
 use super::numerics::{self, Standing};
-use crate::cases::{self, Case, Setting, Theme};
+use crate::budget::ReportBudget;
+use crate::cases::{self, Case, CaseTheme, Setting};
+use crate::casters::{Caster, Rays};
 use crate::checked::{Checked, pixels_by_lot};
-use crate::effort::Effort;
 use crate::embree::Embree;
 use crate::errors::Errors;
+use crate::progress::ReportProgress;
 use crate::subject::{self, Input, Subject};
 use crate::table::{ReportError, Table, grouped};
-use crate::watch::Watch;
-use crate::ways::{Rays, Way};
 use raycast_core::Cull;
 use raycast_core::camera::Lattice;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// What a way made of a case.
+/// What a caster made of a case.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
     /// Against the truth.
@@ -28,56 +28,56 @@ pub struct Outcome {
     pub time: Duration,
 }
 
-/// What ways made of the cases: by the way's name, then by the case's.
+/// What casters made of the cases: by the caster's name, then by the case's.
 #[derive(Clone, Debug, Default)]
 pub struct Outcomes {
-    /// Names, in the order of [`Subject::ways`].
-    pub ways: Vec<String>,
-    /// A case, and what each way made of it, in the order of `ways`; `None` for a way that was not
+    /// Names, in the order of [`Subject::casters`].
+    pub casters: Vec<String>,
+    /// A case, and what each caster made of it, in the order of `casters`; `None` for a caster that was not
     /// there.
     pub cases: Vec<(Case, BTreeMap<String, Outcome>)>,
 }
 
-/// Asks every way about every case.
+/// Asks every caster about every case.
 ///
 /// # Errors
 /// A case whose scene cannot be built.
 pub fn measure(
-    effort: &Effort,
+    budget: &ReportBudget,
     library: Option<&Arc<Embree>>,
-    watch: &dyn Watch,
+    progress: &dyn ReportProgress,
 ) -> Result<Outcomes, ReportError> {
-    // What takes other ways time without bound is not asked of them: `time` measures RayCast's own.
+    // Other casters take time without bound for these: `time` measures RayCast alone.
     let mut all = cases::all();
-    all.retain(|case| case.theme != Theme::Time);
-    watch.begin("hard cases", all.len() as u64);
+    all.retain(|case| case.theme != CaseTheme::Time);
+    progress.begin("hard cases", all.len() as u64);
     let mut outcomes = Outcomes::default();
     for case in all {
-        let mut by_way: BTreeMap<String, Outcome> = BTreeMap::new();
+        let mut by_caster: BTreeMap<String, Outcome> = BTreeMap::new();
         let open = case.settings().filter(|setting| setting.cull == Cull::None);
-        for mut setting in open.take(effort.variants) {
-            setting.cameras.truncate(effort.cameras);
-            let rays = setting.rays(effort.hard, 1);
-            let subject = Subject::new(&as_input(&case, &setting), effort.simd, library)?;
-            let each = effort.hard / setting.cameras.len().max(1);
+        for mut setting in open.take(budget.variants) {
+            setting.cameras.truncate(budget.cameras);
+            let rays = setting.rays(budget.hard, 1);
+            let subject = Subject::new(&as_input(&case, &setting), budget.simd, library)?;
+            let each = budget.hard / setting.cameras.len().max(1);
             let pictures = setting.cameras.iter();
             let pictures = pictures.map(|camera| (*camera, pixels_by_lot(camera, each)));
             let checked = Checked::new(&subject.stage, rays, pictures.collect());
-            for way in &subject.ways {
-                let way = way.as_ref();
-                let outcome = by_way.entry(way.name().to_owned()).or_default();
-                let errors = checked.errors(way, effort.tests / 20);
+            for caster in &subject.casters {
+                let caster = caster.as_ref();
+                let outcome = by_caster.entry(caster.name().to_owned()).or_default();
+                let errors = checked.errors(caster, budget.tests / 20);
                 outcome.errors = Errors::sum([std::mem::take(&mut outcome.errors), errors]);
-                let (rays, time) = speed(way, &checked, &setting, effort);
+                let (rays, time) = speed(caster, &checked, &setting, budget);
                 outcome.timed_rays += rays;
                 outcome.time += time;
-                if !outcomes.ways.iter().any(|name| name == way.name()) {
-                    outcomes.ways.push(way.name().to_owned());
+                if !outcomes.casters.iter().any(|name| name == caster.name()) {
+                    outcomes.casters.push(caster.name().to_owned());
                 }
             }
         }
-        outcomes.cases.push((case, by_way));
-        watch.step();
+        outcomes.cases.push((case, by_caster));
+        progress.step();
     }
     Ok(outcomes)
 }
@@ -90,17 +90,17 @@ fn as_input(case: &Case, setting: &Setting) -> Input {
     }
 }
 
-/// How many rays a way has cast on one worker, and the least time of a few that it took.
+/// How many rays a caster has cast on one worker, and the least time of a few that it took.
 fn speed(
-    way: &dyn Way,
+    caster: &dyn Caster,
     checked: &Checked<'_>,
     setting: &Setting,
-    effort: &Effort,
+    budget: &ReportBudget,
 ) -> (usize, Duration) {
     let mut hits = Vec::new();
     let mut least = Duration::MAX;
     let mut count = 0;
-    let tiles: Vec<Lattice> = match way.rays() {
+    let tiles: Vec<Lattice> = match caster.rays() {
         Rays::Camera => {
             let cameras = setting.cameras.iter();
             cameras
@@ -109,20 +109,20 @@ fn speed(
         }
         _ => Vec::new(),
     };
-    let rays = checked.rays(way);
-    let affordable = match way.tries() {
+    let rays = checked.rays(caster);
+    let affordable = match caster.tries() {
         0 => rays.len(),
-        tries => rays.len().min((effort.tests / 100 / tries).max(1)),
+        tries => rays.len().min((budget.tests / 100 / tries).max(1)),
     };
-    for _ in 0..effort.rounds.div_ceil(3) {
+    for _ in 0..budget.rounds.div_ceil(3) {
         let started = Instant::now();
-        if way.rays() == Rays::Camera {
+        if caster.rays() == Rays::Camera {
             for tile in &tiles {
-                way.cast_lattice(tile, &mut hits);
+                caster.cast_lattice(tile, &mut hits);
             }
             count = tiles.iter().map(Lattice::len).sum();
         } else {
-            way.cast(&rays[..affordable], &mut hits);
+            caster.cast(&rays[..affordable], &mut hits);
             count = affordable;
         }
         least = least.min(started.elapsed());
@@ -130,10 +130,10 @@ fn speed(
     (count, least)
 }
 
-/// Each way over all cases.
+/// Each caster over all cases.
 pub fn over_cases(outcomes: &Outcomes) -> Vec<Standing> {
-    let ways = outcomes.ways.iter();
-    ways.map(|way| standing(outcomes, way)).collect()
+    let casters = outcomes.casters.iter();
+    casters.map(|caster| standing(outcomes, caster)).collect()
 }
 
 /// Plot A over the hard cases (`standings` being those of [`over_cases`]), and who is wrong where.
@@ -142,7 +142,7 @@ pub fn show(section: &mut Section, outcomes: &Outcomes, standings: &[Standing]) 
     let rays: u64 = outcomes
         .cases
         .iter()
-        .filter_map(|(_, ways)| ways.values().map(|outcome| outcome.errors.rays).max())
+        .filter_map(|(_, casters)| casters.values().map(|outcome| outcome.errors.rays).max())
         .sum();
     section.say(format!(
         "{} places where known ray casters go wrong, {} rays at most: aimed at edges and corners, far \
@@ -153,11 +153,17 @@ pub fn show(section: &mut Section, outcomes: &Outcomes, standings: &[Standing]) 
         grouped(rays)
     ));
     numerics::show(section, "a-hard", "hard cases", standings, 1);
-    let mut summary = Table::new(&["way", "leaks", "wrong", "of rays", "wrong in these cases"]);
-    for way in &outcomes.ways {
-        let errors = of_way(outcomes, way).map(|(_, outcome)| outcome.errors.clone());
+    let mut summary = Table::new(&[
+        "caster",
+        "leaks",
+        "wrong",
+        "of rays",
+        "wrong in these cases",
+    ]);
+    for caster in &outcomes.casters {
+        let errors = of_caster(outcomes, caster).map(|(_, outcome)| outcome.errors.clone());
         let errors = Errors::sum(errors);
-        let wrong: Vec<String> = of_way(outcomes, way)
+        let wrong: Vec<String> = of_caster(outcomes, caster)
             .filter(|(_, outcome)| outcome.errors.wrong() > 0)
             .map(|(case, outcome)| {
                 let (wrong, rays) = (outcome.errors.wrong(), outcome.errors.rays);
@@ -165,7 +171,7 @@ pub fn show(section: &mut Section, outcomes: &Outcomes, standings: &[Standing]) 
             })
             .collect();
         summary.row(vec![
-            way.as_str().into(),
+            caster.as_str().into(),
             errors.leaks.into(),
             errors.wrong().into(),
             errors.rays.into(),
@@ -176,15 +182,17 @@ pub fn show(section: &mut Section, outcomes: &Outcomes, standings: &[Standing]) 
             },
         ]);
     }
-    section.table("hard-ways", summary);
-    let mut numbers = Table::new(&["case", "trouble", "way", "rays", "leaks", "wrong", "ties"]);
-    for (case, ways) in &outcomes.cases {
-        for (way, outcome) in ways {
+    section.table("hard-casters", summary);
+    let mut numbers = Table::new(&[
+        "case", "trouble", "caster", "rays", "leaks", "wrong", "ties",
+    ]);
+    for (case, casters) in &outcomes.cases {
+        for (caster, outcome) in casters {
             let errors = &outcome.errors;
             numbers.row(vec![
                 case.name.into(),
                 case.trouble.into(),
-                way.as_str().into(),
+                caster.as_str().into(),
                 errors.rays.into(),
                 errors.leaks.into(),
                 errors.wrong().into(),
@@ -195,24 +203,24 @@ pub fn show(section: &mut Section, outcomes: &Outcomes, standings: &[Standing]) 
     section.numbers("hard-cases", numbers);
 }
 
-fn of_way<'a>(
+fn of_caster<'a>(
     outcomes: &'a Outcomes,
-    way: &'a str,
+    caster: &'a str,
 ) -> impl Iterator<Item = (&'a Case, &'a Outcome)> {
     let cases = outcomes.cases.iter();
-    cases.filter_map(move |(case, ways)| Some((case, ways.get(way)?)))
+    cases.filter_map(move |(case, casters)| Some((case, casters.get(caster)?)))
 }
 
-fn standing(outcomes: &Outcomes, way: &str) -> Standing {
+fn standing(outcomes: &Outcomes, caster: &str) -> Standing {
     let (mut rays, mut seconds) = (0, 0.0);
     let mut errors = Errors::default();
-    for (_, outcome) in of_way(outcomes, way) {
+    for (_, outcome) in of_caster(outcomes, caster) {
         rays += outcome.timed_rays;
         seconds += outcome.time.as_secs_f64();
         errors = Errors::sum([errors, outcome.errors.clone()]);
     }
     Standing {
-        name: way.to_owned(),
+        name: caster.to_owned(),
         mrays: rays as f64 / seconds / 1e6,
         wrong: errors.wrong(),
         rays: errors.rays,
@@ -224,22 +232,22 @@ mod tests {
     use super::*;
     use std::fmt::Write;
 
-    /// Which of other people's ways is wrong where, and how often: a line that changes is a change of a
-    /// way, of a case, or of the oracle, and wants to be understood.
+    /// Which of other people's casters is wrong where, and how often: a line that changes is a change of a
+    /// caster, of a case, or of the oracle, and wants to be understood.
     const EXPECTED: &str = include_str!("hard_failures.txt");
 
     fn told(outcomes: &Outcomes) -> String {
         let mut told = String::new();
-        for way in outcomes
-            .ways
+        for caster in outcomes
+            .casters
             .iter()
-            .filter(|way| !way.starts_with("RayCast"))
+            .filter(|caster| !caster.starts_with("RayCast"))
         {
-            for (case, outcome) in of_way(outcomes, way) {
+            for (case, outcome) in of_caster(outcomes, caster) {
                 let errors = &outcome.errors;
                 if errors.wrong() > 0 {
                     let (wrong, rays) = (errors.wrong(), errors.rays);
-                    let _ = writeln!(told, "{way}: {}: {wrong} of {rays}", case.name);
+                    let _ = writeln!(told, "{caster}: {}: {wrong} of {rays}", case.name);
                 }
             }
         }
@@ -247,17 +255,20 @@ mod tests {
     }
 
     #[test]
-    fn every_way_fails_where_it_is_expected_to_and_nowhere_else() {
-        let effort = Effort {
+    fn every_caster_fails_where_it_is_expected_to_and_nowhere_else() {
+        let budget = ReportBudget {
             hard: 100,
-            ..Effort::QUICK
+            ..ReportBudget::QUICK
         };
-        let outcomes = measure(&effort, None, &()).expect("scenes that can be built");
-        let exact = outcomes.ways.iter().filter(|way| way.contains("exact"));
+        let outcomes = measure(&budget, None, &()).expect("scenes that can be built");
+        let exact = outcomes
+            .casters
+            .iter()
+            .filter(|caster| caster.contains("exact"));
         assert!(exact.clone().count() >= 2);
-        for way in exact {
-            let errors = of_way(&outcomes, way).map(|(_, outcome)| outcome.errors.clone());
-            assert_eq!(Errors::sum(errors).wrong(), 0, "{way}");
+        for caster in exact {
+            let errors = of_caster(&outcomes, caster).map(|(_, outcome)| outcome.errors.clone());
+            assert_eq!(Errors::sum(errors).wrong(), 0, "{caster}");
         }
         let told = told(&outcomes);
         let is_known = |line: &&str| EXPECTED.lines().any(|known| known == *line);

@@ -1,44 +1,14 @@
-//! Picture F: how a tile's frustum narrows down what its rays can meet, level by level.
+//! Picture F: how a tile's frustum narrows down what its rays can hit, level by level.
 
 use super::Section;
-use crate::chart::{Note, QUIET, TEXT, annotated};
-use crate::figure::Figure;
+use super::chosen_tile::{Chosen, SIZE, choose};
+use super::level_figure::LevelFigure;
 use crate::subject::Input;
-use crate::table::{Cell, ReportError, Table, grouped};
+use crate::table::{Cell, ReportError, Table};
 use crate::views;
-use image::{RgbImage, imageops};
-use raycast_core::camera::{Camera, ImagePlane, Lattice, Placement, Projection, Rect};
-use raycast_core::glam::DVec3;
-use raycast_core::math;
-use raycast_core::packet::{LargeTrace, PacketTrace};
-use raycast_core::scene::{Bounds, Color};
-use raycast_core::{Accel, Cull, MISS, Precision, Simd};
+use raycast_core::camera::Lattice;
+use raycast_core::{Accel, Simd};
 use std::collections::HashSet;
-
-/// Columns and rows of the picture whose tile is shown: few, so that a tile is large in it.
-const SIZE: (u32, u32) = (512, 320);
-
-/// Rays along the side of a sub-block: the least that triangles are held against before single rows.
-const SUB_SIDE: u32 = 8;
-
-/// Columns and rows of the figure, and pixels along the side of the tile beside it.
-const SHEET: (u32, u32) = (1600, 900);
-const INSET: u32 = 288;
-
-/// Triangles by how far they come, farther each.
-const LEFT_OUT: Color = Color([232, 232, 228]);
-const LISTED: Color = Color([150, 200, 238]);
-const SET_UP: Color = Color([250, 204, 92]);
-const SEEN: Color = Color([220, 84, 20]);
-
-/// Lines.
-const PICTURE_INK: Color = Color([70, 76, 86]);
-const GRID_INK: Color = Color([190, 196, 204]);
-const TILE_INK: Color = Color([0, 92, 170]);
-const BOX_INK: Color = Color([110, 170, 220]);
-const BLOCK_INK: Color = Color([0, 130, 80]);
-const SUB_INK: Color = Color([150, 30, 130]);
-const EDGE_INK: Color = Color([90, 70, 60]);
 
 /// A tile's way down the tree, in numbers and as a picture.
 #[derive(Clone, Debug)]
@@ -48,19 +18,9 @@ pub struct Shown {
     png: Vec<u8>,
 }
 
-/// A tile of a picture, a block of it, a sub-block of that.
-struct Chosen {
-    large: LargeTrace,
-    block: PacketTrace,
-    sub: Lattice,
-    /// Distinct triangles that the tile's rays meet, and the sub-block's.
-    seen: usize,
-    sub_seen: usize,
-}
-
 /// Follows the tile of a scene's picture that shows most.
 ///
-/// `None` where no ray meets anything.
+/// `None` where no ray hits anything.
 ///
 /// # Errors
 /// A scene that cannot be cast at, a figure that cannot be drawn.
@@ -71,77 +31,12 @@ pub fn measure(input: &Input, simd: Simd) -> Result<Option<Shown>, ReportError> 
         return Ok(None);
     };
     let (center, radius) = input.scene.bounding_sphere();
-    let stage = Stage::new(&accel, &camera, &chosen, center, radius)?;
+    let figure = LevelFigure::new(&accel, &camera, &chosen, center, radius)?;
     Ok(Some(Shown {
         name: input.name.clone(),
         table: numbers(&accel, &chosen),
-        png: stage.sheet()?,
+        png: figure.sheet()?,
     }))
-}
-
-/// The tile with most to see: many triangles, not all of it covered, near the middle, in the right half,
-/// which the figure is seen from.
-fn choose(accel: &Accel, camera: &Camera) -> Option<Chosen> {
-    let (columns, rows) = SIZE;
-    let whole = Rect {
-        x: 0,
-        y: 0,
-        width: columns,
-        height: rows,
-    };
-    let lattice = camera.sub_camera(whole).lattice();
-    let mut primitives = Vec::new();
-    accel.find(&lattice, Cull::None, Precision::Exact, &mut primitives);
-    let found = |rays: &Lattice| -> (usize, f64) {
-        let rows = rays.y..rays.y + rays.rows;
-        let places = rows.flat_map(|y| (rays.x..rays.x + rays.columns).map(move |x| (x, y)));
-        let primitives = places.map(|(x, y)| primitives[(y * columns + x) as usize]);
-        let met: Vec<u32> = primitives.filter(|&primitive| primitive != MISS).collect();
-        let covered = met.len() as f64 / rays.len() as f64;
-        (met.into_iter().collect::<HashSet<_>>().len(), covered)
-    };
-    let worth = |rays: &Lattice| -> f64 {
-        let (seen, covered) = found(rays);
-        let shows_silhouette = (0.3..0.95).contains(&covered);
-        seen as f64 * if shows_silhouette { 2.0 } else { 1.0 }
-    };
-    let place = |rays: &Lattice| -> f64 {
-        let x = f64::from(rays.x) + f64::from(rays.columns) * 0.5 - f64::from(columns) * 0.5;
-        let y = f64::from(rays.y) + f64::from(rays.rows) * 0.5 - f64::from(rows) * 0.5;
-        let off = (x * x + y * y).sqrt() / f64::from(rows);
-        let half = if x > 0.0 { 1.0 } else { 0.25 };
-        half / (1.0 + 4.0 * off * off)
-    };
-    let large = accel
-        .levels(&lattice, Cull::None)
-        .into_iter()
-        .max_by(|a, b| {
-            let worth = |large: &LargeTrace| worth(&large.rays) * place(&large.rays);
-            worth(a).total_cmp(&worth(b))
-        })?;
-    let block = large.blocks.iter();
-    let block = block.max_by(|a, b| worth(&a.rays).total_cmp(&worth(&b.rays)));
-    let block = block?.clone();
-    let subs = (0..block.rays.rows).step_by(SUB_SIDE as usize);
-    let subs = subs.flat_map(|row| {
-        let columns = (0..block.rays.columns).step_by(SUB_SIDE as usize);
-        columns.map(move |column| Lattice {
-            x: block.rays.x + column,
-            y: block.rays.y + row,
-            columns: SUB_SIDE.min(block.rays.columns - column),
-            rows: SUB_SIDE.min(block.rays.rows - row),
-            ..block.rays
-        })
-    });
-    let sub = subs.max_by(|a, b| worth(a).total_cmp(&worth(b)))?;
-    let (seen, sub_seen) = (found(&large.rays).0, found(&sub).0);
-    (seen > 0).then_some(Chosen {
-        block,
-        large,
-        sub,
-        seen,
-        sub_seen,
-    })
 }
 
 /// How many triangles are left at each level.
@@ -207,347 +102,6 @@ fn distinct<'a>(primitives: impl Iterator<Item = &'a Vec<u32>>) -> usize {
     primitives.flatten().collect::<HashSet<_>>().len()
 }
 
-/// What the figure shows, the scene's bounding sphere made the unit sphere.
-struct Stage<'a> {
-    chosen: &'a Chosen,
-    simd: Simd,
-    /// The camera whose tile it is.
-    inner: Camera,
-    /// The camera that looks at all of it from outside.
-    outer: Camera,
-    triangles: Vec<([DVec3; 3], Color)>,
-    boxes: Vec<Bounds>,
-    /// Where along the view axis the picture is shown, and where the tile's frustum ends.
-    shown_at: f64,
-    end: f64,
-}
-
-impl<'a> Stage<'a> {
-    fn new(
-        accel: &Accel,
-        camera: &Camera,
-        chosen: &'a Chosen,
-        center: DVec3,
-        radius: f64,
-    ) -> Result<Self, ReportError> {
-        let unit = |point: DVec3| (point - center) / radius;
-        let placement = camera.placement();
-        let placement = Placement {
-            eye: unit(placement.eye),
-            target: unit(placement.target),
-            up: placement.up,
-        };
-        let (columns, rows) = SIZE;
-        let plane = ImagePlane::new(columns, rows, camera.plane().step / radius)?;
-        let inner = Camera::new(placement, Projection::Perspective, plane);
-
-        let listed: HashSet<u32> = chosen
-            .large
-            .list
-            .iter()
-            .flat_map(|l| l.primitives.clone())
-            .collect();
-        let holds =
-            |primitives: &[u32], primitive: u32| primitives.binary_search(&primitive).is_ok();
-        let triangle = |primitive: u32| {
-            let color = if holds(&chosen.block.seen, primitive) {
-                SEEN
-            } else if holds(&chosen.block.set_up, primitive) {
-                SET_UP
-            } else if listed.contains(&primitive) {
-                LISTED
-            } else {
-                LEFT_OUT
-            };
-            let corners = accel.corners(primitive);
-            (
-                corners.map(|corner| unit(accel.origin() + corner.as_dvec3())),
-                color,
-            )
-        };
-        let triangles: Vec<_> = (0..accel.len() as u32).map(triangle).collect();
-        let boxes = chosen.large.list.iter().map(|listed| Bounds {
-            min: unit(listed.bounds.min),
-            max: unit(listed.bounds.max),
-        });
-        let boxes: Vec<Bounds> = boxes.collect();
-        let depth = |point: DVec3| (point - placement.eye).dot(inner.forward());
-        let corners = || triangles.iter().flat_map(|(corners, _)| corners);
-        let begin = corners()
-            .map(|&corner| depth(corner))
-            .fold(f64::INFINITY, f64::min);
-        let ends = boxes.iter().flat_map(|bounds| bounds.corners()).map(depth);
-        let end = ends.fold(begin, f64::max) + 0.12;
-        let mut stage = Self {
-            chosen,
-            simd: accel.simd(),
-            inner,
-            outer: inner,
-            triangles,
-            boxes,
-            shown_at: begin * 0.5,
-            end,
-        };
-        stage.outer = stage.outside()?;
-        Ok(stage)
-    }
-
-    /// Where the inner camera's ray through (x, y) is, so far along its view axis.
-    fn at(&self, (x, y): (f64, f64), depth: f64) -> DVec3 {
-        let direction = self.inner.direction(x, y);
-        self.inner.placement().eye + direction * (depth / self.inner.distance())
-    }
-
-    /// The corners of a rectangle of the inner camera's picture, so far along its view axis.
-    fn corners(&self, rays: &Lattice, depth: f64) -> [DVec3; 4] {
-        let (left, top) = (f64::from(rays.x), f64::from(rays.y));
-        let (right, bottom) = (left + f64::from(rays.columns), top + f64::from(rays.rows));
-        [(left, top), (right, top), (right, bottom), (left, bottom)].map(|at| self.at(at, depth))
-    }
-
-    fn whole(&self) -> Lattice {
-        let (width, height) = SIZE;
-        self.inner
-            .sub_camera(Rect {
-                x: 0,
-                y: 0,
-                width,
-                height,
-            })
-            .lattice()
-    }
-
-    /// From the right of the inner camera and above it, a long lens, with everything in view.
-    fn outside(&self) -> Result<Camera, ReportError> {
-        /// Degrees from behind the inner camera to its right, and up.
-        const ASIDE: f64 = 62.0;
-        const ABOVE: f64 = 14.0;
-        const FOV: f64 = 24.0;
-        /// Room about what is in view, as a share of it.
-        const MARGIN: f64 = 1.05;
-        /// What is left free on the left and below, as a share of the sheet.
-        const WORDS: f64 = 0.06;
-        const BELOW: f64 = 0.1;
-        let (columns, rows) = SHEET;
-        let (aside, above) = (f64::to_radians(ASIDE), f64::to_radians(ABOVE));
-        let level = self.inner.right() * math::sin(aside) - self.inner.forward() * math::cos(aside);
-        let back = level * math::cos(above) + self.inner.up() * math::sin(above);
-        let mut points = vec![self.inner.placement().eye];
-        points.extend(self.corners(&self.whole(), self.shown_at));
-        points.extend(self.corners(&self.chosen.large.rays, self.end));
-        points.extend(self.triangles.iter().flat_map(|(corners, _)| corners));
-        let mut target = Bounds::around(points.iter().copied()).center();
-        let mut distance = 12.0;
-        let camera = |target: DVec3, distance: f64| -> Result<Camera, ReportError> {
-            let placement = Placement {
-                eye: target + back * distance,
-                target,
-                up: self.inner.up(),
-            };
-            let step = raycast_core::camera::fov_to_frame(FOV, distance) / f64::from(rows);
-            let plane = ImagePlane::new(columns, rows, step)?;
-            Ok(Camera::new(placement, Projection::Perspective, plane))
-        };
-        // Each round the middle of what is in view goes to the middle of the sheet, and its size to
-        // the sheet's: a few rounds settle it.
-        for _ in 0..8 {
-            let camera = camera(target, distance)?;
-            let places = points.iter().filter_map(|&point| camera.project(point));
-            let places = places.map(|(x, y)| DVec3::new(x, y, 0.0));
-            let bounds = Bounds::around(places);
-            let (middle, size) = (bounds.center(), bounds.size());
-            let step = camera.plane().step;
-            let (columns, rows) = (f64::from(columns), f64::from(rows));
-            target += camera.right() * ((middle.x - columns * (1.0 + WORDS) * 0.5) * step)
-                - camera.up() * ((middle.y - rows * (1.0 - BELOW) * 0.5) * step);
-            distance *=
-                (size.x / (columns * (1.0 - WORDS))).max(size.y / (rows * (1.0 - BELOW))) * MARGIN;
-        }
-        camera(target, distance)
-    }
-
-    /// The triangles, with edges where they are listed: finer ones where there are many.
-    fn mesh(&self, figure: &mut Figure) {
-        const WIDTH: f64 = 1.2;
-        const MANY: f64 = 2000.0;
-        let is_listed = |color: Color| color != LEFT_OUT;
-        let listed = self.triangles.iter().filter(|(_, color)| is_listed(*color));
-        let width = WIDTH * (MANY / listed.count().max(1) as f64).sqrt().min(1.0);
-        for &(corners, color) in &self.triangles {
-            figure.triangle(corners, color);
-            if is_listed(color) {
-                figure.ring(&corners, width, EDGE_INK);
-            }
-        }
-    }
-
-    /// All of it from outside.
-    fn overview(&self) -> Result<RgbImage, ReportError> {
-        let mut figure = Figure::new(self.outer, self.simd);
-        self.mesh(&mut figure);
-        for bounds in &self.boxes {
-            figure.edges(bounds, 1.6, BOX_INK);
-        }
-        let eye = self.inner.placement().eye;
-        figure.ball(eye, 0.032, PICTURE_INK);
-        // The picture, and its tiles.
-        let whole = self.whole();
-        let frame = self.corners(&whole, self.shown_at);
-        figure.ring(&frame, 3.0, PICTURE_INK);
-        for corner in frame {
-            figure.line(eye, corner, 2.0, PICTURE_INK);
-        }
-        let (columns, rows) = SIZE;
-        let tile = self.chosen.large.rays.columns.max(1);
-        for x in (tile..columns).step_by(tile as usize) {
-            let ends = [0, rows].map(|y| self.at((f64::from(x), f64::from(y)), self.shown_at));
-            figure.line(ends[0], ends[1], 1.2, GRID_INK);
-        }
-        for y in (tile..rows).step_by(tile as usize) {
-            let ends = [0, columns].map(|x| self.at((f64::from(x), f64::from(y)), self.shown_at));
-            figure.line(ends[0], ends[1], 1.2, GRID_INK);
-        }
-        for (rays, pixels, color) in self.frusta() {
-            let end = self.corners(rays, self.end);
-            for corner in end {
-                figure.line(eye, corner, pixels, color);
-            }
-            figure.ring(&end, pixels, color);
-            figure.ring(&self.corners(rays, self.shown_at), pixels, color);
-        }
-        figure.draw()
-    }
-
-    /// The tile, the block, the sub-block, with lines for each.
-    fn frusta(&self) -> [(&Lattice, f64, Color); 3] {
-        [
-            (&self.chosen.large.rays, 3.4, TILE_INK),
-            (&self.chosen.block.rays, 2.6, BLOCK_INK),
-            (&self.chosen.sub, 1.8, SUB_INK),
-        ]
-    }
-
-    /// The tile as its camera sees it.
-    fn inset(&self) -> Result<RgbImage, ReportError> {
-        let rays = &self.chosen.large.rays;
-        let times = INSET / rays.columns.max(rays.rows).max(1);
-        let (columns, rows) = SIZE;
-        let step = self.inner.plane().step / f64::from(times);
-        let plane = ImagePlane::new(columns * times, rows * times, step)?;
-        let mut figure = Figure::new(self.inner.with_plane(plane), self.simd);
-        self.mesh(&mut figure);
-        figure.draw_part(Rect {
-            x: rays.x * times,
-            y: rays.y * times,
-            width: rays.columns * times,
-            height: rays.rows * times,
-        })
-    }
-
-    fn sheet(&self) -> Result<Vec<u8>, ReportError> {
-        let mut sheet = self.overview()?;
-        let inset = self.inset()?;
-        let (left, top) = (28, SHEET.1 - inset.height() - 28);
-        imageops::replace(&mut sheet, &inset, left.into(), top.into());
-        let mut notes = Vec::new();
-        let large = &self.chosen.large.rays;
-        let times = f64::from(inset.width()) / f64::from(large.columns);
-        for (rays, pixels, Color(color)) in self.frusta() {
-            let x = f64::from(left) + f64::from(rays.x - large.x) * times;
-            let y = f64::from(top) + f64::from(rays.y - large.y) * times;
-            let (right, bottom) = (
-                x + f64::from(rays.columns) * times,
-                y + f64::from(rays.rows) * times,
-            );
-            notes.push(Note::Line {
-                points: vec![(x, y), (right, y), (right, bottom), (x, bottom), (x, y)],
-                width: pixels + 1.0,
-                color,
-            });
-        }
-        notes.push(words(
-            "the tile, from its eye",
-            (
-                f64::from(left + inset.width()) + 18.0,
-                f64::from(top + inset.height()) - 12.0,
-            ),
-            QUIET,
-        ));
-        self.legend(&mut notes);
-        Ok(annotated(&sheet, &notes)?)
-    }
-
-    fn legend(&self, notes: &mut Vec<Note>) {
-        const LINE: f64 = 30.0;
-        const LEFT: f64 = 28.0;
-        const WORDS: f64 = 76.0;
-        /// How much higher words stand than where they are put.
-        const SINK: f64 = 4.0;
-        let Chosen {
-            large, block, sub, ..
-        } = self.chosen;
-        let size = |rays: &Lattice| format!("{} × {}", rays.columns, rays.rows);
-        let lines = [
-            (
-                format!("the picture, {} × {} rays", SIZE.0, SIZE.1),
-                3.0,
-                PICTURE_INK,
-            ),
-            (
-                format!("a tile of it, {}", size(&large.rays)),
-                3.4,
-                TILE_INK,
-            ),
-            (format!("a block, {}", size(&block.rays)), 2.6, BLOCK_INK),
-            (format!("a sub-block, {}", size(sub)), 1.8, SUB_INK),
-            (
-                format!("{} sub-trees that the tile touches", large.list.len()),
-                1.6,
-                BOX_INK,
-            ),
-        ];
-        let mut y = 38.0;
-        for (text, width, Color(color)) in lines {
-            notes.push(Note::Line {
-                points: vec![(LEFT, y - SINK), (LEFT + 34.0, y - SINK)],
-                width: width + 1.0,
-                color,
-            });
-            notes.push(words(&text, (WORDS, y), TEXT));
-            y += LINE;
-        }
-        y += LINE * 0.4;
-        let count = |color: Color| {
-            let triangles = self.triangles.iter().filter(|(_, other)| *other == color);
-            grouped(triangles.count() as u64)
-        };
-        let patches = [
-            (LEFT_OUT, "triangles left out by the tile"),
-            (LISTED, "only listed for it"),
-            (SET_UP, "only set up for the block"),
-            (SEEN, "seen by the block's rays"),
-        ];
-        for (color, text) in patches {
-            notes.push(Note::Patch {
-                low: (LEFT + 4.0, y - SINK - 11.0),
-                high: (LEFT + 30.0, y - SINK + 11.0),
-                color: color.0,
-            });
-            notes.push(words(&format!("{} {text}", count(color)), (WORDS, y), TEXT));
-            y += LINE;
-        }
-    }
-}
-
-fn words(text: &str, at: (f64, f64), color: [u8; 3]) -> Note {
-    Note::Words {
-        text: text.to_owned(),
-        at,
-        size: 24.0,
-        color,
-    }
-}
-
 /// Adds the picture and the numbers.
 pub fn show(section: &mut Section, shown: Shown) {
     section.say("## F. A tile's way down the tree");
@@ -577,7 +131,11 @@ pub fn show(section: &mut Section, shown: Shown) {
 mod tests {
     use super::*;
     use crate::scenes::bumpy_sphere;
+    use crate::sections::level_figure::{
+        BLOCK_INK, LEFT_OUT, LISTED, SEEN, SET_UP, SHEET, SUB_INK, TILE_INK,
+    };
     use crate::stage::scene_of;
+    use raycast_core::scene::Color;
     use raycast_core::scene::Scene;
     use std::sync::Arc;
 

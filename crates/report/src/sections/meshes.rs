@@ -1,16 +1,16 @@
-//! A mesh after the other: how fast each way is, and how often it is wrong.
+//! A mesh after the other: how fast each caster is, and how often it is wrong.
 
 use super::Section;
+use crate::budget::ReportBudget;
+use crate::casters::Caster;
 use crate::chart::number;
 use crate::checked::{self, Checked};
-use crate::effort::Effort;
 use crate::errors::Errors;
+use crate::progress::ReportProgress;
 use crate::subject::{Subject, cast_tiles, stride, tiles};
 use crate::table::{Cell, ReportError, Table, grouped};
 use crate::timing::{Spread, interleaved};
 use crate::views;
-use crate::watch::Watch;
-use crate::ways::Way;
 use raycast_core::camera::{Camera, Lattice, Rect};
 use std::collections::HashSet;
 use std::time::Instant;
@@ -22,9 +22,9 @@ pub struct MeshFigures {
     pub name: String,
     /// Triangles of the files, dropped ones included.
     pub triangles: usize,
-    /// The share of the picture's rays that meet something.
+    /// The share of the picture's rays that hit something.
     pub hit_share: f64,
-    /// Different triangles that rays meet, for each ray that meets one.
+    /// Different triangles that rays hit, for each ray that hits one.
     pub density: f64,
     /// Reading the files, in milliseconds; none where they were made in memory.
     pub parse_ms: Option<f64>,
@@ -32,14 +32,14 @@ pub struct MeshFigures {
     pub build_ms: f64,
     /// Bytes kept for a triangle: the tree and the triangles.
     pub bytes_per_triangle: f64,
-    /// Way by way.
-    pub ways: Vec<WayFigures>,
+    /// Caster by caster.
+    pub casters: Vec<WayFigures>,
 }
 
-/// What was found about a way at a mesh.
+/// What was found about a caster at a mesh.
 #[derive(Clone, Debug)]
 pub struct WayFigures {
-    /// The way's name.
+    /// The caster's name.
     pub name: String,
     /// Million rays a second.
     pub mrays: Spread,
@@ -47,30 +47,33 @@ pub struct WayFigures {
     pub errors: Errors,
 }
 
-/// Measures all ways at one mesh.
+/// Measures all casters at one mesh.
 ///
 /// # Errors
 /// A camera that cannot be had.
 pub fn measure(
     subject: &Subject,
-    effort: &Effort,
-    watch: &dyn Watch,
+    budget: &ReportBudget,
+    progress: &dyn ReportProgress,
 ) -> Result<MeshFigures, ReportError> {
     let stage = &subject.stage;
-    let camera = views::filling(&stage.scene, effort.size, views::FOV, 1.0)?;
-    watch.begin("speed", (subject.ways.len() * (effort.rounds + 1)) as u64);
-    let speeds = speeds(&subject.ways, &camera, effort, watch);
-    watch.begin("errors", subject.ways.len() as u64 + 1);
-    let pixels = checked::pixels_by_lot(&camera, effort.checked);
+    let camera = views::filling(&stage.scene, budget.size, views::FOV, 1.0)?;
+    progress.begin(
+        "speed",
+        (subject.casters.len() * (budget.rounds + 1)) as u64,
+    );
+    let speeds = speeds(&subject.casters, &camera, budget, progress);
+    progress.begin("errors", subject.casters.len() as u64 + 1);
+    let pixels = checked::pixels_by_lot(&camera, budget.checked);
     let checked = Checked::new(stage, Vec::new(), vec![(camera, pixels)]);
-    watch.step();
-    let errors = subject.ways.iter().map(|way| {
-        let errors = checked.errors(way.as_ref(), 5 * effort.tests);
-        watch.step();
+    progress.step();
+    let errors = subject.casters.iter().map(|caster| {
+        let errors = checked.errors(caster.as_ref(), 5 * budget.tests);
+        progress.step();
         errors
     });
     let (hits, shown) = seen(subject, &camera);
-    let pixels = effort.size.0 as usize * effort.size.1 as usize;
+    let pixels = budget.size.0 as usize * budget.size.1 as usize;
     let accel = &stage.accel;
     Ok(MeshFigures {
         name: subject.name.clone(),
@@ -80,13 +83,13 @@ pub fn measure(
         parse_ms: subject.parsing.map(|time| time.as_secs_f64() * 1e3),
         build_ms: subject.building.as_secs_f64() * 1e3,
         bytes_per_triangle: accel.retained_bytes() as f64 / accel.len().max(1) as f64,
-        ways: subject
-            .ways
+        casters: subject
+            .casters
             .iter()
             .zip(speeds)
             .zip(errors)
-            .map(|((way, mrays), errors)| WayFigures {
-                name: way.name().to_owned(),
+            .map(|((caster, mrays), errors)| WayFigures {
+                name: caster.name().to_owned(),
                 mrays,
                 errors,
             })
@@ -94,46 +97,46 @@ pub fn measure(
     })
 }
 
-/// Seconds that a frame may take; of a way that takes longer fewer rays are measured.
+/// Seconds that a frame may take; of a caster that takes longer fewer rays are measured.
 const LONG_FRAME: f64 = 0.15;
 
-/// The stride at which a way's frame is not too long, told by every eighth ray of every eighth row.
-fn affordable_stride(way: &dyn Way, camera: &Camera, tests: usize) -> u32 {
+/// The stride at which a caster's frame is not too long, estimated from every eighth ray of every eighth row.
+fn affordable_stride(caster: &dyn Caster, camera: &Camera, tests: usize) -> u32 {
     const SAMPLE: u32 = 8;
-    if way.tries() > 0 {
-        return stride(camera, way.tries(), tests);
+    if caster.tries() > 0 {
+        return stride(camera, caster.tries(), tests);
     }
     let sample = tiles(camera, SAMPLE);
     let started = Instant::now();
-    std::hint::black_box(cast_tiles(way, &sample));
+    std::hint::black_box(cast_tiles(caster, &sample));
     let frame = started.elapsed().as_secs_f64() * f64::from(SAMPLE * SAMPLE);
     ((frame / LONG_FRAME).sqrt().floor() as u32).max(1)
 }
 
-/// Million rays a second of each way, in turn; every ray of the picture, and where that would take
+/// Million rays a second of each caster, in turn; every ray of the picture, and where that would take
 /// too long some of them, evenly spread.
 pub fn speeds(
-    ways: &[Box<dyn Way>],
+    casters: &[Box<dyn Caster>],
     camera: &Camera,
-    effort: &Effort,
-    watch: &dyn Watch,
+    budget: &ReportBudget,
+    progress: &dyn ReportProgress,
 ) -> Vec<Spread> {
-    let lattices: Vec<Vec<Lattice>> = ways
+    let lattices: Vec<Vec<Lattice>> = casters
         .iter()
-        .map(|way| {
+        .map(|caster| {
             tiles(
                 camera,
-                affordable_stride(way.as_ref(), camera, effort.tests),
+                affordable_stride(caster.as_ref(), camera, budget.tests),
             )
         })
         .collect();
     let mut works: Vec<Box<dyn FnMut() + Send>> = Vec::new();
-    for (way, lattices) in ways.iter().zip(&lattices) {
+    for (caster, lattices) in casters.iter().zip(&lattices) {
         works.push(Box::new(move || {
-            std::hint::black_box(cast_tiles(way.as_ref(), lattices));
+            std::hint::black_box(cast_tiles(caster.as_ref(), lattices));
         }));
     }
-    let seconds = interleaved(effort.rounds, &mut works, &|| watch.step());
+    let seconds = interleaved(budget.rounds, &mut works, &|| progress.step());
     let rate = |(seconds, tiles): (Spread, &Vec<Lattice>)| {
         let rays: usize = tiles.iter().map(Lattice::len).sum();
         seconds.rate(rays as f64 / 1e6)
@@ -141,7 +144,7 @@ pub fn speeds(
     seconds.into_iter().zip(&lattices).map(rate).collect()
 }
 
-/// How many rays of the picture meet something, and how many different triangles they meet.
+/// How many rays of the picture hit something, and how many different triangles they hit.
 fn seen(subject: &Subject, camera: &Camera) -> (usize, usize) {
     let plane = camera.plane();
     let rect = Rect {
@@ -150,25 +153,25 @@ fn seen(subject: &Subject, camera: &Camera) -> (usize, usize) {
         width: plane.columns,
         height: plane.rows,
     };
-    let Some(way) = subject.ways.first() else {
+    let Some(caster) = subject.casters.first() else {
         return (0, 0);
     };
     let mut hits = Vec::new();
-    way.cast_lattice(&camera.sub_camera(rect).lattice(), &mut hits);
+    caster.cast_lattice(&camera.sub_camera(rect).lattice(), &mut hits);
     hits.retain(|hit| !hit.is_miss());
     let shown: HashSet<u32> = hits.iter().map(|hit| hit.primitive).collect();
     (hits.len(), shown.len())
 }
 
-/// The tables of all meshes and ways.
-pub fn show(meshes: &[MeshFigures], effort: &Effort) -> Section {
+/// The tables of all meshes and casters.
+pub fn show(meshes: &[MeshFigures], budget: &ReportBudget) -> Section {
     let mut section = Section::default();
     section.say("## Mesh by mesh");
     section.say(format!(
         "Each mesh fills the frame ({}x{} rays) and is seen from the same side. *Shown triangles a \
          pixel* are the different triangles that rays meet, for each ray that meets one. Bytes are \
          the tree's and the triangles' own.",
-        effort.size.0, effort.size.1
+        budget.size.0, budget.size.1
     ));
     let mut table = Table::new(&[
         "mesh",
@@ -193,7 +196,7 @@ pub fn show(meshes: &[MeshFigures], effort: &Effort) -> Section {
     }
     section.table("meshes", table);
     section.say(
-        "Way by way: *leaks* are rays that went through a surface, *wrong* all wrong triangles (leaks \
+        "Caster by caster: *leaks* are rays that went through a surface, *wrong* all wrong triangles (leaks \
          among them), each of so many rays that the oracle was asked about; where that is none, the \
          true rate is below 3 in that many rays, with 95 % confidence. `t` is how far the distance \
          is off, in units of single precision's last place (half of one is as near as single \
@@ -204,7 +207,7 @@ pub fn show(meshes: &[MeshFigures], effort: &Effort) -> Section {
     );
     let mut table = Table::new(&[
         "mesh",
-        "way",
+        "caster",
         "Mrays/s",
         "deviation",
         "leaks",
@@ -217,17 +220,17 @@ pub fn show(meshes: &[MeshFigures], effort: &Effort) -> Section {
         "u, v max, 2⁻²³",
     ]);
     for mesh in meshes {
-        for way in &mesh.ways {
-            let errors = &way.errors;
+        for caster in &mesh.casters {
+            let errors = &caster.errors;
             let ulps = |share| match errors.t_count() {
                 0 => Cell::Empty,
                 _ => Cell::short(errors.t_ulps(share)),
             };
             table.row(vec![
                 mesh.name.as_str().into(),
-                way.name.as_str().into(),
-                Cell::short(way.mrays.median),
-                Cell::short(way.mrays.deviation),
+                caster.name.as_str().into(),
+                Cell::short(caster.mrays.median),
+                Cell::short(caster.mrays.deviation),
                 errors.leaks.into(),
                 errors.wrong().into(),
                 errors.rays.into(),
@@ -239,7 +242,7 @@ pub fn show(meshes: &[MeshFigures], effort: &Effort) -> Section {
             ]);
         }
     }
-    section.table("ways", table);
+    section.table("casters", table);
     section
 }
 

@@ -8,10 +8,10 @@ use crate::pareto::front;
 use crate::table::{Cell, Table, grouped};
 use crate::timing::geometric_mean;
 
-/// A way, over several scenes.
+/// A caster, over several scenes.
 #[derive(Clone, Debug)]
 pub struct Standing {
-    /// The way's name.
+    /// The caster's name.
     pub name: String,
     /// Million rays a second.
     pub mrays: f64,
@@ -27,17 +27,22 @@ impl Standing {
     }
 }
 
-/// Each way over all meshes: errors together, speeds by their geometric mean. A way that some mesh
+/// Each caster over all meshes: errors together, speeds by their geometric mean. A caster that some mesh
 /// does without is left out.
 pub fn over_meshes(meshes: &[MeshFigures]) -> Vec<Standing> {
     let Some(first) = meshes.first() else {
         return Vec::new();
     };
     let named = |name: &str| {
-        let of = |mesh: &MeshFigures| mesh.ways.iter().find(|way| way.name == name).cloned();
-        let ways = meshes.iter().map(of).collect::<Option<Vec<_>>>()?;
-        let mrays = geometric_mean(ways.iter().map(|way| way.mrays.median));
-        let errors = Errors::sum(ways.into_iter().map(|way| way.errors));
+        let of = |mesh: &MeshFigures| {
+            mesh.casters
+                .iter()
+                .find(|caster| caster.name == name)
+                .cloned()
+        };
+        let casters = meshes.iter().map(of).collect::<Option<Vec<_>>>()?;
+        let mrays = geometric_mean(casters.iter().map(|caster| caster.mrays.median));
+        let errors = Errors::sum(casters.into_iter().map(|caster| caster.errors));
         Some(Standing {
             name: name.to_owned(),
             mrays,
@@ -46,35 +51,36 @@ pub fn over_meshes(meshes: &[MeshFigures]) -> Vec<Standing> {
         })
     };
     first
-        .ways
+        .casters
         .iter()
-        .filter_map(|way| named(&way.name))
+        .filter_map(|caster| named(&caster.name))
         .collect()
 }
 
-/// Adds the table that says it all: how fast each way is, and how often it is wrong on ordinary meshes
+/// Adds the table that says it all: how fast each caster is, and how often it is wrong on ordinary meshes
 /// and on hard cases.
 pub fn headline(section: &mut Section, ordinary: &[Standing], hard: &[Standing]) {
     let mut table = Table::new(&[
-        "way",
+        "caster",
         "Mrays/s",
         "wrong triangles, ordinary meshes",
         "wrong triangles, hard cases",
     ]);
-    let stated = |way: &Standing| format!("{} of {}", grouped(way.wrong), grouped(way.rays));
-    for way in ordinary {
-        let of_hard = hard.iter().find(|hard| hard.name == way.name);
+    let stated =
+        |caster: &Standing| format!("{} of {}", grouped(caster.wrong), grouped(caster.rays));
+    for caster in ordinary {
+        let of_hard = hard.iter().find(|hard| hard.name == caster.name);
         table.row(vec![
-            way.name.as_str().into(),
-            Cell::short(way.mrays),
-            stated(way).into(),
+            caster.name.as_str().into(),
+            Cell::short(caster.mrays),
+            stated(caster).into(),
             of_hard.map_or(Cell::Empty, |hard| stated(hard).into()),
         ]);
     }
     section.table("a-headline", table);
 }
 
-/// Adds the plot of some ways, its numbers, and what is to be read from it.
+/// Adds the plot of some casters, its numbers, and what is to be read from it.
 pub fn show(
     section: &mut Section,
     name: &str,
@@ -84,7 +90,7 @@ pub fn show(
 ) {
     let points: Vec<(f64, f64)> = standings
         .iter()
-        .map(|way| (way.per_million(), way.mrays))
+        .map(|caster| (caster.per_million(), caster.mrays))
         .collect();
     let mut series = vec![Series {
         label: String::new(),
@@ -92,14 +98,18 @@ pub fn show(
         ink: Ink::Black,
         form: Form::Front,
     }];
-    let most = standings.iter().map(|way| way.rays).max().unwrap_or(0);
-    for (way, &point) in standings.iter().zip(&points) {
-        let label = if way.wrong == 0 && way.rays != most {
-            format!("{}: 0 of {}", way.name, grouped(way.rays))
+    let most = standings
+        .iter()
+        .map(|caster| caster.rays)
+        .max()
+        .unwrap_or(0);
+    for (caster, &point) in standings.iter().zip(&points) {
+        let label = if caster.wrong == 0 && caster.rays != most {
+            format!("{}: 0 of {}", caster.name, grouped(caster.rays))
         } else {
-            way.name.clone()
+            caster.name.clone()
         };
-        series.push(Series::dot(label, point, Ink::of_way(&way.name)));
+        series.push(Series::dot(label, point, Ink::of_caster(&caster.name)));
     }
     let best = best_of_the_right(standings);
     let rates = Axis::log(
@@ -110,15 +120,14 @@ pub fn show(
     let chart = Chart {
         title: match best {
             Some(best) => format!(
-                "{}: the fastest way on {scenes} that was never wrong",
+                "{}: the fastest caster on {scenes} that was never wrong",
                 best.name
             ),
-            None => format!("Every way was wrong somewhere on {scenes}"),
+            None => format!("Every caster was wrong somewhere on {scenes}"),
         },
-        subtitle:
-            "A dot is a way of casting rays. Left: wrong triangles are rare. Up: many rays a \
+        subtitle: "A dot is a ray caster. Left: wrong triangles are rare. Up: many rays a \
                    second. Grey band: no other dot is better in both."
-                .to_owned(),
+            .to_owned(),
         x: rates.from_to(low, high).with_roomy_zero(&format!(
             "0 of {} (< 3/N: below {} in a million)",
             grouped(most),
@@ -137,7 +146,7 @@ pub fn show(
     section.chart(name, chart);
     if let Some(best) = best {
         section.say(format!(
-            "**To choose from this:** {} is the fastest way without a wrong triangle ({}), at {} \
+            "**To choose from this:** {} is the fastest caster without a wrong triangle ({}), at {} \
              million rays a second. {}",
             best.name,
             stated(best.wrong, best.rays),
@@ -148,41 +157,47 @@ pub fn show(
     section.numbers(name, numbers(standings));
 }
 
-/// The fastest of those that were never wrong in nearly as many rays as any was asked; of those that
+/// The fastest of those that were never wrong in nearly as many rays as any was given; of those that
 /// are as fast to a twentieth, which is what a machine's mood changes, the first.
 fn best_of_the_right(standings: &[Standing]) -> Option<&Standing> {
-    let most = standings.iter().map(|way| way.rays).max()?;
+    let most = standings.iter().map(|caster| caster.rays).max()?;
     let right = || {
         standings
             .iter()
-            .filter(|way| way.wrong == 0 && way.rays * 2 > most)
+            .filter(|caster| caster.wrong == 0 && caster.rays * 2 > most)
     };
-    let fastest = right().map(|way| way.mrays).fold(0.0, f64::max);
-    right().find(|way| way.mrays >= 0.95 * fastest)
+    let fastest = right().map(|caster| caster.mrays).fold(0.0, f64::max);
+    right().find(|caster| caster.mrays >= 0.95 * fastest)
 }
 
 fn faster_but_wrong(standings: &[Standing], best: &Standing) -> String {
     let faster: Vec<String> = standings
         .iter()
-        .filter(|way| way.mrays > best.mrays * 1.05 && way.wrong > 0)
-        .map(|way| format!("{} (wrong in {})", way.name, stated(way.wrong, way.rays)))
+        .filter(|caster| caster.mrays > best.mrays * 1.05 && caster.wrong > 0)
+        .map(|caster| {
+            format!(
+                "{} (wrong in {})",
+                caster.name,
+                stated(caster.wrong, caster.rays)
+            )
+        })
         .collect();
     if faster.is_empty() {
-        "No way that was ever wrong is faster.".to_owned()
+        "No caster that was ever wrong is faster.".to_owned()
     } else {
         format!("Faster, but not always right: {}.", faster.join("; "))
     }
 }
 
 fn numbers(standings: &[Standing]) -> Table {
-    let mut table = Table::new(&["way", "Mrays/s", "wrong", "rays", "wrong per million"]);
-    for way in standings {
+    let mut table = Table::new(&["caster", "Mrays/s", "wrong", "rays", "wrong per million"]);
+    for caster in standings {
         table.row(vec![
-            way.name.as_str().into(),
-            Cell::short(way.mrays),
-            way.wrong.into(),
-            way.rays.into(),
-            Cell::short(way.per_million()),
+            caster.name.as_str().into(),
+            Cell::short(caster.mrays),
+            caster.wrong.into(),
+            caster.rays.into(),
+            Cell::short(caster.per_million()),
         ]);
     }
     table

@@ -2,15 +2,15 @@
 
 use super::Section;
 use super::meshes::speeds;
+use crate::budget::ReportBudget;
+use crate::casters::{self, Caster};
 use crate::chart::{Axis, Better, Chart, Form, Ink, Series};
-use crate::effort::Effort;
 use crate::embree::Embree;
+use crate::progress::ReportProgress;
 use crate::scenes::bumpy_sphere;
 use crate::stage::scene_of;
 use crate::table::{Cell, ReportError, Table};
 use crate::timing::Spread;
-use crate::watch::Watch;
-use crate::ways::{self, Way};
 use crate::{subject, views};
 use raycast_core::camera::{Camera, ImagePlane, fov_to_frame};
 use raycast_core::math;
@@ -18,18 +18,18 @@ use raycast_core::scene::Scene;
 use raycast_core::{Accel, Simd};
 use std::sync::Arc;
 
-/// A way's speed along an axis.
+/// A caster's speed along an axis.
 #[derive(Clone, Debug)]
-pub struct Curve {
-    /// The way's name.
-    pub way: String,
+pub struct SpeedCurve {
+    /// The caster's name.
+    pub caster: String,
     /// Places along the axis, with million rays a second there.
     pub points: Vec<(f64, Spread)>,
 }
 
 /// What is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sweep {
+pub enum SpeedSweep {
     /// How many triangles a pixel shows: the ball is brought nearer.
     Density,
     /// How many triangles the ball has.
@@ -43,7 +43,7 @@ pub enum Sweep {
 /// Triangles of the ball where they are not what is varied.
 const TRIANGLES: u32 = 100_000;
 
-impl Sweep {
+impl SpeedSweep {
     /// All of them.
     pub const ALL: [Self; 4] = [
         Self::Density,
@@ -80,77 +80,77 @@ impl Sweep {
     }
 }
 
-/// Measures all ways but the slowest along one axis.
+/// Measures all casters but the slowest along one axis.
 ///
 /// # Errors
 /// A camera that cannot be had.
 pub fn measure(
-    sweep: Sweep,
-    effort: &Effort,
+    sweep: SpeedSweep,
+    budget: &ReportBudget,
     library: Option<&Arc<Embree>>,
-    watch: &dyn Watch,
-) -> Result<Vec<Curve>, ReportError> {
-    let most = TRIANGLES.min(effort.largest);
-    let mut curves: Vec<Curve> = Vec::new();
-    let (columns, rows) = effort.size;
+    progress: &dyn ReportProgress,
+) -> Result<Vec<SpeedCurve>, ReportError> {
+    let most = TRIANGLES.min(budget.largest);
+    let mut curves: Vec<SpeedCurve> = Vec::new();
+    let (columns, rows) = budget.size;
     match sweep {
-        Sweep::Density => {
+        SpeedSweep::Density => {
             // From afar to nearby, and then through ever longer lenses.
             let views = [0.0625, 0.125, 0.25, 0.5, 1.0].map(|nearer| (nearer, views::FOV));
             let lenses = [2.0, 4.0, 8.0, 16.0].map(|longer| (1.0, views::FOV / longer));
-            watch.begin("density", (views.len() + lenses.len()) as u64);
-            let target = Target::new(most, effort.simd, library)?;
+            progress.begin("density", (views.len() + lenses.len()) as u64);
+            let target = Target::new(most, budget.simd, library)?;
             for (nearer, fov) in views.into_iter().chain(lenses) {
-                let camera = views::filling(&target.scene, effort.size, views::FOV, nearer)?;
-                let frame = fov_to_frame(fov, camera.distance()) / f64::from(effort.size.1);
-                let plane = ImagePlane::new(effort.size.0, effort.size.1, frame)?;
+                let camera = views::filling(&target.scene, budget.size, views::FOV, nearer)?;
+                let frame = fov_to_frame(fov, camera.distance()) / f64::from(budget.size.1);
+                let plane = ImagePlane::new(budget.size.0, budget.size.1, frame)?;
                 let camera = camera.with_plane(plane);
-                let speeds = target.speeds(&camera, effort);
+                let speeds = target.speeds(&camera, budget);
                 add(&mut curves, target.density(&camera), speeds);
-                watch.step();
+                progress.step();
             }
         }
-        Sweep::Triangles => {
+        SpeedSweep::Triangles => {
             let counts = (6..=18).map(|half| math::pow(10.0, f64::from(half) / 2.0).round() as u32);
             let counts: Vec<u32> = counts
-                .take_while(|&count| count <= effort.largest)
+                .take_while(|&count| count <= budget.largest)
                 .collect();
-            watch.begin("triangles", counts.len() as u64);
+            progress.begin("triangles", counts.len() as u64);
             for count in counts {
-                let target = Target::new(count, effort.simd, library)?;
-                let speeds = target.measure(effort.size, effort)?;
+                let target = Target::new(count, budget.simd, library)?;
+                let speeds = target.measure(budget.size, budget)?;
                 add(&mut curves, target.accel.len() as f64, speeds);
-                watch.step();
+                progress.step();
             }
         }
-        Sweep::Resolution => {
+        SpeedSweep::Resolution => {
             let sizes: Vec<(u32, u32)> = [(1, 8), (1, 4), (1, 2), (1, 1), (2, 1)]
                 .map(|(up, down)| ((columns * up / down).max(1), (rows * up / down).max(1)))
                 .to_vec();
-            watch.begin("resolution", sizes.len() as u64);
-            let target = Target::new(most, effort.simd, library)?;
+            progress.begin("resolution", sizes.len() as u64);
+            let target = Target::new(most, budget.simd, library)?;
             for size in sizes {
-                let speeds = target.measure(size, effort)?;
+                let speeds = target.measure(size, budget)?;
                 add(&mut curves, f64::from(size.0 * size.1), speeds);
-                watch.step();
+                progress.step();
             }
         }
-        Sweep::Threads => {
+        SpeedSweep::Threads => {
             let cores = std::thread::available_parallelism().map_or(1, usize::from);
             let mut counts: Vec<usize> = (0..)
                 .map(|power| 1 << power)
                 .take_while(|n| *n < cores)
                 .collect();
             counts.push(cores);
-            watch.begin("threads", counts.len() as u64);
-            let target = Target::new(most, effort.simd, library)?;
+            progress.begin("threads", counts.len() as u64);
+            let target = Target::new(most, budget.simd, library)?;
             for threads in counts {
                 let pool = rayon::ThreadPoolBuilder::new()
                     .num_threads(threads)
                     .build()?;
-                let speeds = pool.install(|| target.measure(effort.size, effort))?;
+                let speeds = pool.install(|| target.measure(budget.size, budget))?;
                 add(&mut curves, threads as f64, speeds);
-                watch.step();
+                progress.step();
             }
         }
     }
@@ -160,59 +160,59 @@ pub fn measure(
     Ok(curves)
 }
 
-fn add(curves: &mut Vec<Curve>, place: f64, speeds: Vec<(String, Spread)>) {
-    for (way, speed) in speeds {
-        match curves.iter_mut().find(|curve| curve.way == way) {
+fn add(curves: &mut Vec<SpeedCurve>, place: f64, speeds: Vec<(String, Spread)>) {
+    for (caster, speed) in speeds {
+        match curves.iter_mut().find(|curve| curve.caster == caster) {
             Some(curve) => curve.points.push((place, speed)),
-            None => curves.push(Curve {
-                way,
+            None => curves.push(SpeedCurve {
+                caster,
                 points: vec![(place, speed)],
             }),
         }
     }
 }
 
-/// A ball, and those ways that need not try every triangle.
+/// A ball, and those casters that need not try every triangle.
 struct Target {
     scene: Arc<Scene>,
     accel: Arc<Accel>,
-    ways: Vec<Box<dyn Way>>,
+    casters: Vec<Box<dyn Caster>>,
 }
 
 impl Target {
     fn new(triangles: u32, simd: Simd, library: Option<&Arc<Embree>>) -> Result<Self, ReportError> {
         let scene = Arc::new(scene_of([bumpy_sphere(triangles)]));
         let accel = Arc::new(Accel::build(&scene)?.with_simd(simd));
-        let mut all = ways::raycast(&accel);
-        all.extend(ways::trees(&accel));
-        if let Some(Ok(embree)) = library.map(|library| ways::embree(&accel, library)) {
+        let mut all = casters::raycast(&accel);
+        all.extend(casters::trees(&accel));
+        if let Some(Ok(embree)) = library.map(|library| casters::embree(&accel, library)) {
             all.extend(embree);
         }
         Ok(Self {
             scene,
             accel,
-            ways: all,
+            casters: all,
         })
     }
 
-    /// Each way's speed at a picture of this size that the ball fills.
+    /// Each caster's speed at a picture of this size that the ball fills.
     fn measure(
         &self,
         size: (u32, u32),
-        effort: &Effort,
+        budget: &ReportBudget,
     ) -> Result<Vec<(String, Spread)>, ReportError> {
         let camera = views::filling(&self.scene, size, views::FOV, 1.0)?;
-        Ok(self.speeds(&camera, effort))
+        Ok(self.speeds(&camera, budget))
     }
 
-    fn speeds(&self, camera: &Camera, effort: &Effort) -> Vec<(String, Spread)> {
+    fn speeds(&self, camera: &Camera, budget: &ReportBudget) -> Vec<(String, Spread)> {
         // There are many places: what matters is the curve.
-        let effort = Effort {
-            rounds: effort.rounds.div_ceil(2),
-            ..*effort
+        let budget = ReportBudget {
+            rounds: budget.rounds.div_ceil(2),
+            ..*budget
         };
-        let measured = speeds(&self.ways, camera, &effort, &());
-        let names = self.ways.iter().map(|way| way.name().to_owned());
+        let measured = speeds(&self.casters, camera, &budget, &());
+        let names = self.casters.iter().map(|caster| caster.name().to_owned());
         names.zip(measured).collect()
     }
 
@@ -228,25 +228,25 @@ impl Target {
                 .is_some_and(|(x, y)| (0.0..width).contains(&x) && (0.0..height).contains(&y))
         };
         let triangles = (0..self.accel.len() as u32).filter(in_frame).count();
-        let first = self.ways.first().map(AsRef::as_ref);
-        let hits = first.map_or(0, |way| {
-            subject::cast_tiles(way, &subject::tiles(camera, 1))
+        let first = self.casters.first().map(AsRef::as_ref);
+        let hits = first.map_or(0, |caster| {
+            subject::cast_tiles(caster, &subject::tiles(camera, 1))
         });
         triangles as f64 / hits.max(1) as f64
     }
 }
 
 /// Adds the plot of one axis, its numbers, and what is to be read from it.
-pub fn show(section: &mut Section, sweep: Sweep, curves: &[Curve]) {
+pub fn show(section: &mut Section, sweep: SpeedSweep, curves: &[SpeedCurve]) {
     let series = curves
         .iter()
         .map(|curve| {
             let points = curve.points.iter();
             Series {
-                label: curve.way.clone(),
+                label: curve.caster.clone(),
                 points: points.map(|(at, speed)| (*at, speed.median)).collect(),
-                ink: Ink::of_way(&curve.way),
-                form: if curve.way.contains("robust") || curve.way.contains("fast") {
+                ink: Ink::of_caster(&curve.caster),
+                form: if curve.caster.contains("robust") || curve.caster.contains("fast") {
                     Form::Dashes
                 } else {
                     Form::Line
@@ -261,7 +261,7 @@ pub fn show(section: &mut Section, sweep: Sweep, curves: &[Curve]) {
             "Million rays a second, ray set-up and stores included. {}Broken lines: RayCast's fast \
              precision, Embree's robust mode.",
             match sweep {
-                Sweep::Density => "From near (left) to far. ",
+                SpeedSweep::Density => "From near (left) to far. ",
                 _ => "",
             }
         ),
@@ -274,11 +274,11 @@ pub fn show(section: &mut Section, sweep: Sweep, curves: &[Curve]) {
         better: Better::Higher,
     };
     section.chart(sweep.name(), chart);
-    let mut table = Table::new(&["way", sweep.axis(), "Mrays/s", "deviation"]);
+    let mut table = Table::new(&["caster", sweep.axis(), "Mrays/s", "deviation"]);
     for curve in curves {
         for (place, speed) in &curve.points {
             table.row(vec![
-                curve.way.as_str().into(),
+                curve.caster.as_str().into(),
                 Cell::short(*place),
                 Cell::short(speed.median),
                 Cell::short(speed.deviation),
@@ -289,13 +289,13 @@ pub fn show(section: &mut Section, sweep: Sweep, curves: &[Curve]) {
 }
 
 /// How RayCast's exact tiles do against the best of the others, from place to place.
-fn conclusion(curves: &[Curve]) -> String {
-    let (mine, others): (Vec<&Curve>, Vec<&Curve>) = curves
+fn conclusion(curves: &[SpeedCurve]) -> String {
+    let (mine, others): (Vec<&SpeedCurve>, Vec<&SpeedCurve>) = curves
         .iter()
-        .partition(|curve| curve.way.starts_with("RayCast"));
+        .partition(|curve| curve.caster.starts_with("RayCast"));
     let Some(tiles) = mine
         .iter()
-        .find(|curve| curve.way == "RayCast tiles, exact")
+        .find(|curve| curve.caster == "RayCast tiles, exact")
     else {
         return "RayCast is missing".to_owned();
     };

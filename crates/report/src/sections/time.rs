@@ -3,9 +3,9 @@
 use super::Section;
 use crate::cameras::PROJECTIONS;
 use crate::cases::time::{Entry, GOAL, Seen};
+use crate::progress::ReportProgress;
 use crate::subject;
 use crate::table::{Cell, ReportError, Table};
-use crate::watch::Watch;
 use raycast_core::camera::Projection;
 use raycast_core::{Accel, Cull, Detail, Precision};
 use std::time::{Duration, Instant};
@@ -15,7 +15,7 @@ const SIZE: (u32, u32) = (64, 48);
 
 /// What a picture of a hostile scene took, and of an ordinary one, on one thread.
 #[derive(Clone, Debug)]
-pub struct Cost {
+pub struct HostileCost {
     /// The hard case.
     pub name: &'static str,
     /// How it was seen.
@@ -32,7 +32,7 @@ pub struct Cost {
     pub ordinary_cast: Duration,
 }
 
-impl Cost {
+impl HostileCost {
     /// How many times as long as ordinary triangles these take.
     pub fn times(&self) -> f64 {
         self.cast.as_secs_f64() / self.ordinary_cast.as_secs_f64()
@@ -46,9 +46,9 @@ impl Cost {
 pub fn measure(
     races: &[Entry],
     rounds: usize,
-    watch: &dyn Watch,
-) -> Result<Vec<Cost>, ReportError> {
-    watch.begin("time of hostile scenes", races.len() as u64);
+    progress: &dyn ReportProgress,
+) -> Result<Vec<HostileCost>, ReportError> {
+    progress.begin("time of hostile scenes", races.len() as u64);
     let mut costs = Vec::new();
     for &Entry { name, race } in races {
         let race = race();
@@ -74,7 +74,7 @@ pub fn measure(
                 cast = cast.min(time(&hostile, &race.hostile));
                 ordinary_cast = ordinary_cast.min(time(&ordinary, &race.ordinary));
             }
-            costs.push(Cost {
+            costs.push(HostileCost {
                 name,
                 projection,
                 triangles: hostile.len(),
@@ -84,13 +84,13 @@ pub fn measure(
                 ordinary_cast,
             });
         }
-        watch.step();
+        progress.step();
     }
     Ok(costs)
 }
 
 /// A row a scene and projection.
-pub fn show(section: &mut Section, costs: &[Cost]) {
+pub fn show(section: &mut Section, costs: &[HostileCost]) {
     section.say("### Time of hostile scenes");
     section.say(format!(
         "What costs other kernels time without bound, beside as many ordinary triangles in the same \

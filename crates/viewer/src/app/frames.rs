@@ -6,7 +6,7 @@
 //! began. In between the window sleeps, and takes in events as ever.
 
 use crate::worker::outbox::Outbox;
-use crate::worker::{Clock, Wake, pace};
+use crate::worker::{SharedClock, Wake, pace};
 use eframe::{EframeWinitApplication, UserEvent};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -44,7 +44,7 @@ fn pause(begun: Option<Duration>, now: Duration, is_awaited: bool) -> Option<Dur
 pub struct Frames<'a> {
     window: EframeWinitApplication<'a>,
     outbox: Arc<Outbox>,
-    clock: Clock,
+    clock: SharedClock,
     /// A frame that has been asked for. There is one window.
     held: Option<WindowId>,
     /// When the last one began.
@@ -53,7 +53,11 @@ pub struct Frames<'a> {
 
 impl<'a> Frames<'a> {
     /// The frames of `window`, which shows what comes through `outbox`.
-    pub fn new(window: EframeWinitApplication<'a>, outbox: Arc<Outbox>, clock: Clock) -> Self {
+    pub fn new(
+        window: EframeWinitApplication<'a>,
+        outbox: Arc<Outbox>,
+        clock: SharedClock,
+    ) -> Self {
         Self {
             window,
             outbox,

@@ -9,7 +9,7 @@
 
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::ui::canvas::Progress;
+use crate::ui::canvas::PictureProgress;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -45,7 +45,7 @@ pub struct FrameLine {
     /// The one on screen.
     pub shown: u64,
     /// How far that is.
-    pub progress: Progress,
+    pub progress: PictureProgress,
 }
 
 impl FrameLog {

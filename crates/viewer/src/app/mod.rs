@@ -15,17 +15,17 @@ use crate::panels::{self, Commands, Status, overlay::TileOverlay};
 use crate::state::command::Command;
 use crate::state::effect::{Effect, Keep};
 use crate::state::news::{self, News};
-use crate::state::{PromptKind, Resolution, State, update};
+use crate::state::{PromptKind, State, update};
 use crate::ui::canvas::{self, Canvas};
 use crate::ui::{present, theme};
 use crate::worker::files::{Files, Saving};
 use crate::worker::outbox::Outbox;
 use crate::worker::render::{Renderer, Request};
 use crate::worker::watch::Watch;
-use crate::worker::{Clock, Wake};
+use crate::worker::{SharedClock, Wake};
 use log::{FrameLine, FrameLog};
 use raycast_core::camera::{Camera, Grid};
-use raycast_core::formats::{ImageFile, Limits, SceneFile};
+use raycast_core::formats::Limits;
 use raycast_core::render::Settings;
 use settings::Remembered;
 use std::path::{Path, PathBuf};
@@ -49,7 +49,7 @@ pub struct Link {
     /// Where its pictures come through.
     pub outbox: Arc<Outbox>,
     /// Its clock.
-    pub clock: Clock,
+    pub clock: SharedClock,
     /// What makes the loop look.
     pub nudge: Wake,
     /// How much reading files may take.
@@ -68,7 +68,7 @@ pub struct App {
     watched: Vec<PathBuf>,
     /// Whether the person has said that the window may close.
     may_close: bool,
-    clock: Clock,
+    clock: SharedClock,
     log: Option<FrameLog>,
     remembers: bool,
     commands: Commands,
@@ -115,6 +115,7 @@ impl App {
         let tasks = Files::new(Arc::clone(&wake)).within(limits);
         let renderer =
             Renderer::start(Arc::clone(&clock), Arc::clone(&wake), outbox, tasks.fault())?;
+        state.limits = limits;
         tasks.open(files, Keep::Nothing);
         Ok(Self {
             state,
@@ -239,7 +240,7 @@ impl App {
         let command = match images.into_iter().next() {
             _ if !scenes.is_empty() && adds => Command::Add(scenes),
             _ if !scenes.is_empty() => Command::Open(scenes),
-            Some(image) => Command::LoadTexture(image),
+            Some(image) => Command::DropPicture(image),
             None => return,
         };
         let effect = update::update(&mut self.state, command);
@@ -259,24 +260,67 @@ impl App {
                     self.files.build(Arc::clone(&document.scene));
                 }
             }
-            Some(Effect::LoadTexture(path)) => self.files.load_texture(path),
+            Some(Effect::LoadTexture(path, which)) => self.files.load_texture(path, which),
             Some(Effect::Dialog(kind)) => {
                 let suggested = match kind {
-                    PromptKind::Picture | PromptKind::Scene => {
+                    PromptKind::Picture | PromptKind::Scene | PromptKind::Measurements => {
                         update::suggested_name(&self.state, kind)
                     }
                     _ => String::new(),
                 };
                 self.files.ask(kind, suggested);
             }
+            Some(Effect::OpenPicture(path, among)) => {
+                let scene = self.state.document.as_ref();
+                let scene = scene.map(|document| Arc::clone(&document.scene));
+                self.files.open_picture(path, scene, among);
+            }
             Some(Effect::SavePicture { path, replace }) => self.save_picture(path, replace),
             Some(Effect::SaveScene { path, replace }) => self.save_scene(path, replace),
+            Some(Effect::SaveMeasurements { path, replace }) => {
+                let text = self.state.measuring.csv();
+                self.files
+                    .save_text(text, path, PromptKind::Measurements, replace);
+            }
+            Some(Effect::Weigh(object)) => self.weigh(object),
+            Some(Effect::Check(objects)) => self.check(&objects),
             Some(Effect::Copy(text)) => context.copy_text(text),
             Some(Effect::Close) => {
                 self.may_close = true;
                 context.send_viewport_cmd(egui::ViewportCommand::Close);
             }
         }
+    }
+
+    /// Works out the size of an object, if it is not known.
+    fn weigh(&self, number: usize) {
+        let scene = self.state.document.as_ref().map(|document| &document.scene);
+        let Some((scene, transforms)) =
+            scene.and_then(|scene| Some((scene, scene.world_from_objects().ok()?)))
+        else {
+            return;
+        };
+        if let (Some(object), Some(place)) = (scene.objects.get(number), transforms.get(number))
+            && self.state.inspection.size(&object.mesh, place).is_none()
+        {
+            self.files.weigh(Arc::clone(&object.mesh), *place);
+        }
+    }
+
+    fn check(&self, numbers: &[usize]) {
+        let Some(document) = &self.state.document else {
+            return;
+        };
+        let objects = &document.scene.objects;
+        let name = match *numbers {
+            [one] => objects.get(one).map(|object| object.name.clone()),
+            _ => None,
+        };
+        let meshes = numbers
+            .iter()
+            .filter_map(|&number| Some((number, Arc::clone(&objects.get(number)?.mesh))));
+        let name = name.unwrap_or_else(|| document.name.clone());
+        self.files.check(name, meshes.collect());
     }
 
     fn save_picture(&self, path: PathBuf, replace: bool) {
@@ -293,20 +337,7 @@ impl App {
 
     fn save_scene(&self, path: PathBuf, replace: bool) {
         let state = &self.state;
-        if let Some(document) = &state.document {
-            let scene = SceneFile {
-                scene: document.scene.as_ref().clone(),
-                camera: Some(state.viewpoint.to_file()),
-                image: ImageFile {
-                    size: match state.resolution {
-                        Resolution::Fixed(columns, rows) => Some((columns, rows)),
-                        Resolution::Window { .. } => None,
-                    },
-                    samples: state.samples,
-                },
-                shading: Some(state.settings.shading),
-                ..SceneFile::default()
-            };
+        if let (Some(document), Some(scene)) = (&state.document, state.scene_file()) {
             let own = document.file.clone();
             let revision = state.history.revision();
             self.files.save_scene(scene, (path, own), revision, replace);
@@ -346,7 +377,7 @@ impl App {
     }
 
     /// How far the newest picture is: not at all while an older one is on screen.
-    fn progress(&self) -> canvas::Progress {
+    fn progress(&self) -> canvas::PictureProgress {
         let mut progress = self.canvas.progress();
         progress.complete &= self.canvas.generation() == self.generation;
         progress
@@ -449,5 +480,5 @@ impl eframe::App for App {
 fn is_image(path: &Path) -> bool {
     path.extension()
         .map(|extension| extension.to_string_lossy().to_ascii_lowercase())
-        .is_some_and(|extension| ["png", "jpg", "jpeg", "ppm"].contains(&extension.as_str()))
+        .is_some_and(|extension| ["png", "jpg", "jpeg", "ppm", "exr"].contains(&extension.as_str()))
 }

@@ -4,7 +4,7 @@ use super::frames::{self, Frames};
 use super::log::FrameLog;
 use super::{App, Link};
 use crate::output::say;
-use crate::worker::Clock;
+use crate::worker::SharedClock;
 use crate::worker::outbox::Outbox;
 use raycast_core::formats::Limits;
 use std::path::PathBuf;
@@ -51,7 +51,7 @@ pub fn run(options: Options) -> ExitCode {
         let event_loop = EventLoop::with_user_event().build()?;
         let outbox = Arc::new(Outbox::default());
         let opening = Instant::now();
-        let clock: Clock = Arc::new(move || opening.elapsed());
+        let clock: SharedClock = Arc::new(move || opening.elapsed());
         let link = Link {
             outbox: Arc::clone(&outbox),
             clock: Arc::clone(&clock),

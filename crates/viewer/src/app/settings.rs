@@ -1,6 +1,6 @@
 //! What is remembered from one session to the next: how a person likes to work, not what was open.
 
-use crate::state::preferences::{Preferences, SCALE_RANGE, Theme};
+use crate::state::preferences::{Mouse, Preferences, SCALE_RANGE, Theme};
 use crate::state::{Overlay, State, Tint, default_threads};
 use raycast_core::camera::{FrameLock, Grid};
 use serde::{Deserialize, Serialize};
@@ -23,10 +23,12 @@ pub struct Remembered {
     tint: String,
     theme: String,
     scale: f32,
+    mouse: String,
     smooth: bool,
     refine: bool,
     watch: bool,
     recent: Vec<PathBuf>,
+    views: Vec<(PathBuf, Vec<String>)>,
 }
 
 impl Default for Remembered {
@@ -66,10 +68,17 @@ impl Remembered {
             }
             .to_owned(),
             scale: state.preferences.scale,
+            mouse: match state.preferences.mouse {
+                Mouse::Viewer => "viewer",
+                Mouse::Blender => "blender",
+                Mouse::Cad => "cad",
+            }
+            .to_owned(),
             smooth: state.preferences.smooth,
             refine: state.preferences.refine,
             watch: state.preferences.watch,
             recent: state.preferences.recent.clone(),
+            views: state.preferences.views.clone(),
         }
     }
 
@@ -113,10 +122,16 @@ impl Remembered {
                 _ => Theme::System,
             },
             scale: scale.clamp(SCALE_RANGE.0, SCALE_RANGE.1),
+            mouse: match self.mouse.as_str() {
+                "blender" => Mouse::Blender,
+                "cad" => Mouse::Cad,
+                _ => Mouse::Viewer,
+            },
             smooth: self.smooth,
             refine: self.refine,
             watch: self.watch,
             recent: self.recent.clone(),
+            views: self.views.clone(),
         };
     }
 }
@@ -143,10 +158,12 @@ mod tests {
             preferences: Preferences {
                 theme: Theme::Light,
                 scale: 1.5,
+                mouse: Mouse::Cad,
                 smooth: false,
                 refine: false,
                 watch: false,
                 recent: vec!["/a/b.obj".into()],
+                views: vec![("/a/b.obj".into(), vec!["--eye 0,0,1".to_owned()])],
             },
             ..State::default()
         };

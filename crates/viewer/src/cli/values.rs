@@ -3,11 +3,11 @@
 use clap::builder::{PossibleValuesParser, RangedI64ValueParser, TypedValueParser};
 use raycast_core::Cull;
 use raycast_core::camera::{ImagePlane, Projection, check_step};
-use raycast_core::glam::DVec3;
+use raycast_core::glam::{DVec2, DVec3};
 use raycast_core::ranges;
 use raycast_core::render::Precision;
-use raycast_core::scene::{Color, ColorRule, Crop, UpAxis};
-use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
+use raycast_core::scene::{Color, ColorRule, Crop, TextureProjection, UpAxis, Wrap};
+use raycast_core::shade::{Background, Filter, Mode};
 use std::str::FromStr;
 
 /// `--orbit`: degrees, and scene units where they were given.
@@ -47,10 +47,18 @@ pub(super) const MODES: Names<Mode> = &[
 pub(super) const TEXTURE_PROJECTIONS: Names<TextureProjection> = &[
     ("uv", TextureProjection::Uv),
     ("triplanar", TextureProjection::Triplanar),
+    ("per-triangle", TextureProjection::PerTriangle),
+    ("plane", TextureProjection::Plane),
+    ("sphere", TextureProjection::Sphere),
+    ("cylinder", TextureProjection::Cylinder),
 ];
 
-pub(super) const FILTERS: Names<Filter> =
-    &[("nearest", Filter::Nearest), ("bilinear", Filter::Bilinear)];
+pub(super) const FILTERS: Names<Filter> = &[
+    ("nearest", Filter::Nearest),
+    ("bilinear", Filter::Bilinear),
+    ("trilinear", Filter::Trilinear),
+    ("ewa", Filter::Ewa),
+];
 
 pub(super) const PRECISIONS: Names<Precision> =
     &[("fast", Precision::Fast), ("exact", Precision::Exact)];
@@ -180,6 +188,22 @@ pub(super) fn crop(text: &str) -> Result<Crop, String> {
     })
 }
 
+/// Reads what a texture shows beyond its image: one word for both axes, or two.
+pub(super) fn wrap(text: &str) -> Result<[Wrap; 2], String> {
+    let (u, v) = text.split_once(',').unwrap_or((text, text));
+    Ok([u.parse()?, v.parse()?])
+}
+
+/// Reads a width and a height in scene units.
+pub(super) fn extent(text: &str) -> Result<DVec2, String> {
+    let extent = DVec2::from_array(list(text, "two numbers as WIDTH,HEIGHT")?);
+    if extent.is_finite() && extent.min_element() > 0.0 {
+        Ok(extent)
+    } else {
+        Err("expected a width and a height above 0".to_owned())
+    }
+}
+
 /// Reads a colour rule.
 pub(super) fn scene_color(text: &str) -> Result<SceneColor, String> {
     const EXPECTED: &str = "expected file, per-triangle, per-triangle:SEED, #rrggbb or #rgb";
@@ -233,17 +257,8 @@ mod tests {
     #[test]
     fn sizes_have_limits() {
         assert_eq!(size("1280x720"), Ok((1280, 720)));
-        for bad in [
-            "0x5",
-            "5x0",
-            "-1x5",
-            "65537x1",
-            "40000x40000",
-            "5",
-            "x",
-            "1x2x3",
-            "1.5x2",
-        ] {
+        assert_eq!(size("65536x65536"), Ok((65_536, 65_536)));
+        for bad in ["0x5", "5x0", "-1x5", "65537x1", "5", "x", "1x2x3", "1.5x2"] {
             assert!(size(bad).is_err(), "{bad}");
         }
     }
@@ -260,6 +275,16 @@ mod tests {
             Ok((1, 2, 3, 4))
         );
         assert!(crop("1,2,0,4").is_err());
+    }
+
+    #[test]
+    fn wraps_are_one_word_or_two() {
+        assert_eq!(wrap("mirror"), Ok([Wrap::Mirror; 2]));
+        let border = Wrap::Border(Some(Color([255, 0, 0])));
+        assert_eq!(wrap("clamp,border:#f00"), Ok([Wrap::Clamp, border]));
+        assert!(wrap("clamp,").is_err() && wrap("clamp,clamp,clamp").is_err());
+        assert_eq!(extent("2,0.5"), Ok(DVec2::new(2.0, 0.5)));
+        assert!(extent("2,0").is_err() && extent("inf,1").is_err() && extent("2").is_err());
     }
 
     #[test]

@@ -1,7 +1,7 @@
 use super::{Failure, warn, workers};
 use crate::cli::BenchArgs;
 use crate::output::print;
-use crate::progress::Progress;
+use crate::progress::TerminalProgress;
 use crate::setup;
 use crate::stats::{self, json, milliseconds};
 use raycast_core::camera::{Camera, Grid, Lattice, Placement, PlaneRequest, fov_to_frame};
@@ -11,9 +11,9 @@ use raycast_core::render::{Cancel, Precision, Settings, TileStats, View};
 use raycast_core::scene::Scene;
 use raycast_core::shade::Shading;
 use raycast_core::{Accel, Detail};
+use raycast_report::casters::{self, Caster};
 use raycast_report::embree::{Embree, EmbreeError};
 use raycast_report::scenes::{Made, interior_camera};
-use raycast_report::ways::{self, Way};
 use raycast_report::{subject, views};
 use rayon::ThreadPool;
 use serde::Serialize;
@@ -105,7 +105,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let pool = workers(args.casting.threads)?;
     let mut figures = Vec::with_capacity(args.files.len());
     for file in &args.files {
-        let progress = Progress::new();
+        let progress = TerminalProgress::new();
         progress.loading();
         let budget = args.reading.budget();
         let scene =
@@ -121,7 +121,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<(), Failure> {
             Made::Interior(_) if args.eye.is_none() => inside(args)?,
             _ => cameras(args, &scene)?,
         };
-        let progress = Progress::new();
+        let progress = TerminalProgress::new();
         figures.push(measure(
             args,
             made.to_string(),
@@ -140,7 +140,7 @@ fn measure(
     scene: Scene,
     cameras: Vec<(&'static str, Camera)>,
     pool: &ThreadPool,
-    progress: &Progress,
+    progress: &TerminalProgress,
 ) -> Result<FileFigures, Failure> {
     progress.building();
     let building = Instant::now();
@@ -226,10 +226,10 @@ fn measure_builds(
 }
 
 /// Other people's ways: those with trees of their own, brute force, and Embree where it is there.
-fn baselines(accel: &Arc<Accel>, embree: Result<Arc<Embree>, EmbreeError>) -> Vec<Box<dyn Way>> {
-    let mut all = ways::trees(accel);
-    all.extend(ways::brute_force(accel));
-    match embree.and_then(|library| ways::embree(accel, &library)) {
+fn baselines(accel: &Arc<Accel>, embree: Result<Arc<Embree>, EmbreeError>) -> Vec<Box<dyn Caster>> {
+    let mut all = casters::trees(accel);
+    all.extend(casters::brute_force(accel));
+    match embree.and_then(|library| casters::embree(accel, &library)) {
         Ok(embree) => all.extend(embree),
         Err(error) => warn(&format!("Embree is left out: {error}")),
     }
@@ -285,9 +285,9 @@ fn cameras(args: &BenchArgs, scene: &Scene) -> Result<Vec<(&'static str, Camera)
 fn measure_view(
     name: &'static str,
     view: &View,
-    baselines: Option<&[Box<dyn Way>]>,
+    baselines: Option<&[Box<dyn Caster>]>,
     frames: u32,
-    progress: &Progress,
+    progress: &TerminalProgress,
 ) -> Result<ViewFigures, Failure> {
     let mut cast_times = Vec::new();
     let mut hits_times = Vec::new();

@@ -1,7 +1,7 @@
 use super::{Failure, warn, warn_of_reading, workers};
 use crate::cli::CastArgs;
 use crate::output::Output;
-use crate::progress::Progress;
+use crate::progress::TerminalProgress;
 use crate::setup;
 use crate::stats::{self, Stats, StatsTarget, milliseconds};
 use raycast_core::formats::{HIT_BYTES, RAY_BYTES, SceneFile, decode_ray, encode_hit};
@@ -49,7 +49,7 @@ pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
     let (rays_file, bytes) = open_rays(&args.rays)?;
     let pool = workers(args.threads)?;
 
-    let progress = Progress::new();
+    let progress = TerminalProgress::new();
     progress.loading();
     let SceneFile {
         scene,
@@ -175,7 +175,12 @@ fn answer(
 }
 
 /// The hits of whole rays, in parallel on the current pool.
-fn cast_all(accel: &Accel, cull: Cull, rays: &[u8], progress: &Progress) -> (Vec<u8>, Counts) {
+fn cast_all(
+    accel: &Accel,
+    cull: Cull,
+    rays: &[u8],
+    progress: &TerminalProgress,
+) -> (Vec<u8>, Counts) {
     let mut hits = vec![0; rays.len() / RAY_BYTES * HIT_BYTES];
     let counts = rays
         .par_chunks(RAYS_A_TASK * RAY_BYTES)

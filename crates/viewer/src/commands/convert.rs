@@ -1,7 +1,7 @@
 use super::{Failure, warn};
 use crate::cli::ConvertArgs;
 use crate::output::{Output, Unfinished};
-use crate::progress::Progress;
+use crate::progress::TerminalProgress;
 use crate::setup;
 use raycast_core::formats::{self, MeshFormat, SceneFile, WriteError, Written};
 use raycast_core::scene::Scene;
@@ -25,7 +25,7 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
     // An OBJ's materials are in a file of their own beside it.
     let library = (format == MeshFormat::Obj).then(|| args.output.with_extension("mtl"));
 
-    let progress = Progress::new();
+    let progress = TerminalProgress::new();
     progress.loading();
     let SceneFile {
         scene,

@@ -1,11 +1,13 @@
 use super::Failure;
 use crate::cli::{CameraArgs, InfoArgs, ReadingArgs};
 use crate::output::print;
-use crate::progress::Progress;
+use crate::progress::TerminalProgress;
 use crate::setup;
 use crate::stats::{json, milliseconds};
 use raycast_core::formats::{self, SceneFile};
-use raycast_core::scene::{Bounds, Dropped, Object};
+use raycast_core::glam::DAffine3;
+use raycast_core::health;
+use raycast_core::scene::{Bounds, Dropped, Mesh, Object};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
@@ -48,6 +50,73 @@ struct ObjectInfo {
     offset: [f64; 3],
     rounding: RoundingInfo,
     vertex_colors: bool,
+    /// Only where it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    health: Option<HealthInfo>,
+}
+
+/// How the triangles of a mesh join, and how much there is of it.
+#[derive(Debug, Serialize)]
+struct HealthInfo {
+    closed: bool,
+    shells: usize,
+    euler_characteristic: i64,
+    open_edges: usize,
+    non_manifold_edges: usize,
+    flipped: usize,
+    degenerate: usize,
+    duplicates: usize,
+    unused_vertices: usize,
+    one_sided: usize,
+    inside_out: usize,
+    /// In its place in the scene, in scene units.
+    area: f64,
+    /// `null` where it is open.
+    volume: Option<f64>,
+}
+
+impl HealthInfo {
+    fn of(mesh: &Mesh, world_from_object: &DAffine3) -> Option<Self> {
+        let health = health::check(mesh, &|_| true)?;
+        let size = health::size(mesh, world_from_object, &|_| true)?;
+        Some(Self {
+            closed: health.is_closed(),
+            shells: health.shells,
+            euler_characteristic: health.euler_characteristic(),
+            open_edges: health.open_edges.len(),
+            non_manifold_edges: health.non_manifold_edges.len(),
+            flipped: health.flipped.len(),
+            degenerate: health.degenerate.len(),
+            duplicates: health.duplicates.len(),
+            unused_vertices: health.unused_vertices.len(),
+            one_sided: health.one_sided,
+            inside_out: health.inside_out,
+            area: size.area,
+            volume: health.is_closed().then_some(size.volume),
+        })
+    }
+
+    /// The faults that there are, in words.
+    fn faults(&self) -> String {
+        let kinds = [
+            (self.open_edges, "open edges"),
+            (self.non_manifold_edges, "non-manifold edges"),
+            (self.flipped, "flipped"),
+            (self.degenerate, "degenerate"),
+            (self.duplicates, "duplicates"),
+            (self.unused_vertices, "unused vertices"),
+            (self.one_sided, "one-sided parts"),
+            (self.inside_out, "shells inside out"),
+        ];
+        let found = kinds.into_iter().filter(|(count, _)| *count > 0);
+        let found: Vec<_> = found
+            .map(|(count, kind)| format!("{count} {kind}"))
+            .collect();
+        match found[..] {
+            [] => "none".to_owned(),
+            _ => found.join(", "),
+        }
+    }
 }
 
 /// How far single precision has moved the corners of triangles.
@@ -128,6 +197,7 @@ impl From<&Object> for ObjectInfo {
                 bent: rounding.bent,
             },
             vertex_colors: !mesh.vertex_colors().is_empty(),
+            health: None,
         }
     }
 }
@@ -136,7 +206,7 @@ impl From<&Object> for ObjectInfo {
 pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let mut infos = Vec::with_capacity(args.files.len());
     for file in &args.files {
-        infos.push(inspect(file, &args.reading)?);
+        infos.push(inspect(file, &args.reading, args.health)?);
     }
     if args.json {
         return print(&json(&infos)?);
@@ -146,8 +216,8 @@ pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
 }
 
 /// Reads a file and builds its tree.
-fn inspect(path: &Path, reading: &ReadingArgs) -> Result<FileInfo, Failure> {
-    let progress = Progress::new();
+fn inspect(path: &Path, reading: &ReadingArgs, looks: bool) -> Result<FileInfo, Failure> {
+    let progress = TerminalProgress::new();
     progress.loading();
     let loading = Instant::now();
     let budget = reading.budget();
@@ -173,6 +243,14 @@ fn inspect(path: &Path, reading: &ReadingArgs) -> Result<FileInfo, Failure> {
             .map_err(|error| setup::no_camera(&args, &path.display().to_string(), error))?;
     }
     let tree_bytes = accel.retained_bytes();
+    let mut objects: Vec<_> = scene.objects.iter().map(ObjectInfo::from).collect();
+    if looks {
+        let transforms = scene.world_from_objects();
+        let transforms = transforms.map_err(|error| Failure::could_not(error.to_string()))?;
+        for ((info, object), place) in objects.iter_mut().zip(&scene.objects).zip(&transforms) {
+            info.health = HealthInfo::of(&object.mesh, place);
+        }
+    }
     Ok(FileInfo {
         file: path.display().to_string(),
         kind: kind.to_string(),
@@ -183,7 +261,7 @@ fn inspect(path: &Path, reading: &ReadingArgs) -> Result<FileInfo, Failure> {
         build_ms: milliseconds(build_time),
         tree_bytes,
         tree_bytes_per_triangle: tree_bytes as f64 / accel.len().max(1) as f64,
-        objects: scene.objects.iter().map(ObjectInfo::from).collect(),
+        objects,
         warnings,
         notes,
     })
@@ -235,6 +313,24 @@ fn describe(info: &FileInfo) -> String {
         }
         if let Some([width, height]) = object.texture {
             line("texture", format!("{width}x{height}"));
+        }
+        if let Some(health) = &object.health {
+            let closed = if health.closed {
+                "closed"
+            } else {
+                "not closed"
+            };
+            let (shells, euler) = (health.shells, health.euler_characteristic);
+            let plural = if shells == 1 { "" } else { "s" };
+            line(
+                "joined",
+                format!("{closed}, {shells} shell{plural}, Euler characteristic {euler}"),
+            );
+            line("faults", health.faults());
+            line("area", health.area.to_string());
+            if let Some(volume) = health.volume {
+                line("volume", volume.to_string());
+            }
         }
         if object.offset != [0.0; 3] {
             line("recentred", format!("by {}", vector(object.offset)));

@@ -1,12 +1,18 @@
 //! Commands that need no window.
 
+mod banded;
 mod bench;
 mod cast;
 mod convert;
+mod deep_zoom;
+mod frames;
 mod info;
+mod plan;
 mod render;
 mod report;
 mod stitch;
+mod sub_cameras;
+mod texture_map;
 mod verify;
 
 use crate::failure::Failure;
@@ -47,10 +53,15 @@ pub fn run(cli: Cli) -> ExitCode {
     };
     let done = match command {
         Command::View { .. } => Ok(()),
-        Command::Render(args) => render::run(&args),
+        Command::Render(args) => match args.animation.range() {
+            Some(range) => frames::run(&args, range),
+            None => render::run(&args),
+        },
         Command::Cast(args) => cast::run(&args),
         Command::Stitch(args) => stitch::run(&args),
+        Command::Plan(args) => plan::run(&args),
         Command::Convert(args) => convert::run(&args),
+        Command::TextureMap(args) => texture_map::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Report(args) => report::run(&args),

@@ -1,69 +1,66 @@
+use super::banded::{Banded, Written};
+use super::deep_zoom::{DeepZoom, is_deep_zoom};
+use super::sub_cameras::from_outside;
 use super::{Failure, warn_of_reading, workers};
 use crate::cli::{RenderArgs, TileArgs};
 use crate::output::Output;
-use crate::progress::Progress;
+use crate::progress::TerminalProgress;
 use crate::stats::{self, Shares, Stats, StatsTarget, milliseconds};
 use crate::{memory, setup};
-use raycast_core::camera::{Camera, Grid, SubCamera};
-use raycast_core::formats::SceneFile;
+use raycast_core::camera::{Camera, CameraPath, Grid, SubCamera};
+use raycast_core::formats::{CameraFile, SceneFile};
 use raycast_core::picture::{Format, Fragment, Picture, Recipe};
 use raycast_core::render::{Cancel, Clock, Pass, Settings, TileStats, View, from_the_middle};
-use rayon::prelude::*;
-use std::path::Path;
+use rayon::ThreadPool;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Renders a picture, or a fragment of one, to a file.
 pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let started = Instant::now();
-    let format = Format::from_name(&args.output.to_string_lossy())?;
+    let deep_zoom = is_deep_zoom(&args.output);
+    let format = match deep_zoom {
+        true => Format::Png,
+        false => Format::from_name(&args.output.to_string_lossy())?,
+    };
+    if deep_zoom
+        && (args.tiles.sub_camera.is_some() || args.tiles.unfinished.is_some() || args.resume)
+    {
+        return Err(Failure::usage(
+            "a deep zoom (.dzi) is of a whole picture: leave out --sub-camera, --unfinished and --resume",
+        ));
+    }
     if args.tiles.sub_camera.is_some() {
         check_fragment(&args.tiles, format)?;
     }
     if args.tiles.unfinished.is_some() && format == Format::Exr {
         return Err(Failure::usage(
-            "an unfinished picture has no layers: write it as .png, .ppm or .jpg",
+            "an unfinished picture has no layers: write it as .png, .ppm, .jpg or .tif",
         ));
     }
     let mut inputs: Vec<&Path> = args.files.iter().map(AsRef::as_ref).collect();
     inputs.extend(args.shading.texture.as_deref());
     let output = Output::at(&args.output, &inputs)?;
+    let deep_zoom = match deep_zoom {
+        true => Some(DeepZoom::at(&args.output, &inputs)?),
+        false => None,
+    };
     inputs.push(&args.output);
     let stats_target = StatsTarget::at(args.stats.as_deref(), &inputs)?;
     let pool = workers(args.casting.threads)?;
 
-    let progress = Progress::new();
-    progress.loading();
-    let loading = Instant::now();
-    let mut file = setup::load(&args.files, &args.reading, &|share| progress.loaded(share))?;
-    setup::paint(&mut file.scene, &args.shading, &args.reading)?;
-    output.check_against(&file.opened)?;
-    stats_target.check_against(&file.opened)?;
-    let load_time = loading.elapsed();
-    let settings = Settings {
-        shading: setup::shading(&args.shading, file.shading),
-        cull: args.casting.cull,
-        precision: args.casting.precision,
-        samples: args.samples.or(file.image.samples).unwrap_or(1).max(1),
-        layers: format == Format::Exr,
+    let progress = TerminalProgress::new();
+    let opened = open(args, format, &pool, &progress, &|opened| {
+        output.check_against(opened)?;
+        stats_target.check_against(opened)
+    })?;
+    let outside = match args.tiles.show_sub_cameras {
+        true => Some(pool.install(|| from_outside(&opened.view, args.tiles.grid()))?),
+        false => None,
     };
-
-    progress.building();
-    let building = Instant::now();
-    let SceneFile {
-        scene,
-        warnings,
-        camera,
-        image,
-        ..
-    } = file;
-    let name = setup::name_of(&args.files);
-    memory::check_tree(&name, scene.triangle_count())?;
-    let accel = pool.install(|| setup::visible_tree(&name, &scene))?;
-    let build_time = building.elapsed();
-    let bounds = setup::bounds(&scene, &accel);
-    let camera = setup::camera(&args.camera, camera.as_ref(), image.size, &bounds)
-        .map_err(|error| setup::no_camera(&args.camera, &name, error))?;
+    let view = outside.as_ref().unwrap_or(&opened.view);
+    let camera = view.camera;
     let plane = camera.plane();
     let grid = args.tiles.grid();
     let part = match args.tiles.sub_camera {
@@ -81,52 +78,164 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         }
         _ => "",
     };
-    let memory_for = |columns, rows| format.memory_for(columns, rows);
-    memory::check_picture(&args.output, size, memory_for, otherwise)?;
-    let view = View {
-        scene: Arc::new(scene),
-        accel: Arc::new(accel),
-        camera,
-        settings,
+    let recipe = Recipe::of(view);
+    if let Some(deep_zoom) = deep_zoom {
+        let rendering = Instant::now();
+        let mut sum = TileStats::default();
+        let clock = || rendering.elapsed();
+        pool.install(|| {
+            deep_zoom.write((plane.columns, plane.rows), &progress, |rect| {
+                let part = camera.sub_camera(rect);
+                let (picture, tiles) = render_rect(view, part, grid, &clock, &|_| {})?;
+                sum += tiles;
+                Ok(picture)
+            })
+        })?;
+        progress.clear();
+        let wall = rendering.elapsed();
+        return tell(&opened, &stats_target, &sum, wall, started, &pool);
+    }
+    let banded = match (part, args.tiles.unfinished) {
+        (None, None) => Banded::of(&args.output, format, &recipe, &output, args.resume)?,
+        _ => None,
     };
+    if banded.is_none() {
+        let memory_for = |columns, rows| format.memory_for(columns, rows);
+        memory::check_picture(&args.output, size, memory_for, otherwise)?;
+    }
 
     let rendering = Instant::now();
     let clock = || rendering.elapsed();
-    let (bytes, tiles, wall) = match part {
-        Some(part) => {
-            let (picture, tiles) = pool.install(|| render_part(&view, part, &clock, &progress))?;
+    let (file, tiles, wall) = match (part, banded) {
+        (Some(part), _) => {
+            let (picture, tiles) = pool.install(|| render_part(view, part, &clock, &progress))?;
             let wall = rendering.elapsed();
             let fragment = Fragment {
                 rect: part.rect,
-                recipe: Recipe::of(&view),
+                recipe,
                 picture,
             };
-            (fragment.encode(format)?, tiles, wall)
+            let file = output.write(&fragment.encode(format)?)?;
+            (Written::whole(file), tiles, wall)
         }
-        None => {
+        (None, Some(banded)) => {
+            let mut sum = TileStats::default();
+            let file = pool.install(|| {
+                banded.write(&progress, |rect| {
+                    let part = view.camera.sub_camera(rect);
+                    let (picture, tiles) = render_rect(view, part, grid, &clock, &|_| {})?;
+                    sum += tiles;
+                    Ok(picture)
+                })
+            })?;
+            (file, sum, rendering.elapsed())
+        }
+        (None, None) => {
             let (picture, tiles) = pool.install(|| match args.tiles.unfinished {
-                Some(done) => render_unfinished(&view, grid, done, &clock),
-                None => render_whole(&view, grid, &clock, &progress),
+                Some(done) => render_unfinished(view, grid, done, &clock),
+                None => render_whole(view, grid, &clock, &progress),
             })?;
             let wall = rendering.elapsed();
             // What is unfinished is not what its recipe makes; a file that cannot hold one needs none.
-            let is_told = matches!(format, Format::Png | Format::Exr);
             let is_whole = args.tiles.unfinished.is_none();
-            let recipe = (is_told && is_whole).then(|| Recipe::of(&view));
-            let bytes = picture.encode_with(format, recipe.as_ref())?;
-            (bytes, tiles, wall)
+            let recipe = (format.tells_recipe() && is_whole).then_some(&recipe);
+            let bytes = picture.encode_with(format, recipe)?;
+            (Written::whole(output.write(&bytes)?), tiles, wall)
         }
     };
-    let file = output.write(&bytes)?;
     progress.clear();
+    tell(&opened, &stats_target, &tiles, wall, started, &pool)?;
+    file.finish()
+}
 
-    warn_of_reading(&warnings, &view.scene, &view.accel);
-    let shares = Shares::new(wall, &tiles);
-    stats_target.write(&Stats {
+/// A scene that was opened, and how it is to be seen.
+pub(super) struct Opened {
+    pub(super) view: View,
+    /// The scene file's camera.
+    pub(super) camera_file: Option<CameraFile>,
+    /// The scene file's keyframes.
+    pub(super) animation: Option<CameraPath>,
+    /// Every file that was read.
+    pub(super) opened: Vec<PathBuf>,
+    warnings: Vec<String>,
+    load_time: Duration,
+    build_time: Duration,
+}
+
+/// Reads files and builds the tree; `check` is asked before that whether the outputs are none of the files
+/// that were opened.
+pub(super) fn open(
+    args: &RenderArgs,
+    format: Format,
+    pool: &ThreadPool,
+    progress: &TerminalProgress,
+    check: &dyn Fn(&[PathBuf]) -> Result<(), Failure>,
+) -> Result<Opened, Failure> {
+    progress.loading();
+    let loading = Instant::now();
+    let mut file = setup::load(&args.files, &args.reading, &|share| progress.loaded(share))?;
+    setup::paint(&mut file.scene, &args.shading, &args.reading)?;
+    check(&file.opened)?;
+    let load_time = loading.elapsed();
+    let settings = Settings {
+        shading: setup::shading(&args.shading, file.shading),
+        cull: args.casting.cull,
+        precision: args.casting.precision,
+        samples: args.samples.or(file.image.samples).unwrap_or(1).max(1),
+        layers: format == Format::Exr,
+    };
+
+    progress.building();
+    let building = Instant::now();
+    let SceneFile {
+        scene,
+        warnings,
+        camera: camera_file,
+        animation,
+        image,
+        opened,
+        ..
+    } = file;
+    let name = setup::name_of(&args.files);
+    memory::check_tree(&name, scene.triangle_count())?;
+    let accel = pool.install(|| setup::visible_tree(&name, &scene))?;
+    let build_time = building.elapsed();
+    let bounds = setup::bounds(&scene, &accel);
+    let camera = setup::camera(&args.camera, camera_file.as_ref(), image.size, &bounds)
+        .map_err(|error| setup::no_camera(&args.camera, &name, error))?;
+    Ok(Opened {
+        view: View {
+            scene: Arc::new(scene),
+            accel: Arc::new(accel),
+            camera,
+            settings,
+        },
+        camera_file,
+        animation,
+        opened,
+        warnings,
+        load_time,
+        build_time,
+    })
+}
+
+/// Says what reading left out, and writes what it took.
+pub(super) fn tell(
+    opened: &Opened,
+    target: &StatsTarget,
+    tiles: &TileStats,
+    wall: Duration,
+    started: Instant,
+    pool: &ThreadPool,
+) -> Result<(), Failure> {
+    let view = &opened.view;
+    warn_of_reading(&opened.warnings, &view.scene, &view.accel);
+    let shares = Shares::new(wall, tiles);
+    target.write(&Stats {
         triangles: view.scene.triangle_count() as u64,
         dropped: setup::dropped(&view.scene, &view.accel).total().into(),
-        load_ms: milliseconds(load_time),
-        build_ms: milliseconds(build_time),
+        load_ms: milliseconds(opened.load_time),
+        build_ms: milliseconds(opened.build_time),
         cast_ms: milliseconds(shares.cast),
         shade_ms: milliseconds(shares.shade),
         total_ms: milliseconds(started.elapsed()),
@@ -141,8 +250,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         threads: pool.current_num_threads(),
         simd: view.accel.simd().name(),
         peak_bytes: stats::peak_bytes(),
-    })?;
-    file.finish()
+    })
 }
 
 /// Whether a fragment was asked for in a way that it can be had.
@@ -154,14 +262,14 @@ fn check_fragment(tiles: &TileArgs, format: Format) -> Result<(), Failure> {
     }
     match format {
         Format::Png | Format::Exr => Ok(()),
-        Format::Ppm | Format::Jpeg => Err(Failure::usage(
+        Format::Ppm | Format::Jpeg | Format::Tiff => Err(Failure::usage(
             "a fragment (--sub-camera) is written as .png or .exr, which can hold its place",
         )),
     }
 }
 
 /// The sub-camera of a grid's column and row.
-fn sub_camera_at(
+pub(super) fn sub_camera_at(
     camera: Camera,
     grid: Grid,
     (column, row): (u32, u32),
@@ -182,20 +290,34 @@ fn render_whole(
     view: &View,
     grid: Grid,
     clock: Clock<'_>,
-    progress: &Progress,
+    progress: &TerminalProgress,
 ) -> Result<(Picture, TileStats), Failure> {
     let plane = view.camera.plane();
     let (across, down) = grid.counts(plane.columns, plane.rows);
     progress.counting("rendering", u64::from(across) * u64::from(down));
+    render_rect(view, view.camera.whole(), grid, clock, &|count| {
+        progress.done(count)
+    })
+}
+
+/// A sub-camera's picture, and what its tiles together took; `done` is told of each.
+pub(super) fn render_rect(
+    view: &View,
+    part: SubCamera,
+    grid: Grid,
+    clock: Clock<'_>,
+    done: &(dyn Fn(u64) + Sync),
+) -> Result<(Picture, TileStats), Failure> {
     let sum = Mutex::new(TileStats::default());
-    let mut picture = Picture::try_blank(plane.columns, plane.rows, view.settings.layers)?;
+    let (columns, rows) = (part.rect.width, part.rect.height);
+    let mut picture = Picture::try_blank(columns, rows, view.settings.layers)?;
     let sink = |&stats: &TileStats| {
         *sum.lock().unwrap_or_else(PoisonError::into_inner) += stats;
-        progress.done(1);
+        done(1);
     };
-    let done = view.render_into(grid, clock, &Cancel::default(), &sink, &mut picture);
+    let is_done = view.render_part_into(part, grid, clock, &Cancel::default(), &sink, &mut picture);
     let sum = sum.into_inner().unwrap_or_else(PoisonError::into_inner);
-    if done {
+    if is_done {
         Ok((picture, sum))
     } else {
         Err(Failure::could_not("the render was stopped"))
@@ -232,26 +354,17 @@ fn render_unfinished(
     Ok(made.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// One sub-camera's picture, made in parallel, and what it took.
+/// One sub-camera's picture, and what it took.
 fn render_part(
     view: &View,
-    sub_camera: SubCamera,
+    part: SubCamera,
     clock: Clock<'_>,
-    progress: &Progress,
+    progress: &TerminalProgress,
 ) -> Result<(Picture, TileStats), Failure> {
-    let rect = sub_camera.rect;
-    let parts = Grid::default().tiles(rect.width, rect.height);
-    progress.counting("rendering", parts.len() as u64);
-    let blank = Picture::try_blank(rect.width, rect.height, view.settings.layers)?;
-    let made = Mutex::new((blank, TileStats::default()));
-    parts.par_iter().for_each(|part| {
-        let tile = view.render_sub_camera(sub_camera.part(*part), clock);
-        let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
-        made.0.place(*part, &tile.pixels, tile.layers.as_ref());
-        made.1 += tile.stats;
-        progress.done(1);
-    });
-    Ok(made.into_inner().unwrap_or_else(PoisonError::into_inner))
+    let grid = Grid::default();
+    let (across, down) = grid.counts(part.rect.width, part.rect.height);
+    progress.counting("rendering", u64::from(across) * u64::from(down));
+    render_rect(view, part, grid, clock, &|count| progress.done(count))
 }
 
 #[cfg(test)]

@@ -1,12 +1,12 @@
 use super::{Failure, warn_of_reading, workers};
 use crate::cli::ReportArgs;
 use crate::output::Folder;
-use crate::progress::Progress;
+use crate::progress::TerminalProgress;
 use crate::setup;
 use crate::worker::demo;
 use raycast_core::formats;
 use raycast_core::scene::Scene;
-use raycast_report::{Effort, Input, ReportError, Watch, scenes, stage};
+use raycast_report::{Input, ReportBudget, ReportError, ReportProgress, scenes, stage};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -16,12 +16,12 @@ const KINDS: [&str; 4] = [".md", ".csv", ".png", ".svg"];
 
 /// Measures speed against error, and writes a report of it.
 pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
-    let effort = Effort {
+    let budget = ReportBudget {
         simd: setup::instruction_set()?,
         ..if args.quick {
-            Effort::QUICK
+            ReportBudget::QUICK
         } else {
-            Effort::FULL
+            ReportBudget::FULL
         }
     };
     let folder = Folder::at(&args.output, args.force)?;
@@ -29,9 +29,9 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
     // Better now than after minutes.
     folder.file("report.md", &inputs)?;
     let pool = workers(args.threads)?;
-    let progress = Progress::new();
+    let progress = TerminalProgress::new();
     let (scenes, opened) = if args.files.is_empty() {
-        (own_scenes(&effort)?, Vec::new())
+        (own_scenes(&budget)?, Vec::new())
     } else {
         read_scenes(args, &progress)?
     };
@@ -47,7 +47,7 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
         }
     }
     let files =
-        pool.install(|| raycast_report::report(&scenes, &effort, &command_line(args), &progress))?;
+        pool.install(|| raycast_report::report(&scenes, &budget, &command_line(args), &progress))?;
     // First: from then on a command that is stopped can be given again.
     let marker = (Folder::MARKER, Folder::MARKER_TEXT.as_bytes());
     let files = files
@@ -63,7 +63,7 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-impl Watch for Progress {
+impl ReportProgress for TerminalProgress {
     fn begin(&self, what: &'static str, steps: u64) {
         self.counting(what, steps);
     }
@@ -82,7 +82,7 @@ impl From<ReportError> for Failure {
 /// The scenes of the files, each for itself, and all files that were opened for them.
 fn read_scenes(
     args: &ReportArgs,
-    progress: &Progress,
+    progress: &TerminalProgress,
 ) -> Result<(Vec<Input>, Vec<PathBuf>), Failure> {
     let mut opened = Vec::new();
     let read = |path: &PathBuf| {
@@ -112,7 +112,7 @@ fn read_scenes(
 
 /// The scenes of a report that was given none: the demo's meshes and the demo itself, and a bumpy
 /// ball of few and of many triangles.
-fn own_scenes(effort: &Effort) -> Result<Vec<Input>, Failure> {
+fn own_scenes(budget: &ReportBudget) -> Result<Vec<Input>, Failure> {
     let demo = demo::scene()?.scene;
     let in_memory = |name: String, scene: Scene| Input {
         name,
@@ -131,7 +131,7 @@ fn own_scenes(effort: &Effort) -> Result<Vec<Input>, Failure> {
         }
     }
     for triangles in [10_000, 100_000, 1_000_000] {
-        if triangles <= effort.largest {
+        if triangles <= budget.largest {
             let name = format!("bumpy ball of {} k", triangles / 1000);
             let scene = stage::scene_of([scenes::bumpy_sphere(triangles)]);
             inputs.push(in_memory(name, scene));

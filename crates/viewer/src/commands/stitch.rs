@@ -1,12 +1,15 @@
 use super::Failure;
+use super::banded::Banded;
 use crate::cli::StitchArgs;
 use crate::memory;
 use crate::output::Output;
-use crate::progress::Progress;
-use raycast_core::picture::{self, Format, Fragment};
+use crate::progress::TerminalProgress;
+use raycast_core::camera::Rect;
+use raycast_core::picture::{self, Format, Fragment, FragmentError, Part, Picture, RowReader};
 use std::fs::File;
-use std::io::Read;
+use std::io::{BufReader, Read};
 use std::path::Path;
+use std::time::SystemTime;
 
 /// The largest fragment that is read: 4 GiB.
 const BYTE_LIMIT: u64 = 4 << 30;
@@ -20,30 +23,105 @@ pub(super) fn run(args: &StitchArgs) -> Result<(), Failure> {
     let inputs: Vec<&Path> = args.fragments.iter().map(AsRef::as_ref).collect();
     let output = Output::at(&args.output, &inputs)?;
 
-    let progress = Progress::new();
+    let progress = TerminalProgress::new();
     progress.counting("reading", inputs.len() as u64);
-    let mut fragments = Vec::with_capacity(inputs.len());
+    // Pixels of a picture that is made band by band are looked at here, and read again where they belong.
+    let mut is_banded = false;
+    let mut fragments = Vec::new();
+    let mut parts = Vec::new();
     for path in inputs {
         let name = path.display().to_string();
+        let state = state_of(path);
         let fragment = Fragment::decode(&name, &read(path)?)?;
         if format == Format::Exr && fragment.picture.layers.is_none() {
             return Err(Failure::usage(format!(
                 "{name}: an .exr is stitched from fragments that are .exr: this one has colours alone"
             )));
         }
-        if fragments.is_empty() {
-            let layers = fragment.picture.layers.is_some();
-            let memory_for = |columns, rows| format.memory_to_stitch(columns, rows, layers);
-            memory::check_picture(&args.output, fragment.full_size(), memory_for, "")?;
+        if parts.is_empty() {
+            let (columns, rows) = fragment.full_size();
+            let goes_back = matches!(format, Format::Tiff | Format::Exr);
+            is_banded = format.is_banded(columns, rows) && (output.can_seek() || !goes_back);
+            if !is_banded {
+                let layers = fragment.picture.layers.is_some();
+                let memory_for = |columns, rows| format.memory_to_stitch(columns, rows, layers);
+                memory::check_picture(&args.output, (columns, rows), memory_for, "")?;
+            }
         }
-        fragments.push((name, fragment));
+        parts.push((Part::of(&name, &fragment), state));
+        if !is_banded {
+            fragments.push((name, fragment));
+        }
         progress.done(1);
     }
-    let picture = picture::stitch(&fragments)?;
-    let recipe = fragments.first().map(|(_, first)| &first.recipe);
-    output
-        .write(&picture.encode_with(format, recipe)?)?
-        .finish()
+    if !is_banded {
+        let picture = picture::stitch(&fragments)?;
+        let recipe = parts.first().map(|(first, _)| &first.recipe);
+        let recipe = recipe.filter(|_| format.tells_recipe());
+        let bytes = picture.encode_with(format, recipe)?;
+        return output.write(&bytes)?.finish();
+    }
+    let (parts, states): (Vec<Part>, Vec<_>) = parts.into_iter().unzip();
+    picture::check_parts(&parts)?;
+    let Some(Part { recipe, .. }) = parts.first() else {
+        return Err(FragmentError::None.into());
+    };
+    let Some(banded) = Banded::of(&args.output, format, recipe, &output, false)? else {
+        return Err(Failure::could_not("the output is no longer what it was"));
+    };
+    let mut open: Vec<Option<RowReader<BufReader<File>>>> = parts.iter().map(|_| None).collect();
+    let written = banded.write(&progress, |band| {
+        let mut picture = Picture::try_blank(band.width, band.height, format == Format::Exr)?;
+        for ((part, state), open) in parts.iter().zip(&states).zip(&mut open) {
+            let top = part.rect.y.max(band.y);
+            let bottom = part.rect.bottom().min(band.bottom());
+            if top >= bottom {
+                continue;
+            }
+            let path = Path::new(&part.name);
+            let mut reader = match open.take() {
+                Some(reader) => reader,
+                None => rows_of(path, *state)?,
+            };
+            let rows = reader.rows(bottom - top)?;
+            let rect = Rect {
+                x: part.rect.x,
+                y: top - band.y,
+                width: part.rect.width,
+                height: bottom - top,
+            };
+            if !picture.place(rect, &rows.pixels, rows.layers.as_ref()) {
+                return Err(changed(path));
+            }
+            // Closed at its end: there may be more fragments than a process may have open files.
+            *open = (bottom < part.rect.bottom()).then_some(reader);
+        }
+        Ok(picture)
+    })?;
+    written.finish()
+}
+
+/// A file's length and when it was last written, by which a change while it is read is seen.
+type State = Option<(u64, SystemTime)>;
+
+fn state_of(path: &Path) -> State {
+    let found = std::fs::metadata(path).ok()?;
+    Some((found.len(), found.modified().ok()?))
+}
+
+fn changed(path: &Path) -> Failure {
+    Failure::could_not(format!("{}: was changed while it was read", path.display()))
+}
+
+/// A fragment that was checked, to be read again.
+fn rows_of(path: &Path, state: State) -> Result<RowReader<BufReader<File>>, Failure> {
+    let cannot = |error: std::io::Error| Failure::could_not(format!("{}: {error}", path.display()));
+    let file = File::open(path).map_err(cannot)?;
+    if state != state_of(path) {
+        return Err(changed(path));
+    }
+    let length = file.metadata().map_err(cannot)?.len();
+    Ok(RowReader::open(BufReader::new(file), length)?)
 }
 
 /// A fragment's bytes; of a file that is none at all, no more than it takes to tell.

@@ -1,17 +1,19 @@
+use super::render::render_rect;
 use super::{Failure, warn_of_reading, workers};
 use crate::cli::{CameraArgs, VerifyArgs};
-use crate::progress::Progress;
+use crate::progress::TerminalProgress;
 use crate::{memory, output, setup};
 use raycast_core::Cull;
 use raycast_core::camera::{Camera, Grid, Rect};
 use raycast_core::formats::SceneFile;
-use raycast_core::picture::{self, ImageFile, Picture, Recipe};
-use raycast_core::render::Cancel;
+use raycast_core::picture::{self, ImageError, ImageFile, Picture, Recipe, RowReader};
 use raycast_core::scene::Scene;
 use raycast_core::shade::Shading;
 use raycast_report::verify::{Channels, Claim, Verification, WrongPixel, verify};
 use raycast_report::{Fault, Stage};
 use std::fmt::Write;
+use std::fs::File;
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -31,7 +33,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let pool = workers(args.casting.threads)?;
     let image = path.map(read).transpose()?;
 
-    let progress = Progress::new();
+    let progress = TerminalProgress::new();
     progress.loading();
     let mut file = setup::load(files, &args.reading, &|share| progress.loaded(share))?;
     setup::paint(&mut file.scene, &args.shading, &args.reading)?;
@@ -47,28 +49,25 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
         stage: &stage,
     };
     let ways = match (path, &image) {
-        (Some(path), Some(image)) => asked.ways_of(path, image)?,
+        (Some(path), Some(image)) => asked.ways_of(path, image.full_size(), image.recipe())?,
         _ => asked.ways(None, None)?,
     };
-    if image.is_none() {
-        let plane = ways.camera.plane();
-        let memory_for = |columns, rows| picture::memory_of(columns, rows, true);
-        let size = (plane.columns, plane.rows);
-        memory::check_picture(Path::new(&name), size, memory_for, "")?;
-    }
-    let (rect, picture) = match image {
-        Some(image) => (image.rect(), image.picture),
-        None => pool.install(|| render(args, &stage, &ways, &progress))?,
+    let rect = match &image {
+        Some(image) => image.rect(),
+        None => ways.camera.whole().rect,
     };
-
-    let claim = Claim {
-        camera: ways.camera,
-        rect,
-        cull: ways.cull,
-        shading: ways.shading,
-        samples: ways.samples,
-        picture: &picture,
+    let mut view = stage.view(ways.camera, ways.cull);
+    view.settings.precision = args.casting.precision;
+    view.settings.shading = ways.shading;
+    view.settings.samples = ways.samples;
+    // A band at a time, of a picture that has several: what is drawn is the same share of each.
+    let rows = match (&image, WHOLE / u64::from(rect.width)) {
+        (Some(Image::Whole(_)), _) => rect.height,
+        (_, rows) if rows >= u64::from(rect.height) => rect.height,
+        (_, rows) => (rows as u32).next_multiple_of(32),
     };
+    let band_memory = picture::memory_of(rect.width, rows, true);
+    memory::check_band(Path::new(&name), band_memory)?;
     let most = if args.all {
         rect.area()
     } else {
@@ -76,7 +75,44 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     };
     progress.counting("verifying", most.min(rect.area()) as u64);
     let done = |more| progress.done(more);
-    let found = pool.install(|| verify(&stage, &claim, most, args.seed, &done));
+    let mut image = image;
+    let mut found = Verification::default();
+    let mut drawn = 0;
+    for y in (0..rect.height).step_by(rows as usize) {
+        let band = Rect {
+            y: rect.y + y,
+            height: rows.min(rect.height - y),
+            ..rect
+        };
+        let picture = match &mut image {
+            Some(Image::Whole(image)) => {
+                std::mem::replace(&mut image.picture, Picture::blank(0, 0, false))
+            }
+            Some(Image::Rows(path, reader)) => reader
+                .rows(rows)
+                .map_err(|error| cannot_read(path, &error))?,
+            None => {
+                let part = ways.camera.sub_camera(band);
+                let no_clock = || Duration::ZERO;
+                let render = || render_rect(&view, part, Grid::default(), &no_clock, &|_| {});
+                pool.install(render)?.0
+            }
+        };
+        let claim = Claim {
+            camera: ways.camera,
+            rect: band,
+            cull: ways.cull,
+            shading: ways.shading,
+            samples: ways.samples,
+            picture: &picture,
+        };
+        // Of the pixels down to here so many are to be drawn in all.
+        let down = u128::from(y + band.height) * u128::from(rect.width);
+        let share = most.min(rect.area()) as u128 * down / rect.area().max(1) as u128;
+        let seed = args.seed.wrapping_add(u64::from(y) << 32);
+        found += pool.install(|| verify(&stage, &claim, share as usize - drawn, seed, &done));
+        drawn = share as usize;
+    }
     progress.clear();
 
     warn_of_reading(&file.warnings, &stage.scene, &stage.accel);
@@ -102,11 +138,15 @@ struct Asked<'a> {
 impl Asked<'_> {
     /// How an image was made: as its recipe tells, which must be what was asked for; without one, as was
     /// asked for.
-    fn ways_of(&self, path: &Path, image: &ImageFile) -> Result<Ways, Failure> {
+    fn ways_of(
+        &self,
+        path: &Path,
+        size: (u32, u32),
+        recipe: Option<&Recipe>,
+    ) -> Result<Ways, Failure> {
         let args = self.args;
         let name = path.display();
-        let size = image.full_size();
-        let ways = self.ways(Some(size), image.recipe.as_ref())?;
+        let ways = self.ways(Some(size), recipe)?;
         let plane = ways.camera.plane();
         let asked = args.camera.size.unwrap_or((plane.columns, plane.rows));
         if asked != size {
@@ -115,7 +155,7 @@ impl Asked<'_> {
                 size.0, size.1, asked.0, asked.1
             )));
         }
-        let Some(recipe) = &image.recipe else {
+        let Some(recipe) = recipe else {
             return Ok(ways);
         };
         let asked = Recipe {
@@ -212,46 +252,64 @@ fn split(files: &[PathBuf]) -> Result<(Option<&Path>, &[PathBuf]), Failure> {
     }
 }
 
-/// Reads an image that RayCast wrote, whole or a fragment.
-fn read(path: &Path) -> Result<ImageFile, Failure> {
-    let name = path.display();
-    let bytes = std::fs::read(path);
-    let bytes = bytes.map_err(|error| Failure::could_not(format!("{name}: {error}")))?;
-    ImageFile::decode(&bytes).map_err(|error| Failure::could_not(format!("{name}: {error}")))
+/// Pixels of an image that is read, or rendered, at once.
+const WHOLE: u64 = 1 << 21;
+
+/// An image that RayCast wrote.
+enum Image<'a> {
+    /// All of it: of few pixels, or a fragment, whose checksum is that of all its pixels.
+    Whole(Box<ImageFile>),
+    /// To be read from the top; the name is for errors.
+    Rows(&'a Path, Box<RowReader<BufReader<File>>>),
+}
+
+impl Image<'_> {
+    fn full_size(&self) -> (u32, u32) {
+        match self {
+            Self::Whole(image) => image.full_size(),
+            Self::Rows(_, reader) => reader.full_size(),
+        }
+    }
+
+    fn rect(&self) -> Rect {
+        match self {
+            Self::Whole(image) => image.rect(),
+            Self::Rows(_, reader) => reader.rect(),
+        }
+    }
+
+    fn recipe(&self) -> Option<&Recipe> {
+        match self {
+            Self::Whole(image) => image.recipe.as_ref(),
+            Self::Rows(_, reader) => reader.recipe(),
+        }
+    }
+}
+
+/// Opens an image that RayCast wrote, whole or a fragment.
+fn read(path: &Path) -> Result<Image<'_>, Failure> {
+    let cannot = |error: std::io::Error| Failure::could_not(format!("{}: {error}", path.display()));
+    let file = File::open(path).map_err(cannot)?;
+    let length = file.metadata().map_err(cannot)?.len();
+    let reader = RowReader::open(BufReader::new(file), length);
+    let reader = reader.map_err(|error| cannot_read(path, &error))?;
+    let (columns, rows) = reader.size();
+    let is_large = u64::from(columns) * u64::from(rows) > WHOLE;
+    if is_large && reader.full_size() == (columns, rows) {
+        return Ok(Image::Rows(path, Box::new(reader)));
+    }
+    let image = ImageFile::decode(&std::fs::read(path).map_err(cannot)?);
+    let image = image.map_err(|error| cannot_read(path, &error))?;
+    Ok(Image::Whole(Box::new(image)))
+}
+
+fn cannot_read(path: &Path, error: &ImageError) -> Failure {
+    Failure::could_not(format!("{}: {error}", path.display()))
 }
 
 fn stage(name: &str, scene: Scene) -> Result<Stage, Failure> {
     let accel = setup::visible_tree(name, &scene)?;
     Ok(Stage::of_parts(Arc::new(scene), Arc::new(accel))?)
-}
-
-/// The whole picture, to be verified at once.
-fn render(
-    args: &VerifyArgs,
-    stage: &Stage,
-    ways: &Ways,
-    progress: &Progress,
-) -> Result<(Rect, Picture), Failure> {
-    let (columns, rows) = (ways.camera.plane().columns, ways.camera.plane().rows);
-    let grid = Grid::default();
-    let (across, down) = grid.counts(columns, rows);
-    progress.counting("rendering", u64::from(across) * u64::from(down));
-    let mut view = stage.view(ways.camera, ways.cull);
-    view.settings.precision = args.casting.precision;
-    view.settings.shading = ways.shading;
-    view.settings.samples = ways.samples;
-    let no_clock = || Duration::ZERO;
-    let picture = view.render(grid, &no_clock, &Cancel::default(), &|_| progress.done(1));
-    let rect = Rect {
-        x: 0,
-        y: 0,
-        width: columns,
-        height: rows,
-    };
-    Ok((
-        rect,
-        picture.ok_or_else(|| Failure::could_not("the render was stopped"))?,
-    ))
 }
 
 /// What was found, in words.

@@ -10,6 +10,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 const PREFIX: &str = ".raycast-";
 const SUFFIX: &str = ".part";
 
+/// The file in a part folder that its process holds locked.
+pub(super) const LOCK: &str = ".raycast-lock";
+
 /// Part files of one process at one time in one folder: more are a fault.
 const MOST: u32 = 1 << 16;
 
@@ -27,10 +30,40 @@ pub(super) fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
 pub(super) struct PartFile {
     file: File,
     path: PathBuf,
+    /// Whether it stays where it is: put in its place, or kept for a later command.
     is_placed: bool,
 }
 
 impl PartFile {
+    /// The part file at `path`, with what it has, or a new one; it stays there until it is put in its place,
+    /// whatever ends this command. The same of `is_private` as with [`PartFile::create_in`].
+    ///
+    /// # Errors
+    /// A file that cannot be opened, or that another command is writing.
+    pub(super) fn keep_at(path: PathBuf, is_private: bool) -> io::Result<Self> {
+        let mut options = File::options();
+        options.read(true).write(true).create(true).truncate(false);
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::OpenOptionsExt;
+            options.mode(if is_private { 0o600 } else { 0o666 });
+        }
+        #[cfg(not(unix))]
+        let _ = is_private;
+        let file = options.open(&path)?;
+        // Where a file system has no locks, nobody else is known of.
+        let is_held = matches!(file.try_lock(), Err(TryLockError::WouldBlock));
+        if is_held || !is_at(&file, &path) {
+            let reason = format!("another command is writing {}", path.display());
+            return Err(io::Error::other(reason));
+        }
+        Ok(Self {
+            file,
+            path,
+            is_placed: true,
+        })
+    }
+
     /// A new, empty part file in `directory`. If `is_private` only its owner may read it; else
     /// everybody whom the umask allows.
     ///
@@ -69,6 +102,28 @@ impl PartFile {
                 path,
                 is_placed: false,
             });
+        }
+        Err(io::Error::other("there are too many part files"))
+    }
+
+    /// A new, empty part folder in `directory`, and its lock.
+    ///
+    /// # Errors
+    /// A directory that cannot be written.
+    pub(super) fn folder_in(directory: &Path) -> io::Result<(PathBuf, File)> {
+        let process = std::process::id();
+        let mut paths = unfinished();
+        for number in 0..MOST {
+            let path = directory.join(format!("{PREFIX}{process}-{number}{SUFFIX}"));
+            match fs::create_dir(&path) {
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
+                made => made?,
+            }
+            paths.push(path.clone());
+            // One that is taken for abandoned before it is locked is gone, and the first file fails.
+            let lock = File::create(path.join(LOCK))?;
+            let _ = lock.try_lock();
+            return Ok((path, lock));
         }
         Err(io::Error::other("there are too many part files"))
     }
@@ -129,7 +184,17 @@ pub(super) fn sweep(directory: &Path) {
 /// Removes a part file if it can be locked: its process is gone, or has yet to lock it and will then
 /// make another.
 fn remove_if_abandoned(path: &Path) {
-    if !fs::symlink_metadata(path).is_ok_and(|found| found.is_file()) {
+    let Ok(found) = fs::symlink_metadata(path) else {
+        return;
+    };
+    if found.is_dir() {
+        let lock = File::options().read(true).write(true).open(path.join(LOCK));
+        if lock.is_ok_and(|lock| lock.try_lock().is_ok()) {
+            let _ = fs::remove_dir_all(path);
+        }
+        return;
+    }
+    if !found.is_file() {
         return;
     }
     let Ok(file) = File::options().read(true).write(true).open(path) else {

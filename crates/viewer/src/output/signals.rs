@@ -51,7 +51,9 @@ fn remove_and_exit(status: i32) -> ! {
     // Held until the process is gone: no part file is made, or put in its place, in between.
     let paths = unfinished();
     for path in paths.iter() {
-        let _ = std::fs::remove_file(path);
+        if std::fs::remove_file(path).is_err() {
+            let _ = std::fs::remove_dir_all(path);
+        }
     }
     #[cfg(unix)]
     // At once: nothing that other threads still do may hold it up.

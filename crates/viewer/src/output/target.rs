@@ -1,11 +1,12 @@
 //! A place to write to, checked before the work; a file on its way there.
 
+use super::journal::Journal;
 use super::part_file::{PartFile, sweep};
 use super::place::{Identity, directory_of, follow};
 use crate::failure::Failure;
 use std::fmt::Display;
 use std::fs::{self, File, Metadata, Permissions};
-use std::io::{self, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// A place to write to, checked.
@@ -114,6 +115,44 @@ impl Output {
             sink,
             output: self.clone(),
         })
+    }
+
+    /// Begins to write behind a `head`, or goes on where an earlier command was ended that wrote the file of
+    /// this `key`: a part file and its journal, which stay until the file is finished.
+    ///
+    /// # Errors
+    /// As [`Output::create`]; another command that writes the same.
+    pub fn resume(&self, key: &str, head: &[u8]) -> Result<(Unfinished, Journal), Failure> {
+        let cannot = |error: io::Error| self.cannot(&error);
+        if self.is_device {
+            return Err(self.cannot(&"what is written to a device cannot be resumed"));
+        }
+        let replaced = self.replaced()?;
+        let mut name = std::ffi::OsString::from(".");
+        name.push(self.path.file_name().unwrap_or_default());
+        let beside = |suffix: &str| {
+            let mut name = name.clone();
+            name.push(suffix);
+            directory_of(&self.path).join(name)
+        };
+        let mut part =
+            PartFile::keep_at(beside(".raycast-part"), replaced.is_some()).map_err(cannot)?;
+        let journal =
+            Journal::open(beside(".raycast-journal"), key, head, part.file()).map_err(cannot)?;
+        if let Some(replaced) = &replaced {
+            give_to_owner_of(replaced, part.file()).map_err(|reason| self.cannot(&reason))?;
+        }
+        let sink = Sink::Part {
+            part,
+            permissions: replaced.map(|replaced| replaced.permissions()),
+        };
+        let output = self.clone();
+        Ok((Unfinished { sink, output }, journal))
+    }
+
+    /// Whether bytes that were written can be written over.
+    pub fn can_seek(&self) -> bool {
+        !self.is_device
     }
 
     /// Writes all of a file's bytes, ready to be finished.
@@ -230,6 +269,37 @@ impl Unfinished {
             Sink::Part { part, .. } => part.file(),
             Sink::Device(device) => device,
         }
+    }
+}
+
+impl Unfinished {
+    /// Writes, as [`Write::write_all`]; tells which file cannot be written.
+    ///
+    /// # Errors
+    /// A full disk.
+    pub fn append(&mut self, bytes: &[u8]) -> Result<(), Failure> {
+        let written = self.file().write_all(bytes);
+        written.map_err(|error| self.output.cannot(&error))
+    }
+
+    /// Writes over what the file begins with.
+    ///
+    /// # Errors
+    /// As [`Unfinished::append`]; a device that cannot go back.
+    pub fn rewrite_head(&mut self, bytes: &[u8]) -> Result<(), Failure> {
+        let file = self.file();
+        let written = (file.seek(SeekFrom::Start(0))).and_then(|_| file.write_all(bytes));
+        let written = written.and_then(|()| file.seek(SeekFrom::End(0)).map(drop));
+        written.map_err(|error| self.output.cannot(&error))
+    }
+
+    /// Notes in the file's journal what was written since it was last noted.
+    ///
+    /// # Errors
+    /// As [`Unfinished::append`].
+    pub fn note(&mut self, journal: &mut Journal) -> Result<(), Failure> {
+        let noted = journal.note(self.file());
+        noted.map_err(|error| self.output.cannot(&error))
     }
 }
 

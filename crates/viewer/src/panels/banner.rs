@@ -129,10 +129,13 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
         PromptKind::Picture => (
             "Save the picture",
             "Save",
-            "a name ending in .png, .ppm, .jpg or .exr",
+            "a name ending in .png, .ppm, .jpg, .tif or .exr",
         ),
+        PromptKind::Measurements => ("Save the measurements", "Save", "a name ending in .csv"),
         PromptKind::Scene => ("Save the scene", "Save", "a name ending in .raycast.toml"),
-        PromptKind::Texture => ("Load a texture", "Load", "path of an image"),
+        PromptKind::Texture | PromptKind::TextureOf(_) => {
+            ("Load a texture", "Load", "path of an image")
+        }
     };
     card(ui, theme::colors(ui).accent).show(ui, |ui| {
         ui.set_width(ui.available_width());
@@ -153,7 +156,7 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
             // suggested is marked up to its ending, as file dialogs do it, and gives way to what is typed.
             ui.memory_mut(|memory| memory.request_focus(id));
             let stem = match prompt.kind {
-                PromptKind::Picture | PromptKind::Scene => prompt
+                PromptKind::Picture | PromptKind::Scene | PromptKind::Measurements => prompt
                     .text
                     .split('.')
                     .next()
@@ -214,6 +217,7 @@ fn unsaved(ui: &mut Ui, state: &State, pending: &Pending, out: &mut Commands) {
     let before = match pending {
         Pending::Close => "closing",
         Pending::Reload => "reading it again",
+        Pending::CopyCommand => "copying the command that makes the picture",
         Pending::Open(_) | Pending::Case(_) | Pending::Neighbor(_) => "opening another",
     };
     card(ui, theme::colors(ui).accent).show(ui, |ui| {
@@ -226,7 +230,10 @@ fn unsaved(ui: &mut Ui, state: &State, pending: &Pending, out: &mut Commands) {
                 ("Don't save", "Go on, and lose the changes", Answer::Discard),
                 ("Cancel", "Stay with this scene (Esc)", Answer::Stay),
             ];
-            for (name, hint, answer) in answers {
+            // There is no command for what no file has.
+            let can_discard = *pending != Pending::CopyCommand;
+            let answers = answers.into_iter();
+            for (name, hint, answer) in answers.filter(|a| can_discard || a.2 != Answer::Discard) {
                 let button = ui.add(Button::new(name)).on_hover_text(hint);
                 if answer == Answer::Save && ui.memory(|memory| memory.focused().is_none()) {
                     button.request_focus();

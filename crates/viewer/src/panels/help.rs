@@ -1,14 +1,15 @@
 //! All keys and gestures.
 
 use super::Commands;
+use crate::state::State;
 use crate::state::command::Command;
-use crate::ui::input::GESTURES;
+use crate::ui::input;
 use crate::ui::registry::{ACTIONS, Chord, Menu};
 use crate::ui::theme;
 use egui::{Grid, Id, Modal, RichText, ScrollArea, Ui};
 
 /// Shows them over the window; a click beside them, Esc or F1 closes them.
-pub(super) fn show(context: &egui::Context, out: &mut Commands) {
+pub(super) fn show(context: &egui::Context, state: &State, out: &mut Commands) {
     let frame = egui::Frame::popup(&context.global_style()).inner_margin(18.0);
     let modal = Modal::new(Id::unique("help")).frame(frame);
     let window = context.content_rect();
@@ -27,7 +28,8 @@ pub(super) fn show(context: &egui::Context, out: &mut Commands) {
             .max_height(window.height() - 130.0)
             .auto_shrink([false, true])
             .show(ui, |ui| {
-                let gestures = GESTURES.iter().map(|g| (g.gesture.to_owned(), g.does));
+                let gestures = input::gestures(state.preferences.mouse);
+                let gestures = gestures.map(|g| (g.gesture.to_owned(), g.does));
                 table(ui, "Mouse", gestures);
                 for menu in Menu::ALL {
                     let actions = ACTIONS.iter();

@@ -1,4 +1,4 @@
-//! The triangle that was clicked on, lit up in the picture.
+//! The triangle that was clicked on, and the box of the marked object, lit up in the picture.
 
 use crate::state::State;
 use crate::ui::theme;
@@ -8,16 +8,19 @@ use raycast_core::glam::DVec3;
 
 /// Draws it. `place` maps a point of the picture to the window.
 pub(super) fn show(painter: &Painter, state: &State, place: impl Fn((f64, f64)) -> Pos2) {
-    let (Some(pinned), Some(camera)) = (&state.pinned, state.camera()) else {
+    let Some(camera) = state.camera() else {
         return;
     };
     let accent = theme::of(&egui::Visuals::dark()).accent;
+    box_of_marked(painter, state, &camera, accent, &place);
+    let Some(pinned) = &state.pinned else {
+        return;
+    };
     let outline: Vec<Pos2> = before(&camera, &pinned.corners)
         .into_iter()
         .filter_map(|corner| camera.project(corner))
         .map(&place)
-        // Further away than any line can be drawn: it would only overflow.
-        .map(|p| p.clamp(Pos2::new(-1e5, -1e5), Pos2::new(1e5, 1e5)))
+        .map(bounded)
         .collect();
     if outline.len() >= 3 {
         let fill = accent.gamma_multiply(0.25);
@@ -35,8 +38,79 @@ pub(super) fn show(painter: &Painter, state: &State, place: impl Fn((f64, f64)) 
     }
 }
 
+/// The box of the marked object where it is put, which is seen at once: its picture comes when its tree is built.
+fn box_of_marked(
+    painter: &Painter,
+    state: &State,
+    camera: &Camera,
+    accent: Color32,
+    place: impl Fn((f64, f64)) -> Pos2,
+) {
+    let found = state.selected.zip(state.document.as_ref());
+    let Some((object, world_from_object)) = found.and_then(|(number, document)| {
+        let object = document.scene.objects.get(number)?;
+        let transforms = document.scene.world_from_objects().ok()?;
+        Some((object, *transforms.get(number)?))
+    }) else {
+        return;
+    };
+    let bounds = object.mesh.bounds();
+    // It would be in the way of what is looked at.
+    let is_in_the_way = state.measuring.tool.is_some() || state.inspection.shown.is_some();
+    if bounds.is_empty() || !object.visible || is_in_the_way {
+        return;
+    }
+    let corners = bounds
+        .corners()
+        .map(|c| world_from_object.transform_point3(c));
+    for (i, &from) in corners.iter().enumerate() {
+        // Corners are numbered by bits, one an axis: an edge changes one of them.
+        for to in [1, 2, 4]
+            .map(|bit| i | bit)
+            .into_iter()
+            .filter(|&to| to != i)
+        {
+            line(
+                painter,
+                camera,
+                [from, corners[to]],
+                &place,
+                accent.gamma_multiply(0.8),
+                1.0,
+            );
+        }
+    }
+}
+
+/// A line between two points of the scene, dark around so that it is seen on any picture.
+pub(super) fn line(
+    painter: &Painter,
+    camera: &Camera,
+    ends: [DVec3; 2],
+    place: impl Fn((f64, f64)) -> Pos2,
+    color: Color32,
+    width: f32,
+) {
+    let seen = before(camera, &ends);
+    let ends = seen
+        .iter()
+        .filter_map(|&end| camera.project(end))
+        .map(place);
+    let ends: Vec<Pos2> = ends.map(bounded).collect();
+    if let [a, b, ..] = ends[..] {
+        let dark = Color32::from_black_alpha(110);
+        painter.line_segment([a, b], Stroke::new(width + 1.5, dark));
+        painter.line_segment([a, b], Stroke::new(width, color));
+    }
+}
+
+/// Further away than any line can be drawn a point would only overflow.
+fn bounded(point: Pos2) -> Pos2 {
+    point.clamp(Pos2::new(-1e5, -1e5), Pos2::new(1e5, 1e5))
+}
+
 /// The part of a polygon that lies before the eye (Sutherland and Hodgman, "Reentrant polygon clipping", 1974).
-fn before(camera: &Camera, corners: &[DVec3]) -> Vec<DVec3> {
+pub(super) fn before(camera: &Camera, corners: &[DVec3]) -> Vec<DVec3> {
     if camera.projection() == Projection::Orthographic {
         return corners.to_vec();
     }

@@ -188,7 +188,7 @@ fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
                 .on_hover_text("Take all textures off")
                 .clicked()
         {
-            out.push(Command::RemoveTextures);
+            out.push(Command::RemoveTexture(None));
         }
     });
 }

@@ -6,7 +6,7 @@ use crate::state::State;
 use crate::state::command::Command;
 use crate::ui::registry::{ACTIONS, Menu};
 use egui::{Button, MenuBar, Ui};
-use raycast_report::cases::{self, Theme};
+use raycast_report::cases::{self, CaseTheme};
 
 /// Shows it.
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
@@ -50,7 +50,7 @@ fn recent(ui: &mut Ui, state: &State, out: &mut Commands) {
 /// The hard cases, theme by theme.
 fn hard_cases(ui: &mut Ui, out: &mut Commands) {
     let menu = ui.menu_button("Open hard case", |ui| {
-        for theme in Theme::ALL {
+        for theme in CaseTheme::ALL {
             ui.menu_button(theme.name(), |ui| {
                 for case in cases::all().iter().filter(|case| case.theme == theme) {
                     let item = ui.button(case.title()).on_hover_text(case.trouble);

@@ -1,10 +1,14 @@
 //! Parts of the window, one a file: each shows state and emits commands.
 
 mod banner;
+mod camera;
 mod gizmo;
+mod health;
 mod help;
 mod highlight;
 mod look;
+mod marks;
+mod measure;
 mod menu;
 mod objects;
 #[allow(clippy::disallowed_methods, reason = "tints are no part of a picture")]
@@ -17,12 +21,13 @@ mod side;
 mod status;
 mod surface;
 mod tiles;
+mod transform;
 pub mod viewport;
 mod widgets;
 pub mod window;
 
 use crate::state::command::Command;
-use crate::ui::canvas::Progress;
+use crate::ui::canvas::PictureProgress;
 use crate::worker::files::Activity;
 use std::time::Duration;
 
@@ -33,7 +38,7 @@ pub type Commands = Vec<Command>;
 #[derive(Clone, Debug, Default)]
 pub struct Status {
     /// How far the picture is.
-    pub progress: Progress,
+    pub progress: PictureProgress,
     /// What is being read, built or written.
     pub activity: Option<Activity>,
     /// The least and the most that a tile took.

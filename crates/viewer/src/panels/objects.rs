@@ -1,7 +1,7 @@
 //! The objects of the scene: shown and hidden, named, coloured.
 
-use super::Commands;
 use super::widgets::{choice, color, item, row, section};
+use super::{Commands, transform};
 use crate::state::State;
 use crate::state::command::Command;
 use crate::ui::format;
@@ -86,6 +86,9 @@ fn object_row(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &
                     ui.label(RichText::new(text).color(colors.error))
                         .on_hover_text(hint);
                 }
+                if state.is_locked(number) && padlock(ui, &format!("Unlock {}", object.name)) {
+                    out.push(Command::SetLocked(number, false));
+                }
                 let room = vec2(ui.available_width(), 0.0);
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                     let color = if object.visible {
@@ -161,6 +164,24 @@ fn eye(ui: &mut Ui, is_open: bool, spoken: &str) -> bool {
     response.on_hover_text(spoken).clicked()
 }
 
+/// A padlock; whether it was clicked.
+fn padlock(ui: &mut Ui, spoken: &str) -> bool {
+    let (rect, response) = ui.allocate_exact_size(vec2(14.0, 16.0), Sense::click());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, spoken));
+    let colors = theme::colors(ui);
+    let is_lit = response.hovered() || response.has_focus();
+    let color = if is_lit { colors.accent } else { colors.text };
+    let middle = rect.center();
+    let body = egui::Rect::from_center_size(middle + vec2(0.0, 2.5), vec2(9.0, 7.0));
+    let painter = ui.painter();
+    painter.rect_filled(body, 1.0, color);
+    let shackle = egui::Rect::from_center_size(middle - vec2(0.0, 2.0), vec2(6.0, 8.0));
+    let stroke = egui::Stroke::new(1.4, color);
+    painter.rect_stroke(shackle, 3.0, stroke, egui::StrokeKind::Middle);
+    let hint = format!("{spoken} (L, where it is marked): it is kept as it is");
+    response.on_hover_text(hint).clicked()
+}
+
 /// A field for a name. Enter, or leaving it, gives the name; Esc does not.
 fn name_field(ui: &mut Ui, number: usize, object: &Object, out: &mut Commands) {
     let id = Id::unique("object's name");
@@ -190,6 +211,7 @@ fn name_field(ui: &mut Ui, number: usize, object: &Object, out: &mut Commands) {
 
 /// What can be done with the marked object.
 fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut Commands) {
+    let is_locked = state.is_locked(number);
     row(
         ui,
         "Its color",
@@ -210,7 +232,10 @@ fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut 
                 (1, "Plain", "One color for this object"),
                 (2, "Random", "A color a triangle"),
             ];
-            out.extend(choice(ui, current, &options).map(|kind| {
+            let chosen = ui
+                .add_enabled_ui(!is_locked, |ui| choice(ui, current, &options))
+                .inner;
+            out.extend(chosen.map(|kind| {
                 let rule = match kind {
                     0 => ColorRule::File,
                     1 => ColorRule::Uniform(Color::DEFAULT),
@@ -220,16 +245,54 @@ fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut 
             }));
         },
     );
-    ui.horizontal(|ui| {
-        ui.spacing_mut().item_spacing.x = 3.0;
+    row(ui, "Its texture", "An image on this object", |ui, _| {
+        let load = action("object.texture");
+        ui.add_enabled_ui(!is_locked, |ui| {
+            let name = object
+                .texture_source
+                .as_ref()
+                .and_then(|path| path.file_name());
+            let text = match name {
+                Some(name) => name.to_string_lossy().into_owned(),
+                None => "Load…".to_owned(),
+            };
+            let room = ui.available_width() - if object.texture.is_some() { 66.0 } else { 0.0 };
+            let button = Button::new(text).truncate().min_size(vec2(60.0, 0.0));
+            ui.scope(|ui| {
+                ui.set_max_width(room);
+                let response = ui.add(button);
+                response.widget_info(|| {
+                    egui::WidgetInfo::labeled(egui::Role::Button, true, "Load its texture")
+                });
+                if response.on_hover_text(load.hint()).clicked() {
+                    out.push((load.command)(state));
+                }
+            });
+            if object.texture.is_some() {
+                let response = ui.button("Remove");
+                response.widget_info(|| {
+                    egui::WidgetInfo::labeled(egui::Role::Button, true, "Remove its texture")
+                });
+                if response.on_hover_text("Take its image off").clicked() {
+                    out.push(Command::RemoveTexture(Some(number)));
+                }
+            }
+        });
+    });
+    transform::show(ui, state, number, object, out);
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = vec2(3.0, 3.0);
         for id in [
             "object.isolate",
             "object.rename",
             "object.duplicate",
+            "object.lock",
+            "object.reset",
             "object.delete",
         ] {
             let action = action(id);
-            let button = Button::new(action.name).small();
+            let is_on = action.is_on.is_some_and(|is_on| is_on(state));
+            let button = Button::new(action.name).small().selected(is_on);
             let response = ui.add_enabled((action.applies)(state), button);
             if response.on_hover_text(action.hint()).clicked() {
                 out.push((action.command)(state));

@@ -1,6 +1,8 @@
 //! The side panel: what is done daily first, what is for experts closed.
 
-use super::{Commands, Status, look, objects, pick, picture, render, surface, tiles};
+use super::{
+    Commands, Status, camera, health, look, measure, objects, pick, picture, render, surface, tiles,
+};
 use crate::state::State;
 use egui::{ScrollArea, Ui};
 
@@ -15,7 +17,10 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Comman
             objects::show(ui, state, out);
             pick::show(ui, state, out);
             look::show(ui, state, out);
+            measure::show(ui, state, out);
+            health::show(ui, state, out);
             surface::show(ui, state, out);
+            camera::show(ui, state, out);
             picture::show(ui, state, out);
             tiles::show(ui, state, status, out);
             render::show(ui, state, status, out);

@@ -12,7 +12,11 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         let colors = theme::colors(ui);
         let (text, color, hint) = progress(state, status, colors);
-        ui.label(RichText::new(text).color(color)).on_hover_text(hint);
+        // What the hand is to do comes first where there is little room.
+        let is_led = state.walk.is_some() || state.measuring.tool.is_some();
+        if !is_led || ui.available_width() > 760.0 {
+            ui.label(RichText::new(text).color(color)).on_hover_text(hint);
+        }
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
             let hint = "What the ray under the cursor meets: t is the distance, u and v the weights of the triangle's second and third corners";
             ui.add(Label::new(RichText::new(under_cursor(state)).color(colors.quiet)).truncate())
@@ -26,6 +30,14 @@ fn under_cursor(state: &State) -> String {
     let Some(document) = &state.document else {
         return String::new();
     };
+    if state.walk.is_some() {
+        let hint =
+            "Walk: W A S D go, E Q up and down, a drag looks around, the wheel changes speed";
+        return format!("{hint}. Esc ends");
+    }
+    if let Some(tool) = state.measuring.tool {
+        return format!("{}: {}. Esc ends", tool.name(), tool.hint());
+    }
     let Some((x, y)) = state.hover else {
         return document.name.clone();
     };

@@ -39,8 +39,18 @@ fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
                 "Bilinear",
                 "Four texels, blended in linear light",
             ),
+            (
+                Filter::Trilinear,
+                "Trilinear",
+                "Smaller images where it is far away: no shimmer",
+            ),
+            (
+                Filter::Ewa,
+                "EWA",
+                "All texels that a pixel sees: no shimmer, and sharp at a slant",
+            ),
         ];
-        out.extend(choice(ui, shading.filter, &options).map(Command::SetFilter));
+        out.extend(select(ui, "filter", shading.filter, &options).map(Command::SetFilter));
     });
     row(
         ui,
@@ -58,8 +68,31 @@ fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
                     "Triplanar",
                     "From three sides along the object's axes",
                 ),
+                (
+                    TextureProjection::PerTriangle,
+                    "Per triangle",
+                    "Each triangle laid into the image in its own shape",
+                ),
+                (
+                    TextureProjection::Plane,
+                    "Plane",
+                    "Straight onto the object from its front",
+                ),
+                (
+                    TextureProjection::Sphere,
+                    "Sphere",
+                    "By longitude and latitude about the object's middle",
+                ),
+                (
+                    TextureProjection::Cylinder,
+                    "Cylinder",
+                    "By angle and height about the object's axis",
+                ),
             ];
-            out.extend(choice(ui, shading.projection, &options).map(Command::SetTextureProjection));
+            out.extend(
+                select(ui, "mapping", shading.projection, &options)
+                    .map(Command::SetTextureProjection),
+            );
         },
     );
     row(
@@ -81,4 +114,29 @@ fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
             }
         },
     );
+}
+
+/// Some choices in a list that opens; the one that was clicked.
+fn select<T: PartialEq + Copy>(
+    ui: &mut Ui,
+    id: &str,
+    current: T,
+    options: &[(T, &str, &str)],
+) -> Option<T> {
+    let name = options.iter().find(|(value, ..)| *value == current);
+    let mut chosen = None;
+    egui::ComboBox::from_id_salt(id)
+        .width(ui.available_width())
+        .selected_text(name.map_or("", |(_, name, _)| name))
+        .show_ui(ui, |ui| {
+            for &(value, name, hint) in options {
+                let entry = ui
+                    .selectable_label(value == current, name)
+                    .on_hover_text(hint);
+                if entry.clicked() && value != current {
+                    chosen = Some(value);
+                }
+            }
+        });
+    chosen
 }

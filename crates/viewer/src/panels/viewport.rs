@@ -1,7 +1,7 @@
 //! The picture, and the mouse over it.
 
 use super::overlay::TileOverlay;
-use super::{Commands, gizmo, highlight};
+use super::{Commands, gizmo, highlight, marks};
 use crate::state::{Resolution, State};
 use crate::ui::canvas::Canvas;
 use crate::ui::input;
@@ -11,7 +11,7 @@ use raycast_core::shade::Background;
 
 /// What the picture's place in the window tells the state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct PicturePlace {
     /// Its size in device pixels.
     pub pixels: (u32, u32),
     /// The point of the picture under the cursor.
@@ -25,7 +25,7 @@ pub fn show(
     canvas: &mut Canvas,
     overlay: &mut TileOverlay,
     out: &mut Commands,
-) -> Place {
+) -> PicturePlace {
     let points = ui.ctx().pixels_per_point();
     let room = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(room, Sense::click_and_drag());
@@ -65,7 +65,14 @@ pub fn show(
     };
     let place = |(x, y): (f64, f64)| rect.min + vec2((x / scale) as f32, (y / scale) as f32);
     highlight::show(&painter, state, place);
-    out.extend(input::mouse(ui, &response, scale, at));
+    marks::show(&painter, state, place);
+    out.extend(input::mouse(
+        ui,
+        &response,
+        (state.preferences.mouse, state.walk.is_some()),
+        scale,
+        at,
+    ));
     gizmo::show(ui, room, state, out);
     if response.dragged()
         && let Some(camera) = state.camera()
@@ -86,7 +93,7 @@ pub fn show(
     if response.dragged() {
         ui.ctx().set_cursor_icon(egui::CursorIcon::Grabbing);
     }
-    Place { pixels, hover }
+    PicturePlace { pixels, hover }
 }
 
 /// Where the picture goes: all of the room, or as much as its shape leaves, in the middle.

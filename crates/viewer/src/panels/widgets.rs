@@ -93,7 +93,30 @@ pub(super) struct Number<'a> {
 impl Number<'_> {
     /// Shows it; what a person made of it.
     pub(super) fn show(self, ui: &mut Ui, label: Id) -> Option<f64> {
+        self.add(ui, format::length, |response| response.labelled_by(label))
+    }
+
+    /// The same in little room, with a name of its own where one label has several.
+    pub(super) fn show_as(self, ui: &mut Ui, name: &str) -> Option<f64> {
+        self.add(ui, format::short, |response| {
+            response.ctx.accesskit_node_builder(response.id, |node| {
+                node.set_label(name);
+            });
+            response
+        })
+    }
+
+    fn add(
+        self,
+        ui: &mut Ui,
+        written: fn(f64) -> String,
+        named: impl FnOnce(Response) -> Response,
+    ) -> Option<f64> {
         let mut value = self.value;
+        let text = match self.decimals {
+            Some(decimals) => format!("{value:.decimals$}"),
+            None => written(value),
+        };
         let drag = DragValue::new(&mut value)
             .range(self.range)
             .speed(self.speed)
@@ -103,10 +126,12 @@ impl Number<'_> {
             .min_size(vec2(self.width, 0.0));
         let drag = match self.decimals {
             Some(decimals) => drag.fixed_decimals(decimals),
-            None => drag.custom_formatter(|value, _| format::length(value)),
+            None => drag.custom_formatter(move |value, _| written(value)),
         };
-        let response = ui.add(drag).labelled_by(label).on_hover_text(self.hint);
-        (response.changed() && value != self.value).then_some(value)
+        let response = named(ui.add(drag)).on_hover_text(self.hint);
+        // A number that is clicked and left is not to become the few digits that are shown of it.
+        let is_as_shown = format::parse(&text) == Some(value);
+        (response.changed() && value != self.value && !is_as_shown).then_some(value)
     }
 }
 

@@ -1,7 +1,7 @@
 //! All parts of the window in their places.
 
 use super::overlay::TileOverlay;
-use super::viewport::{self, Place};
+use super::viewport::{self, PicturePlace};
 use super::{Commands, Status, banner, help, menu, palette, side, status};
 use crate::state::State;
 use crate::ui::canvas::Canvas;
@@ -17,7 +17,7 @@ pub fn show(
     canvas: &mut Canvas,
     overlay: &mut TileOverlay,
     out: &mut Commands,
-) -> Place {
+) -> PicturePlace {
     let context = ui.ctx().clone();
     out.extend(input::keys(&context, state));
     // The window is cleared to the panels' colour: filling them again would cost what drawing them does.
@@ -46,7 +46,7 @@ pub fn show(
     let (room, place) = central.inner;
     banner::show(&context, room, state, news, out);
     if state.help {
-        help::show(&context, out);
+        help::show(&context, state, out);
     }
     palette::show(&context, state, out);
     ring(&context);

@@ -1,11 +1,15 @@
 //! What a person can ask for. Panels and keys make commands; `update` carries them out.
 
-use super::preferences::Theme;
+use super::inspection::Shown;
+use super::measure::Kind;
+use super::preferences::{Mouse, Theme};
+use super::turn::Turning;
 use super::viewpoint::StandardView;
 use super::{Answer, PromptKind, Tint};
 use raycast_core::Cull;
 use raycast_core::camera::{FrameLock, Grid, Projection};
-use raycast_core::scene::{Color, ColorRule};
+use raycast_core::glam::DVec3;
+use raycast_core::scene::{Color, ColorRule, Transform};
 use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
 use std::path::PathBuf;
 
@@ -58,6 +62,42 @@ pub enum Command {
     /// The view that was come back from.
     ViewForward,
 
+    /// Begin to walk, or stop.
+    SetWalk(bool),
+    /// Walk for a while.
+    Walk {
+        /// To the right, up and forwards, each from −1 to 1.
+        way: DVec3,
+        /// For so long.
+        seconds: f64,
+    },
+    /// Walk so many times as fast.
+    ScaleWalk(f64),
+    /// Turn where one stands, in degrees.
+    LookAround {
+        /// About the vertical axis.
+        yaw: f64,
+        /// Up from the horizon.
+        pitch: f64,
+    },
+    /// Keep the view.
+    AddBookmark,
+    /// Go to a view that was kept, by its place in the list.
+    GoToBookmark(usize),
+    /// Forget a view.
+    RemoveBookmark(usize),
+    /// Copy the camera as text.
+    CopyCamera,
+    /// Go where a text says.
+    PasteCamera(String),
+    /// Look from a place at another, upright.
+    SetPlacement {
+        /// From.
+        eye: DVec3,
+        /// At.
+        target: DVec3,
+    },
+
     /// Another ray spacing, in scene units.
     SetStep(f64),
     /// The ray spacing, times a factor.
@@ -106,8 +146,8 @@ pub enum Command {
     SetBackground(Background),
     /// How an object's triangles get their colours; all objects' for `None`.
     SetColorRule(Option<usize>, ColorRule),
-    /// Take all textures off.
-    RemoveTextures,
+    /// Take the texture off an object; off all, for `None`.
+    RemoveTexture(Option<usize>),
 
     /// Mark an object, or none.
     Select(Option<usize>),
@@ -125,8 +165,34 @@ pub enum Command {
     Duplicate(usize),
     /// Take an object away, and those that move with it.
     Delete(usize),
+    /// Keep an object as it is until it is unlocked.
+    SetLocked(usize, bool),
+    /// Put an object elsewhere.
+    SetTransform(usize, Transform),
+    /// Turn an object, as [`SetTurning`](Self::SetTurning) says, about this axis (0 to 2).
+    Turn(usize, usize),
+    /// How objects are turned and scaled.
+    SetTurning(Turning),
 
-    /// Keep what is seen at a place to be read; nothing, if nothing is there.
+    /// What clicks on the picture measure; nothing, if they pick.
+    SetTool(Option<Kind>),
+    /// Whether measured points snap to vertices.
+    SetSnaps(bool),
+    /// Take back the last point of what is being measured.
+    TakePointBack,
+    /// End the path that is being measured.
+    EndPath,
+    /// Forget what was measured, by its place in the list.
+    RemoveMeasurement(usize),
+    /// Forget all that was measured.
+    ClearMeasurements,
+    /// Look the marked object over, or all if none is.
+    Check,
+    /// Look at one fault of a mesh, or at none.
+    ShowFault(Option<Shown>),
+
+    /// Keep what is seen at a place to be read; nothing, if nothing is there. While something is measured, take
+    /// the place as its next point.
     Pin {
         /// The place.
         at: (f64, f64),
@@ -135,6 +201,8 @@ pub enum Command {
     Unpin,
     /// Put text on the clipboard.
     Copy(String),
+    /// Copy the command that makes this picture.
+    CopyCommand,
 
     /// Take the last change back.
     Undo,
@@ -164,8 +232,10 @@ pub enum Command {
     OpenCase(&'static str),
     /// Stop loading.
     CancelLoad,
-    /// Put an image on every object.
-    LoadTexture(PathBuf),
+    /// Put an image on an object; on every one, for `None`.
+    LoadTexture(PathBuf, Option<usize>),
+    /// Show what a picture was made of, if it tells; else put it on every object.
+    DropPicture(PathBuf),
     /// Write the picture to a file; its name says which kind. Where one is there already, ask first.
     SavePicture(PathBuf),
     /// Write the scene to its file; ask for one if it has none.
@@ -183,6 +253,8 @@ pub enum Command {
     SetTheme(Theme),
     /// How large the interface is.
     SetScale(f32),
+    /// What drags of the mouse do.
+    SetMouse(Mouse),
     /// Whether the camera takes its time from one view to another.
     SetSmooth(bool),
     /// Whether pictures get more samples while nothing moves.
@@ -216,6 +288,8 @@ impl Command {
                 | Self::Pan { .. }
                 | Self::Zoom { .. }
                 | Self::Roll(_)
+                | Self::Walk { .. }
+                | Self::LookAround { .. }
         )
     }
 
@@ -236,13 +310,18 @@ impl Command {
             Self::SetCull(_) => ("Change of faces", false),
             Self::SetBackground(_) => ("Change of background", true),
             Self::SetColorRule(..) => ("Change of color", true),
-            Self::RemoveTextures => ("Remove textures", false),
+            Self::RemoveTexture(None) => ("Remove textures", false),
+            Self::RemoveTexture(Some(_)) => ("Remove texture", false),
             Self::SetVisible(_, true) | Self::ShowAll => ("Show", false),
             Self::SetVisible(_, false) => ("Hide", false),
             Self::Isolate(_) => ("Isolate", false),
             Self::Rename(..) => ("Rename", false),
             Self::Duplicate(_) => ("Duplicate", false),
             Self::Delete(_) => ("Delete", false),
+            Self::SetLocked(_, true) => ("Lock", false),
+            Self::SetLocked(_, false) => ("Unlock", false),
+            Self::SetTransform(..) => ("Move", true),
+            Self::Turn(..) => ("Turn", false),
             _ => return None,
         };
         Some((name, goes_on))
@@ -252,6 +331,7 @@ impl Command {
     pub(super) fn object(&self) -> Option<usize> {
         match self {
             Self::SetColorRule(object, _) => *object,
+            Self::SetTransform(object, _) => Some(*object),
             _ => None,
         }
     }

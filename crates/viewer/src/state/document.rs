@@ -1,6 +1,7 @@
 //! The scene that is open.
 
 use raycast_core::Accel;
+use raycast_core::camera::CameraPath;
 use raycast_core::scene::{Bounds, Scene};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -19,6 +20,8 @@ pub struct Document {
     pub opened: Vec<PathBuf>,
     /// The scene file that it came from or was saved as.
     pub file: Option<PathBuf>,
+    /// The camera's keyframes, which are saved as they were read.
+    pub animation: Option<CameraPath>,
     /// The objects, as a person has them.
     pub scene: Arc<Scene>,
     /// The objects as they were read.

@@ -30,8 +30,11 @@ pub enum Effect {
     CancelLoad,
     /// Build the tree over the document's objects.
     Build,
-    /// Read an image as a texture.
-    LoadTexture(PathBuf),
+    /// Read an image as the texture of an object; of all, for `None`.
+    LoadTexture(PathBuf, Option<usize>),
+    /// Read what a picture was made of; and where that is not the scene that is open, look for it in these
+    /// files. A picture that does not tell is a texture.
+    OpenPicture(PathBuf, Vec<PathBuf>),
     /// Write the picture; in place of what is there only if it may `replace` that.
     SavePicture {
         /// Where.
@@ -48,6 +51,17 @@ pub enum Effect {
     },
     /// Show the desktop's own dialog.
     Dialog(PromptKind),
+    /// Write what was measured, likewise.
+    SaveMeasurements {
+        /// Where.
+        path: PathBuf,
+        /// Whether another file may be there.
+        replace: bool,
+    },
+    /// Work out the size of an object.
+    Weigh(usize),
+    /// Look objects over.
+    Check(Vec<usize>),
     /// Put text on the clipboard.
     Copy(String),
     /// Close the window.

@@ -1,6 +1,8 @@
 //! Paths that are asked for, what is opened and saved, and what would be lost by it.
 
+use super::as_command;
 use super::effect::{Effect, Keep};
+use super::names::suggested_name;
 use super::{Answer, Pending, Prompt, PromptKind, Replacing, State};
 use raycast_core::picture::Format;
 use std::path::{Path, PathBuf};
@@ -8,8 +10,12 @@ use std::path::{Path, PathBuf};
 /// Opens the path line, and the desktop's dialog.
 pub(super) fn ask(state: &mut State, kind: PromptKind) -> Effect {
     let text = match kind {
-        PromptKind::Picture | PromptKind::Scene => suggested_name(state, kind),
-        PromptKind::Open | PromptKind::Add | PromptKind::Texture => String::new(),
+        PromptKind::Picture | PromptKind::Scene | PromptKind::Measurements => {
+            suggested_name(state, kind)
+        }
+        PromptKind::Open | PromptKind::Add | PromptKind::Texture | PromptKind::TextureOf(_) => {
+            String::new()
+        }
     };
     state.palette = None;
     state.prompt = Some(Prompt {
@@ -18,20 +24,6 @@ pub(super) fn ask(state: &mut State, kind: PromptKind) -> Effect {
         dialog: true,
     });
     Effect::Dialog(kind)
-}
-
-/// A name for a file of this kind after the scene's.
-pub fn suggested_name(state: &State, kind: PromptKind) -> String {
-    let name = state
-        .document
-        .as_ref()
-        .map(|document| document.name.as_str());
-    let stem = name.and_then(|name| name.split('.').next());
-    let stem = stem.filter(|stem| !stem.is_empty());
-    match kind {
-        PromptKind::Scene => format!("{}.raycast.toml", stem.unwrap_or("scene")),
-        _ => format!("{}.png", stem.unwrap_or("picture")),
-    }
 }
 
 /// Takes what stands in the path line.
@@ -63,9 +55,14 @@ pub(super) fn take(
         PromptKind::Add => add(state, paths),
         PromptKind::Picture => save_picture(state, paths.pop()?, asked),
         PromptKind::Scene => save_scene_as(state, paths.pop()?, asked),
-        PromptKind::Texture => {
+        PromptKind::Measurements => Some(save_measurements(state, paths.pop()?, asked)),
+        PromptKind::Texture | PromptKind::TextureOf(_) => {
             state.prompt = None;
-            Some(Effect::LoadTexture(paths.pop()?))
+            let which = match kind {
+                PromptKind::TextureOf(which) => Some(which),
+                _ => None,
+            };
+            Some(Effect::LoadTexture(paths.pop()?, which))
         }
     }
 }
@@ -113,6 +110,7 @@ pub(super) fn proceed(state: &mut State, pending: Pending) -> Option<Effect> {
             let paths = paths().filter(|paths| !paths.is_empty())?;
             Some(Effect::Open(paths, Keep::All))
         }
+        Pending::CopyCommand => as_command::copy(state),
         Pending::Close => Some(Effect::Close),
     }
 }
@@ -125,6 +123,8 @@ pub(super) fn answer(state: &mut State, answer: Answer) -> Option<Effect> {
             state.typed = None;
             None
         }
+        // There is no command for what no file has.
+        Answer::Discard if pending == Pending::CopyCommand => None,
         Answer::Discard => proceed(state, pending),
         Answer::Save => {
             state.after_saving = Some(pending);
@@ -187,12 +187,22 @@ pub(super) fn save_picture(state: &mut State, path: PathBuf, replace: bool) -> O
 
 /// Writes what was to be written in place of what is there.
 pub(super) fn replace(state: &mut State) -> Option<Effect> {
-    let Replacing { path, scene } = state.replacing.take()?;
-    if scene {
-        save_scene_as(state, path, true)
-    } else {
-        save_picture(state, path, true)
+    let Replacing { path, by } = state.replacing.take()?;
+    match by {
+        PromptKind::Scene => save_scene_as(state, path, true),
+        PromptKind::Measurements => Some(save_measurements(state, path, true)),
+        _ => save_picture(state, path, true),
     }
+}
+
+/// Saves what was measured; a name without an ending gets one.
+fn save_measurements(state: &mut State, mut path: PathBuf, replace: bool) -> Effect {
+    state.prompt = None;
+    state.replacing = None;
+    if path.extension().is_none() {
+        path.set_extension("csv");
+    }
+    Effect::SaveMeasurements { path, replace }
 }
 
 /// Notes that files were opened by a person.

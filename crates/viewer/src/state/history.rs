@@ -24,6 +24,8 @@ const PAUSE: Duration = Duration::from_millis(800);
 pub struct Snapshot {
     /// The objects.
     pub scene: Arc<Scene>,
+    /// Which of them are locked.
+    pub locked: Arc<Vec<bool>>,
     /// Shading and culling.
     pub settings: Settings,
     /// Rays a pixel, where a person has set them.
@@ -36,6 +38,7 @@ impl Snapshot {
     /// Whether nothing is different; scenes are told apart by their address.
     pub fn is(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
+            && self.locked == other.locked
             && self.settings == other.settings
             && self.samples == other.samples
             && self.resolution == other.resolution
@@ -47,6 +50,9 @@ pub type Kind = (
     std::mem::Discriminant<super::command::Command>,
     Option<usize>,
 );
+
+/// Meshes as they were, and as they were read again.
+pub type Renewed = Vec<(Arc<Mesh>, Arc<Mesh>)>;
 
 #[derive(Clone, Debug)]
 struct Step {
@@ -154,6 +160,23 @@ impl History {
         (step.name, step.other)
     }
 
+    /// Puts meshes that were read again in place of what they were, in every step.
+    pub fn renew(&mut self, meshes: &[(Arc<Mesh>, Arc<Mesh>)]) {
+        self.last = None;
+        for step in self.undo.iter_mut().chain(&mut self.redo) {
+            let mut scene = Scene::clone(&step.other.scene);
+            for object in &mut scene.objects {
+                let new = meshes
+                    .iter()
+                    .find(|(old, _)| Arc::ptr_eq(old, &object.mesh));
+                if let Some((_, new)) = new {
+                    object.mesh = Arc::clone(new);
+                }
+            }
+            step.other.scene = Arc::new(scene);
+        }
+    }
+
     /// What undo would take back.
     pub fn undo_name(&self) -> Option<&'static str> {
         self.undo.last().map(|step| step.name)
@@ -228,6 +251,7 @@ mod tests {
         settings.shading.mode = mode;
         Snapshot {
             scene: Arc::default(),
+            locked: Arc::default(),
             settings,
             samples: None,
             resolution: Resolution::Window { density: 1.0 },

@@ -4,35 +4,48 @@
 //! brings back; the *view*, which navigation changes and which has a history of its own; the *session*
 //! (selection, questions, messages), which is never kept; and the *preferences*.
 
+mod as_command;
+mod bookmarks;
 pub mod command;
 pub mod document;
 pub mod effect;
 mod files;
 pub mod history;
+mod inspect;
+pub mod inspection;
+pub mod measure;
 pub mod motion;
+mod names;
 mod navigate;
 pub mod news;
 mod objects;
 pub mod pick;
 mod plane;
 pub mod preferences;
+mod session;
+pub mod turn;
 pub mod update;
 pub mod viewpoint;
 
+pub use session::{Answer, Palette, Pending, Prompt, PromptKind, Replacing, Toast};
+
 use document::Document;
 use history::{History, Snapshot};
+use inspection::Inspection;
+use measure::Measuring;
 use motion::{Motion, Trail};
 use pick::{Pick, Pinned};
 use preferences::Preferences;
 use raycast_core::camera::{
     Camera, FrameLock, Grid, ImagePlane, PlaneError, PlaneRequest, Projection,
 };
+use raycast_core::formats::{ImageSettings, Limits, SceneFile};
 use raycast_core::glam::DVec3;
 use raycast_core::render::{Settings, View};
 use raycast_core::scene::Bounds;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
+use turn::Turning;
 use viewpoint::Viewpoint;
 
 /// The most pixels of a picture in the window: 4 bytes each, held a few times over.
@@ -79,85 +92,6 @@ pub struct Overlay {
     pub tint: Tint,
 }
 
-/// What a path is asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PromptKind {
-    /// Meshes or a scene to open.
-    Open,
-    /// Meshes or a scene to put beside what is open.
-    Add,
-    /// Where to save the picture.
-    Picture,
-    /// Where to save the scene.
-    Scene,
-    /// A texture for every object.
-    Texture,
-}
-
-/// A line for a path, shown over the picture.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Prompt {
-    /// What the path is for.
-    pub kind: PromptKind,
-    /// What was typed so far.
-    pub text: String,
-    /// Whether a desktop dialog is open as well.
-    pub dialog: bool,
-}
-
-/// What would give up changes that no file has.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Pending {
-    /// Files to open.
-    Open(Vec<PathBuf>),
-    /// A hard case to open.
-    Case(&'static str),
-    /// A neighbour to open.
-    Neighbor(i32),
-    /// Reading what is open again.
-    Reload,
-    /// Closing the window.
-    Close,
-}
-
-/// What a person says about changes that no file has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Answer {
-    /// Save them first.
-    Save,
-    /// They may go.
-    Discard,
-    /// Stay with them.
-    Stay,
-}
-
-/// A file that would be replaced, while the person is asked whether it may.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Replacing {
-    /// Which.
-    pub path: PathBuf,
-    /// Whether by the scene, or else by the picture.
-    pub scene: bool,
-}
-
-/// The list of all commands, while it is open.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Palette {
-    /// What was typed.
-    pub text: String,
-    /// Which of what is left is marked.
-    pub marked: usize,
-}
-
-/// A short message that goes by itself.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Toast {
-    /// What it says.
-    pub text: String,
-    /// When it came, on the window's clock.
-    pub since: Duration,
-}
-
 /// All that a person can change, and what there is to see.
 #[derive(Clone, Debug)]
 pub struct State {
@@ -179,6 +113,10 @@ pub struct State {
     pub viewpoint: Viewpoint,
     /// Where it was seen from at first.
     pub home: Viewpoint,
+    /// How fast one walks, in sizes of the scene a second; not at all, for `None`.
+    pub walk: Option<f64>,
+    /// Views that were kept, for this scene.
+    pub bookmarks: Vec<Viewpoint>,
     /// A change of view under way.
     pub motion: Option<Motion>,
     /// The camera's history.
@@ -190,8 +128,16 @@ pub struct State {
     pub side_limit: u32,
     /// The marked object.
     pub selected: Option<usize>,
+    /// Which objects are locked, as far as any is.
+    pub locked: Arc<Vec<bool>>,
+    /// How objects are turned and scaled.
+    pub turning: Turning,
     /// The object whose name is being typed.
     pub naming: Option<usize>,
+    /// What is being measured, and what was.
+    pub measuring: Measuring,
+    /// What was found out about meshes.
+    pub inspection: Inspection,
     /// What was clicked on.
     pub pinned: Option<Pinned>,
     /// Whether the keys are shown.
@@ -225,6 +171,8 @@ pub struct State {
     pub overlay: Overlay,
     /// Render threads.
     pub threads: usize,
+    /// How much reading files may take.
+    pub limits: Limits,
     /// Whether the side panel is open.
     pub panel: bool,
     /// How a person likes to work.
@@ -242,12 +190,18 @@ impl Default for State {
             history: History::default(),
             viewpoint: Viewpoint::default(),
             home: Viewpoint::default(),
+            walk: None,
+            bookmarks: Vec::new(),
             motion: None,
             trail: Trail::default(),
             viewport: (1280, 720),
             side_limit: 8192,
             selected: None,
+            locked: Arc::default(),
+            turning: Turning::default(),
             naming: None,
+            measuring: Measuring::default(),
+            inspection: Inspection::default(),
             pinned: None,
             help: false,
             palette: None,
@@ -264,6 +218,7 @@ impl Default for State {
             grid: Grid::default(),
             overlay: Overlay::default(),
             threads: default_threads(),
+            limits: Limits::default(),
             panel: true,
             preferences: Preferences::default(),
         }
@@ -391,10 +346,16 @@ impl State {
     pub fn snapshot(&self) -> Option<Snapshot> {
         Some(Snapshot {
             scene: Arc::clone(&self.document.as_ref()?.scene),
+            locked: Arc::clone(&self.locked),
             settings: self.settings,
             samples: self.samples,
             resolution: self.resolution,
         })
+    }
+
+    /// Whether an object is not to be changed by hand.
+    pub fn is_locked(&self, object: usize) -> bool {
+        self.locked.get(object).copied().unwrap_or(false)
     }
 
     /// Whether there are changes that a person would miss: of a scene that has a file, or of objects that could
@@ -445,6 +406,25 @@ impl State {
         })
     }
 
+    /// The scene as its file holds it; `None` while there is none.
+    pub fn scene_file(&self) -> Option<SceneFile> {
+        let document = self.document.as_ref()?;
+        Some(SceneFile {
+            scene: document.scene.as_ref().clone(),
+            camera: Some(self.viewpoint.to_file()),
+            animation: document.animation.clone(),
+            image: ImageSettings {
+                size: match self.resolution {
+                    Resolution::Fixed(columns, rows) => Some((columns, rows)),
+                    Resolution::Window { .. } => None,
+                },
+                samples: self.samples,
+            },
+            shading: Some(self.settings.shading),
+            ..SceneFile::default()
+        })
+    }
+
     /// The same as it is at rest: what is saved.
     pub fn view_at_rest(&self) -> Option<View> {
         let mut view = self.view()?;
@@ -474,56 +454,4 @@ impl State {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_three_are_bound_together() {
-        let state = State::default();
-        let plane = state.plane().expect("a good plane");
-        let frame = f64::from(plane.rows) * plane.step;
-        let d = state.viewpoint.orbit.distance;
-        assert!(
-            (frame
-                - 2.0
-                    * d
-                    * raycast_core::math::tan((super::viewpoint::DEFAULT_FOV / 2.0).to_radians()))
-            .abs()
-                < 1e-12
-        );
-    }
-
-    #[test]
-    fn a_density_follows_the_window() {
-        let mut state = State {
-            resolution: Resolution::Window { density: 0.25 },
-            viewport: (1000, 800),
-            ..State::default()
-        };
-        assert_eq!(state.size(), (250, 200));
-        state.viewport = (400, 404);
-        assert_eq!(state.size(), (100, 101));
-        state.viewport = (0, 0);
-        assert_eq!(state.size(), (1, 1));
-    }
-
-    #[test]
-    fn an_orthographic_eye_stays_before_the_scene() {
-        let mut state = State {
-            viewpoint: Viewpoint {
-                projection: Projection::Orthographic,
-                ..Viewpoint::default()
-            },
-            ..State::default()
-        };
-        state.viewpoint = state.fitted(state.viewpoint);
-        let frame = state.frame_height();
-        state.viewpoint.orbit.distance *= 0.01;
-        let camera = state.camera().expect("a camera");
-        assert!((camera.plane().frame_height() - frame * 0.01).abs() < frame * 1e-9);
-        for corner in state.bounds().corners() {
-            let depth = (corner - camera.placement().eye).dot(camera.forward());
-            assert!(depth >= 0.0, "{corner} lies {depth} before the eye");
-        }
-    }
-}
+mod tests;

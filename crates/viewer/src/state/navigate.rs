@@ -3,7 +3,8 @@
 use super::State;
 use super::motion::Motion;
 use super::viewpoint::{FOV_RANGE, StandardView, Viewpoint};
-use raycast_core::camera::{Projection, Ray};
+use raycast_core::camera::{Orbit, Placement, Projection, Ray};
+use raycast_core::glam::DVec3;
 use raycast_core::math;
 
 /// The camera looks from further away than this many times the scene's size only where a file has it so: a
@@ -70,6 +71,62 @@ pub(super) fn look_back(state: &mut State) {
         state,
         here.turned_to((here.orbit.yaw + 180.0, -here.orbit.pitch)),
     );
+}
+
+/// Looks from a place at another; nothing where they say no direction.
+pub(super) fn place(state: &mut State, eye: DVec3, target: DVec3) {
+    let placement = Placement::towards(eye, target);
+    if placement.check().is_ok() {
+        leave(state);
+        let here = state.viewpoint;
+        state.viewpoint = Viewpoint {
+            orbit: Orbit::from_placement(&placement),
+            ..here
+        };
+    }
+}
+
+/// How fast one walks at first, in sizes of the scene a second; and the slowest and the fastest.
+const WALK: f64 = 0.25;
+const WALK_RANGE: (f64, f64) = (1e-3, 10.0);
+
+/// Begins to walk, or stops. Where rays are side by side nobody comes nearer: they come from the eye then.
+pub(super) fn set_walk(state: &mut State, on: bool) {
+    state.walk = on.then_some(WALK);
+    if on {
+        leave(state);
+        state.viewpoint.projection = Projection::Perspective;
+    }
+}
+
+/// Walks at another speed.
+pub(super) fn scale_walk(state: &mut State, factor: f64) {
+    if let Some(speed) = &mut state.walk
+        && factor.is_finite()
+    {
+        *speed = (*speed * factor).clamp(WALK_RANGE.0, WALK_RANGE.1);
+    }
+}
+
+/// Walks for a while: to the right, up in the picture and forwards.
+pub(super) fn walk(state: &mut State, way: DVec3, seconds: f64) {
+    let (Some(speed), true) = (state.walk, way.is_finite() && seconds.is_finite()) else {
+        return;
+    };
+    leave(state);
+    let length = speed * state.extent() * seconds;
+    let viewpoint = &mut state.viewpoint;
+    let (right, up, back) = (viewpoint.right(), viewpoint.up(), viewpoint.orbit.back());
+    viewpoint.orbit.pivot += (right * way.x + up * way.y - back * way.z) * length;
+}
+
+/// Turns where one stands: the eye stays, and the pivot goes round.
+pub(super) fn look_around(state: &mut State, yaw: f64, pitch: f64) {
+    leave(state);
+    let orbit = &mut state.viewpoint.orbit;
+    let eye = orbit.pivot + orbit.back() * orbit.distance;
+    orbit.turn(-yaw, -pitch);
+    orbit.pivot = eye - orbit.back() * orbit.distance;
 }
 
 /// Rolls the camera.

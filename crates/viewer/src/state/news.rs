@@ -1,16 +1,21 @@
 //! What other threads tell, and what becomes of it.
 
+use super::bookmarks;
 use super::document::{Document, Tree};
 use super::effect::{Effect, Keep};
 use super::files;
-use super::history::History;
+use super::history::{History, Renewed};
+use super::inspection::{Checked, Inspection, Sized};
+use super::measure::Measuring;
 use super::navigate;
 use super::objects;
 use super::pick::Pinned;
+use super::plane;
 use super::viewpoint::{DEFAULT_FOV, Viewpoint};
 use super::{Pending, PromptKind, Replacing, Resolution, SAMPLES_LIMIT, State};
-use raycast_core::camera::Orbit;
+use raycast_core::camera::{Orbit, Projection, frame_to_fov};
 use raycast_core::formats::CameraFile;
+use raycast_core::picture::Recipe;
 use raycast_core::render::Settings;
 use raycast_core::scene::{Object, Scene, Texture};
 use raycast_core::shade::{Mode, Shading};
@@ -40,12 +45,18 @@ pub enum News {
     NotOpened(String),
     /// The tree over these objects.
     Built(Arc<Scene>, Tree),
+    /// What a picture was made of; its scene is open.
+    Recipe(Box<Recipe>),
     /// Nothing came of it.
     Nothing,
-    /// A texture was read.
-    Texture(Arc<Texture>, PathBuf),
-    /// A picture was written.
+    /// A texture was read, for an object or for all.
+    Texture(Arc<Texture>, PathBuf, Option<usize>),
+    /// A picture, or what was measured, was written.
     PictureSaved(PathBuf),
+    /// The size of an object was worked out.
+    Sized(Sized),
+    /// Objects were looked over.
+    Checked(Vec<Checked>),
     /// The scene was written, as it was at this revision.
     SceneSaved(PathBuf, u64),
     /// It was not: a file is there.
@@ -123,6 +134,18 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
                 })
             });
         }
+        News::Sized(sized) => state.inspection.sized = Some(sized),
+        News::Checked(checked) => {
+            let is_new = |old: &Checked| checked.iter().all(|new| new.object != old.object);
+            state.inspection.checked.retain(is_new);
+            state.inspection.checked.extend(checked);
+        }
+        News::Recipe(recipe) => {
+            return change(state, "Look of a picture", |state| {
+                apply(state, &recipe);
+                None
+            });
+        }
         News::Nothing => {}
         News::NotOpened(message) => {
             state.report(message);
@@ -138,12 +161,13 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
             {
                 state.pinned = Pinned::of(document, pinned.pick);
             }
+            return state.selected.map(Effect::Weigh);
         }
-        News::Texture(texture, path) => {
+        News::Texture(texture, path, which) => {
             let path = std::path::absolute(&path).unwrap_or(path);
             return change(state, "Texture", |state| {
                 state.settings.shading.mode = Mode::Texture;
-                objects::edit_each(state, |_, object| {
+                objects::change(state, which, |object| {
                     object.texture = Some(Arc::clone(&texture));
                     object.texture_source = Some(path.clone());
                 })
@@ -241,12 +265,17 @@ fn show(state: &mut State, loaded: Loaded) {
     } = loaded;
     let last = state.document.take();
     let keeps_all = keep == Keep::All && last.is_some();
+    let mut renewed = None;
     if keeps_all && let Some(last) = &last {
-        keep_looks(&mut document, last);
+        renewed = keep_looks(&mut document, last);
     }
     let paths = document.paths.clone();
     state.document = Some(document);
-    state.history = History::default();
+    match renewed {
+        Some(meshes) => state.history.renew(&meshes),
+        None => state.history = History::default(),
+    }
+    state.inspection = Inspection::default();
     state.hover = None;
     state.pinned = None;
     state.naming = None;
@@ -262,6 +291,12 @@ fn show(state: &mut State, loaded: Loaded) {
         return;
     }
     state.trail = Default::default();
+    bookmarks::recall(state);
+    state.locked = Arc::default();
+    state.measuring = Measuring {
+        snaps: state.measuring.snaps,
+        ..Measuring::default()
+    };
     match shading {
         Some(shading) => state.settings.shading = shading,
         None if keep == Keep::Nothing => state.settings = Settings::default(),
@@ -290,12 +325,19 @@ fn show(state: &mut State, loaded: Loaded) {
 
 /// Gives objects that were read again what a person had changed about them, where they are the same
 /// objects: a scene file says all that itself.
-fn keep_looks(document: &mut Document, last: &Document) {
+///
+/// What the meshes that the history knows have become; `None` where they are other objects.
+fn keep_looks(document: &mut Document, last: &Document) -> Option<Renewed> {
     let same = |(a, b): (&Object, &Object)| a.source == b.source;
     let (new, old) = (&document.scene.objects, &last.scene.objects);
     if document.file.is_some() || new.len() != old.len() || !new.iter().zip(old).all(same) {
-        return;
+        return None;
     }
+    let meshes = new.iter().zip(old).map(|(new, old)| {
+        // The old mesh is held, so that its address stays its own.
+        (Arc::clone(&old.mesh), Arc::clone(&new.mesh))
+    });
+    let meshes: Renewed = meshes.collect();
     let objects = new.iter().zip(old).map(|(new, old)| Object {
         mesh: Arc::clone(&new.mesh),
         // Where the texture came with the mesh it is new as well.
@@ -310,6 +352,29 @@ fn keep_looks(document: &mut Document, last: &Document) {
     };
     // Objects that had been hidden or moved: the tree was built without that.
     document.set_scene(Arc::new(scene));
+    Some(meshes)
+}
+
+/// Shows the scene as a picture of it was made.
+fn apply(state: &mut State, recipe: &Recipe) {
+    let plane = recipe.camera.plane();
+    let projection = recipe.camera.projection();
+    let frame = match projection {
+        Projection::Perspective => frame_to_fov(plane.frame_height(), recipe.camera.distance()),
+        Projection::Orthographic => plane.frame_height(),
+    };
+    let camera = CameraFile {
+        placement: recipe.camera.placement(),
+        projection,
+        frame,
+    };
+    if plane::set_resolution(state, Resolution::Fixed(plane.columns, plane.rows)) {
+        state.samples = Some(recipe.samples.clamp(1, SAMPLES_LIMIT));
+    }
+    state.settings.shading = recipe.shading;
+    state.settings.cull = recipe.cull;
+    navigate::go(state, Viewpoint::of(&camera));
+    state.tell("Shown as that picture was made");
 }
 
 /// Drops toasts that were shown long enough; says when the next is due.

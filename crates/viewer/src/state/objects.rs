@@ -3,8 +3,9 @@
 use super::State;
 use super::effect::Effect;
 use super::history::Snapshot;
+use super::turn::{Turning, axis_in, turned};
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{Object, Scene};
+use raycast_core::scene::{Object, Scene, Transform};
 use std::sync::Arc;
 
 /// Changes a copy of the list of objects, with the meshes shared; asks for a tree where the old one no longer
@@ -43,6 +44,73 @@ pub(super) fn edit_one(
     })?
 }
 
+/// Whether an object may be changed; says so where it is locked.
+pub(super) fn is_free(state: &mut State, which: usize) -> bool {
+    let is_free = !state.is_locked(which);
+    if !is_free && let Some(document) = &state.document {
+        let name = document.scene.objects.get(which).map_or("It", |o| &o.name);
+        let text = format!("{name} is locked: L unlocks it");
+        state.tell(text);
+    }
+    is_free
+}
+
+/// Changes one object, if it is there and free; all that are free, for `None`.
+pub(super) fn change(
+    state: &mut State,
+    which: Option<usize>,
+    mut change_it: impl FnMut(&mut Object),
+) -> Option<Effect> {
+    match which {
+        Some(which) if is_free(state, which) => edit_one(state, which, change_it),
+        Some(_) => None,
+        None => {
+            let locked = Arc::clone(&state.locked);
+            edit_each(state, |number, object| {
+                if !locked.get(number).copied().unwrap_or(false) {
+                    change_it(object);
+                }
+            })
+        }
+    }
+}
+
+/// Locks an object, or unlocks it.
+pub(super) fn lock(state: &mut State, which: usize, locked: bool) {
+    if has(state, which) {
+        let locks = Arc::make_mut(&mut state.locked);
+        locks.resize(locks.len().max(which + 1), false);
+        locks[which] = locked;
+    }
+}
+
+/// Puts an object elsewhere, if that is a place: no number is missing, and no axis is scaled to nothing.
+pub(super) fn set_transform(
+    state: &mut State,
+    which: usize,
+    transform: Transform,
+) -> Option<Effect> {
+    let is_place = transform.is_finite() && transform.scale.to_array().iter().all(|s| *s != 0.0);
+    if !is_place {
+        return None;
+    }
+    change(state, Some(which), |object| object.transform = transform)
+}
+
+/// Turns an object about its middle.
+pub(super) fn turn(state: &mut State, which: usize, axis: usize) -> Option<Effect> {
+    let Turning { degrees, own, .. } = state.turning;
+    let scene = &state.document.as_ref()?.scene;
+    let object = scene.objects.get(which)?;
+    let mut axis = *DVec3::AXES.get(axis)?;
+    if !own && let Some(parent) = object.parent {
+        axis = axis_in(scene.world_from_objects().ok()?.get(parent)?, axis);
+    }
+    let middle = object.mesh.bounds().center();
+    let transform = turned(&object.transform, axis, own, degrees, middle);
+    set_transform(state, which, transform)
+}
+
 fn has(state: &State, which: usize) -> bool {
     let document = state.document.as_ref();
     document.is_some_and(|document| which < document.scene.objects.len())
@@ -65,6 +133,7 @@ pub(super) fn restore(state: &mut State, to: Snapshot) -> Option<Effect> {
     state.settings = to.settings;
     state.samples = to.samples;
     state.resolution = to.resolution;
+    state.locked = to.locked;
     set_scene(state, to.scene)
 }
 
@@ -101,6 +170,9 @@ pub(super) fn duplicate(state: &mut State, which: usize) -> Option<Effect> {
         copy.transform.translate += DVec3::X * width;
     }
     let place = which + 1;
+    if state.locked.len() > place {
+        Arc::make_mut(&mut state.locked).insert(place, false);
+    }
     let effect = edit(state, |objects| {
         for other in objects.iter_mut() {
             other.parent = other.parent.map(|p| if p >= place { p + 1 } else { p });
@@ -118,19 +190,27 @@ pub(super) fn delete(state: &mut State, which: usize) -> Option<Effect> {
     if !has(state, which) {
         return None;
     }
-    let effect = edit(state, |objects| {
-        let mut goes = vec![false; objects.len()];
-        goes[which] = true;
-        // A parent may stand behind its children: until nothing more follows.
-        loop {
-            let more: Vec<usize> = (0..objects.len())
-                .filter(|&i| !goes[i] && objects[i].parent.is_some_and(|p| goes[p]))
-                .collect();
-            if more.is_empty() {
-                break;
-            }
-            more.into_iter().for_each(|i| goes[i] = true);
+    let objects = &state.document.as_ref()?.scene.objects;
+    let mut goes = vec![false; objects.len()];
+    goes[which] = true;
+    // A parent may stand behind its children: until nothing more follows.
+    loop {
+        let more: Vec<usize> = (0..objects.len())
+            .filter(|&i| !goes[i] && objects[i].parent.is_some_and(|p| goes[p]))
+            .collect();
+        if more.is_empty() {
+            break;
         }
+        more.into_iter().for_each(|i| goes[i] = true);
+    }
+    if let Some(locked) = (0..goes.len()).find(|&i| goes[i] && state.is_locked(i)) {
+        is_free(state, locked);
+        return None;
+    }
+    let mut left = goes.iter().map(|goes| !goes);
+    let locks = Arc::make_mut(&mut state.locked);
+    locks.retain(|_| left.next().unwrap_or(true));
+    let effect = edit(state, |objects| {
         let mut next = 0;
         let places: Vec<usize> = goes
             .iter()

@@ -2,22 +2,25 @@
 
 use super::command::Command;
 use super::effect::Effect;
-use super::history::Kind;
+use super::measure::Kind;
 use super::pick::Pinned;
 use super::viewpoint::FOV_RANGE;
 use super::{Palette, Pending, PromptKind, Resolution, SAMPLES_LIMIT, State};
-use super::{files, navigate, objects, plane, preferences};
+use super::{
+    as_command, bookmarks, files, history, inspect, navigate, objects, plane, preferences,
+};
 use raycast_core::ranges::WIDEST_LINE;
 use raycast_core::shade::Wireframe;
 
-pub use super::files::suggested_name;
+pub use super::names::suggested_name;
 
 /// Carries out one command. What changes the document can be undone.
 pub fn update(state: &mut State, command: Command) -> Option<Effect> {
     let Some((name, goes_on)) = command.edit() else {
         return carry_out(state, command);
     };
-    let kind: Option<Kind> = goes_on.then(|| (std::mem::discriminant(&command), command.object()));
+    let kind: Option<history::Kind> =
+        goes_on.then(|| (std::mem::discriminant(&command), command.object()));
     let before = state.snapshot();
     let effect = carry_out(state, command);
     let now = state.now;
@@ -45,6 +48,9 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             navigate::zoom(state, at, factor);
         }
         Command::Roll(degrees) => navigate::roll(state, degrees),
+        Command::SetPivot { .. } if state.measuring.tool == Some(Kind::Path) => {
+            state.measuring.end_path();
+        }
         Command::SetPivot { at } => {
             navigate::leave(state);
             navigate::set_pivot(state, at);
@@ -55,6 +61,17 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::LookBack => navigate::look_back(state),
         Command::ViewBack => navigate::back(state),
         Command::ViewForward => navigate::forward(state),
+
+        Command::SetWalk(on) => navigate::set_walk(state, on),
+        Command::Walk { way, seconds } => navigate::walk(state, way, seconds),
+        Command::ScaleWalk(factor) => navigate::scale_walk(state, factor),
+        Command::LookAround { yaw, pitch } => navigate::look_around(state, yaw, pitch),
+        Command::AddBookmark => bookmarks::add(state),
+        Command::GoToBookmark(number) => bookmarks::go(state, number),
+        Command::RemoveBookmark(number) => bookmarks::remove(state, number),
+        Command::CopyCamera => return bookmarks::copy(state),
+        Command::PasteCamera(text) => bookmarks::paste(state, &text),
+        Command::SetPlacement { eye, target } => navigate::place(state, eye, target),
 
         Command::SetStep(step) => plane::set_step(state, step),
         Command::ScaleStep(factor) => plane::scale_step(state, factor),
@@ -100,39 +117,72 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         }
         Command::SetCull(cull) => state.settings.cull = cull,
         Command::SetBackground(background) => state.settings.shading.background = background,
-        Command::SetColorRule(Some(which), rule) => {
-            return objects::edit_one(state, which, |object| object.color = rule);
+        Command::SetColorRule(which, rule) => {
+            return objects::change(state, which, |object| object.color = rule);
         }
-        Command::SetColorRule(None, rule) => {
-            return objects::edit_each(state, |_, object| object.color = rule);
-        }
-        Command::RemoveTextures => {
-            return objects::edit_each(state, |_, object| {
+        Command::RemoveTexture(which) => {
+            return objects::change(state, which, |object| {
                 object.texture = None;
                 object.texture_source = None;
             });
         }
 
-        Command::Select(which) => state.selected = which,
+        Command::Select(which) => {
+            state.selected = which;
+            return which.map(Effect::Weigh);
+        }
         Command::SetVisible(which, visible) => {
             return objects::edit_one(state, which, |object| object.visible = visible);
         }
         Command::Isolate(which) => return objects::isolate(state, which),
         Command::ShowAll => return objects::edit_each(state, |_, object| object.visible = true),
         Command::EditName(which) => {
-            state.naming = which;
+            state.naming = which.filter(|&which| objects::is_free(state, which));
             state.panel |= which.is_some();
         }
         Command::Rename(which, name) => {
             state.naming = None;
             let name = name.trim().to_owned();
             if !name.is_empty() {
-                return objects::edit_one(state, which, |object| object.name = name);
+                return objects::change(state, Some(which), |object| object.name = name.clone());
+            }
+        }
+        Command::SetLocked(which, locked) => objects::lock(state, which, locked),
+        Command::SetTransform(which, transform) => {
+            return objects::set_transform(state, which, transform);
+        }
+        Command::Turn(which, axis) => return objects::turn(state, which, axis),
+        Command::SetTurning(turning) => {
+            if turning.degrees.is_finite() {
+                state.turning = turning;
             }
         }
         Command::Duplicate(which) => return objects::duplicate(state, which),
         Command::Delete(which) => return objects::delete(state, which),
 
+        Command::SetTool(tool) => {
+            state.measuring.points.clear();
+            state.measuring.tool = tool;
+        }
+        Command::SetSnaps(on) => state.measuring.snaps = on,
+        Command::TakePointBack => {
+            state.measuring.points.pop();
+        }
+        Command::EndPath => state.measuring.end_path(),
+        Command::RemoveMeasurement(number) => {
+            if number < state.measuring.list.len() {
+                state.measuring.list.remove(number);
+            }
+        }
+        Command::ClearMeasurements => state.measuring.list.clear(),
+        Command::Check => return inspect::check(state),
+        Command::ShowFault(shown) => inspect::show(state, shown),
+
+        Command::Pin { at: (x, y) } if state.measuring.tool.is_some() => {
+            if let Some(target) = state.target(x, y) {
+                state.measuring.add(target.point);
+            }
+        }
         Command::Pin { at: (x, y) } => {
             let pick = state.pick(x, y);
             let document = state.document.as_ref()?;
@@ -140,6 +190,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             // While a tree is being built, its numbers are not yet the list's.
             let pinned = state.pinned.as_ref().filter(|_| document.is_built());
             state.selected = pinned.map(|pinned| pinned.pick.hit.object as usize);
+            return state.selected.map(Effect::Weigh);
         }
         Command::Unpin => state.pinned = None,
         Command::Copy(text) => {
@@ -148,6 +199,8 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             state.tell(format!("Copied {first}{more}"));
             return Some(Effect::Copy(text));
         }
+
+        Command::CopyCommand => return as_command::copy(state),
 
         Command::Undo | Command::Redo => {
             let here = state.snapshot()?;
@@ -163,6 +216,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::SetThreads(threads) => state.threads = threads.clamp(1, 256),
 
         Command::Ask(PromptKind::Picture) if state.document.is_none() => {}
+        Command::Ask(PromptKind::Measurements) if state.measuring.list.is_empty() => {}
         Command::Ask(kind) => return Some(files::ask(state, kind)),
         Command::SetAdding(adding) => {
             if let Some(prompt) = &mut state.prompt {
@@ -198,9 +252,18 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             state.typed = None;
             return Some(Effect::CancelLoad);
         }
-        Command::LoadTexture(path) => {
+        Command::LoadTexture(path, which) => {
             state.prompt = None;
-            return Some(Effect::LoadTexture(path));
+            return Some(Effect::LoadTexture(path, which));
+        }
+        Command::DropPicture(path) => {
+            state.prompt = None;
+            // Nothing is opened in place of what would be lost.
+            let among = match state.has_unsaved() {
+                true => Vec::new(),
+                false => state.preferences.recent.clone(),
+            };
+            return Some(Effect::OpenPicture(path, among));
         }
         Command::SavePicture(path) => return files::save_picture(state, path, false),
         Command::SaveScene => return files::save_scene(state),
@@ -215,6 +278,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             state.preferences.scale = scale.clamp(least, most);
         }
         Command::SetScale(_) => {}
+        Command::SetMouse(mouse) => state.preferences.mouse = mouse,
         Command::SetSmooth(on) => state.preferences.smooth = on,
         Command::SetRefine(on) => state.preferences.refine = on,
         Command::SetWatch(on) => state.preferences.watch = on,
@@ -274,7 +338,16 @@ fn dismiss(state: &mut State) {
         state.after_saving = None;
     } else if state.naming.is_some() {
         state.naming = None;
-    } else if state.errors.pop().is_none() {
+    } else if state.errors.pop().is_some() {
+    } else if state.walk.is_some() {
+        state.walk = None;
+    } else if !state.measuring.points.is_empty() {
+        state.measuring.points.clear();
+    } else if state.measuring.tool.is_some() {
+        state.measuring.tool = None;
+    } else if state.inspection.shown.is_some() {
+        state.inspection.shown = None;
+    } else {
         state.pinned = None;
     }
 }
@@ -284,7 +357,3 @@ pub fn middle(state: &State) -> (f64, f64) {
     let (columns, rows) = state.size();
     (f64::from(columns) * 0.5, f64::from(rows) * 0.5)
 }
-
-#[cfg(test)]
-#[path = "update_tests.rs"]
-mod tests;

@@ -1,12 +1,11 @@
 //! Where a scene is seen from.
 
+pub use raycast_core::camera::DEFAULT_FOV;
 use raycast_core::camera::{Orbit, Placement, Projection, fov_to_frame, frame_to_fov};
 use raycast_core::formats::CameraFile;
 use raycast_core::glam::DVec3;
 use raycast_core::math;
 
-/// The vertical field of view, in degrees, that the window starts with.
-pub const DEFAULT_FOV: f64 = 45.0;
 /// The narrowest and the widest field of view, in degrees.
 pub const FOV_RANGE: (f64, f64) = (0.1, 170.0);
 

@@ -1,11 +1,12 @@
 //! The picture as the window holds it: pixels in memory, and their copy on the graphics side.
 
+use super::pixels::{copy, few, part};
 use super::present::{Dirty, Presenter};
 use super::theme;
 use crate::worker::outbox::{Arrival, Batch, Layout, PassReport};
 use egui::{Color32, ColorImage, TextureHandle, TextureOptions};
 use raycast_core::camera::Rect;
-use raycast_core::render::{Pass, Tile, TileStats};
+use raycast_core::render::{Pass, TileStats};
 use raycast_core::shade::Background;
 use std::sync::Arc;
 use std::time::Duration;
@@ -36,7 +37,7 @@ impl TileNote {
 
 /// How far the picture is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Progress {
+pub struct PictureProgress {
     /// The pass of the newest tile.
     pub pass: Option<Pass>,
     /// The last pass that was finished.
@@ -74,7 +75,7 @@ pub struct Canvas {
     generation: u64,
     layout: Arc<Layout>,
     notes: Vec<Option<TileNote>>,
-    progress: Progress,
+    progress: PictureProgress,
     /// Counts changes of the notes, for who draws them.
     pub notes_version: u64,
 }
@@ -99,7 +100,7 @@ impl Canvas {
     }
 
     /// How far it is.
-    pub fn progress(&self) -> Progress {
+    pub fn progress(&self) -> PictureProgress {
         self.progress
     }
 
@@ -119,7 +120,7 @@ impl Canvas {
         Arc::make_mut(&mut self.image).pixels.fill(nothing);
         self.notes.fill(None);
         self.dirty = Dirty::All;
-        self.progress = Progress::default();
+        self.progress = PictureProgress::default();
     }
 
     /// Takes in what workers sent. Older pictures than the one shown are ignored, and so are tiles
@@ -130,7 +131,7 @@ impl Canvas {
         }
         if batch.generation > self.generation || self.size() != batch.layout.size {
             self.generation = batch.generation;
-            self.progress = Progress::default();
+            self.progress = PictureProgress::default();
             self.resize(batch.layout.size);
         }
         if !Arc::ptr_eq(&self.layout, &batch.layout) {
@@ -281,71 +282,13 @@ impl Dirty {
     }
 }
 
-/// Whether tiles are worth transfers of their own: each copies its pixels once more, and costs a
-/// call, while the whole picture goes as it is.
-fn few(rects: &[Rect], size: [usize; 2]) -> bool {
-    let area: usize = rects.iter().map(Rect::area).sum();
-    rects.len() <= 32 && area * 4 <= size[0] * size[1]
-}
-
-/// A copy of a rectangle of the picture.
-fn part(image: &ColorImage, rect: Rect) -> ColorImage {
-    let width = image.width();
-    let pixels = (rect.y as usize..rect.bottom() as usize)
-        .flat_map(|y| &image.pixels[y * width + rect.x as usize..y * width + rect.right() as usize])
-        .copied()
-        .collect();
-    ColorImage::new([rect.width as usize, rect.height as usize], pixels)
-}
-
-/// Red and blue in each other's place.
-fn swapped(rgba: [u8; 4]) -> [u8; 4] {
-    let pixel = u32::from_le_bytes(rgba);
-    let others = pixel & 0xff00_ff00;
-    (others | (pixel >> 16 & 0xff) | (pixel & 0xff) << 16).to_le_bytes()
-}
-
-/// Copies a tile into its place; `false`, and nothing copied, where it does not fit.
-fn copy(image: &mut ColorImage, tile: &Tile, blue_first: bool) -> bool {
-    let (width, height) = (image.width(), image.height());
-    let rect = tile.rect;
-    let columns = rect.width as usize;
-    if columns == 0
-        || tile.pixels.len() != rect.area()
-        || rect.right() as usize > width
-        || rect.bottom() as usize > height
-    {
-        return false;
-    }
-    for (y, row) in (rect.y as usize..).zip(tile.pixels.chunks_exact(columns)) {
-        let start = y * width + rect.x as usize;
-        let pixels = &mut image.pixels[start..start + columns];
-        // Whole pixels as numbers, which the compiler lays side by side.
-        let every = row
-            .iter()
-            .fold(u32::MAX, |every, &pixel| every & u32::from_le_bytes(pixel));
-        if every >> 24 == 255 {
-            for (pixel, &rgba) in pixels.iter_mut().zip(row) {
-                let bytes = if blue_first { swapped(rgba) } else { rgba };
-                let [first, green, third, alpha] = bytes;
-                *pixel = Color32::from_rgba_premultiplied(first, green, third, alpha);
-            }
-        } else {
-            for (pixel, &[r, g, b, a]) in pixels.iter_mut().zip(row) {
-                let (r, b) = if blue_first { (b, r) } else { (r, b) };
-                *pixel = Color32::from_rgba_unmultiplied(r, g, b, a);
-            }
-        }
-    }
-    true
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::worker::outbox::Arrival;
     use raycast_core::camera::Grid;
     use raycast_core::packet::CastCounts;
+    use raycast_core::render::Tile;
     use raycast_core::scene::Color;
 
     const PASS: Pass = Pass {

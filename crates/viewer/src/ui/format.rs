@@ -96,6 +96,23 @@ pub fn length(number: f64) -> String {
     group(&format!("{number:.decimals$}"))
 }
 
+/// A length in little room: four digits that count, none of them a zero at the end.
+pub fn short(number: f64) -> String {
+    if number == 0.0 {
+        return "0".to_owned();
+    }
+    let magnitude = number.abs().log10().floor();
+    if !(-3.0..6.0).contains(&magnitude) {
+        return format!("{number:.1e}");
+    }
+    let decimals = (3.0 - magnitude).max(0.0) as usize;
+    let text = format!("{number:.decimals$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -132,5 +149,7 @@ mod tests {
         assert_eq!(plain(&length(123_456.7)), "123 457");
         assert_eq!(length(1.0), "1.0000");
         assert_eq!(length(1.5e-9), "1.500e-9");
+        let texts = [-0.016841, 0.35914, 2.0, -123_456.7, 1.5e-9, 0.0].map(short);
+        assert_eq!(texts, ["-0.01684", "0.3591", "2", "-123457", "1.5e-9", "0"]);
     }
 }

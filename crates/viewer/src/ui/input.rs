@@ -3,7 +3,9 @@
 use super::registry;
 use crate::state::State;
 use crate::state::command::Command;
+use crate::state::preferences::Mouse;
 use egui::Key;
+use raycast_core::glam::DVec3;
 use raycast_core::math;
 
 /// Degrees that a point of dragging turns.
@@ -21,13 +23,43 @@ const fn gesture(gesture: &'static str, does: &'static str) -> Gesture {
     Gesture { gesture, does }
 }
 
-/// Gestures of the mouse.
-pub const GESTURES: &[Gesture] = &[
-    gesture("Left drag", "Orbit about the pivot"),
-    gesture(
-        "Right, middle or Shift+left drag",
-        "Pan: the point follows the cursor",
-    ),
+/// Gestures of the mouse by these habits.
+pub fn gestures(habits: Mouse) -> impl Iterator<Item = &'static Gesture> {
+    let drags: &[Gesture] = match habits {
+        Mouse::Viewer => {
+            const {
+                &[
+                    gesture("Left drag", "Orbit about the pivot"),
+                    gesture(
+                        "Right, middle or Shift+left drag",
+                        "Pan: the point follows the cursor",
+                    ),
+                ]
+            }
+        }
+        Mouse::Blender => {
+            const {
+                &[
+                    gesture("Middle drag", "Orbit about the pivot"),
+                    gesture("Shift+middle drag", "Pan: the point follows the cursor"),
+                    gesture("Ctrl+middle drag", "Zoom"),
+                ]
+            }
+        }
+        Mouse::Cad => {
+            const {
+                &[
+                    gesture("Right drag", "Orbit about the pivot"),
+                    gesture("Middle drag", "Pan: the point follows the cursor"),
+                ]
+            }
+        }
+    };
+    drags.iter().chain(OTHERS)
+}
+
+/// What is the same by any habits.
+const OTHERS: &[Gesture] = &[
     gesture("Wheel", "Zoom to the cursor"),
     gesture("Hover", "Object, triangle and distance under the cursor"),
     gesture(
@@ -35,7 +67,10 @@ pub const GESTURES: &[Gesture] = &[
         "Keep what is under the cursor to be read and copied",
     ),
     gesture("Double-click", "Set the pivot, and bring it to the middle"),
-    gesture("Drop files", "Open them; with Shift, add them"),
+    gesture(
+        "Drop files",
+        "Open them; with Shift, add them. A picture of RayCast's brings its scene back",
+    ),
 ];
 
 /// The commands of the keys pressed in this frame.
@@ -47,9 +82,29 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
     let is_in_controls = context.memory(|memory| memory.focused().is_some());
     let in_menu = egui::Popup::is_any_open(context);
     let is_asked = state.question.is_some() || state.replacing.is_some();
-    context.input(|input| {
+    let walks = state.walk.is_some() && !typing && !is_asked;
+    let mut steps = None;
+    let mut commands = context.input(|input| {
         let mut commands = Vec::new();
+        let free = !input.modifiers.any() || input.modifiers.shift_only();
+        let down = |key| f64::from(u8::from(walks && free && input.key_down(key)));
+        let [right, up, forward] = WALKING.map(|(more, less)| down(more) - down(less));
+        if [right, up, forward] != [0.0; 3] {
+            // After a frame that came late one has not run through a wall.
+            let seconds = f64::from(input.stable_dt.min(0.1));
+            steps = Some(Command::Walk {
+                way: DVec3::new(right, up, forward),
+                seconds,
+            });
+        }
         for event in &input.events {
+            match event {
+                egui::Event::Copy if !typing => commands.push(Command::CopyCamera),
+                egui::Event::Paste(text) if !typing => {
+                    commands.push(Command::PasteCamera(text.clone()));
+                }
+                _ => {}
+            }
             let egui::Event::Key {
                 key,
                 physical_key,
@@ -71,6 +126,10 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
                 key,
                 Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown
             );
+            let is_step = WALKING.iter().any(|(a, b)| [*a, *b].contains(&key));
+            if walks && is_step && !modifiers.command && !modifiers.alt {
+                continue;
+            }
             if is_asked || (is_arrow && is_in_controls && !modifiers.alt) {
                 continue;
             }
@@ -80,8 +139,17 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
             commands.extend(of(key).or_else(|| digit.and_then(of)));
         }
         commands
-    })
+    });
+    if steps.is_some() {
+        // As long as the key is held.
+        context.request_repaint();
+    }
+    commands.extend(steps);
+    commands
 }
+
+/// Keys that walk: right and left, up and down, forwards and back.
+const WALKING: [(Key, Key); 3] = [(Key::D, Key::A), (Key::E, Key::Q), (Key::W, Key::S)];
 
 const DIGITS: [Key; 10] = [
     Key::Num0,
@@ -107,40 +175,75 @@ pub fn wheel_factor(unit: egui::MouseWheelUnit, delta: f32) -> f64 {
     math::pow(0.85, notches.clamp(-20.0, 20.0))
 }
 
-/// Mouse over the picture to commands. `at` maps a point of the window to the picture's pixels,
+/// What a drag does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Drag {
+    Orbit,
+    Pan,
+    Zoom,
+    Look,
+}
+
+/// What a drag with a button does by these habits; with Shift, or with Ctrl, held.
+fn drag_of(habits: Mouse, button: egui::PointerButton, shift: bool, ctrl: bool) -> Option<Drag> {
+    use egui::PointerButton::{Middle, Primary, Secondary};
+    match (habits, button) {
+        (Mouse::Viewer, Primary) if !shift => Some(Drag::Orbit),
+        (Mouse::Viewer, Primary | Middle | Secondary) => Some(Drag::Pan),
+        (Mouse::Blender, Middle) if shift => Some(Drag::Pan),
+        (Mouse::Blender, Middle) if ctrl => Some(Drag::Zoom),
+        (Mouse::Blender, Middle) => Some(Drag::Orbit),
+        (Mouse::Cad, Secondary) => Some(Drag::Orbit),
+        (Mouse::Cad, Middle) => Some(Drag::Pan),
+        _ => None,
+    }
+}
+
+/// Mouse over the picture to commands, by these habits, or those of who walks. `at` maps a point of the window to the picture's pixels,
 /// `scale` is how many of those a point of the window is wide.
 pub fn mouse(
     ui: &egui::Ui,
     response: &egui::Response,
+    (habits, walks): (Mouse, bool),
     scale: f64,
     at: impl Fn(egui::Pos2) -> (f64, f64),
 ) -> Vec<Command> {
     use egui::PointerButton::{Middle, Primary, Secondary};
     let mut commands = Vec::new();
     let shift = ui.input(|input| input.modifiers.shift);
-    let pans = [Secondary, Middle]
-        .into_iter()
-        .any(|button| response.dragged_by(button))
-        || (shift && response.dragged_by(Primary));
+    let command = ui.input(|input| input.modifiers.command);
     if response.drag_started()
         && let Some(origin) = ui.input(|input| input.pointer.press_origin())
     {
         commands.push(Command::Grab { at: at(origin) });
     }
+    let drags = [Primary, Middle, Secondary].into_iter();
+    let mut drags = drags.filter(|button| response.dragged_by(*button));
+    let drag = match walks {
+        true => drags.next().map(|_| Drag::Look),
+        false => drags.find_map(|button| drag_of(habits, button, shift, command)),
+    };
     let delta = response.drag_delta();
     if delta != egui::Vec2::ZERO {
         let (dx, dy) = (f64::from(delta.x), f64::from(delta.y));
-        if pans {
-            commands.push(Command::Pan {
+        commands.extend(drag.map(|drag| match drag {
+            Drag::Pan => Command::Pan {
                 dx: dx * scale,
                 dy: dy * scale,
-            });
-        } else if response.dragged_by(Primary) {
-            commands.push(Command::Orbit {
+            },
+            Drag::Look => Command::LookAround {
+                yaw: -dx * DEGREES_PER_POINT * 0.5,
+                pitch: dy * DEGREES_PER_POINT * 0.5,
+            },
+            Drag::Orbit => Command::Orbit {
                 yaw: -dx * DEGREES_PER_POINT,
                 pitch: dy * DEGREES_PER_POINT,
-            });
-        }
+            },
+            Drag::Zoom => Command::Zoom {
+                at: at(response.rect.center()),
+                factor: math::pow(1.01, dy.clamp(-500.0, 500.0)),
+            },
+        }));
     }
     if response.clicked_by(Primary)
         && !response.double_clicked_by(Primary)
@@ -171,7 +274,9 @@ pub fn mouse(
                 })
                 .product::<f64>()
         });
-        if factor != 1.0 {
+        if factor != 1.0 && walks {
+            commands.push(Command::ScaleWalk(1.0 / factor));
+        } else if factor != 1.0 {
             commands.push(Command::Zoom {
                 at: at(position),
                 factor,
@@ -184,6 +289,28 @@ pub fn mouse(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn each_habit_has_a_way_to_orbit_and_to_pan() {
+        use egui::PointerButton::{Middle, Primary, Secondary};
+        let viewer = |button, shift| drag_of(Mouse::Viewer, button, shift, false);
+        assert_eq!(viewer(Primary, false), Some(Drag::Orbit));
+        for (button, shift) in [(Primary, true), (Middle, false), (Secondary, false)] {
+            assert_eq!(viewer(button, shift), Some(Drag::Pan));
+        }
+        let blender = |shift, ctrl| drag_of(Mouse::Blender, Middle, shift, ctrl);
+        assert_eq!(blender(false, false), Some(Drag::Orbit));
+        assert_eq!(blender(true, false), Some(Drag::Pan));
+        assert_eq!(blender(false, true), Some(Drag::Zoom));
+        let cad = |button| drag_of(Mouse::Cad, button, false, false);
+        assert_eq!(
+            (cad(Secondary), cad(Middle)),
+            (Some(Drag::Orbit), Some(Drag::Pan))
+        );
+        for habits in [Mouse::Blender, Mouse::Cad] {
+            assert_eq!(drag_of(habits, Primary, false, false), None, "left selects");
+        }
+    }
 
     #[test]
     fn the_wheel_is_symmetric() {

@@ -5,6 +5,7 @@ pub mod canvas;
 pub mod format;
 pub mod input;
 pub mod modes;
+mod pixels;
 pub mod present;
 pub mod registry;
 pub mod theme;

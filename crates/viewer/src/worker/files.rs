@@ -1,33 +1,27 @@
 //! Reading scenes and textures, building trees, writing pictures and scenes, asking for paths: a named thread
 //! for each task.
 
-use super::{Wake, case, demo, neighbors, panic_text};
-use crate::failure::Failure;
-use crate::output::Output;
-use crate::state::document::{Document, Tree};
+use super::check::check;
+use super::dialog::{DIALOG_ENDINGS, dialog};
+use super::load::{Load, scene_name, tree};
+use super::save::{save, save_scene, save_text};
+use super::tasks::{ANY, LoadStage, Progress, Shared, lock};
+use super::{Wake, case, neighbors, panic_text};
 use crate::state::effect::Keep;
-use crate::state::news::{DialogAnswer, Loaded, News};
+use crate::state::inspection::Sized;
+use crate::state::news::News;
 use crate::state::{PromptKind, Replacing};
-use crate::{memory, setup};
-use raycast_core::camera::Grid;
 use raycast_core::formats::{self, Budget, Limits, SceneFile};
-use raycast_core::picture::{Format, Recipe};
-use raycast_core::render::{Cancel, View};
-use raycast_core::scene::Scene;
-use std::path::{Path, PathBuf};
+use raycast_core::glam::DAffine3;
+use raycast_core::health;
+use raycast_core::scene::{Mesh, Scene};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
-/// What a loader is at.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Stage {
-    /// Reading; the share that is done.
-    Reading(f32),
-    /// Building the tree.
-    Building,
-}
+pub use super::save::Saving;
 
 /// A task that is under way.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,45 +42,6 @@ pub struct Files {
     news: Receiver<(u64, News)>,
 }
 
-struct Shared {
-    send: SyncSender<(u64, News)>,
-    wake: Wake,
-    newest_load: AtomicU64,
-    documents: AtomicU64,
-    loads: Mutex<Vec<(u64, String, Arc<Progress>)>>,
-    saves: AtomicU32,
-    newest_tree: AtomicU64,
-    building: AtomicU32,
-    building_turn: Mutex<()>,
-    /// Every file that was opened: no picture is written over one.
-    opened: Mutex<Vec<PathBuf>>,
-}
-
-/// A picture that is to be saved.
-#[derive(Clone, Debug)]
-pub struct Saving {
-    /// What it shows.
-    pub view: View,
-    /// How it is split.
-    pub grid: Grid,
-    /// On how many threads it is rendered.
-    pub threads: usize,
-}
-
-impl std::fmt::Debug for Shared {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Shared").finish_non_exhaustive()
-    }
-}
-
-/// News that belongs to no load in particular.
-const ANY: u64 = u64::MAX;
-/// A share that says that the tree is being built.
-const BUILDING: u32 = u32::MAX;
-
-#[derive(Debug, Default)]
-struct Progress(AtomicU32);
-
 impl Files {
     /// No task yet.
     pub fn new(wake: Wake) -> Self {
@@ -102,6 +57,9 @@ impl Files {
                 loads: Mutex::default(),
                 saves: AtomicU32::new(0),
                 newest_tree: AtomicU64::new(0),
+                newest_size: AtomicU64::new(0),
+                newest_check: AtomicU64::new(0),
+                check: Mutex::default(),
                 building: AtomicU32::new(0),
                 building_turn: Mutex::new(()),
                 opened: Mutex::default(),
@@ -137,14 +95,24 @@ impl Files {
         let loads = lock(&self.shared.loads);
         if let Some((_, name, progress)) = loads.iter().find(|(load, ..)| *load == newest) {
             let (label, share) = match progress.stage() {
-                Stage::Reading(share) => {
+                LoadStage::Reading(share) => {
                     (format!("Reading {name}"), (share > 0.0).then_some(share))
                 }
-                Stage::Building => (format!("Building the tree of {name}"), None),
+                LoadStage::Building => (format!("Building the tree of {name}"), None),
             };
             return Some(Activity {
                 label,
                 share,
+                can_cancel: true,
+            });
+        }
+        if let Some((_, name, progress)) = &*lock(&self.shared.check) {
+            let LoadStage::Reading(share) = progress.stage() else {
+                return None;
+            };
+            return Some(Activity {
+                label: format!("Checking {name}"),
+                share: Some(share),
                 can_cancel: true,
             });
         }
@@ -201,8 +169,17 @@ impl Files {
         });
     }
 
-    /// Lets what is being read go: nothing more is heard of it, and it ends before its tree is built.
+    /// Lets what is being read, or else looked over, go: nothing more is heard of it, and it ends before its
+    /// next step.
     pub fn cancel_load(&self) {
+        let newest = self.shared.newest_load.load(Ordering::Relaxed);
+        if !lock(&self.shared.loads)
+            .iter()
+            .any(|(load, ..)| *load == newest)
+        {
+            self.shared.newest_check.fetch_add(1, Ordering::Relaxed);
+            *lock(&self.shared.check) = None;
+        }
         self.shared.newest_load.fetch_add(1, Ordering::Relaxed);
     }
 
@@ -250,14 +227,24 @@ impl Files {
         });
     }
 
-    /// Reads an image as a texture.
-    pub fn load_texture(&self, path: PathBuf) {
+    /// Reads what a picture was made of. Where that is not `scene`, the one that is open, it is looked for
+    /// `among` other files. A picture that does not tell is a texture.
+    pub fn open_picture(&self, path: PathBuf, scene: Option<Arc<Scene>>, among: Vec<PathBuf>) {
+        let limits = self.limits;
+        let name = scene_name(std::slice::from_ref(&path));
+        self.load(name, move |load| {
+            load.picture(&path, scene.as_deref(), among, limits)
+        });
+    }
+
+    /// Reads an image as a texture of an object, or of all.
+    pub fn load_texture(&self, path: PathBuf, which: Option<usize>) {
         let budget = Budget::new(self.limits);
         self.shared.spawn("raycast-texture", ANY, move |shared| {
             lock(&shared.opened).push(path.clone());
             let texture = formats::read_texture_within(&path, &budget);
             let texture = texture.map_err(|error| error.to_string())?;
-            Ok(News::Texture(Arc::new(texture), path))
+            Ok(News::Texture(Arc::new(texture), path, which))
         });
     }
 
@@ -272,7 +259,10 @@ impl Files {
             shared.saves.fetch_sub(1, Ordering::Relaxed);
             match saved.map_err(|panic| panic_text(&*panic))? {
                 Ok(true) => Ok(News::PictureSaved(path)),
-                Ok(false) => Ok(News::Taken(Replacing { path, scene: false })),
+                Ok(false) => Ok(News::Taken(Replacing {
+                    path,
+                    by: PromptKind::Picture,
+                })),
                 Err(failure) => Err(failure.to_string()),
             }
         });
@@ -291,9 +281,57 @@ impl Files {
             let saved = save_scene(&scene, &path, own.as_deref(), replace, shared);
             Ok(match saved {
                 Ok(true) => News::SceneSaved(path, revision),
-                Ok(false) => News::Taken(Replacing { path, scene: true }),
+                Ok(false) => News::Taken(Replacing {
+                    path,
+                    by: PromptKind::Scene,
+                }),
                 Err(failure) => News::NotSaved(failure.to_string()),
             })
+        });
+    }
+
+    /// Writes text, likewise.
+    pub fn save_text(&self, text: String, path: PathBuf, by: PromptKind, replace: bool) {
+        self.shared.spawn("raycast-save", ANY, move |shared| {
+            match save_text(&text, &path, replace, shared) {
+                Ok(true) => Ok(News::PictureSaved(path)),
+                Ok(false) => Ok(News::Taken(Replacing { path, by })),
+                Err(failure) => Err(failure.to_string()),
+            }
+        });
+    }
+
+    /// Works out the size of a mesh in its place.
+    pub fn weigh(&self, mesh: Arc<Mesh>, world_from_object: DAffine3) {
+        let ticket = self.shared.newest_size.fetch_add(1, Ordering::Relaxed) + 1;
+        self.shared.spawn("raycast-size", ANY, move |shared| {
+            let goes_on = |_| shared.newest_size.load(Ordering::Relaxed) == ticket;
+            let size = health::size(&mesh, &world_from_object, &goes_on);
+            Ok(size.map_or(News::Nothing, |size| {
+                News::Sized(Sized {
+                    mesh: Arc::clone(&mesh),
+                    world_from_object,
+                    size,
+                })
+            }))
+        });
+    }
+
+    /// Looks meshes over, each of an object, and calls what is done by a name. The newest call wins.
+    pub fn check(&self, name: String, meshes: Vec<(usize, Arc<Mesh>)>) {
+        let ticket = self.shared.newest_check.fetch_add(1, Ordering::Relaxed) + 1;
+        let progress = Arc::new(Progress::default());
+        *lock(&self.shared.check) = Some((ticket, name, Arc::clone(&progress)));
+        self.shared.spawn("raycast-check", ANY, move |shared| {
+            let checked = check(&meshes, &progress, &|| {
+                (shared.wake)();
+                shared.newest_check.load(Ordering::Relaxed) == ticket
+            });
+            let mut under_way = lock(&shared.check);
+            if under_way.as_ref().is_some_and(|(own, ..)| *own == ticket) {
+                *under_way = None;
+            }
+            Ok(checked.map_or(News::Nothing, News::Checked))
         });
     }
 
@@ -305,365 +343,14 @@ impl Files {
     }
 }
 
-impl Shared {
-    fn tell(&self, load: u64, news: News) {
-        // The only failure is a window that is gone: then nobody wants to know.
-        let _ = self.send.send((load, news));
-        (self.wake)();
-    }
-
-    /// Runs a task on a thread of its own; its error, or its panic, becomes a message.
-    fn spawn(
-        self: &Arc<Self>,
-        name: &str,
-        load: u64,
-        task: impl FnOnce(&Self) -> Result<News, String> + Send + 'static,
-    ) {
-        let shared = Arc::clone(self);
-        let run = move || {
-            let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| task(&shared)));
-            let news = match outcome {
-                Ok(Ok(News::Nothing)) => return,
-                Ok(Ok(news)) => news,
-                Ok(Err(message)) => News::Failed(message),
-                Err(panic) => {
-                    lock(&shared.loads).retain(|(ticket, ..)| *ticket != load);
-                    News::Failed(format!("A fault in this program: {}", panic_text(&*panic)))
-                }
-            };
-            shared.tell(load, news);
-        };
-        let spawned = std::thread::Builder::new().name(name.to_owned()).spawn(run);
-        if let Err(error) = spawned {
-            lock(&self.loads).retain(|(ticket, ..)| *ticket != load);
-            // The channel may be full, and this is the window's thread: it must not wait.
-            let message = format!("No thread could be started: {error}");
-            let _ = self.send.try_send((ANY, News::Failed(message)));
-        }
-    }
-}
-
-impl Progress {
-    fn read(&self, share: f32) {
-        let share = (share.clamp(0.0, 1.0) * 1e6) as u32;
-        self.0.store(share, Ordering::Relaxed);
-    }
-
-    fn stage(&self) -> Stage {
-        match self.0.load(Ordering::Relaxed) {
-            BUILDING => Stage::Building,
-            share => Stage::Reading(share as f32 * 1e-6),
-        }
-    }
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// What a scene of these files is called.
-fn scene_name(paths: &[PathBuf]) -> String {
-    let Some(first) = paths.first() else {
-        return "Demo scene".to_owned();
-    };
-    let name = first.file_name().unwrap_or(first.as_os_str());
-    let name = name.to_string_lossy();
-    match paths.len() {
-        1 => name.into_owned(),
-        more => format!("{name} and {} more", more - 1),
-    }
-}
-
-/// A load under way, on its thread.
-struct Load<'a> {
-    shared: &'a Shared,
-    ticket: u64,
-    progress: &'a Progress,
-}
-
-/// Files that were read as one, and what was wrong with the others.
-struct ReadFiles {
-    file: SceneFile,
-    paths: Vec<PathBuf>,
-    errors: Vec<String>,
-}
-
-impl Load<'_> {
-    /// Gives it another name.
-    fn rename(&self, name: String) {
-        for (load, called, _) in lock(&self.shared.loads).iter_mut() {
-            if *load == self.ticket {
-                called.clone_from(&name);
-            }
-        }
-    }
-
-    /// Whether another load, or a person, has put an end to this one.
-    fn is_over(&self) -> bool {
-        self.shared.newest_load.load(Ordering::Relaxed) != self.ticket
-    }
-
-    fn document(&self, paths: Vec<PathBuf>, limits: Limits, keep: Keep) -> Result<News, String> {
-        let started = Instant::now();
-        let read = self.read(paths, limits)?;
-        let mut loaded = self.finish(read.file, read.paths, started.elapsed())?;
-        loaded.keep = keep;
-        loaded.errors = read.errors;
-        Ok(News::Loaded(Box::new(loaded)))
-    }
-
-    fn objects(&self, paths: Vec<PathBuf>, limits: Limits) -> Result<News, String> {
-        let ReadFiles {
-            file,
-            paths,
-            errors,
-        } = self.read(paths, limits)?;
-        Ok(News::Added {
-            objects: file.scene.objects,
-            opened: file.opened,
-            paths,
-            notes: file.warnings,
-            errors,
-        })
-    }
-
-    /// Reads every file that can be read into one scene; camera and settings are the first file's that has
-    /// any. An error where none could be.
-    fn read(&self, paths: Vec<PathBuf>, limits: Limits) -> Result<ReadFiles, String> {
-        lock(&self.shared.opened).extend_from_slice(&paths);
-        let (mut file, mut read, mut errors) = (SceneFile::default(), Vec::new(), Vec::new());
-        if paths.is_empty() {
-            file = demo::scene().map_err(|error| error.to_string())?;
-        }
-        let budget = Budget::new(limits);
-        let count = paths.len();
-        for (index, path) in paths.into_iter().enumerate() {
-            if self.is_over() {
-                return Err("it was let go".to_owned());
-            }
-            let share = |share: f32| {
-                self.progress.read((index as f32 + share) / count as f32);
-                (self.shared.wake)();
-            };
-            match formats::read_scene_within(&path, &budget, &share) {
-                Ok(next) => {
-                    file.append(next);
-                    read.push(path);
-                }
-                Err(error) => errors.push(error.to_string()),
-            }
-        }
-        lock(&self.shared.opened).extend(file.opened.iter().cloned());
-        if read.is_empty() && count > 0 {
-            // Each message stands for itself: all but the last are told at once.
-            let last = errors.pop().unwrap_or_default();
-            for error in errors {
-                self.shared.tell(self.ticket, News::Failed(error));
-            }
-            return Err(last);
-        }
-        Ok(ReadFiles {
-            file,
-            paths: read,
-            errors,
-        })
-    }
-
-    /// Builds the tree of what was read.
-    fn finish(
-        &self,
-        file: SceneFile,
-        paths: Vec<PathBuf>,
-        load_time: Duration,
-    ) -> Result<Loaded, String> {
-        if self.is_over() {
-            return Err("it was let go".to_owned());
-        }
-        self.progress.0.store(BUILDING, Ordering::Relaxed);
-        (self.shared.wake)();
-        let started = Instant::now();
-        let name = match &paths[..] {
-            [] => self.name(),
-            paths => scene_name(paths),
-        };
-        let called = match &paths[..] {
-            [] => name.clone(),
-            paths => setup::name_of(paths),
-        };
-        let scene = Arc::new(file.scene);
-        let has_hidden = scene.objects.iter().any(|object| !object.visible);
-        let accel = match has_hidden {
-            // It may be that nothing is to be seen, on purpose.
-            true => setup::tree(&scene),
-            false => setup::visible_tree(&called, &scene),
-        };
-        let accel = accel.map_err(|error| error.to_string())?;
-        let build_time = started.elapsed();
-        let objects = scene.objects.iter();
-        let dropped: u64 = objects.map(|o| u64::from(o.mesh.dropped().total())).sum();
-        let mut notes = file.warnings;
-        if dropped > 0 {
-            let plural = if dropped == 1 { "" } else { "s" };
-            notes.push(format!("{dropped} degenerate triangle{plural} left out"));
-        }
-        let is_scene = |path: &&PathBuf| {
-            let name = path.to_string_lossy().to_ascii_lowercase();
-            name.ends_with(".toml")
-        };
-        let own = match &paths[..] {
-            [path] => Some(path).filter(is_scene).cloned(),
-            _ => None,
-        };
-        Ok(Loaded {
-            document: Document {
-                number: self.shared.documents.fetch_add(1, Ordering::Relaxed) + 1,
-                name,
-                paths,
-                opened: file.opened,
-                file: own,
-                bounds: setup::bounds(&scene, &accel),
-                read: Arc::clone(&scene),
-                built: Arc::clone(&scene),
-                scene,
-                edits: 0,
-                accel: Arc::new(accel),
-                load_time,
-                build_time,
-            },
-            keep: Keep::Nothing,
-            camera: file.camera,
-            samples: file.image.samples,
-            shading: file.shading,
-            notes,
-            errors: Vec::new(),
-        })
-    }
-
-    fn name(&self) -> String {
-        let loads = lock(&self.shared.loads);
-        let own = loads.iter().find(|(load, ..)| *load == self.ticket);
-        own.map_or_else(String::new, |(_, name, _)| name.clone())
-    }
-}
-
-/// The tree over a scene, and the box around what can be seen of it.
-fn tree(scene: &Scene) -> Result<Tree, Failure> {
-    let started = Instant::now();
-    let accel = setup::tree(scene)?;
-    Ok(Tree {
-        bounds: setup::bounds(scene, &accel),
-        accel: Arc::new(accel),
-        build_time: started.elapsed(),
-    })
-}
-
-/// Whether the scene was written: not where a file is there that it may not replace.
-fn save_scene(
-    scene: &SceneFile,
-    path: &Path,
-    own: Option<&Path>,
-    replace: bool,
-    shared: &Shared,
-) -> Result<bool, Failure> {
-    let output = Output::at(path, &[])?;
-    let is_own = own.is_some_and(|own| output.check_against([own]).is_err());
-    if !is_own {
-        output.check_against(lock(&shared.opened).clone())?;
-        if output.is_taken() && !replace {
-            return Ok(false);
-        }
-    }
-    let folder = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    let folder = folder.parent().unwrap_or(Path::new("."));
-    let text = scene
-        .to_toml(folder)
-        .map_err(|error| Failure::could_not(error.to_string()))?;
-    output.write(text.as_bytes())?.finish()?;
-    // Nothing else is to be written over it, as over anything that is open.
-    lock(&shared.opened).push(path.to_owned());
-    Ok(true)
-}
-
-/// Whether the picture was written: not where a file is there that it may not replace.
-fn save(saving: Saving, path: &Path, replace: bool, shared: &Shared) -> Result<bool, Failure> {
-    let Saving {
-        mut view,
-        grid,
-        threads,
-    } = saving;
-    let format = Format::from_name(&path.to_string_lossy())?;
-    let opened = || lock(&shared.opened).clone();
-    let output = Output::at(path, &[])?;
-    output.check_against(opened())?;
-    if output.is_taken() && !replace {
-        return Ok(false);
-    }
-    view.settings.layers = format == Format::Exr;
-    let plane = view.camera.plane();
-    let memory_for = |columns, rows| format.memory_for(columns, rows);
-    memory::check_picture(path, (plane.columns, plane.rows), memory_for, "")?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .thread_name(|index| format!("raycast-save-{index}"))
-        .start_handler(|_| super::priority::give_way())
-        .build()
-        .map_err(|error| Failure::could_not(error.to_string()))?;
-    let clock = || Duration::ZERO;
-    let picture = pool
-        .install(|| view.render(grid, &clock, &Cancel::default(), &|_| {}))
-        .ok_or_else(|| Failure::could_not("the render was cancelled"))?;
-    let recipe = Recipe::of(&view);
-    let file = output.write(&picture.encode_with(format, Some(&recipe))?)?;
-    // Another scene may have been opened meanwhile.
-    output.check_against(opened())?;
-    file.finish()?;
-    Ok(true)
-}
-
-/// Endings of the files that can be opened.
-const DIALOG_ENDINGS: &[&str] = &[
-    "obj", "gltf", "glb", "ply", "stl", "off", "3mf", "txt", "tri", "toml", "gz", "zst",
-];
-
-fn dialog(kind: PromptKind, suggested: &str) -> DialogAnswer {
-    let dialog = rfd::FileDialog::new();
-    let started = Instant::now();
-    let files = |title| {
-        let dialog = rfd::FileDialog::new()
-            .set_title(title)
-            .add_filter("Meshes and scenes", DIALOG_ENDINGS)
-            .add_filter("All files", &["*"]);
-        dialog.pick_files()
-    };
-    let one = |path: Option<PathBuf>| path.map(|path| vec![path]);
-    let paths = match kind {
-        PromptKind::Open => files("Open meshes or a scene"),
-        PromptKind::Add => files("Add meshes or a scene"),
-        PromptKind::Texture => one(dialog
-            .set_title("Open a texture")
-            .add_filter("Images", &["png", "jpg", "jpeg", "ppm"])
-            .add_filter("All files", &["*"])
-            .pick_file()),
-        PromptKind::Picture => one(dialog
-            .set_title("Save the picture")
-            .set_file_name(suggested)
-            .save_file()),
-        PromptKind::Scene => one(dialog
-            .set_title("Save the scene")
-            .set_file_name(suggested)
-            .save_file()),
-    };
-    match paths {
-        Some(paths) => DialogAnswer::Paths(paths),
-        // Nobody closes a dialog this soon: it never came up.
-        None if started.elapsed() < Duration::from_millis(700) => DialogAnswer::Unavailable,
-        None => DialogAnswer::Cancelled,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::setup;
+    use crate::worker::demo;
+    use raycast_core::camera::Grid;
+    use raycast_core::render::View;
+    use std::path::Path;
 
     fn files() -> Files {
         Files::new(Arc::new(|| {}))
@@ -774,7 +461,9 @@ mod tests {
         assert!(std::fs::read(&mesh).expect("the mesh").starts_with(b"v 0"));
         let other = folder.path().join("other.toml");
         std::fs::write(&other, "a letter").expect("written");
-        assert!(matches!(save(&other, None, false), News::Taken(there) if there.scene));
+        assert!(
+            matches!(save(&other, None, false), News::Taken(there) if there.by == PromptKind::Scene)
+        );
         assert!(matches!(save(&other, None, true), News::SceneSaved(..)));
     }
 
@@ -831,7 +520,7 @@ mod tests {
         let path = folder.path().join("skin.png");
         std::fs::write(&path, "P3\n1 1\n255\n1 2 3\n").expect("written");
         let files = files();
-        files.load_texture(path.clone());
+        files.load_texture(path.clone(), None);
         assert!(matches!(wait(&files), News::Texture(..)));
         files.save(picture(), path.clone(), true);
         assert!(matches!(wait(&files), News::Failed(text) if text.contains("skin.png")));

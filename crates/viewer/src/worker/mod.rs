@@ -4,14 +4,19 @@
 //! [`outbox::Outbox`], scenes, textures and messages as [`News`](crate::state::news::News).
 
 pub mod case;
+mod check;
 pub mod demo;
+mod dialog;
 pub mod files;
+mod load;
 pub mod mailbox;
 mod neighbors;
 pub mod outbox;
 pub mod pace;
 mod priority;
 pub mod render;
+mod save;
+mod tasks;
 pub mod watch;
 
 use std::sync::Arc;
@@ -21,7 +26,7 @@ use std::time::Duration;
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
 /// The window's clock: time since it was opened.
-pub type Clock = Arc<dyn Fn() -> Duration + Send + Sync>;
+pub type SharedClock = Arc<dyn Fn() -> Duration + Send + Sync>;
 
 /// What a caught panic said.
 fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {

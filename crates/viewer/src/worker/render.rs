@@ -4,7 +4,7 @@ use super::mailbox::Mailbox;
 use super::outbox::{Layout, Outbox, PassReport};
 use super::pace::Pace;
 use super::priority;
-use super::{Clock, Wake};
+use super::{SharedClock, Wake};
 use raycast_core::camera::Grid;
 use raycast_core::render::{Cancel, Pass, Passes, Tile, TileStats, View};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -46,7 +46,7 @@ impl Renderer {
     /// # Errors
     /// The system's refusal to start a thread.
     pub fn start(
-        clock: Clock,
+        clock: SharedClock,
         wake: Wake,
         outbox: Arc<Outbox>,
         failed: Box<dyn Fn(String) + Send + Sync>,
@@ -98,7 +98,7 @@ impl Drop for Renderer {
 struct Worker {
     mailbox: Arc<Mailbox<Request>>,
     outbox: Arc<Outbox>,
-    clock: Clock,
+    clock: SharedClock,
     wake: Wake,
     failed: Box<dyn Fn(String) + Send + Sync>,
     pool: Option<(usize, rayon::ThreadPool)>,

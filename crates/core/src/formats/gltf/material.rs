@@ -6,7 +6,7 @@ use crate::formats::error::FormatError;
 use crate::formats::texture;
 use crate::math;
 use crate::quote;
-use crate::scene::{Color, Material, Texture};
+use crate::scene::{Color, Material, Texture, Wrap};
 use crate::shade::srgb;
 use glam::{DVec2, Vec2};
 use std::collections::{BTreeMap, HashMap};
@@ -26,10 +26,10 @@ pub(super) struct Base<'d> {
 /// The materials of one file, and what was made of their images.
 pub(super) struct Materials<'m, 'd> {
     data: &'m Data<'d>,
-    /// By image; `None` for one that cannot be read, which is told once.
-    images: HashMap<u32, Option<Arc<Texture>>>,
-    /// By image and factor.
-    tinted: HashMap<(u32, [u64; 3]), Arc<Texture>>,
+    /// By image and wrapping; `None` for one that cannot be read, which is told once.
+    images: HashMap<(u32, [Wrap; 2]), Option<Arc<Texture>>>,
+    /// By image, wrapping and factor.
+    tinted: HashMap<(u32, [Wrap; 2], [u64; 3]), Arc<Texture>>,
     /// Materials that were used, by what is not shown of them.
     unused: BTreeMap<&'static str, usize>,
     is_told: Vec<bool>,
@@ -149,17 +149,20 @@ impl<'m, 'd> Materials<'m, 'd> {
             return Ok(None);
         };
         self.data.one(&root.images, source, &place, "images")?;
-        let image = match self.images.get(&source) {
+        let wrap = self.wrap(json.sampler, &place)?;
+        let image = match self.images.get(&(source, wrap)) {
             Some(image) => image.clone(),
             None => {
                 let image = match self.image(source) {
-                    Ok(image) => Some(Arc::new(image)),
+                    Ok(image) => Some(Arc::new(image.wrapped(wrap))),
                     Err(told) => {
-                        self.warnings.push(told);
+                        if !self.warnings.contains(&told) {
+                            self.warnings.push(told);
+                        }
                         None
                     }
                 };
-                self.images.insert(source, image.clone());
+                self.images.insert((source, wrap), image.clone());
                 image
             }
         };
@@ -171,7 +174,7 @@ impl<'m, 'd> Materials<'m, 'd> {
         if is_plain {
             return Ok(Some(image));
         }
-        let key = (source, [r, g, b].map(f64::to_bits));
+        let key = (source, wrap, [r, g, b].map(f64::to_bits));
         if let Some(tinted) = self.tinted.get(&key) {
             return Ok(Some(Arc::clone(tinted)));
         }
@@ -187,6 +190,33 @@ impl<'m, 'd> Materials<'m, 'd> {
         share.keep(bytes);
         self.tinted.insert(key, Arc::clone(&tinted));
         Ok(Some(tinted))
+    }
+
+    /// What a sampler says that an image shows beyond its sides, by OpenGL's numbers; it is repeated where
+    /// none says anything.
+    fn wrap(&mut self, sampler: Option<u32>, place: &str) -> Result<[Wrap; 2], FormatError> {
+        let Some(index) = sampler else {
+            return Ok([Wrap::Repeat; 2]);
+        };
+        let data = self.data;
+        let sampler = data.one(&data.root.samplers, index, place, "samplers")?;
+        let mut wrap = |number: Option<u32>| match number {
+            None | Some(10497) => Wrap::Repeat,
+            Some(33071) => Wrap::Clamp,
+            Some(33648) => Wrap::Mirror,
+            Some(other) => {
+                let path = quote::path(data.path);
+                let told = format!(
+                    "{path}: samplers[{index}]: its image is repeated: expected 10497, 33071 or 33648, \
+                     found {other}"
+                );
+                if !self.warnings.contains(&told) {
+                    self.warnings.push(told);
+                }
+                Wrap::Repeat
+            }
+        };
+        Ok([wrap(sampler.wrap_s), wrap(sampler.wrap_t)])
     }
 
     /// An image; in one line why there is none.
@@ -241,7 +271,8 @@ fn tint(image: &Texture, factor: [f64; 3]) -> Option<Texture> {
         let at = usize::from;
         [r[at(x)], g[at(y)], b[at(z)], 255]
     });
-    Texture::new(image.width(), image.height(), texels.collect())
+    let tinted = Texture::new(image.width(), image.height(), texels.collect())?;
+    Some(tinted.wrapped(image.wrap()))
 }
 
 /// How a texture's coordinates are moved (`KHR_texture_transform`), and turned upright: glTF's origin is

@@ -24,8 +24,6 @@ pub(super) struct Told {
     pub(super) loose_corners: usize,
     /// Meshes with morph targets.
     pub(super) morphs: usize,
-    /// Primitives whose image is clamped or mirrored, where that shows.
-    pub(super) wraps: usize,
 }
 
 /// What decides a primitive's vertices: those that agree in all of it are stored once.
@@ -114,11 +112,6 @@ impl Builder<'_, '_, '_> {
         let colors = named("COLOR_0");
         let (first, count) =
             self.vertices(place, positions, named("NORMAL"), coordinates, colors, base)?;
-        if let (Some(info), Some(_)) = (base.and_then(|base| base.texture), coordinates)
-            && self.is_wrapped(info.index, first, count)
-        {
-            told.wraps += 1;
-        }
         let corners = match primitive.indices {
             None => (0..count).collect(),
             Some(index) => self.corners(place, index, count)?,
@@ -289,25 +282,6 @@ impl Builder<'_, '_, '_> {
             self.numbers.insert((index, by_vertex), number);
         }
         Ok(number)
-    }
-
-    /// Whether a texture is not repeated, and coordinates leave it.
-    fn is_wrapped(&self, texture: u32, first: u32, count: u32) -> bool {
-        /// REPEAT, of OpenGL.
-        const REPEAT: u32 = 10497;
-        let root = self.data.root;
-        let sampler = root.textures.get(texture as usize).and_then(|t| t.sampler);
-        let Some(sampler) = sampler.and_then(|index| root.samplers.get(index as usize)) else {
-            return false;
-        };
-        let repeats = |wrap: Option<u32>| wrap.unwrap_or(REPEAT) == REPEAT;
-        if repeats(sampler.wrap_s) && repeats(sampler.wrap_t) {
-            return false;
-        }
-        let (first, count) = (first as usize, count as usize);
-        let uvs = self.uvs.get(first..first + count).unwrap_or_default();
-        uvs.iter()
-            .any(|uv| uv.min_element() < 0.0 || uv.max_element() > 1.0)
     }
 
     fn finish(self) -> MeshData {

@@ -67,6 +67,7 @@ pub(super) fn read(
     let mut placed = Placed::default();
     let mut meshes: HashMap<u32, usize> = HashMap::new();
     for (done, node) in mesh_nodes.iter().enumerate() {
+        progress(done as f32 / mesh_nodes.len() as f32);
         let mesh = match meshes.get(&node.mesh) {
             Some(&mesh) => mesh,
             None => {
@@ -81,7 +82,6 @@ pub(super) fn read(
             mesh,
             world_from_object: node.world_from_node,
         });
-        progress((done + 1) as f32 / mesh_nodes.len() as f32);
     }
     if placed.meshes.iter().all(|mesh| mesh.triangles.is_empty()) {
         let found = match mesh_nodes.len() {
@@ -118,10 +118,6 @@ fn warnings(path: &Path, nodes: &[MeshNode<'_>], told: &Told) -> Vec<String> {
         (
             told.morphs,
             "meshes with morph targets, which are shown at rest",
-        ),
-        (
-            told.wraps,
-            "primitives whose image is clamped or mirrored, which is shown repeated",
         ),
     ];
     let told = counts.iter().filter(|(count, _)| *count > 0);

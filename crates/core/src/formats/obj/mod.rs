@@ -1,3 +1,4 @@
+mod content;
 mod mtl;
 mod pieces;
 mod reader;
@@ -10,11 +11,11 @@ use crate::formats::files::{By, Contents, Files, beside};
 use crate::formats::polygon;
 use crate::quote::{self, quote};
 use crate::scene::{Attribute, MeshData};
+use content::{NONE, ObjText, Oddities};
 use glam::Vec3;
 use mtl::MtlMaterial;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use text::{NONE, ObjText, Oddities};
 
 /// What an OBJ file holds.
 #[derive(Debug)]

@@ -1,7 +1,8 @@
 //! A long OBJ file in pieces, read in parallel and put together.
 
+use super::content::{Counts, NONE, ObjText, is_beyond};
 use super::reader::{INHERITED, RELATIVE, Reader};
-use super::text::{Counts, NONE, ObjText, Oddities, is_beyond};
+
 use crate::formats::Progress;
 use crate::formats::kind::without_mark;
 use crate::formats::limits::Allowance;
@@ -221,15 +222,6 @@ fn append(
     number(last_material)
 }
 
-impl Oddities {
-    fn add(&mut self, more: Self) {
-        self.dangling += more.dangling;
-        self.weights += more.weights;
-        self.extra_values += more.extra_values;
-        self.colors_out_of_range += more.colors_out_of_range;
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -248,7 +240,7 @@ mod tests {
     /// All that a file holds, as text; `None` where it is refused.
     fn in_one(source: &[u8]) -> Option<String> {
         let path = Path::new("a.obj");
-        let out = super::super::text::read(path, source, &Budget::default(), &|_| ());
+        let out = crate::formats::obj::text::read(path, source, &Budget::default(), &|_| ());
         out.ok().map(|out| format!("{out:?}"))
     }
 

@@ -1,6 +1,6 @@
 //! The lines of an OBJ file, or of a piece of one, read one after the other.
 
-use super::text::{Counts, NONE, ObjText};
+use super::content::{Counts, NONE, ObjText};
 use super::words::Words;
 use crate::formats::error::{FormatError, quote};
 use crate::formats::limits::Allowance;

@@ -1,8 +1,10 @@
 use super::*;
+use crate::formats::error::FormatError;
 use crate::formats::files::Held;
 use crate::formats::limits::Budget;
 use crate::formats::mesh_file;
-use crate::scene::{Attribute, Color, Material, Mesh, MeshData, Object, Transform, UpAxis};
+use crate::render::Cancel;
+use crate::scene::{Attribute, Color, Material, Mesh, MeshData, Object, Shape, Transform, UpAxis};
 use glam::{DVec3, Vec2, Vec3};
 use serde_json::Value;
 use std::path::Path;
@@ -382,4 +384,28 @@ fn names_ask_for_formats() {
     assert_eq!(format("a.b.PLY"), Some(MeshFormat::Ply { ascii: true }));
     assert_eq!(format("tri"), None);
     assert_eq!(format("a.off"), None);
+}
+
+#[test]
+fn a_reading_that_is_cancelled_ends_without_a_mesh() {
+    let sphere = Shape::Sphere {
+        radius: 1.0,
+        segments: 200,
+        rings: 200,
+    };
+    let scene = scene([sphere.mesh().expect("a good shape")]);
+    let resolve = |_: &str| None;
+    for (name, format) in READ.into_iter().chain([("a.glb", MeshFormat::Glb)]) {
+        let (bytes, _) = bytes(&scene, format);
+        let cancel = Cancel::default();
+        let budget = Budget::default().cancelled_by(cancel.clone());
+        let files = Held::new(&resolve, &budget);
+        let told = mesh_file::read(Path::new(name), &bytes, &files, UpAxis::Y, &|share| {
+            // What is done is done.
+            if share < 1.0 {
+                cancel.cancel();
+            }
+        });
+        assert!(matches!(told, Err(FormatError::Cancelled { .. })), "{name}");
+    }
 }

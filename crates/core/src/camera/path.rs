@@ -1,0 +1,237 @@
+use super::{Orbit, Placement};
+use glam::DVec3;
+
+/// Where a camera is at one frame of an animation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Keyframe {
+    /// The frame's number.
+    pub frame: u32,
+    /// Eye, target, up.
+    pub placement: Placement,
+    /// Vertical field of view in degrees, or the orthographic frame's height in scene units; `None` for
+    /// the camera's own.
+    pub view: Option<f64>,
+}
+
+/// What lies between keyframes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Curve {
+    /// Straight lines.
+    Linear,
+    /// Cubic curves that pass each keyframe along the line between its neighbours (Catmull and Rom, "A class
+    /// of local interpolating splines", 1974), as fast as the frames between these say.
+    #[default]
+    CatmullRom,
+}
+
+/// How fast a camera goes from a keyframe to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Ease {
+    /// As the curve has it.
+    #[default]
+    None,
+    /// From rest to rest: by 3 s² − 2 s³ of the way at the share s of the frames.
+    Smooth,
+}
+
+/// A camera's way through an animation: keyframes in the order of their frames.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraPath {
+    keys: Vec<Keyframe>,
+    curve: Curve,
+    ease: Ease,
+}
+
+impl CameraPath {
+    /// The path through keyframes; `None` of none, or where frames do not rise from one to the next.
+    pub fn new(keys: Vec<Keyframe>, curve: Curve, ease: Ease) -> Option<Self> {
+        let rises = keys.windows(2).all(|pair| pair[0].frame < pair[1].frame);
+        (!keys.is_empty() && rises).then_some(Self { keys, curve, ease })
+    }
+
+    /// Once around what a placement looks at, about +Y and from left to right, in so many frames from 0: the
+    /// one after the last would be the first again.
+    pub fn turntable(placement: &Placement, frames: u32, frame: u32) -> Placement {
+        let from = Orbit::from_placement(placement);
+        let mut orbit = from;
+        orbit.turn(360.0 * f64::from(frame) / f64::from(frames.max(1)), 0.0);
+        match frame % frames.max(1) {
+            // As it stands, to the last bit.
+            0 => *placement,
+            _ => Placement {
+                up: turned(placement.up, orbit.yaw - from.yaw),
+                ..orbit.placement()
+            },
+        }
+    }
+
+    /// The keyframes.
+    pub fn keys(&self) -> &[Keyframe] {
+        &self.keys
+    }
+
+    /// What lies between them.
+    pub fn curve(&self) -> Curve {
+        self.curve
+    }
+
+    /// How fast the camera goes.
+    pub fn ease(&self) -> Ease {
+        self.ease
+    }
+
+    /// The first frame and the last.
+    pub fn frames(&self) -> (u32, u32) {
+        // There is one at least.
+        let at = |index: usize| self.keys.get(index).map_or(0, |key| key.frame);
+        (at(0), at(self.keys.len() - 1))
+    }
+
+    /// Where the camera is at a frame, before the first keyframe there, and after the last at that. A view that
+    /// is set at one end of a stretch alone is that all along it.
+    pub fn at(&self, frame: u32) -> Keyframe {
+        let after = self.keys.partition_point(|key| key.frame <= frame);
+        let (Some(&from), Some(&to)) = (
+            self.keys.get(after.saturating_sub(1)),
+            self.keys.get(after.min(self.keys.len() - 1)),
+        ) else {
+            return self.keys[0];
+        };
+        if frame <= from.frame || from.frame == to.frame {
+            return Keyframe { frame, ..from };
+        }
+        let length = f64::from(to.frame - from.frame);
+        let share = f64::from(frame - from.frame) / length;
+        let share = match self.ease {
+            Ease::None => share,
+            Ease::Smooth => share * share * (3.0 - 2.0 * share),
+        };
+        let index = after - 1;
+        let vector = |of: fn(&Keyframe) -> DVec3| match self.curve {
+            Curve::Linear => of(&from) + (of(&to) - of(&from)) * share,
+            Curve::CatmullRom => {
+                let slopes = [self.slope(index, of), self.slope(index + 1, of)];
+                hermite(
+                    [of(&from), of(&to)],
+                    slopes.map(|slope| slope * length),
+                    share,
+                )
+            }
+        };
+        let view = match (from.view, to.view) {
+            (Some(from), Some(to)) => Some(from + (to - from) * share),
+            (one, other) => one.or(other),
+        };
+        Keyframe {
+            frame,
+            placement: Placement {
+                eye: vector(|key| key.placement.eye),
+                target: vector(|key| key.placement.target),
+                up: vector(|key| key.placement.up),
+            },
+            view,
+        }
+    }
+
+    /// How much a value changes a frame at a keyframe: as on the line between its neighbours, or at an end to
+    /// the only one.
+    fn slope(&self, index: usize, of: fn(&Keyframe) -> DVec3) -> DVec3 {
+        let before = &self.keys[index.saturating_sub(1)];
+        let after = &self.keys[(index + 1).min(self.keys.len() - 1)];
+        // Frames rise, and this is asked for where there are two keyframes at least.
+        (of(after) - of(before)) / f64::from((after.frame - before.frame).max(1))
+    }
+}
+
+/// A cubic from one value to another with these slopes at its ends (Hermite).
+fn hermite([from, to]: [DVec3; 2], [leave, arrive]: [DVec3; 2], s: f64) -> DVec3 {
+    let (s2, s3) = (s * s, s * s * s);
+    from * (2.0 * s3 - 3.0 * s2 + 1.0)
+        + leave * (s3 - 2.0 * s2 + s)
+        + to * (3.0 * s2 - 2.0 * s3)
+        + arrive * (s3 - s2)
+}
+
+/// A vector turned about +Y by degrees.
+fn turned(vector: DVec3, degrees: f64) -> DVec3 {
+    let (sin, cos) = crate::math::sin_cos(degrees.to_radians());
+    let DVec3 { x, y, z } = vector;
+    DVec3::new(x * cos + z * sin, y, z * cos - x * sin)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn key(frame: u32, x: f64, view: Option<f64>) -> Keyframe {
+        Keyframe {
+            frame,
+            placement: Placement {
+                eye: DVec3::new(x, x * x, 5.0),
+                target: DVec3::ZERO,
+                up: DVec3::Y,
+            },
+            view,
+        }
+    }
+
+    fn path(curve: Curve, ease: Ease) -> CameraPath {
+        let keys = vec![
+            key(2, 0.0, Some(30.0)),
+            key(6, 4.0, None),
+            key(7, 5.0, Some(50.0)),
+        ];
+        CameraPath::new(keys, curve, ease).expect("frames rise")
+    }
+
+    #[test]
+    fn a_path_goes_through_its_keyframes_and_rests_beyond_them() {
+        for curve in [Curve::Linear, Curve::CatmullRom] {
+            for ease in [Ease::None, Ease::Smooth] {
+                let path = path(curve, ease);
+                for key in path.keys() {
+                    assert_eq!(path.at(key.frame), *key);
+                }
+                assert_eq!(path.at(0).placement, path.keys()[0].placement);
+                assert_eq!(path.at(99).placement, path.keys()[2].placement);
+                assert_eq!(path.frames(), (2, 7));
+            }
+        }
+        assert_eq!(CameraPath::new(vec![], Curve::Linear, Ease::None), None);
+        let twice = vec![key(3, 0.0, None), key(3, 1.0, None)];
+        assert_eq!(CameraPath::new(twice, Curve::Linear, Ease::None), None);
+        let one = CameraPath::new(vec![key(3, 1.5, None)], Curve::CatmullRom, Ease::Smooth);
+        assert_eq!(one.expect("a keyframe").at(9).placement.eye.x, 1.5);
+    }
+
+    #[test]
+    fn what_lies_between_is_a_line_or_a_curve_without_a_kink() {
+        let eye = |curve, ease, frame| path(curve, ease).at(frame).placement.eye;
+        assert_eq!(eye(Curve::Linear, Ease::None, 3), DVec3::new(1.0, 4.0, 5.0));
+        // A quarter of the way by frames is 10/64 of it.
+        assert_eq!(eye(Curve::Linear, Ease::Smooth, 3).x, 4.0 * 10.0 / 64.0);
+        // x is linear in the frame, which a Catmull-Rom curve keeps.
+        for frame in 2..=7 {
+            let x = eye(Curve::CatmullRom, Ease::None, frame).x;
+            assert!((x - f64::from(frame - 2)).abs() < 1e-12, "{frame}: {x}");
+        }
+        assert_eq!(path(Curve::Linear, Ease::None).at(4).view, Some(30.0));
+    }
+
+    #[test]
+    fn a_turntable_is_a_circle_that_begins_where_it_stands() {
+        let from = Placement {
+            eye: DVec3::new(1.0, 2.0, 3.0),
+            target: DVec3::new(0.5, -1.0, 0.0),
+            up: DVec3::new(0.1, 1.0, 0.0),
+        };
+        assert_eq!(CameraPath::turntable(&from, 12, 0), from);
+        assert_eq!(CameraPath::turntable(&from, 12, 12), from);
+        let quarter = CameraPath::turntable(&from, 12, 3);
+        // By +90 degrees about +Y, (x, y, z) goes to (z, y, -x).
+        let expected = from.target + DVec3::new(3.0, 3.0, -0.5);
+        assert!(quarter.eye.distance(expected) < 1e-12, "{quarter:?}");
+        assert!(quarter.up.distance(DVec3::new(0.0, 1.0, -0.1)) < 1e-12);
+        assert_eq!(quarter.target, from.target);
+    }
+}

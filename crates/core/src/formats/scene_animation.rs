@@ -1,0 +1,31 @@
+//! A scene file's `[animation]`.
+
+use super::scene_toml::{AnimationToml, KeyToml};
+use crate::camera::{CameraPath, Keyframe, Projection};
+use toml::Spanned;
+
+/// The table of a camera's path; `projection` says what its keys' views are.
+pub(super) fn table(path: &CameraPath, projection: Projection) -> AnimationToml {
+    let spanned = |values: glam::DVec3| Spanned::new(0..0, values.to_array());
+    let key = |key: &Keyframe| {
+        let view = key.view.map(|view| Spanned::new(0..0, view));
+        let (fov, frame) = match projection {
+            Projection::Perspective => (view, None),
+            Projection::Orthographic => (None, view),
+        };
+        let key = KeyToml {
+            at: key.frame,
+            eye: spanned(key.placement.eye),
+            target: spanned(key.placement.target),
+            up: Some(spanned(key.placement.up)),
+            fov,
+            frame,
+        };
+        Spanned::new(0..0, key)
+    };
+    AnimationToml {
+        curve: path.curve().into(),
+        ease: path.ease().into(),
+        key: path.keys().iter().map(key).collect(),
+    }
+}

@@ -1,0 +1,379 @@
+//! The objects of a scene file, and the meshes, shapes and textures that they name.
+
+use super::error::FormatError;
+use super::files::beside;
+use super::mesh_file::{self, MeshObject};
+use super::scene_text::Reader;
+use super::scene_toml::{ObjectToml, ShapeToml};
+use super::{Progress, texture};
+use crate::quote::{self, quote};
+use crate::scene::{
+    Crop, Object, Projector, Shape, ShapeError, Texture, TextureMapping, Transform, UpAxis, Wrap,
+};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+use toml::Spanned;
+
+/// The most ancestors of an object: each is looked at for each object below it.
+pub(super) const ANCESTOR_LIMIT: usize = 1000;
+
+/// The textures that objects share: an image is read once, and each part of it made once.
+#[derive(Default)]
+struct Textures {
+    images: HashMap<PathBuf, Arc<Texture>>,
+    parts: HashMap<Part, Arc<Texture>>,
+}
+
+/// An image's file, its crop and what is beyond.
+type Part = (PathBuf, Option<[u32; 4]>, [Wrap; 2]);
+
+/// A transform of all that a file places, for an object that the file places by a map of its own.
+fn within(transform: &Transform, world_from_object: DAffine3) -> Transform {
+    let matrix = if transform.matrix == DAffine3::IDENTITY {
+        world_from_object
+    } else if world_from_object == DAffine3::IDENTITY {
+        transform.matrix
+    } else {
+        transform.matrix * world_from_object
+    };
+    Transform {
+        matrix,
+        ..*transform
+    }
+}
+
+impl Reader<'_> {
+    /// The objects of the tables, in their order, read and placed.
+    pub(super) fn objects(
+        &self,
+        tables: &[Spanned<ObjectToml>],
+        progress: Progress<'_>,
+        warnings: &mut Vec<String>,
+        notes: &mut Vec<String>,
+    ) -> Result<Vec<Object>, FormatError> {
+        // Parents first: they cost nothing, and a fault in them is known before anything is read.
+        let parents = self.parents(tables)?;
+        let mut meshes: HashMap<(PathBuf, UpAxis), Vec<MeshObject>> = HashMap::new();
+        let mut textures = Textures::default();
+        let mut objects: Vec<Object> = Vec::with_capacity(tables.len());
+        let mut first_objects = Vec::with_capacity(tables.len());
+        let share = 1.0 / tables.len().max(1) as f32;
+        for (index, table) in tables.iter().enumerate() {
+            let table = table.get_ref();
+            let step = |part: f32| progress((index as f32 + part) * share);
+            let made;
+            let (read, source) = match (&table.mesh, &table.shape) {
+                (Some(named), None) => {
+                    let mesh_path = beside(self.path, named.get_ref());
+                    let source = self.files.source(&mesh_path);
+                    let up_axis = table.up_axis.map_or(UpAxis::default(), Into::into);
+                    let key = (source.clone(), up_axis);
+                    if !meshes.contains_key(&key) {
+                        let bytes = self.bytes(named, &mesh_path, &|part| step(part * 0.5))?;
+                        let read =
+                            mesh_file::read(&mesh_path, &bytes, self.files, up_axis, &|part| {
+                                step(0.5 + part * 0.5);
+                            })?;
+                        let path = quote::path(&mesh_path);
+                        notes.extend(read.notes.iter().map(|note| format!("{path}: {note}")));
+                        warnings.extend(read.warnings);
+                        meshes.insert(key.clone(), read.objects);
+                    }
+                    let read = meshes.get(&key).map_or(&[][..], Vec::as_slice);
+                    (read, Some(source))
+                }
+                (None, Some(shape)) => {
+                    made = [self.shape(shape, warnings)?];
+                    (&made[..], None)
+                }
+                (Some(_), Some(shape)) => {
+                    return Err(self.fault(shape, "a mesh or a shape", "both"));
+                }
+                (None, None) => {
+                    let line = self.line(&tables[index]);
+                    let expected = "an object's `mesh`, or `shape`";
+                    return Err(FormatError::unexpected(self.path, line, expected, "none"));
+                }
+            };
+            let found = self.named_nodes(table, read)?;
+            mesh_file::count_objects(self.path, found, self.files.budget())?;
+            let texture = self.texture(table, &mut textures)?;
+            let transform = self.transform(table)?;
+            first_objects.push(objects.len());
+            for placed in found {
+                let mut object = placed.placed(source.clone());
+                object.shape = table.shape.as_ref().map(|shape| (*shape.get_ref()).into());
+                if let Some(name) = &table.name {
+                    object.name = match found {
+                        [_] => name.clone(),
+                        _ => format!("{name}: {}", placed.name),
+                    };
+                }
+                object.transform = match &table.node {
+                    // What names its node has all of its place in its table.
+                    Some(_) => transform,
+                    None => within(&transform, placed.world_from_object),
+                };
+                object.visible = table.visible.unwrap_or(true);
+                if let Some(color) = table.color {
+                    object.color = color.rule(table.seed);
+                }
+                if let Some((texture, source)) = &texture {
+                    object.texture = Some(Arc::clone(texture));
+                    object.texture_source = Some(source.clone());
+                }
+                object.mapping = TextureMapping {
+                    projection: table.texture_projection.map(Into::into),
+                    projector: self.projector(table, &object)?,
+                };
+                objects.push(object);
+            }
+        }
+        first_objects.push(objects.len());
+        for (index, parent) in parents.into_iter().enumerate() {
+            let Some(parent) = parent else { continue };
+            let count = first_objects[parent + 1] - first_objects[parent];
+            if let (2.., Some(named)) = (count, &tables[index].get_ref().parent) {
+                let found = format!("{}, a file of {count} objects", quote(named.get_ref()));
+                return Err(self.fault(named, "the name of one object as parent", &found));
+            }
+            for object in &mut objects[first_objects[index]..first_objects[index + 1]] {
+                object.parent = Some(first_objects[parent]);
+            }
+        }
+        progress(1.0);
+        Ok(objects)
+    }
+
+    /// Those of a file's objects that a table stands for: the one that it names, else all.
+    fn named_nodes<'o>(
+        &self,
+        table: &ObjectToml,
+        read: &'o [MeshObject],
+    ) -> Result<&'o [MeshObject], FormatError> {
+        let Some(node) = &table.node else {
+            return Ok(read);
+        };
+        let number = *node.get_ref();
+        // A file without nodes has none to name.
+        let nodes = read.iter().filter(|object| object.node.is_some()).count();
+        match read.get(number as usize).filter(|_| nodes > 0) {
+            Some(object) => Ok(std::slice::from_ref(object)),
+            None => {
+                let expected =
+                    format!("the number of one of the file's {nodes} mesh nodes, from 0");
+                Err(self.fault(node, &expected, &number.to_string()))
+            }
+        }
+    }
+
+    /// A shape's mesh, counted before it is made.
+    fn shape(
+        &self,
+        shape: &Spanned<ShapeToml>,
+        warnings: &mut Vec<String>,
+    ) -> Result<MeshObject, FormatError> {
+        let shape_line = self.line(shape);
+        let refused =
+            |error: ShapeError| FormatError::refused(self.path, shape_line, &error.to_string());
+        let shape = Shape::from(*shape.get_ref());
+        shape.check().map_err(refused)?;
+        let budget = self.files.budget();
+        if shape.triangles() > budget.triangles_left() {
+            budget.add_triangles(self.path, shape.triangles())?;
+        }
+        // A triangle has three corners in each of three lists, and at most three vertices of its own.
+        let bytes = shape.triangles() * 3 * (3 * 4 + 24 + 12 + 8);
+        let _share = budget.share(self.path, "the shape", bytes)?;
+        let data = shape.mesh().map_err(refused)?;
+        let mesh = mesh_file::store(self.path, data, budget, warnings)?;
+        Ok(MeshObject::made(shape.name(), mesh))
+    }
+
+    /// The texture that an object names, and its file.
+    fn texture(
+        &self,
+        table: &ObjectToml,
+        textures: &mut Textures,
+    ) -> Result<Option<(Arc<Texture>, PathBuf)>, FormatError> {
+        let Some(named) = &table.texture else {
+            let expected = "a `texture` beside what says how it lies";
+            return match &table.crop {
+                Some(crop) => Err(self.fault(crop, expected, "none")),
+                None => Ok(None),
+            };
+        };
+        let path = beside(self.path, named.get_ref());
+        let source = self.files.source(&path);
+        let budget = self.files.budget();
+        let image = match textures.images.get(&source) {
+            Some(image) => Arc::clone(image),
+            None => {
+                let bytes = self.bytes(named, &path, &|_| ())?;
+                let image = Arc::new(texture::decode(&path, &bytes, budget)?);
+                textures.images.insert(source.clone(), Arc::clone(&image));
+                image
+            }
+        };
+        let crop = table.crop.as_ref().map(|crop| *crop.get_ref());
+        let wrap = table
+            .wrap
+            .map_or(image.wrap(), |wrap| wrap.map(|wrap| wrap.0));
+        if crop.is_none() && wrap == image.wrap() {
+            return Ok(Some((image, source)));
+        }
+        let key = (source.clone(), crop, wrap);
+        if let Some(part) = textures.parts.get(&key) {
+            return Ok(Some((Arc::clone(part), source)));
+        }
+        let (width, height) = (image.width(), image.height());
+        let [x, y, columns, rows] = crop.unwrap_or([0, 0, width, height]);
+        let bytes = 4 * u64::from(columns.min(width)) * u64::from(rows.min(height));
+        let share = budget.share(self.path, "a part of an image", bytes)?;
+        let part = match &table.crop {
+            None => Texture::clone(&image),
+            Some(place) => {
+                let crop = Crop {
+                    x,
+                    y,
+                    width: columns,
+                    height: rows,
+                };
+                image.cropped(crop).ok_or_else(|| {
+                    let expected = format!("a part of an image of {width}x{height}");
+                    self.fault(place, &expected, &format!("{:?}", place.get_ref()))
+                })?
+            }
+        };
+        share.keep(bytes);
+        let part = Arc::new(part.wrapped(wrap));
+        textures.parts.insert(key, Arc::clone(&part));
+        Ok(Some((part, source)))
+    }
+
+    /// Where an object's texture stands, if the file says anything of it; the rest is as about the mesh's
+    /// box.
+    fn projector(
+        &self,
+        table: &ObjectToml,
+        object: &Object,
+    ) -> Result<Option<Projector>, FormatError> {
+        let directions = [
+            &table.texture_center,
+            &table.texture_front,
+            &table.texture_up,
+        ];
+        let said = directions
+            .into_iter()
+            .flatten()
+            .map(|value| self.line(value));
+        let mut said = said.chain(table.texture_size.as_ref().map(|size| self.line(size)));
+        let Some(line) = said.next() else {
+            return Ok(None);
+        };
+        let default = Projector::about(&object.mesh.bounds());
+        let vector = |value: &Option<Spanned<[f64; 3]>>, default| match value {
+            Some(value) => self.vector(value),
+            None => Ok(default),
+        };
+        let projector = Projector {
+            center: vector(&table.texture_center, default.center)?,
+            front: vector(&table.texture_front, default.front)?,
+            up: vector(&table.texture_up, default.up)?,
+            size: table
+                .texture_size
+                .as_ref()
+                .map_or(default.size, |size| DVec2::from_array(*size.get_ref())),
+        };
+        match projector.axes() {
+            Ok(_) => Ok(Some(projector)),
+            Err(error) => Err(FormatError::refused(self.path, line, &error.to_string())),
+        }
+    }
+
+    fn transform(&self, table: &ObjectToml) -> Result<Transform, FormatError> {
+        let place = |value: &Option<Spanned<[f64; 3]>>, default| match value {
+            Some(value) => self.vector(value),
+            None => Ok(default),
+        };
+        Ok(Transform {
+            translate: place(&table.translate, DVec3::ZERO)?,
+            rotate: place(&table.rotate, DVec3::ZERO)?,
+            scale: place(&table.scale, DVec3::ONE)?,
+            matrix: match &table.matrix {
+                Some(matrix) => self.matrix(matrix)?,
+                None => DAffine3::IDENTITY,
+            },
+        })
+    }
+
+    /// An affine map: three rows of four finite numbers, and perhaps a fourth, 0 0 0 1.
+    fn matrix(&self, value: &Spanned<Vec<f64>>) -> Result<DAffine3, FormatError> {
+        let numbers = value.get_ref();
+        if numbers.len() != 12 && numbers.len() != 16 {
+            let found = format!("{}", numbers.len());
+            return Err(self.fault(value, "a matrix of 12 or 16 numbers, row by row", &found));
+        }
+        if let Some(number) = numbers.iter().find(|number| !number.is_finite()) {
+            return Err(self.fault(value, "finite numbers", &number.to_string()));
+        }
+        let (rows, last) = numbers.split_at(12);
+        if !last.is_empty() && last != [0.0, 0.0, 0.0, 1.0] {
+            let found = format!("{last:?}");
+            return Err(self.fault(value, "0, 0, 0, 1 as a matrix's last row", &found));
+        }
+        let column = |at: usize| DVec3::new(rows[at], rows[4 + at], rows[8 + at]);
+        Ok(DAffine3 {
+            matrix3: DMat3::from_cols(column(0), column(1), column(2)),
+            translation: column(3),
+        })
+    }
+
+    /// Each object's parent, by index: one that exists, has its name alone, and is no descendant.
+    fn parents(&self, tables: &[Spanned<ObjectToml>]) -> Result<Vec<Option<usize>>, FormatError> {
+        let mut named: HashMap<&str, Vec<usize>> = HashMap::new();
+        for (index, table) in tables.iter().enumerate() {
+            if let Some(name) = &table.get_ref().name {
+                named.entry(name).or_default().push(index);
+            }
+        }
+        let parent_of = |table: &Spanned<ObjectToml>| {
+            let Some(parent) = &table.get_ref().parent else {
+                return Ok(None);
+            };
+            match named.get(parent.get_ref().as_str()).map(Vec::as_slice) {
+                Some(&[index]) => Ok(Some(index)),
+                None | Some([]) => {
+                    let found = quote(parent.get_ref());
+                    Err(self.fault(parent, "the name of an object as parent", &found))
+                }
+                Some(several) => {
+                    let found = format!("{} of {} objects", quote(parent.get_ref()), several.len());
+                    Err(self.fault(parent, "the name of one object as parent", &found))
+                }
+            }
+        };
+        let parents: Vec<Option<usize>> = tables.iter().map(parent_of).collect::<Result<_, _>>()?;
+        for (start, table) in tables.iter().enumerate() {
+            let Some(parent) = &table.get_ref().parent else {
+                continue;
+            };
+            let mut ancestors = std::iter::successors(parents[start], |&index| parents[index]);
+            if ancestors
+                .by_ref()
+                .take(ANCESTOR_LIMIT)
+                .any(|index| index == start)
+            {
+                let found = format!("{}, its own descendant", quote(parent.get_ref()));
+                return Err(self.fault(parent, "a parent that is no descendant", &found));
+            }
+            if ancestors.next().is_some() {
+                let expected = format!("at most {ANCESTOR_LIMIT} ancestors");
+                return Err(self.fault(parent, &expected, "more"));
+            }
+        }
+        Ok(parents)
+    }
+}

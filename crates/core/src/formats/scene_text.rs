@@ -1,0 +1,68 @@
+//! A scene file's text, the place of each value in it, and the files that it names.
+
+use super::Progress;
+use super::error::FormatError;
+use super::files::{By, Contents, Files};
+use crate::ranges::OutOfRange;
+use glam::DVec3;
+use std::path::Path;
+use toml::Spanned;
+
+/// The line, from 1, that holds the byte at `offset`.
+pub(super) fn line_at(bytes: &[u8], offset: usize) -> usize {
+    let before = &bytes[..offset.min(bytes.len())];
+    1 + before.iter().filter(|&&b| b == b'\n').count()
+}
+
+/// What reads a scene file: its text, and the store of the files that it names.
+pub(super) struct Reader<'a> {
+    pub(super) path: &'a Path,
+    pub(super) text: &'a str,
+    pub(super) files: &'a dyn Files,
+}
+
+impl Reader<'_> {
+    pub(super) fn line<T>(&self, value: &Spanned<T>) -> Option<usize> {
+        Some(line_at(self.text.as_bytes(), value.span().start))
+    }
+
+    pub(super) fn fault<T>(&self, value: &Spanned<T>, expected: &str, found: &str) -> FormatError {
+        FormatError::unexpected(self.path, self.line(value), expected, found)
+    }
+
+    /// A number that was held against its range.
+    pub(super) fn in_range<T, N>(
+        &self,
+        place: &Spanned<T>,
+        number: Result<N, OutOfRange>,
+    ) -> Result<N, FormatError> {
+        number
+            .map_err(|error| FormatError::refused(self.path, self.line(place), &error.to_string()))
+    }
+
+    /// Three finite numbers.
+    pub(super) fn vector(&self, value: &Spanned<[f64; 3]>) -> Result<DVec3, FormatError> {
+        let vector = DVec3::from_array(*value.get_ref());
+        if vector.is_finite() {
+            Ok(vector)
+        } else {
+            Err(self.fault(value, "finite numbers", &format!("{:?}", value.get_ref())))
+        }
+    }
+
+    /// The bytes of a file that the scene names.
+    pub(super) fn bytes(
+        &self,
+        named: &Spanned<String>,
+        path: &Path,
+        progress: Progress<'_>,
+    ) -> Result<Contents<'_>, FormatError> {
+        self.files.read(path, By::Scene, progress).map_err(|error| {
+            let reason = match error {
+                FormatError::Io { place, source } => format!("{place} cannot be read: {source}"),
+                error => error.to_string(),
+            };
+            FormatError::refused(self.path, self.line(named), &reason)
+        })
+    }
+}

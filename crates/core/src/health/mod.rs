@@ -1,0 +1,19 @@
+//! What is wrong with a mesh, and how much there is of it.
+//!
+//! [`check`] looks at how triangles join: open and non-manifold edges, flipped, degenerate and duplicate
+//! triangles, unused vertices, shells. Vertices at exactly one place are one, however often a file has them: a
+//! seam of texture coordinates is no hole. [`size`] is area, volume and bounding box.
+//!
+//! Both look at triangles one after another and are told whether to go on by whoever asked.
+
+mod edges;
+mod report;
+mod shells;
+mod size;
+mod weld;
+
+pub use report::{Health, check};
+pub use size::{Size, size};
+
+/// Told the share that is done, from 0 to 1, says whether to go on.
+pub type GoOn<'a> = &'a (dyn Fn(f32) -> bool + Sync);

@@ -1,0 +1,282 @@
+//! Set-up of one triangle with componentwise error bounds, for the few that [`setup`](super::setup) leaves undecided
+//! because its bounds go by the greatest coordinate: a corner next to the eye, coordinates of very different sizes,
+//! triangles whose distance is many times their size.
+//!
+//! Nothing is mapped to packet space. With P and Q two corners relative to the eye, in world space, and
+//! d(i, j) = d + i·a + j·b the direction of a ray, its edge function is d(i, j)·(P×Q), and the inverse depth is
+//! d(i, j)·n / (D·A·(B×C)). Orthographic rays run along d from o + i·a + j·b, with P and Q relative to o; there the
+//! edge function is d·(P×Q) + (i·a + j·b)·(d×(Q−P)), and the depth A·n/(d·n) less (i·a + j·b)·n/(d·n).
+//!
+//! # Error bounds
+//! ε = 2⁻⁵³ (notation: `docs/error-bounds.md`); products of magnitudes are taken component by component, and |x|×|y|
+//! is the cross product with all its terms added.
+//!
+//! * **Cross products.** P is off by ε|P| and by η, the origin's own error, which is the same for all corners; a
+//!   difference of corners u = Q − P, taken from the stored ones, by ε|u| alone. P×Q is P×u and Q×u too, and each
+//!   component is that of the three whose bound is least: off by 4ε of |P|×|Q|, |P|×|u| or |Q|×|u|, and by the
+//!   origin's error times the sum of the two components of |u|. With second orders: 5ε and 1.01η.
+//! * **Functions.** With R the greatest |d(i, j)| up to [`REACH`], by component, a value takes two roundings for
+//!   the product and a sum of three, two more for moving to another place: below 10ε R·|m|. A ray's direction is off
+//!   by 8εB a component (see `setup`), d by 6εB, and i·a + j·b by 2εB: ε_d = 20εB times |m₁| + |m₂| + |m₃|.
+//! * **Depth.** The product of a corner and a vector is off by the vector's error by |P| + η, by ten roundings, and by η
+//!   times the vector. A·n is taken at the corner where that is least; where it is not clear, A·(B×C) is tried too.
+//!   The key's numerator is a function as above, of n; a quotient whose denominator is off by a quarter of itself at
+//!   most is off by 4/3 of what its parts are off by, relative to itself: we take 2.
+//!
+//! An edge function that is surely negative in all of a triangle's bounds ends the set-up: no ray hits the triangle.
+//!
+//! Numbers that are zero or within 2^±200 keep products of four in double precision's range.
+
+use super::ray_box::RayBox;
+use super::setup::{LINEAR_ERROR, Linear, PacketSpace, REACH, Span, TriangleSetup};
+use crate::hit::Cull;
+use glam::{DVec3, Vec3, Vec3Swizzles};
+
+/// The unit roundoff of double precision.
+const EPSILON: f64 = f64::EPSILON / 2.0;
+
+/// The greatest magnitude of a number, and the inverse of the least but zero.
+const RANGE: f64 = f64::from_bits((1023 + 200) << 52);
+
+/// A vector, and a bound on the error of each component.
+#[derive(Clone, Copy)]
+struct Bounded {
+    value: DVec3,
+    error: DVec3,
+}
+
+impl Bounded {
+    #[inline(always)]
+    fn cross_of(p: DVec3, q: DVec3) -> Self {
+        let (plus, minus) = (p.yzx() * q.zxy(), p.zxy() * q.yzx());
+        Self {
+            value: plus - minus,
+            error: (plus.abs() + minus.abs()) * (5.0 * EPSILON),
+        }
+    }
+
+    /// The cross product of two corners, `way` from the first to the second: P×Q, P×u or Q×u, by component.
+    #[inline(always)]
+    fn cross(from: DVec3, to: DVec3, way: DVec3) -> Self {
+        let direct = Self::cross_of(from, to);
+        let [by_first, by_second] = [Self::cross_of(from, way), Self::cross_of(to, way)];
+        direct.or_better(by_first).or_better(by_second)
+    }
+
+    #[inline(always)]
+    fn or_better(self, other: Self) -> Self {
+        let better = other.error.cmplt(self.error);
+        Self {
+            value: DVec3::select(better, other.value, self.value),
+            error: DVec3::select(better, other.error, self.error),
+        }
+    }
+
+    /// What an origin off by `origin_error` adds: the way from corner to corner is not off.
+    #[inline(always)]
+    fn moved(self, way: DVec3, origin_error: f64) -> Self {
+        let way = way.abs();
+        Self {
+            error: self.error + (way.yzx() + way.zxy()) * (1.01 * origin_error),
+            ..self
+        }
+    }
+
+    /// What the error and ten roundings of its components come to by these weights.
+    #[inline(always)]
+    fn error_by(&self, weights: DVec3) -> f64 {
+        weights.dot(self.error + self.value.abs() * (10.0 * EPSILON)) * 1.001
+    }
+
+    /// What one error of all weights comes to.
+    #[inline(always)]
+    fn error_of_weights(&self, error: f64) -> f64 {
+        (self.value.abs() + self.error).element_sum() * (error * 1.001)
+    }
+
+    /// Its product with a corner, and the bound on the product's error.
+    #[inline(always)]
+    fn dot(&self, corner: DVec3, origin_error: f64) -> (f64, f64) {
+        let off = corner.abs() + origin_error;
+        let error = self.error_by(off) + self.error_of_weights(origin_error);
+        (corner.dot(self.value), error)
+    }
+}
+
+/// The one with the lesser bound.
+#[inline(always)]
+fn better(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    if b.1 < a.1 { b } else { a }
+}
+
+/// Whether a number is so far beyond its bound that its sign is sure, and its inverse off by a third at most.
+#[inline(always)]
+fn is_clear((value, error): (f64, f64)) -> bool {
+    value.abs() > 4.0 * error
+}
+
+impl PacketSpace {
+    /// Sets up lane `l` again, a triangle with these corners. Its bounds of rays are emptied if none hits it.
+    #[inline(never)]
+    pub(super) fn set_up_componentwise(
+        &self,
+        corners: [Vec3; 3],
+        bounds: &RayBox,
+        l: usize,
+        out: &mut TriangleSetup,
+    ) {
+        let [a, b, c] = [
+            corners[0].as_dvec3(),
+            corners[1].as_dvec3(),
+            corners[2].as_dvec3(),
+        ];
+        let (p, q, r) = (a - self.origin, b - self.origin, c - self.origin);
+        let (ab, bc, ca) = (b - a, c - b, a - c);
+        let mut in_range = true;
+        for vector in [p, q, r, ab, bc, ca] {
+            let size = vector.abs();
+            let within = size.cmpge(DVec3::splat(1.0 / RANGE)) & size.cmple(DVec3::splat(RANGE));
+            in_range &= (within | size.cmpeq(DVec3::ZERO)).all();
+        }
+        // NaN, too, is out of range.
+        if !in_range {
+            return;
+        }
+        let normal = Bounded::cross(ab, -ca, bc);
+        let edges = [(q, r, bc), (r, p, ca), (p, q, ab)];
+        let (key, facing, numerator_error) = self.depth_function([p, q, r], &normal, &edges);
+        let clear = is_clear(facing);
+        let (facing, facing_error) = facing;
+        if clear & (self.cull == Cull::Back) & (facing > 0.0) {
+            out.boxes[l].right = -1;
+            return;
+        }
+        let span = Span::of(bounds);
+        let sign = if facing < 0.0 { -1.0 } else { 1.0 };
+        let mut greatest_error: f64 = 0.0;
+        let mut is_sound = true;
+        for (edge, &(from, to, way)) in edges.iter().enumerate() {
+            let (function, error) = self.edge_function(&Bounded::cross(from, to, way), way);
+            let function = function.moved(&span);
+            let magnitude = function.size(&span);
+            let unit = sign / magnitude;
+            let (constant, x, y) = (
+                function.constant * unit,
+                function.x * unit,
+                function.y * unit,
+            );
+            let error = error / magnitude;
+            let greatest = constant + (x * span.across).max(0.0) + (y * span.along).max(0.0);
+            if clear & (greatest < -1.001 * error - 8.0 * EPSILON) {
+                out.boxes[l].right = -1;
+                return;
+            }
+            let error = (error + LINEAR_ERROR) * 1.001;
+            is_sound &= (magnitude > 0.0) & (magnitude < f64::INFINITY) & (error < 1.0);
+            greatest_error = greatest_error.max(error);
+            out.edges[edge][0][l] = constant as f32;
+            out.edges[edge][1][l] = x as f32;
+            out.edges[edge][2][l] = y as f32;
+        }
+        out.edge_error[l] = greatest_error as f32;
+
+        let inverse = 1.0 / (facing * self.rays.distance);
+        let key = Linear {
+            constant: key.constant * inverse,
+            x: key.x * inverse,
+            y: key.y * inverse,
+        };
+        let key = key.moved(&span);
+        let spread = key.size(&span);
+        let relative = facing_error / facing.abs() + 4.0 * EPSILON;
+        let key_error =
+            spread * (LINEAR_ERROR + 2.0 * relative) + 2.0 * numerator_error * inverse.abs();
+        out.depth_key[0][l] = key.constant as f32;
+        out.depth_key[1][l] = key.x as f32;
+        out.depth_key[2][l] = key.y as f32;
+        out.depth_key_error[l] = (key_error * 1.001) as f32 + f32::MIN_POSITIVE;
+        is_sound &= (key_error < f64::from(f32::MAX)) & (spread < f64::from(f32::MAX));
+        out.ill_conditioned[l] = !(clear & is_sound);
+    }
+
+    /// By how much i·a + j·b moves a place or a direction at most.
+    #[inline(always)]
+    fn reach(&self) -> DVec3 {
+        let [a, b] = self.rays.steps;
+        (a.abs() + b.abs()) * REACH
+    }
+
+    /// An edge function of the place in the packet, and a bound on its error: `product` is the cross product of two
+    /// corners, `way` goes from the first to the second.
+    #[inline(always)]
+    fn edge_function(&self, product: &Bounded, way: DVec3) -> (Linear, f64) {
+        let (d, [a, b]) = (self.rays.direction, self.rays.steps);
+        if self.perspective {
+            let product = product.moved(way, self.origin_error);
+            let function = Linear {
+                constant: d.dot(product.value),
+                x: a.dot(product.value),
+                y: b.dot(product.value),
+            };
+            (function, self.error_along_rays(&product))
+        } else {
+            let slope = Bounded::cross_of(d, way);
+            let function = Linear {
+                constant: d.dot(product.value),
+                x: a.dot(slope.value),
+                y: b.dot(slope.value),
+            };
+            let error = product.error_by(d.abs())
+                + slope.error_by(self.reach())
+                + slope.error_of_weights(self.origin_error);
+            (function, error)
+        }
+    }
+
+    /// Bound on the error of a vector's product with the direction of any ray of a perspective packet.
+    #[inline(always)]
+    fn error_along_rays(&self, vector: &Bounded) -> f64 {
+        vector.error_by(self.rays.direction.abs() + self.reach())
+            + vector.error_of_weights(20.0 * EPSILON * self.rays.greatest)
+    }
+
+    /// The depth key's numerator as a function of the place; its denominator but for D, which is negative where the
+    /// front faces the eye, with its error; and the numerator's error.
+    #[inline(always)]
+    fn depth_function(
+        &self,
+        [p, q, r]: [DVec3; 3],
+        normal: &Bounded,
+        edges: &[(DVec3, DVec3, DVec3); 3],
+    ) -> (Linear, (f64, f64), f64) {
+        let (d, [a, b]) = (self.rays.direction, self.rays.steps);
+        let origin_error = self.origin_error;
+        let n = normal.value;
+        let mut product = normal.dot(p, origin_error);
+        product = better(product, normal.dot(q, origin_error));
+        product = better(product, normal.dot(r, origin_error));
+        if self.perspective {
+            if !is_clear(product) {
+                // Each corner and the edge across from it have the same product.
+                for (corner, (from, to, way)) in [p, q, r].into_iter().zip(*edges) {
+                    let across = Bounded::cross(from, to, way).moved(way, origin_error);
+                    product = better(product, across.dot(corner, origin_error));
+                }
+            }
+            let key = Linear {
+                constant: d.dot(n),
+                x: a.dot(n),
+                y: b.dot(n),
+            };
+            (key, product, self.error_along_rays(normal))
+        } else {
+            let key = Linear {
+                constant: -product.0,
+                x: a.dot(n),
+                y: b.dot(n),
+            };
+            let error = product.1 + normal.error_by(self.reach());
+            (key, (d.dot(n), normal.error_by(d.abs())), error)
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! What exact arithmetic decides once for all rays of a lattice.
+
+use crate::bvh::Accel;
+use crate::camera::Camera;
+use crate::hit::Precision;
+use crate::triangle::coplanar::Coplanar;
+use crate::triangle::edge_on::EdgeOn;
+use glam::Vec3;
+
+/// Decisions about a tree's triangles, cached.
+#[derive(Debug)]
+pub(crate) struct Decisions<'a> {
+    accel: &'a Accel,
+    edge_on: EdgeOn,
+    coplanar: Coplanar,
+    /// Fast casting orders triangles of one plane by their rounded distances.
+    precision: Precision,
+}
+
+impl<'a> Decisions<'a> {
+    pub(super) fn new(accel: &'a Accel, camera: &Camera, precision: Precision) -> Self {
+        Self {
+            accel,
+            edge_on: EdgeOn::new(camera, accel.origin),
+            coplanar: Coplanar::new(),
+            precision,
+        }
+    }
+
+    /// A triangle's corners.
+    pub(super) fn corners(&self, primitive: u32) -> [Vec3; 3] {
+        self.accel.corners(primitive)
+    }
+
+    /// Whether casting is exact. Fast casting interpolates t, u and v in double precision alone: what only more
+    /// precision can decide would get them wrong.
+    pub(super) fn are_exact(&self) -> bool {
+        self.precision == Precision::Exact
+    }
+
+    /// Whether no ray hits a triangle because all begin in its plane, or run along it, or begin behind it.
+    #[inline(never)]
+    pub(super) fn is_never_hit(&mut self, primitive: u32) -> bool {
+        self.edge_on.is(primitive, self.accel.corners(primitive))
+    }
+
+    /// Which of two triangles every ray that hits both hits first because they lie in one plane: the one with the
+    /// lower primitive id.
+    #[inline(never)]
+    pub(super) fn first_in_one_plane(&mut self, a: u32, b: u32) -> Option<u32> {
+        let is_one_plane = self.precision == Precision::Exact
+            && self
+                .coplanar
+                .are(a, b, |primitive| self.accel.corners(primitive));
+        let id = |primitive: u32| self.accel.triangles[primitive as usize].number;
+        is_one_plane.then(|| if id(a) < id(b) { a } else { b })
+    }
+}

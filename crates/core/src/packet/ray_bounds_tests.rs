@@ -1,0 +1,118 @@
+//! Projected triangles at the rays that their edges and corners lie on, against exact arithmetic: no ray that
+//! hits a triangle is left out, and what coverage is sure of is so.
+
+use super::ray_bounds::{ProjectedTriangles, Projector};
+use super::setup_tests::{camera, lanes_of, space, triangle_at_ray};
+use crate::camera::Projection;
+use crate::hit::Cull;
+use crate::num::simd::{LANES, Plain};
+use crate::random::Random;
+use crate::ray::Ray;
+use crate::triangle::exact::{self, Placed};
+use glam::{DVec3, Vec3};
+
+/// What was compared.
+#[derive(Debug, Default)]
+struct Tally {
+    hits: usize,
+    culled: usize,
+    small: usize,
+}
+
+/// `depth` is what the projector takes the scene's to be; triangles are some 5 units away.
+fn check(projection: Projection, pitch: f64, frame: DVec3, depth: f32, tally: &mut Tally) {
+    let mut random = Random(57);
+    for round in 0..1500 {
+        let camera = camera(&mut random, frame, projection, pitch);
+        let cull = [Cull::None, Cull::Back][round % 2];
+        let projector = Projector::new(&space(&camera, frame, cull), depth);
+        let triangles: [([Vec3; 3], (usize, usize)); LANES] = std::array::from_fn(|_| {
+            let size = pitch * [0.2, 1.0, 2.0, 12.0][(random.unit() * 4.0) as usize];
+            triangle_at_ray(&mut random, &camera, frame, size)
+        });
+        let corners = lanes_of(triangles.map(|(triangle, _)| triangle));
+        let mut projected = ProjectedTriangles::NONE;
+        projector.project(Plain, &corners, LANES, &mut projected);
+        for (l, (corners, (x, y))) in triangles.into_iter().enumerate() {
+            let ray = Ray {
+                // Where orthographic rays begin is another matter.
+                t_min: match projection {
+                    Projection::Perspective => 0.0,
+                    Projection::Orthographic => -1e9,
+                },
+                ..camera.ray(x as f64 + 0.5, y as f64 + 0.5)
+            };
+            let placed = Placed {
+                corners,
+                origin: frame,
+            };
+            let truth = exact::hit(&ray, &placed, cull, 0);
+            let key = truth.map(|hit| {
+                let depth = hit.t * ray.direction.dot(camera.forward());
+                match projection {
+                    Projection::Perspective => 1.0 / depth,
+                    Projection::Orthographic => -depth,
+                }
+            });
+            let told = format!("{projection:?} {pitch} {depth}: {corners:?} at ({x}, {y})");
+            let rays = projected.rays(l);
+            let (i, j) = (x as i32 - rays.left, y as i32 - rays.top);
+            let is_seen = projected.seen >> l & 1 != 0
+                && (0..=rays.right - rays.left).contains(&i)
+                && (0..=rays.bottom - rays.top).contains(&j);
+            tally.culled += usize::from(!is_seen);
+            if let Some(key) = key {
+                tally.hits += 1;
+                assert!(is_seen, "hit and culled: {told}");
+                // The truth is rounded too.
+                let nearest = f64::from(projected.nearest[l]) + 1e-14 * key.abs();
+                assert!(key <= nearest, "{key} beyond {nearest}: {told}");
+            }
+            if !is_seen || projected.small >> l & 1 == 0 {
+                continue;
+            }
+            let coverage = &projected.coverage;
+            let is_it = |at: &u32| coverage.ray(l, *at).0 == [i as usize, j as usize];
+            let at = (0..25).find(is_it).expect("small bounds hold 25 rays");
+            let holds = |rays: u32| rays >> at & 1 != 0;
+            tally.small += 1;
+            if holds(coverage.inside(l)) {
+                assert!(truth.is_some(), "inside and missed: {told}");
+            }
+            if !holds(coverage.perhaps(l)) {
+                assert!(truth.is_none(), "outside and hit: {told}");
+            }
+            if let Some(key) = key {
+                let (_, [low, high]) = coverage.ray(l, at);
+                let slack = 1e-14 * key.abs();
+                let within = f64::from(low) - slack..=f64::from(high) + slack;
+                assert!(within.contains(&key), "{key} not in {within:?}: {told}");
+            }
+        }
+    }
+}
+
+#[test]
+fn projected_triangles_keep_the_rays_that_hit_them() {
+    let far = DVec3::new(148_376.0, 1234.5, -223_423.25);
+    let mut tally = Tally::default();
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        for depth in [5.0, 1.0, 1e4] {
+            for pitch in [1e-1, 1e-3, 1e-5, 1e-7, 1e-9] {
+                check(projection, pitch, DVec3::ZERO, depth, &mut tally);
+            }
+        }
+        for pitch in [1e-3, 1e-7, 1e-8] {
+            check(projection, pitch, far, 5.0, &mut tally);
+        }
+    }
+    let Tally {
+        hits,
+        culled,
+        small,
+    } = tally;
+    assert!(
+        hits > 90_000 && culled > 10_000 && small > 10_000,
+        "{tally:?}"
+    );
+}

@@ -1,0 +1,177 @@
+use super::place::Place;
+use super::{ImageError, Picture, Recipe, exr_read, png};
+use crate::camera::Rect;
+use std::io::{BufRead, Seek};
+
+/// A PNG or an EXR of RayCast's, whole or a fragment, that is read from the top, some rows at a time: for
+/// pictures larger than memory.
+pub struct RowReader<R: BufRead + Seek> {
+    kind: Kind<R>,
+    recipe: Option<Recipe>,
+    place: Option<Place>,
+    /// Rows that were read.
+    read: u32,
+}
+
+enum Kind<R: BufRead + Seek> {
+    Png(Box<png::Reader<R>>),
+    Exr(Box<exr_read::Reader<R>>),
+}
+
+impl<R: BufRead + Seek> RowReader<R> {
+    /// Of a file of `length` bytes.
+    ///
+    /// # Errors
+    /// Bytes that are neither PNG nor EXR, or of other channels; a recipe or a place that is damaged.
+    pub fn open(mut read: R, length: u64) -> Result<Self, ImageError> {
+        let begin = read
+            .fill_buf()
+            .map_err(|error| ImageError::Decode(error.to_string()))?;
+        let (kind, recipe, place) = if begin.starts_with(b"\x89PNG") {
+            let png = png::Reader::open(read, length)?;
+            let (recipe, place) = (png.recipe()?, png.place()?);
+            (Kind::Png(Box::new(png)), recipe, place)
+        } else if begin.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+            let exr = exr_read::Reader::open(read, length)?;
+            let (recipe, place) = (exr.recipe()?, exr.place()?);
+            (Kind::Exr(Box::new(exr)), recipe, place)
+        } else {
+            return Err(ImageError::Decode("it is neither PNG nor EXR".to_owned()));
+        };
+        Ok(Self {
+            kind,
+            recipe,
+            place,
+            read: 0,
+        })
+    }
+
+    /// Columns and rows of its own pixels.
+    pub fn size(&self) -> (u32, u32) {
+        match &self.kind {
+            Kind::Png(png) => png.size(),
+            Kind::Exr(exr) => exr.size(),
+        }
+    }
+
+    /// Columns and rows of the whole picture: a fragment's, of the picture that it is part of.
+    pub fn full_size(&self) -> (u32, u32) {
+        self.place.map_or(self.size(), |place| place.full_size)
+    }
+
+    /// The place of its pixels in the whole picture.
+    pub fn rect(&self) -> Rect {
+        let (width, height) = self.size();
+        let whole = Rect {
+            x: 0,
+            y: 0,
+            width,
+            height,
+        };
+        self.place.map_or(whole, |place| place.rect)
+    }
+
+    /// What the picture was made of, where the file tells it.
+    pub fn recipe(&self) -> Option<&Recipe> {
+        self.recipe.as_ref()
+    }
+
+    /// Whether pictures have layers: an EXR's.
+    pub fn has_layers(&self) -> bool {
+        matches!(self.kind, Kind::Exr(_))
+    }
+
+    /// The next rows: so many, or those that are left. The checksum that a fragment holds of all its pixels
+    /// is not looked at.
+    ///
+    /// # Errors
+    /// A file that is damaged or ends early; memory.
+    pub fn rows(&mut self, most: u32) -> Result<Picture, ImageError> {
+        let (_, height) = self.size();
+        let rows = most.min(height - self.read);
+        let picture = match &mut self.kind {
+            Kind::Png(png) => png.rows(rows)?,
+            Kind::Exr(exr) => exr.rows(rows)?,
+        };
+        self.read += rows;
+        if let Kind::Png(png) = &mut self.kind
+            && self.read == height
+            && rows > 0
+        {
+            png.finish()?;
+        }
+        Ok(picture)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fragment::tests::sample_picture;
+    use super::super::{Bands, Format};
+    use super::*;
+    use std::io::Cursor;
+
+    #[test]
+    fn rows_are_those_of_the_whole() {
+        for format in [Format::Png, Format::Exr] {
+            let picture = sample_picture(37, 101, format == Format::Exr);
+            let bytes = picture.encode(format).expect("encodes");
+            for most in [1, 5, 16, 32, 33, 101, 1000] {
+                let read = Cursor::new(&bytes);
+                let mut reader = RowReader::open(read, bytes.len() as u64).expect("opens");
+                assert_eq!((reader.size(), reader.full_size()), ((37, 101), (37, 101)));
+                let mut back = Picture::blank(37, 101, reader.has_layers());
+                let mut y = 0;
+                while y < 101 {
+                    let rows = reader.rows(most).expect("reads");
+                    let rect = Rect {
+                        x: 0,
+                        y,
+                        width: 37,
+                        height: rows.height,
+                    };
+                    assert!(back.place(rect, &rows.pixels, rows.layers.as_ref()));
+                    y += rows.height;
+                }
+                assert_eq!(reader.rows(most).expect("nothing is left").height, 0);
+                assert!(back == picture, "{format:?} {most}");
+            }
+            for length in (0..bytes.len() - 1).step_by(499) {
+                let read = Cursor::new(&bytes[..length]);
+                let rows = RowReader::open(read, length as u64).and_then(|mut file| file.rows(101));
+                assert!(rows.is_err(), "{format:?} cut to {length}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_tiled_exr_is_read_as_it_was_written() {
+        // Wider than a picture that is written in blocks of rows, by one row.
+        let (columns, rows) = (65_536, 257);
+        let mut picture = Picture::blank(columns, rows, true);
+        let last = picture.pixels.len() - 1;
+        let layers = picture.layers.as_mut().expect("layers");
+        for (i, at) in [(0usize, 7u32), (last / 2, 8), (last, 9)] {
+            layers.triangle[i] = at;
+            layers.normal[i] = [0.0, at as f32, 1.0];
+        }
+        let bands = Bands::new(Format::Exr, (columns, rows), true, None).expect("bands");
+        assert!(
+            bands.parts(0) == 512 && bands.len() == 9,
+            "tiles of 128 x 32"
+        );
+        let bytes = picture.encode(Format::Exr).expect("encodes");
+        let read = Cursor::new(&bytes);
+        let mut reader = RowReader::open(read, bytes.len() as u64).expect("opens");
+        let mut at = 0;
+        let layers = picture.layers.as_ref().expect("layers");
+        while at <= last {
+            let band = reader.rows(32).expect("reads");
+            let band = band.layers.expect("layers");
+            let all = at..at + band.triangle.len();
+            assert!(band.triangle == layers.triangle[all.clone()]);
+            assert!(band.normal == layers.normal[all]);
+            at += band.triangle.len();
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! TIFF (Adobe, "TIFF Revision 6.0", 1992), and BigTIFF where offsets of 32 bits might not do: one image in
+//! tiles, deflated with horizontal differencing.
+//!
+//! The container is written here since no crate writes tiles, or can go on with a file that it did not
+//! begin. What is in front (tags, and where each tile is) has a length that follows from the picture's size
+//! and recipe alone, so that tiles go to the file as they come.
+
+use super::band::{Band, BandSizes, Source, length};
+use super::{ImageError, Recipe};
+use crate::camera::Rect;
+use flate2::write::ZlibEncoder;
+use rayon::prelude::*;
+use std::io::Write;
+
+/// Pixels of a tile's side.
+pub(super) const TILE: u32 = 256;
+
+/// No offset of a file that is reckoned to have fewer bytes is beyond 32 bits: half of what they reach.
+const CLASSIC: u64 = 1 << 31;
+
+/// How many tiles a band's rectangle has.
+pub(super) fn tiles(rect: Rect) -> usize {
+    rect.width.div_ceil(TILE) as usize * rect.height.div_ceil(TILE) as usize
+}
+
+/// A TIFF in tiles.
+#[derive(Debug)]
+pub(super) struct Banded {
+    size: (u32, u32),
+    /// Red, green and blue, and alpha where there is any.
+    channels: u16,
+    /// What the picture was made of, as `ImageDescription`.
+    description: Option<String>,
+    is_big: bool,
+}
+
+impl Banded {
+    pub(super) fn new(
+        size: (u32, u32),
+        is_opaque: bool,
+        recipe: Option<&Recipe>,
+    ) -> Result<Self, ImageError> {
+        let channels = if is_opaque { 3 } else { 4 };
+        let all = Rect {
+            x: 0,
+            y: 0,
+            width: size.0,
+            height: size.1,
+        };
+        // What does not compress is stored, in blocks of at most 64 KiB with 5 bytes each.
+        let most = tiles(all) as u64 * u64::from(TILE * TILE * u32::from(channels) + 1024);
+        Ok(Self {
+            size,
+            channels,
+            description: recipe.map(Recipe::to_string),
+            is_big: most > CLASSIC,
+        })
+    }
+
+    /// Header and directory of a file of these tiles, one after another; of none, as long.
+    pub(super) fn head(&self, lengths: &[u32]) -> Vec<u8> {
+        let (columns, rows) = self.size;
+        let all = Rect {
+            x: 0,
+            y: 0,
+            width: columns,
+            height: rows,
+        };
+        let count = tiles(all);
+        let directory = |offsets: Vec<u64>| {
+            let mut tags = vec![
+                (256, Values::Long(vec![columns])),
+                (257, Values::Long(vec![rows])),
+                // Bits of each channel; deflate; red, green and blue.
+                (258, Values::Short(vec![8; self.channels.into()])),
+                (259, Values::Short(vec![8])),
+                (262, Values::Short(vec![2])),
+            ];
+            if let Some(text) = &self.description {
+                tags.push((270, Values::Text(text.clone())));
+            }
+            tags.extend([
+                (277, Values::Short(vec![self.channels])),
+                // Channels of a pixel together; horizontal differencing.
+                (284, Values::Short(vec![1])),
+                (317, Values::Short(vec![2])),
+                (322, Values::Long(vec![TILE])),
+                (323, Values::Long(vec![TILE])),
+                (324, Values::Offset(offsets)),
+                (
+                    325,
+                    Values::Long(
+                        lengths
+                            .iter()
+                            .copied()
+                            .chain([0])
+                            .cycle()
+                            .take(count)
+                            .collect(),
+                    ),
+                ),
+            ]);
+            if self.channels == 4 {
+                // Alpha that is not multiplied in.
+                tags.push((338, Values::Short(vec![2])));
+            }
+            self.directory(&tags)
+        };
+        let mut next = directory(vec![0; count]).len() as u64;
+        if lengths.is_empty() {
+            return directory(vec![0; count]);
+        }
+        let mut offsets = Vec::with_capacity(count);
+        for &length in lengths {
+            offsets.push(next);
+            next += u64::from(length);
+        }
+        directory(offsets)
+    }
+
+    /// The file's header, one directory, and after it what its entries have no room for.
+    fn directory(&self, tags: &[(u16, Values)]) -> Vec<u8> {
+        let mut head = Vec::new();
+        // Little-endian; the directory follows at once.
+        let (entry, room) = if self.is_big {
+            head.extend(*b"II\x2b\0\x08\0\0\0");
+            head.extend(16u64.to_le_bytes());
+            head.extend((tags.len() as u64).to_le_bytes());
+            (20, 8)
+        } else {
+            head.extend(*b"II\x2a\0");
+            head.extend(8u32.to_le_bytes());
+            head.extend((tags.len() as u16).to_le_bytes());
+            (12, 4)
+        };
+        let number = |head: &mut Vec<u8>, number: u64| {
+            // What this is cut from is below 2^32 in a classic file.
+            head.extend(&number.to_le_bytes()[..room]);
+        };
+        let end = head.len() + entry * tags.len() + room;
+        let mut beyond = Vec::new();
+        for (tag, values) in tags {
+            let (kind, count, mut bytes) = values.bytes(self.is_big);
+            head.extend(tag.to_le_bytes());
+            head.extend(kind.to_le_bytes());
+            number(&mut head, count as u64);
+            if bytes.len() <= room {
+                bytes.resize(room, 0);
+                head.extend(bytes);
+            } else {
+                number(&mut head, (end + beyond.len()) as u64);
+                beyond.extend(bytes);
+                // Values begin at even places.
+                beyond.resize(beyond.len().next_multiple_of(2), 0);
+            }
+        }
+        // There is no next directory.
+        number(&mut head, 0);
+        head.extend(beyond);
+        head
+    }
+
+    /// The tiles of a band, row by row.
+    pub(super) fn encode(&self, source: Source<'_>) -> Result<Band, ImageError> {
+        let rect = source.rect;
+        let across = rect.width.div_ceil(TILE);
+        let tiles: Vec<Vec<u8>> = (0..tiles(rect) as u32)
+            .into_par_iter()
+            .map(|tile| {
+                let (x, y) = (tile % across * TILE, rect.y + tile / across * TILE);
+                self.tile(source, x, y)
+            })
+            .collect::<Result<_, _>>()?;
+        let parts = tiles
+            .iter()
+            .map(|tile| length(tile))
+            .collect::<Result<_, _>>()?;
+        Ok(Band {
+            bytes: tiles.concat(),
+            sizes: BandSizes { parts, check: 0 },
+        })
+    }
+
+    /// A tile from a column and row; what lies beyond the picture is zero.
+    fn tile(&self, source: Source<'_>, x: u32, y: u32) -> Result<Vec<u8>, ImageError> {
+        let failed = |error: std::io::Error| ImageError::Encode(error.to_string());
+        let channels = usize::from(self.channels);
+        let columns = x as usize..(x + TILE).min(source.rect.width) as usize;
+        let mut deflate = ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
+        let mut row = vec![0; TILE as usize * channels];
+        for y in y..y + TILE {
+            row.fill(0);
+            if y < source.rect.bottom() {
+                let mut left = [0u8; 4];
+                let pixels = &source.row(y)[columns.clone()];
+                for (to, pixel) in row.chunks_exact_mut(channels).zip(pixels) {
+                    for (channel, to) in to.iter_mut().enumerate() {
+                        *to = pixel[channel].wrapping_sub(left[channel]);
+                    }
+                    left = *pixel;
+                }
+                if columns.len() < TILE as usize {
+                    // The difference that leads back to zero.
+                    let beyond = &mut row[columns.len() * channels..][..channels];
+                    for (to, left) in beyond.iter_mut().zip(left) {
+                        *to = 0u8.wrapping_sub(left);
+                    }
+                }
+            }
+            deflate.write_all(&row).map_err(failed)?;
+        }
+        deflate.finish().map_err(failed)
+    }
+}
+
+/// What a tag says.
+enum Values {
+    Short(Vec<u16>),
+    Long(Vec<u32>),
+    /// As wide as the file's offsets.
+    Offset(Vec<u64>),
+    Text(String),
+}
+
+impl Values {
+    /// The kind's number, how many there are, and their bytes.
+    fn bytes(&self, is_big: bool) -> (u16, usize, Vec<u8>) {
+        match self {
+            Self::Short(values) => {
+                let bytes = values.iter().flat_map(|value| value.to_le_bytes());
+                (3, values.len(), bytes.collect())
+            }
+            Self::Long(values) => {
+                let bytes = values.iter().flat_map(|value| value.to_le_bytes());
+                (4, values.len(), bytes.collect())
+            }
+            Self::Offset(values) if is_big => {
+                let bytes = values.iter().flat_map(|value| value.to_le_bytes());
+                (16, values.len(), bytes.collect())
+            }
+            Self::Offset(values) => {
+                let bytes = values
+                    .iter()
+                    .flat_map(|&value| (value as u32).to_le_bytes());
+                (4, values.len(), bytes.collect())
+            }
+            Self::Text(text) => {
+                let bytes = [text.as_bytes(), &[0]].concat();
+                (2, bytes.len(), bytes)
+            }
+        }
+    }
+}

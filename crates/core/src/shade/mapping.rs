@@ -1,0 +1,199 @@
+//! How textures lie on objects and triangles.
+
+use super::TextureProjection;
+use super::facet::{Mapping, unit};
+use super::per_triangle::laid;
+use super::placed::Placed;
+use super::triplanar::Triplanar;
+use crate::scene::{Object, Projector};
+use glam::{DVec2, Vec3};
+
+/// What triangles of one object have in common.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum ObjectMapping {
+    /// By the mesh's texture coordinates.
+    Uv,
+    /// Each triangle in its own shape.
+    PerTriangle,
+    /// From three sides.
+    Triplanar(Triplanar),
+    /// From where the image stands.
+    Placed(Placed),
+}
+
+impl ObjectMapping {
+    /// How an object's texture lies on it: as the object says, else as `projection` does. `None` where its
+    /// projector places nothing.
+    pub(super) fn new(object: &Object, projection: TextureProjection) -> Option<Self> {
+        let mesh = &object.mesh;
+        let projection = object.mapping.projection.unwrap_or(projection);
+        match projection {
+            TextureProjection::Uv if mesh.has_uvs() => Some(Self::Uv),
+            TextureProjection::Uv | TextureProjection::Triplanar => {
+                Some(Self::Triplanar(Triplanar::new(mesh)))
+            }
+            TextureProjection::PerTriangle => Some(Self::PerTriangle),
+            TextureProjection::Plane | TextureProjection::Sphere | TextureProjection::Cylinder => {
+                let projector = object
+                    .mapping
+                    .projector
+                    .unwrap_or_else(|| Projector::about(&mesh.bounds()));
+                Placed::new(projection, &projector, mesh.offset()).map(Self::Placed)
+            }
+        }
+    }
+
+    /// How it lies on one triangle; `None` where it has no place or no image.
+    pub(super) fn on(&self, object: &Object, triangle: u32) -> Option<Mapping> {
+        let mesh = &object.mesh;
+        match self {
+            Self::Uv => mesh.corner_uvs(triangle).map(Mapping::Uv),
+            Self::PerTriangle => {
+                let texture = object.texture_on(triangle)?;
+                let corners = mesh.corners(triangle)?.map(Vec3::as_dvec3);
+                let laid = laid(corners, texture.width(), texture.height());
+                Some(Mapping::Uv(laid.map(DVec2::as_vec2)))
+            }
+            Self::Triplanar(_) => {
+                let corners = mesh.corners(triangle)?;
+                let normals = mesh
+                    .corner_normals(triangle)
+                    .unwrap_or_else(|| [flat_normal(corners); 3]);
+                Some(Mapping::Triplanar(corners, normals))
+            }
+            Self::Placed(_) => mesh.corners(triangle).map(Mapping::Placed),
+        }
+    }
+}
+
+/// The unit normal of a triangle, by its winding; zero without area.
+fn flat_normal(corners: [Vec3; 3]) -> Vec3 {
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    unit((b - a).cross(c - a)).as_vec3()
+}
+
+/// Where an object's texture has the corners of one of its triangles: (u, v) in sides of the image from its
+/// bottom left, beyond 0 to 1 where the texture wraps. From three sides it is the side that the triangle
+/// faces most; where it goes round an axis, the corners are on one side of the seam.
+///
+/// Between the corners coordinates are linear but for [`TextureProjection::Sphere`] and
+/// [`TextureProjection::Cylinder`]. `None` where the triangle has no texture, or no place in it.
+pub fn texture_corners(
+    object: &Object,
+    triangle: u32,
+    projection: TextureProjection,
+) -> Option<[DVec2; 3]> {
+    object.texture_on(triangle)?;
+    let mapping = ObjectMapping::new(object, projection)?;
+    let corners = object.mesh.corners(triangle)?;
+    match (mapping.on(object, triangle)?, mapping) {
+        (Mapping::Triplanar(corners, _), ObjectMapping::Triplanar(triplanar)) => {
+            let normal = flat_normal(corners);
+            let sizes = normal.abs().to_array();
+            let side = (0..3).fold(0, |best, i| if sizes[i] > sizes[best] { i } else { best });
+            let on_side = |corner| DVec2::from_array(triplanar.sides(corner, normal)[side].uv);
+            Some(corners.map(on_side))
+        }
+        (Mapping::Placed(_), ObjectMapping::Placed(placed)) => {
+            let [a, b, c] = corners.map(|corner| placed.at(corner.as_dvec3()));
+            if !placed.goes_round() {
+                return Some([a, b, c]);
+            }
+            let beside = |uv: DVec2| DVec2::new(uv.x - (uv.x - a.x).round(), uv.y);
+            Some([a, beside(b), beside(c)])
+        }
+        (Mapping::Uv(uvs), _) => Some(uvs.map(|uv| uv.as_dvec2())),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Attribute, Mesh, MeshData, Texture};
+    use glam::{DVec3, Vec2};
+    use std::sync::Arc;
+
+    /// Two triangles of a square in the plane z = 1, far from the origin, the first alone with texture
+    /// coordinates.
+    fn object() -> Object {
+        let far = DVec3::new(1e7, 0.0, 0.0);
+        let corners = [(-1.0, 0.0), (1.0, 0.0), (1.0, 4.0), (-1.0, 4.0)];
+        let mesh = Mesh::new(MeshData {
+            positions: corners.map(|(x, y)| far + DVec3::new(x, y, 1.0)).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            uvs: Some(Attribute {
+                values: vec![Vec2::ZERO, Vec2::X, Vec2::ONE],
+                indices: Some(vec![[0, 1, 2], [u32::MAX; 3]]),
+            }),
+            ..MeshData::default()
+        });
+        let mut object = Object::new("square", Arc::new(mesh));
+        object.texture = Texture::new(16, 16, vec![[255; 4]; 256]).map(Arc::new);
+        object
+    }
+
+    fn corners(object: &Object, triangle: u32, projection: TextureProjection) -> [DVec2; 3] {
+        texture_corners(object, triangle, projection).expect("a place")
+    }
+
+    fn near(found: [DVec2; 3], expected: [(f64, f64); 3]) {
+        for (found, (u, v)) in found.iter().zip(expected) {
+            assert!(
+                (*found - DVec2::new(u, v)).length() < 1e-7,
+                "{found}, not {u} {v}"
+            );
+        }
+    }
+
+    #[test]
+    fn each_projection_gives_the_corners_their_place() {
+        let mut object = object();
+        near(
+            corners(&object, 0, TextureProjection::Uv),
+            [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)],
+        );
+        assert_eq!(texture_corners(&object, 1, TextureProjection::Uv), None);
+        // One repeat over the longest side, 4, about the middle, (1e7, 2, 1).
+        near(
+            corners(&object, 0, TextureProjection::Triplanar),
+            [(0.25, 0.0), (0.75, 0.0), (0.75, 1.0)],
+        );
+        // Once over the box.
+        near(
+            corners(&object, 1, TextureProjection::Plane),
+            [(0.0, 0.0), (1.0, 1.0), (0.0, 1.0)],
+        );
+        // An axis through x = 1e7, z = 0: the corners stand at 45 degrees to both sides of the front.
+        object.mapping.projector = Some(Projector {
+            center: DVec3::new(1e7, 2.0, 0.0),
+            front: DVec3::Z,
+            up: DVec3::Y,
+            size: DVec2::new(1.0, 8.0),
+        });
+        let right = [(0.375, 0.25), (0.625, 0.25), (0.625, 0.75)];
+        near(corners(&object, 0, TextureProjection::Cylinder), right);
+        // What the object says goes before what the picture does.
+        object.mapping.projection = Some(TextureProjection::Cylinder);
+        near(corners(&object, 0, TextureProjection::Uv), right);
+        // Across the seam the corners stay together.
+        if let Some(projector) = &mut object.mapping.projector {
+            projector.front = DVec3::NEG_Z;
+        }
+        let [a, b, _] = corners(&object, 0, TextureProjection::Uv);
+        assert!((a.x - b.x).abs() < 0.3, "{a} {b}");
+    }
+
+    #[test]
+    fn no_texture_is_no_place() {
+        let mut object = object();
+        object.mapping.projector = Some(Projector {
+            size: DVec2::ZERO,
+            ..Projector::about(&object.mesh.bounds())
+        });
+        assert_eq!(texture_corners(&object, 0, TextureProjection::Plane), None);
+        object.texture = None;
+        assert_eq!(texture_corners(&object, 0, TextureProjection::Uv), None);
+        assert_eq!(texture_corners(&object, 9, TextureProjection::Uv), None);
+    }
+}

@@ -1,0 +1,152 @@
+//! A texture's smaller versions: L. Williams, "Pyramidal Parametrics", 1983.
+
+use super::srgb::{self, Tables};
+use crate::scene::Texture;
+
+/// The texture at half its size, at a quarter, and so on down to one texel: made when first asked for, and
+/// kept with the texture. They take a third of its memory.
+pub(super) fn levels(texture: &Texture) -> &[Texture] {
+    texture.levels(|texture| {
+        let mut levels: Vec<Texture> = Vec::new();
+        while let Some(smaller) = halved(levels.last().unwrap_or(texture)) {
+            levels.push(smaller);
+        }
+        levels
+    })
+}
+
+/// The texture at a level, from 0, the whole; beyond the last it is the last.
+pub(super) fn level<'t>(texture: &'t Texture, levels: &'t [Texture], number: usize) -> &'t Texture {
+    match number.min(levels.len()) {
+        0 => texture,
+        number => &levels[number - 1],
+    }
+}
+
+/// A texture of half as many columns and rows, rounded down, but one at least; `None` for one texel.
+///
+/// Each texel is the mean of those that it covers, by their parts (of an odd side three in place of two),
+/// in linear light with alpha multiplied in, rounded to 8-bit sRGB: by half a byte a level at most.
+fn halved(texture: &Texture) -> Option<Texture> {
+    let (columns, rows) = (texture.width(), texture.height());
+    if columns == 1 && rows == 1 {
+        return None;
+    }
+    let (width, height) = ((columns / 2).max(1), (rows / 2).max(1));
+    let across: Vec<Span> = (0..width).map(|x| Span::new(x, width, columns)).collect();
+    let tables = srgb::tables();
+    let mut texels = Vec::with_capacity(width as usize * height as usize);
+    for y in 0..height {
+        let down = Span::new(y, height, rows);
+        for across in &across {
+            let mut sum = [0.0f32; 4];
+            for (row, high) in down.parts() {
+                for (column, wide) in across.parts() {
+                    let at = row as usize * columns as usize + column as usize;
+                    let texel = light(tables, texture.texels()[at]);
+                    for (sum, channel) in sum.iter_mut().zip(texel) {
+                        *sum += channel * (wide * high);
+                    }
+                }
+            }
+            texels.push(encoded(tables, sum));
+        }
+    }
+    Texture::new(width, height, texels).map(|smaller| smaller.wrapped(texture.wrap()))
+}
+
+/// The texels along a side that one of a smaller version covers.
+struct Span {
+    first: u32,
+    count: u32,
+    from: f64,
+    to: f64,
+}
+
+impl Span {
+    fn new(index: u32, smaller: u32, size: u32) -> Self {
+        let scale = f64::from(size) / f64::from(smaller);
+        let (from, to) = (f64::from(index) * scale, f64::from(index + 1) * scale);
+        let first = (from as u32).min(size - 1);
+        let end = (to.ceil() as u32).clamp(first + 1, size);
+        Self {
+            first,
+            count: end - first,
+            from,
+            to,
+        }
+    }
+
+    /// Each texel, and its share in the whole; together one.
+    fn parts(&self) -> impl Iterator<Item = (u32, f32)> {
+        (self.first..self.first + self.count).map(|texel| {
+            let covered = f64::from(texel + 1).min(self.to) - f64::from(texel).max(self.from);
+            (texel, (covered.max(0.0) / (self.to - self.from)) as f32)
+        })
+    }
+}
+
+fn light(tables: &Tables, [r, g, b, a]: [u8; 4]) -> [f32; 4] {
+    let alpha = f32::from(a) / 255.0;
+    [
+        tables.decode(r) * alpha,
+        tables.decode(g) * alpha,
+        tables.decode(b) * alpha,
+        alpha,
+    ]
+}
+
+fn encoded(tables: &Tables, [r, g, b, a]: [f32; 4]) -> [u8; 4] {
+    if a <= 0.0 {
+        return [0; 4];
+    }
+    let [r, g, b] = [r, g, b].map(|channel| tables.encode(channel / a));
+    [r, g, b, (a.min(1.0) * 255.0 + 0.5) as u8]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn texture(width: u32, height: u32) -> Texture {
+        let texel = |i: u32| [(i * 37 % 256) as u8, (i * 91 % 256) as u8, 200, 255];
+        let texels = (0..width * height).map(texel).collect();
+        Texture::new(width, height, texels).expect("a good texture")
+    }
+
+    #[test]
+    fn every_level_has_the_light_of_the_whole() {
+        // The truth is the mean of all texels; each level's rounding may move it by half a byte.
+        let mean = |texture: &Texture| {
+            let sum = texture.texels().iter().fold([0.0f64; 3], |sum, texel| {
+                let [r, g, b, _] = light(srgb::tables(), *texel);
+                [
+                    sum[0] + f64::from(r),
+                    sum[1] + f64::from(g),
+                    sum[2] + f64::from(b),
+                ]
+            });
+            sum.map(|channel| channel / texture.texels().len() as f64)
+        };
+        for (width, height) in [(64, 64), (13, 7), (1, 9), (31, 2), (1, 1)] {
+            let texture = texture(width, height);
+            let expected = mean(&texture);
+            let mut sizes = (width, height);
+            for level in levels(&texture) {
+                sizes = ((sizes.0 / 2).max(1), (sizes.1 / 2).max(1));
+                assert_eq!((level.width(), level.height()), sizes);
+                for (found, expected) in mean(level).iter().zip(expected) {
+                    assert!((found - expected).abs() < 0.012, "{found} for {expected}");
+                }
+            }
+            assert_eq!(sizes, (1, 1));
+        }
+    }
+
+    #[test]
+    fn clear_texels_lend_no_color() {
+        let texels = vec![[255, 0, 0, 0], [0, 128, 0, 255]];
+        let texture = Texture::new(2, 1, texels).expect("a good texture");
+        assert_eq!(levels(&texture)[0].texels(), [[0, 128, 0, 128]]);
+    }
+}

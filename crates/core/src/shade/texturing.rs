@@ -1,0 +1,154 @@
+//! The colours of textures on surfaces.
+
+use super::Shading;
+use super::facet::{Mapping, blend};
+use super::footprint::{Footprint, sample_over};
+use super::mapping::ObjectMapping;
+use super::sample::sample;
+use super::srgb::{self, Tables};
+use crate::hit::PrimitiveHit;
+use crate::scene::{Object, Scene, Texture};
+use glam::{DVec2, DVec3, Vec3};
+
+/// How the textures of a scene's objects lie on them, and are read.
+#[derive(Debug)]
+pub(super) struct Texturing {
+    /// For each object; none where no texture is shown.
+    mappings: Vec<Option<ObjectMapping>>,
+    shading: Shading,
+    tables: &'static Tables,
+}
+
+impl Texturing {
+    /// For the objects of a scene, where textures are shown at all.
+    pub(super) fn new(scene: &Scene, shading: Shading, is_shown: bool) -> Self {
+        let mapping = |object: &Object| {
+            let has_texture = object.has_texture();
+            has_texture.then(|| ObjectMapping::new(object, shading.projection))?
+        };
+        Self {
+            mappings: if is_shown {
+                scene.objects.iter().map(mapping).collect()
+            } else {
+                Vec::new()
+            },
+            shading,
+            tables: srgb::tables(),
+        }
+    }
+
+    /// How an object's texture lies on a triangle; `None` where it has no place.
+    pub(super) fn mapping(&self, number: u32, object: &Object, triangle: u32) -> Option<Mapping> {
+        let mapping = self.mappings.get(number as usize)?.as_ref()?;
+        mapping.on(object, triangle)
+    }
+
+    /// The texture's colour at a hit: linear light, alpha multiplied in.
+    pub(super) fn sampled(
+        &self,
+        (number, texture): (u32, &Texture),
+        mapping: &Mapping,
+        hit: &PrimitiveHit,
+    ) -> [f32; 4] {
+        let read = |u, v| sample(self.tables, texture, u, v, self.shading.filter);
+        match mapping {
+            Mapping::Uv(uvs) => {
+                // In double precision: large coordinates keep their place within a repeat.
+                let [a, b, c] = uvs.map(|uv| uv.as_dvec2());
+                let (u, v) = (f64::from(hit.u), f64::from(hit.v));
+                let uv = a + (b - a) * u + (c - a) * v;
+                read(uv.x, uv.y)
+            }
+            Mapping::Triplanar(corners, normals) => {
+                let Some(ObjectMapping::Triplanar(triplanar)) = self.of(number) else {
+                    return [0.0; 4];
+                };
+                let point = blend(*corners, hit.u, hit.v);
+                let normal = blend(*normals, hit.u, hit.v).normalize_or_zero();
+                let mut color = [0.0; 4];
+                for side in triplanar.sides(point, normal) {
+                    if side.weight > 0.0 {
+                        let part = read(side.uv[0], side.uv[1]);
+                        for (sum, channel) in color.iter_mut().zip(part) {
+                            *sum += channel * side.weight;
+                        }
+                    }
+                }
+                color
+            }
+            Mapping::Placed(corners) => {
+                let Some(ObjectMapping::Placed(placed)) = self.of(number) else {
+                    return [0.0; 4];
+                };
+                let uv = placed.at(between(*corners, hit));
+                read(uv.x, uv.y)
+            }
+        }
+    }
+
+    /// The same over what the pixel sees of it; `slopes` are the change of the hit's barycentrics along a
+    /// pixel's step to the right and one down.
+    pub(super) fn filtered(
+        &self,
+        (number, texture): (u32, &Texture),
+        mapping: &Mapping,
+        hit: &PrimitiveHit,
+        slopes: [DVec2; 2],
+    ) -> [f32; 4] {
+        let read = |uv: DVec2, [across, down]: [DVec2; 2]| {
+            let footprint = Footprint { across, down };
+            sample_over(self.tables, texture, uv, footprint, self.shading.filter)
+        };
+        match mapping {
+            Mapping::Uv(uvs) => {
+                let [a, b, c] = uvs.map(|uv| uv.as_dvec2());
+                let (u, v) = (f64::from(hit.u), f64::from(hit.v));
+                let along = |slope: DVec2| (b - a) * slope.x + (c - a) * slope.y;
+                read(a + (b - a) * u + (c - a) * v, slopes.map(along))
+            }
+            Mapping::Triplanar(corners, normals) => {
+                let Some(ObjectMapping::Triplanar(triplanar)) = self.of(number) else {
+                    return [0.0; 4];
+                };
+                let point = blend(*corners, hit.u, hit.v);
+                let normal = blend(*normals, hit.u, hit.v).normalize_or_zero();
+                let steps = slopes.map(|slope| triplanar.along(moved(*corners, slope), normal));
+                let mut color = [0.0; 4];
+                for (at, side) in triplanar.sides(point, normal).into_iter().enumerate() {
+                    if side.weight > 0.0 {
+                        let steps = steps.map(|sides| DVec2::from_array(sides[at]));
+                        let part = read(DVec2::from_array(side.uv), steps);
+                        for (sum, channel) in color.iter_mut().zip(part) {
+                            *sum += channel * side.weight;
+                        }
+                    }
+                }
+                color
+            }
+            Mapping::Placed(corners) => {
+                let Some(ObjectMapping::Placed(placed)) = self.of(number) else {
+                    return [0.0; 4];
+                };
+                let point = between(*corners, hit);
+                let steps = slopes.map(|slope| placed.along(point, moved(*corners, slope)));
+                read(placed.at(point), steps)
+            }
+        }
+    }
+
+    fn of(&self, number: u32) -> Option<&ObjectMapping> {
+        self.mappings.get(number as usize)?.as_ref()
+    }
+}
+
+/// A hit's point between corners, in double precision.
+fn between(corners: [Vec3; 3], hit: &PrimitiveHit) -> DVec3 {
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    a + (b - a) * f64::from(hit.u) + (c - a) * f64::from(hit.v)
+}
+
+/// How far a point between corners moves where its barycentrics do.
+fn moved(corners: [Vec3; 3], by: DVec2) -> DVec3 {
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    (b - a) * by.x + (c - a) * by.y
+}

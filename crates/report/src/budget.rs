@@ -1,0 +1,66 @@
+//! How much is measured: for seconds, or for minutes.
+
+use raycast_core::Simd;
+
+/// Sizes and counts of a report.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReportBudget {
+    /// Columns and rows of the pictures whose speed is measured.
+    pub size: (u32, u32),
+    /// Measurements of each thing whose speed is measured.
+    pub rounds: usize,
+    /// Rays a mesh that are compared with the truth.
+    pub checked: usize,
+    /// Tests of a ray against a triangle that brute force may take for one measurement.
+    pub tests: usize,
+    /// Settings of a hard case.
+    pub variants: usize,
+    /// Cameras of a setting of a hard case.
+    pub cameras: usize,
+    /// Rays a setting of a hard case: so many that are no camera's, and so many that are.
+    pub hard: usize,
+    /// Rays a place along an axis of the plots of where casters break.
+    pub breaking: usize,
+    /// The largest mesh, in triangles, of the plots of speed.
+    pub largest: u32,
+    /// Rays a pixel of the picture that pictures are compared with.
+    pub samples: u32,
+    /// Columns and rows of the pictures that are compared.
+    pub compared: (u32, u32),
+    /// The widest instruction set that tiles are cast with, where the machine has it.
+    pub simd: Simd,
+}
+
+impl ReportBudget {
+    /// Some minutes on two cores.
+    pub const FULL: Self = Self {
+        size: (1280, 720),
+        rounds: 5,
+        checked: 100_000,
+        tests: 30_000_000,
+        variants: 2,
+        cameras: 2,
+        hard: 1_000,
+        breaking: 16_384,
+        largest: 1_000_000,
+        samples: 256,
+        compared: (640, 360),
+        simd: Simd::Avx2,
+    };
+
+    /// Some seconds: to see that it works.
+    pub const QUICK: Self = Self {
+        size: (320, 180),
+        rounds: 2,
+        checked: 2_000,
+        tests: 2_000_000,
+        variants: 1,
+        cameras: 1,
+        hard: 60,
+        breaking: 500,
+        largest: 20_000,
+        samples: 256,
+        compared: (160, 90),
+        simd: Simd::Avx2,
+    };
+}

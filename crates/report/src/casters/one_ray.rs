@@ -1,0 +1,132 @@
+//! Casters that answer one ray after another.
+
+use super::caster::{Caster, Rays};
+use super::vector::Vector;
+use raycast_core::camera::{Lattice, Projection, Ray};
+use raycast_core::glam::DVec3;
+use raycast_core::{Accel, PrimitiveHit};
+use std::sync::Arc;
+
+/// A ray in a caster's own precision, relative to the tree's origin.
+#[derive(Clone, Copy)]
+pub(super) struct OwnRay<V: Vector> {
+    pub(super) origin: V,
+    pub(super) direction: V,
+    pub(super) t_min: V::Real,
+    pub(super) t_max: V::Real,
+}
+
+/// Finds the nearest triangle of one ray.
+pub(super) trait OneRay: Send + Sync {
+    /// The precision that it gets rays in.
+    type V: Vector;
+
+    /// As [`Caster::tries`].
+    fn tries(&self) -> usize {
+        0
+    }
+
+    /// The nearest hit.
+    fn nearest(&self, ray: &OwnRay<Self::V>) -> PrimitiveHit;
+}
+
+/// [`Caster`] of a [`OneRay`]: rays one after another.
+pub(super) struct OneAfterAnother<T> {
+    name: String,
+    rays: Rays,
+    accel: Arc<Accel>,
+    one: T,
+}
+
+impl<T: OneRay> OneAfterAnother<T> {
+    pub(super) fn new(name: &str, accel: &Arc<Accel>, one: T) -> Self {
+        let is_single = size_of::<<T::V as Vector>::Real>() == size_of::<f32>();
+        Self {
+            name: format!("{name}, {}", if is_single { "f32" } else { "f64" }),
+            rays: if is_single {
+                Rays::Single
+            } else {
+                Rays::Double
+            },
+            accel: Arc::clone(accel),
+            one,
+        }
+    }
+}
+
+impl<T: OneRay> Caster for OneAfterAnother<T> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn rays(&self) -> Rays {
+        self.rays
+    }
+
+    fn tries(&self) -> usize {
+        self.one.tries()
+    }
+
+    fn cast(&self, rays: &[Ray], hits: &mut Vec<PrimitiveHit>) {
+        hits.clear();
+        hits.extend(rays.iter().map(|ray| {
+            self.one.nearest(&OwnRay {
+                origin: T::V::rounded(ray.origin - self.accel.origin()),
+                direction: T::V::rounded(ray.direction),
+                t_min: T::V::number(ray.t_min),
+                t_max: T::V::number(ray.t_max),
+            })
+        }));
+    }
+
+    fn cast_lattice(&self, lattice: &Lattice, hits: &mut Vec<PrimitiveHit>) {
+        hits.clear();
+        hits.reserve(lattice.len());
+        for row in 0..lattice.rows {
+            let rays = RowOfRays::<T::V>::new(lattice, row, self.accel.origin());
+            hits.extend((0..lattice.columns).map(|column| self.one.nearest(&rays.ray(column))));
+        }
+    }
+
+    fn identify(&self, primitive: u32) -> (u32, u32) {
+        self.accel.identify(primitive)
+    }
+}
+
+/// A row of a camera's rays, set up in the caster's own precision: from one to the next is an addition,
+/// which is the cheapest that setting up rays can be.
+pub(super) struct RowOfRays<V: Vector> {
+    projection: Projection,
+    origin: V,
+    direction: V,
+    step: V,
+}
+
+impl<V: Vector> RowOfRays<V> {
+    pub(super) fn new(lattice: &Lattice, row: u32, accel_origin: DVec3) -> Self {
+        let (x, y) = lattice.place(0, row);
+        let camera = &lattice.camera;
+        let step = camera.right() * (camera.plane().step * f64::from(lattice.stride));
+        Self {
+            projection: camera.projection(),
+            origin: V::rounded(camera.ray(x, y).origin - accel_origin),
+            direction: V::rounded(camera.direction(x, y)),
+            step: V::rounded(step),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn ray(&self, column: u32) -> OwnRay<V> {
+        let along = self.step * V::number(f64::from(column));
+        let (origin, direction) = match self.projection {
+            Projection::Perspective => (self.origin, (self.direction + along).normalized()),
+            Projection::Orthographic => (self.origin + along, self.direction),
+        };
+        OwnRay {
+            origin,
+            direction,
+            t_min: V::number(0.0),
+            t_max: V::number(f64::MAX),
+        }
+    }
+}

@@ -1,0 +1,367 @@
+//! Plot E: what each optional thing costs, when it is used and when it is not.
+
+use super::Section;
+use crate::budget::ReportBudget;
+use crate::chart::{Axis, Better, Chart, Ink, Series};
+use crate::progress::ReportProgress;
+use crate::scenes::bumpy_sphere;
+use crate::table::{Cell, ReportError, Table, short};
+use crate::timing::{Spread, interleaved};
+use crate::views;
+use raycast_core::Accel;
+use raycast_core::camera::Grid;
+use raycast_core::glam::{DVec3, Vec2, Vec3};
+use raycast_core::picture::Layers;
+use raycast_core::render::{Cancel, Settings, View};
+use raycast_core::scene::{Attribute, Mesh, MeshData, Object, Scene, Texture};
+use raycast_core::shade::{Mode, Shading, Wireframe};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+/// What an optional thing costs a picture.
+#[derive(Clone, Debug)]
+pub struct FeatureCost {
+    /// What it is.
+    pub thing: &'static str,
+    /// Milliseconds with it, and without it.
+    pub used: [Spread; 2],
+    /// Milliseconds where the scene has it and the picture does not use it; none where that cannot be.
+    pub unused: Option<Spread>,
+    /// Bytes more that are kept where it is used.
+    pub bytes: f64,
+}
+
+/// One picture to be made again and again.
+struct Repeated {
+    view: View,
+    /// With a clock and a sink for its statistics, as `--stats` and the window have them.
+    counted: bool,
+}
+
+/// Measures them all, in turn.
+///
+/// # Errors
+/// A scene that cannot be cast at.
+pub fn measure(
+    budget: &ReportBudget,
+    progress: &dyn ReportProgress,
+) -> Result<Vec<FeatureCost>, ReportError> {
+    let count = 20_000.min(budget.largest);
+    let plain = ball(count, false, false);
+    let normals = ball(count, true, false);
+    let mapped = ball(count, false, true);
+    let texture = checkers();
+    let of = |mesh: &Arc<Mesh>, texture: Option<&Arc<Texture>>| {
+        let mut object = Object::new("ball", Arc::clone(mesh));
+        object.texture = texture.map(Arc::clone);
+        Scene {
+            objects: vec![object],
+        }
+    };
+    let eight = Scene {
+        objects: (0..8)
+            .map(|part| Object::new("part", Arc::new(eighth(&plain, part))))
+            .collect(),
+    };
+    let shaded = |mode: Mode| Settings {
+        shading: Shading {
+            mode,
+            ..Shading::default()
+        },
+        samples: 1,
+        ..Settings::default()
+    };
+    let wired = {
+        let mut settings = shaded(Mode::Flat);
+        settings.shading.wireframe = Some(Wireframe::default());
+        settings
+    };
+    let layered = Settings {
+        layers: true,
+        ..shaded(Mode::Flat)
+    };
+    let picture = |scene: Scene, settings: Settings| -> Result<Repeated, ReportError> {
+        let camera = views::filling(&scene, budget.size, views::FOV, 1.0)?;
+        let accel = Arc::new(Accel::build(&scene)?.with_simd(budget.simd));
+        let view = View {
+            scene: Arc::new(scene),
+            accel,
+            camera,
+            settings,
+        };
+        Ok(Repeated {
+            view,
+            counted: false,
+        })
+    };
+    let flat = || picture(of(&plain, None), shaded(Mode::Flat));
+    let flat_textured = picture(of(&mapped, texture.as_ref()), shaded(Mode::Flat))?;
+    let counted = Repeated {
+        counted: true,
+        ..flat()?
+    };
+    let pictures = [
+        flat()?,
+        picture(of(&normals, None), shaded(Mode::Smooth))?,
+        picture(of(&normals, None), shaded(Mode::Flat))?,
+        picture(of(&mapped, texture.as_ref()), shaded(Mode::Texture))?,
+        flat_textured,
+        picture(of(&plain, None), wired)?,
+        picture(of(&plain, None), layered)?,
+        picture(eight, shaded(Mode::Flat))?,
+        counted,
+    ];
+    // Small differences need many measurements.
+    let rounds = 3 * budget.rounds;
+    progress.begin("optional things", (pictures.len() * (rounds + 1)) as u64);
+    let mut works: Vec<Box<dyn FnMut() + Send>> = Vec::new();
+    for picture in &pictures {
+        works.push(Box::new(|| picture.render()));
+    }
+    let times = interleaved(rounds, &mut works, &|| progress.step());
+    drop(works);
+    let [
+        flat,
+        smooth,
+        flat_normals,
+        textured,
+        flat_textured,
+        wire,
+        layers,
+        objects,
+        counted,
+    ]: [Spread; 9] = std::array::from_fn(|at| times[at].scaled(1e3));
+    let pixels = f64::from(budget.size.0) * f64::from(budget.size.1);
+    let accel_bytes = |at: usize| pictures[at].view.accel.retained_bytes() as f64;
+    let cost =
+        |thing, with: Spread, without: Spread, unused: Option<Spread>, bytes: f64| FeatureCost {
+            thing,
+            used: [with, without],
+            unused,
+            bytes,
+        };
+    let texels = texture.as_ref().map_or(0.0, |texture| {
+        f64::from(texture.width()) * f64::from(texture.height())
+    });
+    let vertices = plain.positions().len() as f64;
+    let mut costs = vec![
+        cost(
+            "smooth normals",
+            smooth,
+            flat,
+            Some(flat_normals),
+            vertices * size_of::<Vec3>() as f64,
+        ),
+        cost(
+            "texture",
+            textured,
+            flat,
+            Some(flat_textured),
+            vertices * size_of::<Vec2>() as f64 + texels * 4.0,
+        ),
+        cost("wireframe", wire, flat, None, 0.0),
+        cost(
+            "several objects (8)",
+            objects,
+            flat,
+            None,
+            accel_bytes(7) - accel_bytes(0),
+        ),
+        cost("statistics", counted, flat, None, 0.0),
+        cost(
+            "all channels of an EXR",
+            layers,
+            flat,
+            None,
+            pixels * channel_bytes().iter().map(|c| c.1).sum::<f64>(),
+        ),
+    ];
+    costs.sort_by(|a, b| a.thing.cmp(b.thing));
+    Ok(costs)
+}
+
+impl Repeated {
+    fn render(&self) {
+        let started = Instant::now();
+        let rays = AtomicU64::new(0);
+        let clock = || {
+            if self.counted {
+                started.elapsed()
+            } else {
+                Duration::ZERO
+            }
+        };
+        let picture = self
+            .view
+            .render(Grid::default(), &clock, &Cancel::default(), &|stats| {
+                if self.counted {
+                    rays.fetch_add(stats.rays, Ordering::Relaxed);
+                }
+            });
+        std::hint::black_box((picture, rays));
+    }
+}
+
+/// Bytes a pixel of each channel that a picture can keep beside its colours.
+fn channel_bytes() -> [(&'static str, f64); 6] {
+    fn of<T>(_: fn(Layers) -> Vec<T>) -> f64 {
+        size_of::<T>() as f64
+    }
+    [
+        ("R G B A, linear light", of(|layers| layers.color)),
+        ("Z", of(|layers| layers.depth)),
+        ("id.object", of(|layers| layers.object)),
+        ("id.triangle", of(|layers| layers.triangle)),
+        ("N.X N.Y N.Z", of(|layers| layers.normal)),
+        ("uv.U uv.V", of(|layers| layers.uv)),
+    ]
+}
+
+/// The ball, with its own normals and texture coordinates where they are asked for.
+fn ball(triangles: u32, normals: bool, uvs: bool) -> Arc<Mesh> {
+    let ball = bumpy_sphere(triangles);
+    let positions = positions(&ball);
+    let attribute = |wanted: bool| wanted.then_some(());
+    Arc::new(Mesh::new(MeshData {
+        triangles: ball.triangles().to_vec(),
+        normals: attribute(normals).map(|()| Attribute {
+            values: positions.iter().map(|p| p.normalize().as_vec3()).collect(),
+            indices: None,
+        }),
+        uvs: attribute(uvs).map(|()| Attribute {
+            values: positions
+                .iter()
+                .map(|p| Vec2::new(p.x as f32, p.y as f32) * 0.5 + 0.5)
+                .collect(),
+            indices: None,
+        }),
+        positions,
+        ..MeshData::default()
+    }))
+}
+
+fn positions(mesh: &Mesh) -> Vec<DVec3> {
+    let stored = mesh.positions().iter();
+    stored
+        .map(|position| mesh.offset() + position.as_dvec3())
+        .collect()
+}
+
+/// Every eighth triangle of a mesh.
+fn eighth(mesh: &Mesh, part: usize) -> Mesh {
+    Mesh::new(MeshData {
+        positions: positions(mesh),
+        triangles: mesh
+            .triangles()
+            .iter()
+            .copied()
+            .skip(part)
+            .step_by(8)
+            .collect(),
+        ..MeshData::default()
+    })
+}
+
+fn checkers() -> Option<Arc<Texture>> {
+    const SIDE: u32 = 512;
+    let texel = |at: u32| {
+        let (x, y) = (at % SIDE / 32, at / SIDE / 32);
+        if (x + y) % 2 == 0 {
+            [230, 220, 200, 255]
+        } else {
+            [90, 60, 40, 255]
+        }
+    };
+    Texture::new(SIDE, SIDE, (0..SIDE * SIDE).map(texel).collect()).map(Arc::new)
+}
+
+/// Adds the plot, the table, and what is to be read from them.
+pub fn show(section: &mut Section, costs: &[FeatureCost]) {
+    let more = |cost: &FeatureCost| (cost.used[0].median - cost.used[1].median).max(0.0);
+    let mut series = Vec::new();
+    for (cost, ink) in costs.iter().zip(Ink::ALL) {
+        series.push(Series::dot(cost.thing, (more(cost), cost.bytes), ink));
+    }
+    let base = costs.first().map_or(0.0, |cost| cost.used[1].median);
+    let dearest = costs.iter().max_by(|a, b| more(a).total_cmp(&more(b)));
+    let chart = Chart {
+        title: match dearest {
+            Some(cost) => format!(
+                "What costs the most time: {}, {} ms on top of {}",
+                cost.thing,
+                short(more(cost)),
+                short(base)
+            ),
+            None => "Nothing was measured".to_owned(),
+        },
+        subtitle:
+            "What each optional thing adds to a picture of a bumpy ball, flat shaded, where it \
+                   is used."
+                .to_owned(),
+        x: Axis::linear("milliseconds more a picture", costs.iter().map(more)),
+        y: Axis::log("bytes more", costs.iter().map(|cost| cost.bytes)).with_zero("none"),
+        series,
+        better: Better::LowerLeft,
+    };
+    section.chart("e-cost", chart);
+    let mut table = Table::new(&[
+        "what",
+        "without, ms",
+        "there but not used, ms",
+        "used, ms",
+        "more, ms",
+        "deviation",
+        "bytes more, used",
+        "bytes more, not used",
+    ]);
+    for cost in costs {
+        let [with, without] = cost.used;
+        table.row(vec![
+            cost.thing.into(),
+            Cell::short(without.median),
+            cost.unused
+                .map_or(Cell::Empty, |time| Cell::short(time.median)),
+            Cell::short(with.median),
+            Cell::short(with.median - without.median),
+            Cell::short(with.deviation.max(without.deviation)),
+            Cell::short(cost.bytes),
+            Cell::short(0.0),
+        ]);
+    }
+    section.say(unused(costs));
+    section.table("e-cost", table);
+    section.say("Channels beside the 8-bit colours, by the pixel (kept for `.exr` alone):");
+    let mut table = Table::new(&["channel", "bytes a pixel"]);
+    for (channel, bytes) in channel_bytes() {
+        table.row(vec![channel.into(), Cell::short(bytes)]);
+    }
+    section.table("e-channels", table);
+}
+
+/// What things cost that a scene has and a picture does not use.
+fn unused(costs: &[FeatureCost]) -> String {
+    let told: Vec<String> = costs
+        .iter()
+        .filter_map(|cost| {
+            let [_, without] = cost.used;
+            let unused = cost.unused?;
+            let noise = unused.deviation.max(without.deviation);
+            let more = unused.median - without.median;
+            Some(format!(
+                "{}: {more:+.3} ms, {} the noise of {noise:.3} ms",
+                cost.thing,
+                if more.abs() <= 2.0 * noise {
+                    "within"
+                } else {
+                    "beyond"
+                }
+            ))
+        })
+        .collect();
+    format!(
+        "There but not used ({}). A difference within twice the deviation is noise; the rest of the \
+         things cannot be there without being used.",
+        told.join("; ")
+    )
+}

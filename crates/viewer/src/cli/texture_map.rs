@@ -1,0 +1,73 @@
+use super::{ReadingArgs, ShadingArgs, values};
+use clap::Args;
+use raycast_core::glam::{DVec2, DVec3};
+use raycast_core::scene::{Crop, TextureProjection, Wrap};
+use std::path::PathBuf;
+
+/// `raycast texture-map`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  raycast texture-map --texture leopard.png --crop 64,64,256,256 -o crop.png
+  raycast texture-map cube.obj --texture leopard.png -o all.png
+  raycast texture-map cube.obj --texture leopard.png --texture-projection per-triangle --triangle 3 -o one.png")]
+pub struct TextureMapArgs {
+    /// Meshes or scene files whose triangles are drawn [default: none]
+    pub files: Vec<PathBuf>,
+    /// The image to write: .png, .ppm or .jpg
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// The texture's image
+    #[arg(long, value_name = "IMAGE")]
+    pub texture: PathBuf,
+    /// The part of it that is used, in its pixels from the top left: it is outlined
+    #[arg(long, value_name = "X,Y,W,H", value_parser = values::crop)]
+    pub crop: Option<Crop>,
+    /// Draw this triangle of the object alone, filled [default: all]
+    #[arg(long, value_name = "N", requires = "files")]
+    pub triangle: Option<u32>,
+    /// The object whose triangles are drawn, from 0 [default: all; 0 with --triangle]
+    #[arg(long, value_name = "N", requires = "files")]
+    pub object: Option<u32>,
+    /// Lines' width in pixels
+    #[arg(long, value_name = "WIDTH", default_value = "1.5", value_parser = values::line_width)]
+    pub line_width: f32,
+    /// How surfaces find their place in the texture [default: the scene file's, uv]
+    #[arg(long, value_name = "KIND", value_parser = values::named(values::TEXTURE_PROJECTIONS))]
+    pub texture_projection: Option<TextureProjection>,
+    /// As `raycast render --wrap`
+    #[arg(long, value_name = "KIND[,KIND]", value_parser = values::wrap)]
+    pub wrap: Option<[Wrap; 2]>,
+    /// As `raycast render --texture-center`
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
+    pub texture_center: Option<DVec3>,
+    /// As `raycast render --texture-front`
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
+    pub texture_front: Option<DVec3>,
+    /// As `raycast render --texture-up`
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
+    pub texture_up: Option<DVec3>,
+    /// As `raycast render --texture-size`
+    #[arg(long, value_name = "W,H", allow_hyphen_values = true, value_parser = values::extent)]
+    pub texture_size: Option<DVec2>,
+    /// How files are read.
+    #[command(flatten)]
+    pub reading: ReadingArgs,
+}
+
+impl TextureMapArgs {
+    /// The options that `raycast render` would be given.
+    pub fn shading(&self) -> ShadingArgs {
+        ShadingArgs {
+            texture: Some(self.texture.clone()),
+            crop: self.crop,
+            wrap: self.wrap,
+            texture_projection: self.texture_projection,
+            texture_center: self.texture_center,
+            texture_front: self.texture_front,
+            texture_up: self.texture_up,
+            texture_size: self.texture_size,
+            ..ShadingArgs::default()
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! A command line that makes a picture: written so that it reads back as the same.
+
+use super::values::{
+    self, CULLS, FILTERS, MODES, Names, PRECISIONS, PROJECTIONS, TEXTURE_PROJECTIONS,
+};
+use raycast_core::camera::{Placement, Projection, fov_to_frame, frame_to_fov};
+use raycast_core::formats::{CameraFile, Limits};
+use raycast_core::glam::DVec3;
+use raycast_core::render::View;
+use raycast_core::scene::UpAxis;
+use raycast_core::shade::Background;
+use std::path::PathBuf;
+
+/// `raycast render` with all that decides the picture's bytes: whatever a scene file among `files` says of camera
+/// and shading, but for lines along edges, which an option switches on and none switches off.
+///
+/// Numbers have the fewest digits that read back as the same, and words are quoted for a shell where they
+/// need to be. `None` where a path is no text.
+pub fn render_command(
+    files: &[PathBuf],
+    output: &str,
+    view: &View,
+    limits: &Limits,
+) -> Option<String> {
+    let (camera, settings) = (&view.camera, &view.settings);
+    let mut words = vec!["raycast".to_owned(), "render".to_owned()];
+    for file in files {
+        // A command is run anywhere.
+        let file = std::path::absolute(file).ok()?;
+        words.push(file.to_str()?.to_owned());
+    }
+    let mut option = |name: &str, value: String| words.extend([name.to_owned(), value]);
+    option("-o", output.to_owned());
+    let (plane, placement) = (camera.plane(), camera.placement());
+    option("--size", format!("{}x{}", plane.columns, plane.rows));
+    option("--step", plane.step.to_string());
+    option("--projection", word(PROJECTIONS, camera.projection()));
+    option("--eye", point(placement.eye));
+    option("--target", point(placement.target));
+    option("--up", point(placement.up));
+    let shading = &settings.shading;
+    option("--mode", word(MODES, shading.mode));
+    option(
+        "--background",
+        match shading.background {
+            Background::Transparent => "transparent".to_owned(),
+            Background::Gradient(top, bottom) => format!("{top},{bottom}"),
+        },
+    );
+    option("--blend", shading.blend.to_string());
+    option("--filter", word(FILTERS, shading.filter));
+    // The option would be for all objects, those too that have a projection of their own.
+    if view
+        .scene
+        .objects
+        .iter()
+        .all(|object| object.mapping.projection.is_none())
+    {
+        let projection = word(TEXTURE_PROJECTIONS, shading.projection);
+        option("--texture-projection", projection);
+    }
+    option("--samples", settings.samples.max(1).to_string());
+    option("--cull", word(CULLS, settings.cull));
+    option("--precision", word(PRECISIONS, settings.precision));
+    if let Some(lines) = shading.wireframe {
+        option("--wireframe-color", lines.color.to_string());
+        words.push(format!("--wireframe={}", lines.width));
+    }
+    words.extend(reading(limits));
+    let words: Vec<_> = words.iter().map(|word| quoted(word)).collect();
+    Some(words.join(" "))
+}
+
+/// A camera as options of `raycast render`, which [`camera_of`] reads. An orthographic frame is told by the field
+/// of view that has it at the target's distance.
+pub fn camera_options(camera: &CameraFile) -> String {
+    let CameraFile {
+        placement,
+        projection,
+        frame,
+    } = camera;
+    let fov = match projection {
+        Projection::Perspective => *frame,
+        Projection::Orthographic => frame_to_fov(*frame, placement.eye.distance(placement.target)),
+    };
+    format!(
+        "--eye {} --target {} --up {} --fov {fov} --projection {}",
+        point(placement.eye),
+        point(placement.target),
+        point(placement.up),
+        word(PROJECTIONS, *projection),
+    )
+}
+
+/// The camera that options of `raycast render` tell, whatever else stands between them; `None` where they tell no
+/// eye and no target, or no such camera is possible. What is not told is upright, perspective, of 45°.
+pub fn camera_of(text: &str) -> Option<CameraFile> {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let told = |name: &str| {
+        let at = words.iter().position(|word| *word == name)?;
+        words.get(at + 1).copied()
+    };
+    let read = |name: &str| told(name).map(values::point).transpose().ok();
+    let (eye, target) = (read("--eye")??, read("--target")??);
+    let towards = Placement::towards(eye, target);
+    let placement = Placement {
+        up: read("--up")?.unwrap_or(towards.up),
+        ..towards
+    };
+    placement.check().ok()?;
+    let projection = match told("--projection") {
+        Some(name) => PROJECTIONS.iter().find(|(known, _)| *known == name)?.1,
+        None => Projection::Perspective,
+    };
+    let distance = eye.distance(target);
+    let fov = told("--fov").map(values::fov).transpose().ok()?;
+    let rows = told("--size").map(values::size).transpose().ok()?;
+    let step = told("--step").map(values::step).transpose().ok()?;
+    let frame = match (fov, step.zip(rows)) {
+        (Some(fov), _) => fov_to_frame(fov, distance),
+        (None, Some((step, (_, rows)))) => step * f64::from(rows),
+        (None, None) => fov_to_frame(45.0, distance),
+    };
+    Some(CameraFile {
+        placement,
+        projection,
+        frame: match (projection, fov) {
+            (Projection::Perspective, Some(fov)) => fov,
+            (Projection::Perspective, None) => frame_to_fov(frame, distance),
+            (Projection::Orthographic, _) => frame,
+        },
+    })
+}
+
+/// The options of reading that are not at their defaults.
+fn reading(limits: &Limits) -> Vec<String> {
+    let mut words = Vec::new();
+    let usual = Limits::default();
+    for (name, most, usual) in [
+        ("bytes", limits.bytes, usual.bytes),
+        ("pixels", limits.pixels, usual.pixels),
+        ("triangles", limits.triangles, usual.triangles),
+    ] {
+        if most != usual {
+            words.extend(["--limit".to_owned(), format!("{name}={most}")]);
+        }
+    }
+    if limits.follow_anywhere {
+        words.push("--follow-anywhere".to_owned());
+    }
+    if limits.up_axis == UpAxis::Z {
+        words.extend(["--up-axis".to_owned(), "z".to_owned()]);
+    }
+    words
+}
+
+fn word<T: PartialEq>(names: Names<T>, value: T) -> String {
+    let name = names.iter().find(|(_, named)| *named == value);
+    name.map_or_else(String::new, |(name, _)| (*name).to_owned())
+}
+
+fn point(point: DVec3) -> String {
+    format!("{},{},{}", point.x, point.y, point.z)
+}
+
+/// A word as a shell takes it: in single quotes (on Windows in double ones) unless it is plain.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-./:,=+@%".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        return word.to_owned();
+    }
+    if cfg!(windows) {
+        format!("\"{word}\"")
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_quoted_where_a_shell_would_split_or_change_them() {
+        assert_eq!(quoted("/a/b-1.obj"), "/a/b-1.obj");
+        assert_eq!(quoted("--wireframe=1.5"), "--wireframe=1.5");
+        if !cfg!(windows) {
+            assert_eq!(quoted("a b"), "'a b'");
+            assert_eq!(quoted("it's $HOME"), r"'it'\''s $HOME'");
+            assert_eq!(quoted("#102030"), "'#102030'");
+        }
+    }
+
+    #[test]
+    fn a_camera_reads_back_as_it_was_written_and_nonsense_is_none() {
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let camera = CameraFile {
+                placement: Placement {
+                    eye: DVec3::new(1.0 / 3.0, -2e-7, 5e9),
+                    target: DVec3::new(0.5, 0.0, -1.0),
+                    up: DVec3::new(0.1, 1.0, 0.0),
+                },
+                projection,
+                frame: 33.0,
+            };
+            let read = camera_of(&camera_options(&camera)).expect("a camera");
+            assert_eq!(
+                (read.placement, read.projection),
+                (camera.placement, projection)
+            );
+            assert!((read.frame / 33.0 - 1.0).abs() < 1e-6, "{read:?}");
+        }
+        let line =
+            "raycast render a.obj -o a.png --size 40x30 --step 0.1 --eye 0,0,9 --target 0,0,0";
+        let read = camera_of(line).expect("a camera");
+        assert!((fov_to_frame(read.frame, 9.0) - 3.0).abs() < 1e-12);
+        for text in [
+            "",
+            "hello",
+            "--eye 0,0,0",
+            "--eye 1,2,3 --target 1,2,3",
+            "--eye a --target b",
+        ] {
+            assert_eq!(camera_of(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn options_of_reading_are_told_where_they_differ() {
+        assert!(reading(&Limits::default()).is_empty());
+        let limits = Limits {
+            pixels: 5,
+            follow_anywhere: true,
+            up_axis: UpAxis::Z,
+            ..Limits::default()
+        };
+        let words = ["--limit", "pixels=5", "--follow-anywhere", "--up-axis", "z"];
+        assert_eq!(reading(&limits), words);
+    }
+}

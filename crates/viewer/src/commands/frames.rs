@@ -1,0 +1,351 @@
+//! Rendering the frames of an animation: one scene, one tree, and while a frame is written the next is cast.
+
+use super::banded::Banded;
+use super::render::{Opened, open, render_rect, sub_camera_at, tell};
+use super::{Failure, workers};
+use crate::cli::{FrameRange, RenderArgs, frame_path};
+use crate::memory;
+use crate::output::{Output, Unfinished};
+use crate::progress::TerminalProgress;
+use crate::setup;
+use crate::stats::StatsTarget;
+use raycast_core::camera::{Camera, CameraPath, DEFAULT_FOV, Rect};
+use raycast_core::formats::CameraFile;
+use raycast_core::picture::{AnimatedPng, Format, Fragment, ImageFile, Picture, Recipe, RowReader};
+use raycast_core::render::{TileStats, View};
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::sync_channel;
+use std::time::Instant;
+
+/// Frames a second of a file of several, where nobody says another.
+const RATE: u16 = 25;
+
+/// Renders the frames that were asked for.
+pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
+    let started = Instant::now();
+    let name = args.output.to_string_lossy().into_owned();
+    let is_each = frame_path(&args.output, 0).is_some();
+    let format = match (is_each, args.output.extension()) {
+        (false, Some(extension)) if extension.eq_ignore_ascii_case("apng") => Format::Png,
+        _ => Format::from_name(&name)?,
+    };
+    if !is_each && (format != Format::Png || args.tiles.sub_camera.is_some()) {
+        return Err(Failure::usage(format!(
+            "{name}: several frames are written to a file each (out-%05d.png), or to one .png or .apng"
+        )));
+    }
+    if args.tiles.unfinished.is_some() || args.tiles.show_sub_cameras {
+        return Err(Failure::usage(
+            "--unfinished and --show-sub-cameras are for one picture, not for frames",
+        ));
+    }
+    let mut inputs: Vec<&Path> = args.files.iter().map(AsRef::as_ref).collect();
+    inputs.extend(args.shading.texture.as_deref());
+    let path = |frame| frame_path(&args.output, frame).unwrap_or_else(|| args.output.clone());
+    // Each is checked when it is begun: the first and the last tell what is wrong before the work.
+    let ends = [path(range.first), path(range.last)];
+    for end in &ends {
+        Output::at(end, &inputs)?;
+    }
+    inputs.extend(ends.iter().map(PathBuf::as_path));
+    let stats_target = StatsTarget::at(args.stats.as_deref(), &inputs)?;
+    let pool = workers(args.casting.threads)?;
+    let progress = TerminalProgress::new();
+    let opened = open(args, format, &pool, &progress, &|opened| {
+        stats_target.check_against(opened)
+    })?;
+    let frames = Frames::new(args, range, &opened)?;
+
+    let rendering = Instant::now();
+    let clock = || rendering.elapsed();
+    progress.counting("rendering", range.count().into());
+    let mut sum = TileStats::default();
+    let make = |view: &View, rect: Rect, sum: &mut TileStats| {
+        let part = view.camera.sub_camera(rect);
+        let rendered = pool.install(|| render_rect(view, part, args.tiles.grid(), &clock, &|_| {}));
+        let (picture, tiles) = rendered?;
+        *sum += tiles;
+        Ok::<Picture, Failure>(picture)
+    };
+    if is_each {
+        write_each(
+            args, &opened, &frames, format, &pool, &progress, &mut sum, make,
+        )?;
+    } else {
+        write_one(args, &opened, &frames, &progress, &mut sum, make)?;
+    }
+    progress.clear();
+    tell(
+        &opened,
+        &stats_target,
+        &sum,
+        rendering.elapsed(),
+        started,
+        &pool,
+    )
+}
+
+/// The cameras of frames.
+struct Frames<'a> {
+    args: &'a RenderArgs,
+    range: FrameRange,
+    opened: &'a Opened,
+    way: Way<'a>,
+}
+
+/// How a camera goes from frame to frame.
+enum Way<'a> {
+    Turntable(u32),
+    Path(&'a CameraPath),
+}
+
+impl<'a> Frames<'a> {
+    fn new(args: &'a RenderArgs, range: FrameRange, opened: &'a Opened) -> Result<Self, Failure> {
+        let camera = &args.camera;
+        let way = match (args.animation.turntable, &opened.animation) {
+            (Some(count), _) if range.last < count => Way::Turntable(count),
+            (Some(count), _) => {
+                return Err(Failure::usage(format!(
+                    "a turntable of {count} frames has none beyond {}",
+                    count - 1
+                )));
+            }
+            (None, Some(_)) if camera.eye.is_some() || camera.orbit.is_some() => {
+                return Err(Failure::usage(
+                    "the camera's place is the scene file's [animation]: leave out --eye and --orbit",
+                ));
+            }
+            (None, Some(path)) => Way::Path(path),
+            (None, None) => {
+                return Err(Failure::usage(
+                    "--frames is of --turntable N, or of a scene file that has an [animation]",
+                ));
+            }
+        };
+        Ok(Self {
+            args,
+            range,
+            opened,
+            way,
+        })
+    }
+
+    /// What is rendered at a frame.
+    fn view(&self, frame: u32) -> Result<View, Failure> {
+        let view = &self.opened.view;
+        let base = view.camera;
+        let camera = match self.way {
+            Way::Turntable(count) => {
+                let placement = CameraPath::turntable(&base.placement(), count, frame);
+                Camera::new(placement, base.projection(), base.plane())
+            }
+            Way::Path(path) => {
+                let key = path.at(frame);
+                let own = self.opened.camera_file;
+                let file = CameraFile {
+                    placement: key.placement,
+                    projection: own.map(|own| own.projection).unwrap_or_default(),
+                    frame: key.view.or(own.map(|own| own.frame)).unwrap_or(DEFAULT_FOV),
+                };
+                let bounds = setup::bounds(&view.scene, &view.accel);
+                let size = Some((base.plane().columns, base.plane().rows));
+                setup::camera(&self.args.camera, Some(&file), size, &bounds)
+                    .map_err(|error| Failure::could_not(format!("frame {frame}: {error}")))?
+            }
+        };
+        Ok(View {
+            camera,
+            ..view.clone()
+        })
+    }
+}
+
+/// A frame that is cast, and is to be written.
+struct Cast {
+    output: Output,
+    recipe: Recipe,
+    rect: Rect,
+    picture: Picture,
+}
+
+/// A file each, but for those that are there.
+#[allow(
+    clippy::too_many_arguments,
+    reason = "what a command has, handed on once"
+)]
+fn write_each(
+    args: &RenderArgs,
+    opened: &Opened,
+    frames: &Frames<'_>,
+    format: Format,
+    pool: &rayon::ThreadPool,
+    progress: &TerminalProgress,
+    sum: &mut TileStats,
+    make: impl Fn(&View, Rect, &mut TileStats) -> Result<Picture, Failure>,
+) -> Result<(), Failure> {
+    let is_part = args.tiles.sub_camera.is_some();
+    let write = |cast: Cast| -> Result<(), Failure> {
+        let Cast {
+            output,
+            recipe,
+            rect,
+            picture,
+        } = cast;
+        let bytes = if is_part {
+            let fragment = Fragment {
+                rect,
+                recipe,
+                picture,
+            };
+            pool.install(|| fragment.encode(format))?
+        } else {
+            let recipe = format.tells_recipe().then_some(&recipe);
+            pool.install(|| picture.encode_with(format, recipe))?
+        };
+        output.write(&bytes)?.finish()?;
+        progress.done(1);
+        Ok(())
+    };
+    std::thread::scope(|scope| {
+        // One waits while one is written: no more are in memory.
+        let (send, receive) = sync_channel::<Cast>(0);
+        let writer = scope.spawn(move || receive.into_iter().try_for_each(write));
+        let mut cast_all = || -> Result<(), Failure> {
+            for frame in frames.range.numbers() {
+                let path = frame_path(&args.output, frame).unwrap_or_else(|| args.output.clone());
+                let view = frames.view(frame)?;
+                let recipe = Recipe::of(&view);
+                let rect = match args.tiles.sub_camera {
+                    Some(cell) => sub_camera_at(view.camera, args.tiles.grid(), cell)?.rect,
+                    None => view.camera.whole().rect,
+                };
+                if is_there(&path, format, &recipe, rect, is_part) {
+                    progress.done(1);
+                    continue;
+                }
+                let output = Output::at(&path, &[])?;
+                output.check_against(&opened.opened)?;
+                let banded = match is_part {
+                    true => None,
+                    false => Banded::of(&path, format, &recipe, &output, args.resume)?,
+                };
+                if let Some(banded) = banded {
+                    let quiet = TerminalProgress::hidden();
+                    banded
+                        .write(&quiet, |rect| make(&view, rect, sum))?
+                        .finish()?;
+                    progress.done(1);
+                    continue;
+                }
+                // The one that is being written, and this one.
+                let memory_for = |columns, rows| 2 * format.memory_for(columns, rows);
+                memory::check_picture(&path, (rect.width, rect.height), memory_for, "")?;
+                let picture = make(&view, rect, sum)?;
+                let cast = Cast {
+                    output,
+                    recipe,
+                    rect,
+                    picture,
+                };
+                if send.send(cast).is_err() {
+                    // The writer failed, and says why.
+                    break;
+                }
+            }
+            Ok(())
+        };
+        let cast = cast_all();
+        drop(send);
+        let written = writer
+            .join()
+            .unwrap_or_else(|_| Err(Failure::could_not("a frame could not be written")));
+        written.and(cast)
+    })
+}
+
+/// Whether a frame's file is there, whole, and of this recipe and place.
+fn is_there(path: &Path, format: Format, recipe: &Recipe, rect: Rect, is_part: bool) -> bool {
+    if !matches!(format, Format::Png | Format::Exr) || !path.is_file() {
+        return false;
+    }
+    if is_part {
+        let file = std::fs::read(path).ok();
+        let file = file.and_then(|bytes| ImageFile::decode(&bytes).ok());
+        return file.is_some_and(|file| {
+            file.recipe.as_ref() == Some(recipe)
+                && file.rect() == rect
+                && file.full_size() == (recipe.camera.plane().columns, recipe.camera.plane().rows)
+        });
+    }
+    let Ok(file) = File::open(path) else {
+        return false;
+    };
+    let length = file.metadata().map_or(0, |found| found.len());
+    let Ok(mut reader) = RowReader::open(BufReader::new(file), length) else {
+        return false;
+    };
+    if reader.recipe() != Some(recipe) || reader.rect() != rect {
+        return false;
+    }
+    let mut left = rect.height;
+    while left > 0 {
+        let Ok(rows) = reader.rows(32) else {
+            return false;
+        };
+        left -= rows.height;
+    }
+    true
+}
+
+/// All frames to one PNG.
+fn write_one(
+    args: &RenderArgs,
+    opened: &Opened,
+    frames: &Frames<'_>,
+    progress: &TerminalProgress,
+    sum: &mut TileStats,
+    make: impl Fn(&View, Rect, &mut TileStats) -> Result<Picture, Failure>,
+) -> Result<(), Failure> {
+    let output = Output::at(&args.output, &[])?;
+    output.check_against(&opened.opened)?;
+    let camera = opened.view.camera;
+    let size = (camera.plane().columns, camera.plane().rows);
+    let memory_for = |columns, rows| 2 * Format::Png.memory_for(columns, rows);
+    memory::check_picture(&args.output, size, memory_for, "")?;
+    let rate = args.animation.rate.unwrap_or(RATE);
+    let is_opaque = Recipe::of(&opened.view).is_opaque();
+    let mut file: Unfinished = output.create()?;
+    let count = frames.range.count();
+    std::thread::scope(|scope| {
+        let (send, receive) = sync_channel::<Picture>(0);
+        let file = &mut file;
+        let writer = scope.spawn(move || -> Result<(), Failure> {
+            let mut png = AnimatedPng::new(file, size, count, rate, is_opaque)?;
+            for picture in receive {
+                png.add(&picture)?;
+                progress.done(1);
+            }
+            Ok(png.finish()?)
+        });
+        let mut cast_all = || -> Result<(), Failure> {
+            for frame in frames.range.numbers() {
+                let view = frames.view(frame)?;
+                let picture = make(&view, view.camera.whole().rect, sum)?;
+                if send.send(picture).is_err() {
+                    break;
+                }
+            }
+            Ok(())
+        };
+        let cast = cast_all();
+        drop(send);
+        let written = writer
+            .join()
+            .unwrap_or_else(|_| Err(Failure::could_not("a frame could not be written")));
+        // A frame that was not cast is why the file lacks it.
+        cast.and(written)
+    })?;
+    file.finish()
+}

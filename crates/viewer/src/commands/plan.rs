@@ -1,0 +1,475 @@
+//! Pictures and fragments as command lines, for engines that run many jobs.
+
+use super::Failure;
+use crate::cli::{Cli, Command, FrameRange, PlanArgs, frame_path};
+use crate::output::Output;
+use clap::Parser;
+use raycast_core::picture::Format;
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+
+/// The most tasks of a job array: Slurm's own limit where nobody has raised it (`MaxArraySize`, 1001). Each of
+/// them runs every so many-th line.
+const MOST_TASKS: usize = 1000;
+
+/// Options of `raycast render` that say where the camera is, each with a value: a picture's recipe tells them
+/// to `raycast verify`.
+const CAMERA: [&str; 8] = [
+    "--size",
+    "--step",
+    "--fov",
+    "--projection",
+    "--eye",
+    "--target",
+    "--up",
+    "--orbit",
+];
+
+/// Options that a plan has itself.
+const OWN: [&str; 9] = [
+    "--output",
+    "-o",
+    "--tiles",
+    "--tile-size",
+    "--sub-camera",
+    "--unfinished",
+    "--frames",
+    "--turntable",
+    "--stats",
+];
+
+/// Writes a plan.
+pub(super) fn run(args: &PlanArgs) -> Result<(), Failure> {
+    let plan = Plan::of(args)?;
+    let inputs: Vec<&Path> = args.files.iter().map(AsRef::as_ref).collect();
+    let beside = |suffix: &str| {
+        let mut name = plan.path.clone().into_os_string();
+        name.push(suffix);
+        PathBuf::from(name)
+    };
+    let jobs = plan.jobs()?;
+    let stitching = plan.stitching()?;
+    let files = [
+        (plan.path.clone(), lines(&jobs)),
+        (beside(".stitch"), lines(&stitching)),
+        (beside(".slurm"), plan.slurm(jobs.len(), stitching.len())?),
+        (beside(".yaml"), plan.kubernetes("", jobs.len())?),
+        (
+            beside(".stitch.yaml"),
+            plan.kubernetes(".stitch", stitching.len())?,
+        ),
+    ];
+    let mut outputs = Vec::new();
+    for (path, text) in &files {
+        outputs.push((Output::at(path, &inputs)?, text));
+    }
+    if plan.args.tiles.is_some() {
+        let parts = plan.parts();
+        std::fs::create_dir_all(&parts).map_err(|error| {
+            Failure::could_not(format!("{}: cannot be made: {error}", parts.display()))
+        })?;
+    }
+    // The plan itself comes last: where it is, the rest is.
+    for (output, text) in outputs.into_iter().rev() {
+        output.write(text.as_bytes())?.finish()?;
+    }
+    Ok(())
+}
+
+/// What was asked for, with absolute paths: a job may start in any folder.
+struct Plan<'a> {
+    args: &'a PlanArgs,
+    path: PathBuf,
+    program: PathBuf,
+    files: Vec<PathBuf>,
+    pictures: PathBuf,
+    /// Frames, of an animation.
+    range: Option<FrameRange>,
+    /// What every render is given.
+    options: Vec<OsString>,
+}
+
+impl<'a> Plan<'a> {
+    fn of(args: &'a PlanArgs) -> Result<Self, Failure> {
+        let absolute = |path: &Path| {
+            std::path::absolute(path)
+                .map_err(|error| Failure::could_not(format!("{}: {error}", path.display())))
+        };
+        let own = |option: &&OsString| {
+            let text = option.to_string_lossy();
+            let name = text.split('=').next().unwrap_or_default();
+            OWN.contains(&name) || (text.starts_with("-o") && !text.starts_with("--"))
+        };
+        if let Some(option) = args.render.iter().find(own) {
+            return Err(Failure::usage(format!(
+                "{}: a plan says itself what its jobs write, and which part",
+                option.display()
+            )));
+        }
+        let turn = |count: u32| FrameRange {
+            first: 0,
+            last: count - 1,
+        };
+        let range = args.frames.or(args.turntable.map(turn));
+        let path = absolute(&args.output)?;
+        let pictures = match &args.pictures {
+            Some(pictures) => absolute(pictures)?,
+            None => {
+                let mut name = path.clone().into_os_string();
+                name.push(if range.is_some() { "-%05d.png" } else { ".png" });
+                PathBuf::from(name)
+            }
+        };
+        let is_each = frame_path(&pictures, 0).is_some();
+        if range.is_some() != is_each {
+            return Err(Failure::usage(format!(
+                "{}: a name has a place for a frame's number (%05d) where there are frames, and there alone",
+                pictures.display()
+            )));
+        }
+        let program = match &args.program {
+            Some(program) => program.clone(),
+            None => std::env::current_exe()
+                .map_err(|error| Failure::could_not(format!("this program: {error}")))?,
+        };
+        let files = args
+            .files
+            .iter()
+            .map(|file| absolute(file))
+            .collect::<Result<_, _>>()?;
+        let options = args.render.clone();
+        let plan = Self {
+            args,
+            path,
+            program,
+            files,
+            pictures,
+            range,
+            options,
+        };
+        plan.check()?;
+        Ok(plan)
+    }
+
+    /// Whether the lines are ones that this program understands.
+    fn check(&self) -> Result<(), Failure> {
+        Format::from_name(&self.pictures.to_string_lossy())?;
+        let first = self.range.map(|range| range.first);
+        let mut words = vec![self.render(first, self.args.tiles.map(|_| (0, 0)))];
+        words.push(self.verify(&self.picture(first)));
+        for words in words {
+            let parsed = Cli::try_parse_from(&words).map_err(|error| {
+                let told = error.to_string();
+                let told = told.lines().next().unwrap_or_default().to_owned();
+                Failure::usage(told.strip_prefix("error: ").unwrap_or(&told).to_owned())
+            })?;
+            if !matches!(
+                parsed.command,
+                Some(Command::Render(_) | Command::Verify(_))
+            ) {
+                return Err(Failure::usage("these options are none of `raycast render`"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Where fragments are.
+    fn parts(&self) -> PathBuf {
+        let mut name = self.path.clone().into_os_string();
+        name.push(".parts");
+        name.into()
+    }
+
+    /// A frame's picture.
+    fn picture(&self, frame: Option<u32>) -> PathBuf {
+        frame
+            .and_then(|frame| frame_path(&self.pictures, frame))
+            .unwrap_or_else(|| self.pictures.clone())
+    }
+
+    /// A fragment's file, with the place of a frame's number. Of an .exr it is one; else a PNG.
+    fn part(&self, (column, row): (u32, u32)) -> PathBuf {
+        let is_exr = Format::from_name(&self.pictures.to_string_lossy()).ok() == Some(Format::Exr);
+        let end = if is_exr { "exr" } else { "png" };
+        let frame = if self.range.is_some() { "%05d-" } else { "" };
+        self.parts().join(format!("{frame}{column}-{row}.{end}"))
+    }
+
+    /// The frames, or the one picture.
+    fn frames(&self) -> Vec<Option<u32>> {
+        match self.range {
+            Some(range) => range.numbers().map(Some).collect(),
+            None => vec![None],
+        }
+    }
+
+    fn cells(&self) -> Vec<(u32, u32)> {
+        let (columns, rows) = self.args.tiles.unwrap_or_default();
+        (0..rows)
+            .flat_map(|row| (0..columns).map(move |column| (column, row)))
+            .collect()
+    }
+
+    /// A render of a frame, or of a sub-camera of it.
+    fn render(&self, frame: Option<u32>, cell: Option<(u32, u32)>) -> Vec<OsString> {
+        let mut words = vec![self.program.clone().into(), "render".into()];
+        words.extend(self.files.iter().map(|file| file.clone().into()));
+        words.extend(self.options.iter().cloned());
+        if let Some(count) = self.args.turntable {
+            words.extend(["--turntable".into(), count.to_string().into()]);
+        }
+        if let Some(frame) = frame {
+            words.extend(["--frames".into(), format!("{frame}..{frame}").into()]);
+        }
+        words.push("-o".into());
+        match (cell, self.args.tiles) {
+            (Some((column, row)), Some((columns, rows))) => {
+                words.push(self.part((column, row)).into());
+                words.extend(["--tiles".into(), format!("{columns}x{rows}").into()]);
+                words.extend(["--sub-camera".into(), format!("{column},{row}").into()]);
+            }
+            _ => words.push(self.pictures.clone().into()),
+        }
+        words
+    }
+
+    /// A line a job.
+    fn jobs(&self) -> Result<Vec<String>, Failure> {
+        let mut jobs = Vec::new();
+        for frame in self.frames() {
+            if self.args.tiles.is_none() {
+                jobs.push(line(&self.render(frame, None))?);
+            }
+            for cell in self.cells() {
+                jobs.push(line(&self.render(frame, Some(cell)))?);
+            }
+        }
+        Ok(jobs)
+    }
+
+    fn verify(&self, picture: &Path) -> Vec<OsString> {
+        let mut words: Vec<OsString> = vec![self.program.clone().into(), "verify".into()];
+        words.push(picture.into());
+        words.extend(self.files.iter().map(|file| file.clone().into()));
+        words.extend(without_camera(&self.options));
+        words
+    }
+
+    /// A line a picture: stitched, where it is in tiles, and verified, where its file can be.
+    fn stitching(&self) -> Result<Vec<String>, Failure> {
+        let format = Format::from_name(&self.pictures.to_string_lossy())?;
+        let can_verify = matches!(format, Format::Png | Format::Exr);
+        let mut lines = Vec::new();
+        for frame in self.frames() {
+            let picture = self.picture(frame);
+            let mut commands = Vec::new();
+            if self.args.tiles.is_some() {
+                let mut words: Vec<OsString> = vec![self.program.clone().into(), "stitch".into()];
+                words.extend(self.cells().into_iter().map(|cell| {
+                    let part = self.part(cell);
+                    let part = frame
+                        .and_then(|frame| frame_path(&part, frame))
+                        .unwrap_or(part);
+                    part.into()
+                }));
+                words.extend(["-o".into(), picture.clone().into()]);
+                commands.push(line(&words)?);
+            }
+            if can_verify {
+                commands.push(line(&self.verify(&picture))?);
+            }
+            if !commands.is_empty() {
+                lines.push(commands.join(" && "));
+            }
+        }
+        Ok(lines)
+    }
+
+    /// What submits the plan to Slurm: an array, and another that waits for all of it.
+    fn slurm(&self, jobs: usize, stitching: usize) -> Result<String, Failure> {
+        let quoted = |suffix: &str| {
+            let mut path = self.path.clone().into_os_string();
+            path.push(suffix);
+            quote(&path)
+        };
+        let run = |suffix: &str, tasks: usize| {
+            Ok::<_, Failure>(format!(
+                "#!/bin/sh\nawk -v i=\"$SLURM_ARRAY_TASK_ID\" 'NR % {tasks} == i % {tasks}' {} | sh -e",
+                quoted(suffix)?
+            ))
+        };
+        let (tasks, last) = (jobs.clamp(1, MOST_TASKS), stitching.min(MOST_TASKS));
+        let log = quoted(".%A-%a.log")?;
+        let mut text = format!(
+            "#!/bin/sh\n\
+             # Submits {jobs} jobs, and the stitching of {stitching} pictures that waits for all of them; options are\n\
+             # given to both. A job that a node took with it is put in the queue again.\n\
+             set -eu\n\
+             jobs=$(sbatch --parsable --requeue --array=1-{tasks} --output={log} \"$@\" <<'JOB'\n{}\nJOB\n)\n\
+             echo \"jobs $jobs\"\n",
+            run("", tasks)?
+        );
+        if last > 0 {
+            text.push_str(&format!(
+                "stitching=$(sbatch --parsable --requeue --dependency=\"afterok:${{jobs%%;*}}\" --kill-on-invalid-dep=yes \\\n    \
+                 --array=1-{last} --output={log} \"$@\" <<'JOB'\n{}\nJOB\n)\n\
+                 echo \"stitching $stitching\"\n",
+                run(".stitch", last)?
+            ));
+        }
+        Ok(text)
+    }
+
+    /// An Indexed Job: pod i runs line i + 1.
+    fn kubernetes(&self, suffix: &str, lines: usize) -> Result<String, Failure> {
+        let mut path = self.path.clone().into_os_string();
+        path.push(suffix);
+        let script = format!(
+            "sed -n \"$((JOB_COMPLETION_INDEX + 1))p\" {} | sh -e",
+            quote(&path)?
+        );
+        // JSON's strings are YAML's, too.
+        let script = serde_json::to_string(&script)
+            .map_err(|error| Failure::could_not(format!("no YAML can be made: {error}")))?;
+        let name = if suffix.is_empty() {
+            "jobs"
+        } else {
+            "stitching"
+        };
+        Ok(format!(
+            "# Fill in the image, which holds the program, and the volume with the plan's folders.\n\
+             apiVersion: batch/v1\n\
+             kind: Job\n\
+             metadata:\n  generateName: raycast-{name}-\n\
+             spec:\n  \
+               completionMode: Indexed\n  \
+               completions: {lines}\n  \
+               parallelism: {}\n  \
+               backoffLimitPerIndex: 3\n  \
+               template:\n    \
+                 spec:\n      \
+                   restartPolicy: Never\n      \
+                   containers:\n        \
+                     - name: raycast\n          \
+                       image: IMAGE\n          \
+                       command: [\"sh\", \"-c\", {script}]\n          \
+                       volumeMounts:\n            \
+                         - name: plan\n              \
+                           mountPath: FOLDER\n      \
+                   volumes:\n        \
+                     - name: plan\n          \
+                       persistentVolumeClaim:\n            \
+                         claimName: CLAIM\n",
+            lines.clamp(1, 64)
+        ))
+    }
+}
+
+/// Options without those that say where the camera is, and without `--resume`.
+fn without_camera(options: &[OsString]) -> Vec<OsString> {
+    let mut kept = Vec::new();
+    let mut words = options.iter();
+    while let Some(word) = words.next() {
+        let text = word.to_string_lossy();
+        if CAMERA.contains(&&*text) {
+            words.next();
+            continue;
+        }
+        let name = text.split('=').next().unwrap_or_default();
+        if !CAMERA.contains(&name) && text != "--resume" {
+            kept.push(word.clone());
+        }
+    }
+    kept
+}
+
+fn lines(lines: &[String]) -> String {
+    lines.iter().map(|line| format!("{line}\n")).collect()
+}
+
+/// A command line for a POSIX shell.
+fn line(words: &[OsString]) -> Result<String, Failure> {
+    let quoted: Result<Vec<_>, _> = words.iter().map(|word| quote(word)).collect();
+    Ok(quoted?.join(" "))
+}
+
+/// A word that a POSIX shell takes as it is.
+fn quote(word: &OsStr) -> Result<String, Failure> {
+    let text = word
+        .to_str()
+        .filter(|text| !text.contains('\n'))
+        .ok_or_else(|| {
+            Failure::usage(format!(
+                "{}: a plan's names are Unicode, and of one line",
+                word.display()
+            ))
+        })?;
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
+    if !text.is_empty() && text.chars().all(is_plain) {
+        return Ok(text.to_owned());
+    }
+    Ok(format!("'{}'", text.replace('\'', "'\\''")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plan(line: &str) -> Result<Vec<String>, Failure> {
+        let words = std::iter::once("raycast").chain(line.split_whitespace());
+        let Some(Command::Plan(args)) = Cli::try_parse_from(words).expect("it parses").command
+        else {
+            panic!("not a plan: {line}");
+        };
+        let plan = Plan::of(&args)?;
+        let mut lines = plan.jobs()?;
+        lines.extend(plan.stitching()?);
+        Ok(lines)
+    }
+
+    #[test]
+    fn a_plan_has_a_line_a_fragment_and_a_line_a_picture() {
+        let lines = plan(
+            "plan /a.obj -o /p --program /r --turntable 3 --tiles 2x1 -- --up-axis z --size 64x48 --mode=flat",
+        );
+        let lines = lines.expect("a plan");
+        assert_eq!(lines.len(), 3 * 2 + 3);
+        assert_eq!(
+            lines[3],
+            "/r render /a.obj --up-axis z --size 64x48 --mode=flat --turntable 3 --frames 1..1 \
+             -o /p.parts/%05d-1-0.png --tiles 2x1 --sub-camera 1,0"
+        );
+        assert_eq!(
+            lines[7],
+            "/r stitch /p.parts/00001-0-0.png /p.parts/00001-1-0.png -o /p-00001.png && \
+             /r verify /p-00001.png /a.obj --up-axis z --mode=flat"
+        );
+        let one = plan("plan /a.obj -o /p --program /r --pictures /x.tif").expect("a plan");
+        assert_eq!(one, ["/r render /a.obj -o /x.tif"]);
+    }
+
+    #[test]
+    fn what_a_render_would_refuse_is_refused_at_once() {
+        for bad in [
+            "plan /a.obj -o /p -- --size 0x3",
+            "plan /a.obj -o /p -- --colour red",
+            "plan /a.obj -o /p -- --tiles 2x2",
+            "plan /a.obj -o /p -- -o x.png",
+            "plan /a.obj -o /p --pictures /x-%05d.png",
+            "plan /a.obj -o /p --frames 0..3 --pictures /x.png",
+            "plan /a.obj -o /p --pictures /x.gif",
+        ] {
+            assert!(matches!(plan(bad), Err(Failure::Usage(_))), "{bad}");
+        }
+    }
+
+    #[test]
+    fn words_are_quoted_as_a_shell_reads_them() {
+        let quoted = |text: &str| quote(OsStr::new(text)).expect("it is Unicode");
+        assert_eq!(quoted("a-b_c.png"), "a-b_c.png");
+        assert_eq!(quoted("it's $HOME"), "'it'\\''s $HOME'");
+        assert_eq!(quoted(""), "''");
+        assert_eq!(quoted("#fff"), "'#fff'");
+        assert!(quote(OsStr::new("two\nlines")).is_err());
+    }
+}

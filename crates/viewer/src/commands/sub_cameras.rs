@@ -1,0 +1,167 @@
+//! The split seen from outside: each sub-camera's frustum around the scene.
+
+use super::Failure;
+use crate::setup;
+use raycast_core::camera::{Camera, Grid, Orbit, Rect};
+use raycast_core::glam::DVec3;
+use raycast_core::render::View;
+use raycast_core::scene::{Bounds, ColorRule, Mesh, MeshData, Object, Scene};
+use std::sync::Arc;
+
+/// The most sub-cameras of which a picture can be made sense.
+const MOST: usize = 4096;
+
+/// By how much a frustum is drawn narrower than it is, on each side, so that neighbours are told apart.
+const SHRUNK: f64 = 0.01;
+
+/// The half width of an edge, as a share of what is in view.
+const EDGE: f64 = 0.0012;
+
+/// How the outside camera stands to the one that it shows, in degrees: to the side, and above.
+const ASIDE: (f64, f64) = (62.0, 24.0);
+
+/// A view of the same scene with the frusta of a camera's sub-cameras, from their eye to the plane of the
+/// camera's target, seen from outside in as many pixels.
+///
+/// # Errors
+/// More sub-cameras than can be drawn; a scene that cannot be put together.
+pub(super) fn from_outside(view: &View, grid: Grid) -> Result<View, Failure> {
+    let camera = view.camera;
+    let plane = camera.plane();
+    let (across, down) = grid.counts(plane.columns, plane.rows);
+    if across as usize * down as usize > MOST {
+        return Err(Failure::usage(format!(
+            "{across}x{down} sub-cameras cannot be told apart: ask for fewer with --tiles or --tile-size"
+        )));
+    }
+    let tiles = grid.tiles(plane.columns, plane.rows);
+    let corners: Vec<[(DVec3, DVec3); 4]> =
+        tiles.iter().map(|&tile| edges(&camera, tile)).collect();
+    let ends = corners.iter().flatten().flat_map(|&(from, to)| [from, to]);
+    let bounds = setup::bounds(&view.scene, &view.accel);
+    let all = Bounds::around(bounds.corners().into_iter().chain(ends));
+    let half_width = EDGE * (all.max - all.min).length();
+    let mut scene = Scene::clone(&view.scene);
+    let lively = ColorRule::PerTriangle { seed: 1 };
+    for (index, corners) in corners.iter().enumerate() {
+        let mut bars = MeshData::default();
+        for i in 0..4 {
+            let ((from, to), (beside, next)) = (corners[i], corners[(i + 1) % 4]);
+            bar(&mut bars, from, to, half_width);
+            bar(&mut bars, to, next, half_width);
+            // Rays that are parallel begin on the image plane.
+            if from != beside {
+                bar(&mut bars, from, beside, half_width);
+            }
+        }
+        let name = format!(
+            "sub-camera {},{}",
+            index as u32 % across,
+            index as u32 / across
+        );
+        let mut object = Object::new(name, Arc::new(Mesh::new(bars)));
+        object.color = lively
+            .color(index as u32)
+            .map_or(lively, ColorRule::Uniform);
+        scene.objects.push(object);
+    }
+    let from = Orbit::from_placement(&camera.placement());
+    let angles = (
+        from.yaw + ASIDE.0,
+        (from.pitch + ASIDE.1).clamp(-80.0, 80.0),
+    );
+    let outside = Camera::fitting(&all, angles, (plane.columns, plane.rows))?;
+    let accel = setup::tree(&scene)?;
+    Ok(View {
+        scene: Arc::new(scene),
+        accel: Arc::new(accel),
+        camera: outside,
+        settings: view.settings,
+    })
+}
+
+/// Where the rays through a tile's corners begin, and where they meet the plane of the camera's target.
+fn edges(camera: &Camera, tile: Rect) -> [(DVec3, DVec3); 4] {
+    let placement = camera.placement();
+    let forward = placement.target - placement.eye;
+    let (width, height) = (f64::from(tile.width), f64::from(tile.height));
+    [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y): (f64, f64)| {
+        let x = f64::from(tile.x) + width * x.clamp(SHRUNK, 1.0 - SHRUNK);
+        let y = f64::from(tile.y) + height * y.clamp(SHRUNK, 1.0 - SHRUNK);
+        let ray = camera.ray(x, y);
+        // A ray of a camera is never along the plane that it looks at.
+        let t = (placement.target - ray.origin).dot(forward) / ray.direction.dot(forward);
+        (ray.origin, ray.origin + ray.direction * t)
+    })
+}
+
+/// Adds a bar of three sides between two points.
+fn bar(mesh: &mut MeshData, from: DVec3, to: DVec3, half_width: f64) {
+    let along = (to - from).normalize_or_zero();
+    let side = along.any_orthonormal_vector() * half_width;
+    let other = along.cross(side);
+    let first = mesh.positions.len() as u32;
+    // An equilateral triangle about each end: sines and cosines of thirds of a turn.
+    let (half, root) = (-0.5, 0.75f64.sqrt());
+    for end in [from, to] {
+        mesh.positions.extend([
+            end + side,
+            end + side * half + other * root,
+            end + side * half - other * root,
+        ]);
+    }
+    for i in 0..3 {
+        let (a, b) = (first + i, first + (i + 1) % 3);
+        mesh.triangles.extend([[a, b, b + 3], [a, b + 3, a + 3]]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raycast_core::camera::{ImagePlane, Placement, Projection};
+
+    #[test]
+    fn a_frustum_reaches_from_the_eye_to_its_tiles_corners_on_the_targets_plane() {
+        let placement = Placement {
+            eye: DVec3::new(0.0, 0.0, 4.0),
+            target: DVec3::ZERO,
+            up: DVec3::Y,
+        };
+        let plane = ImagePlane::new(8, 4, 0.5).expect("a plane");
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let camera = Camera::new(placement, projection, plane);
+            let tile = Rect {
+                x: 4,
+                y: 0,
+                width: 4,
+                height: 2,
+            };
+            let [(from, to), (_, right), ..] = edges(&camera, tile);
+            let shrunk = 4.0 * 0.5 * SHRUNK;
+            assert!(
+                to.distance(DVec3::new(shrunk, 1.0 - shrunk / 2.0, 0.0)) < 1e-12,
+                "{to}"
+            );
+            assert!(
+                right.distance(DVec3::new(2.0 - shrunk, to.y, 0.0)) < 1e-12,
+                "{right}"
+            );
+            match projection {
+                Projection::Perspective => assert_eq!(from, placement.eye),
+                Projection::Orthographic => assert!(from.distance(to + DVec3::Z * 4.0) < 1e-12),
+            }
+        }
+    }
+
+    #[test]
+    fn a_bar_is_a_closed_tube_but_for_its_ends() {
+        let mut mesh = MeshData::default();
+        bar(&mut mesh, DVec3::ZERO, DVec3::new(0.0, 3.0, 0.0), 0.1);
+        assert_eq!((mesh.positions.len(), mesh.triangles.len()), (6, 6));
+        for position in &mesh.positions {
+            let from_axis = DVec3::new(position.x, 0.0, position.z).length();
+            assert!((from_axis - 0.1).abs() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Folders of many files that appear as one.
+
+use super::part_file::{LOCK, PartFile, unfinished};
+use super::place::directory_of;
+use crate::failure::Failure;
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// A folder under way, under a name of its own: gone when dropped, unless [`FolderUnderWay::put`] gives it its
+/// name. What is in it is not synced to the disk file by file.
+#[derive(Debug)]
+pub struct FolderUnderWay {
+    path: PathBuf,
+    place: PathBuf,
+    /// Held locked, so that nobody takes the folder for abandoned.
+    lock: Option<File>,
+}
+
+impl FolderUnderWay {
+    /// A new, empty folder that is to be put at `place`, where nothing is.
+    ///
+    /// # Errors
+    /// Something that is there; a directory that cannot be written.
+    pub fn create(place: &Path) -> Result<Self, Failure> {
+        let cannot = |error: io::Error| {
+            Failure::could_not(format!("{}: cannot be made: {error}", place.display()))
+        };
+        if fs::symlink_metadata(place).is_ok() {
+            return Err(cannot(io::Error::other("it is there already")));
+        }
+        let (path, lock) = PartFile::folder_in(directory_of(place)).map_err(cannot)?;
+        Ok(Self {
+            path,
+            place: place.to_owned(),
+            lock: Some(lock),
+        })
+    }
+
+    /// Where it is now.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Gives it its name.
+    ///
+    /// # Errors
+    /// Something that is there by now.
+    pub fn put(mut self) -> Result<(), Failure> {
+        let mut paths = unfinished();
+        let put = fs::remove_file(self.path.join(LOCK))
+            .and_then(|()| fs::rename(&self.path, &self.place));
+        put.map_err(|error| {
+            Failure::could_not(format!("{}: cannot be made: {error}", self.place.display()))
+        })?;
+        self.lock = None;
+        paths.retain(|path| *path != self.path);
+        Ok(())
+    }
+}
+
+impl Drop for FolderUnderWay {
+    fn drop(&mut self) {
+        if self.lock.is_some() {
+            let mut paths = unfinished();
+            // Nobody is there to be told; it is then as after a power cut.
+            let _ = fs::remove_dir_all(&self.path);
+            paths.retain(|path| *path != self.path);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::part_file::sweep;
+    use super::*;
+
+    #[test]
+    fn a_folder_appears_as_one_or_not_at_all() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let place = folder.path().join("tiles");
+        let count = || fs::read_dir(folder.path()).map_or(0, Iterator::count);
+        let made = FolderUnderWay::create(&place).expect("a folder");
+        fs::write(made.path().join("a"), b"1").expect("written");
+        sweep(folder.path());
+        assert!(count() == 1 && !place.exists());
+        drop(made);
+        assert_eq!(count(), 0);
+        let made = FolderUnderWay::create(&place).expect("a folder");
+        fs::write(made.path().join("a"), b"1").expect("written");
+        made.put().expect("put");
+        assert_eq!(fs::read_dir(&place).map_or(0, Iterator::count), 1);
+        assert!(FolderUnderWay::create(&place).is_err());
+        // Of a process that is gone.
+        let abandoned = folder.path().join(".raycast-1-0.part");
+        fs::create_dir(&abandoned).expect("a folder");
+        sweep(folder.path());
+        assert!(abandoned.exists(), "somebody's own");
+        fs::write(abandoned.join(LOCK), b"").expect("written");
+        fs::write(abandoned.join("tile"), b"half").expect("written");
+        sweep(folder.path());
+        assert!(!abandoned.exists());
+    }
+}

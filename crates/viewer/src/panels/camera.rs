@@ -1,0 +1,58 @@
+//! Where the camera is, in numbers, and views that are kept.
+
+use super::Commands;
+use super::transform::three;
+use super::widgets::section;
+use crate::state::State;
+use crate::state::command::Command;
+use crate::ui::registry::action;
+use egui::{Button, Ui, vec2};
+
+pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
+    if state.document.is_none() {
+        return;
+    }
+    section(ui, "Camera", false, |ui| {
+        let placement = state.viewpoint.placement();
+        let speed = state.viewpoint.orbit.distance * 2e-3;
+        let (eye, target) = (placement.eye, placement.target);
+        let hint = "Where the camera stands, in scene units";
+        if let Some((_, eye)) = three(ui, ("Eye", hint), eye, speed, None, "") {
+            out.push(Command::SetPlacement { eye, target });
+        }
+        let hint = "What it looks at and turns about, in scene units";
+        if let Some((_, target)) = three(ui, ("Target", hint), target, speed, None, "") {
+            out.push(Command::SetPlacement { eye, target });
+        }
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 3.0;
+            for id in ["view.bookmark", "view.copy"] {
+                let action = action(id);
+                let response = ui.add(Button::new(action.name).small());
+                if response.on_hover_text(action.hint()).clicked() {
+                    out.push((action.command)(state));
+                }
+            }
+            ui.weak("Ctrl+V pastes one");
+        });
+        for (number, view) in state.bookmarks.iter().enumerate() {
+            ui.horizontal(|ui| {
+                let name = format!("View {}", number + 1);
+                let width = ui.available_width() - 30.0;
+                let button = Button::new(&name)
+                    .selected(*view == state.viewpoint)
+                    .min_size(vec2(width, 0.0));
+                if ui.add(button).on_hover_text("Go to this view").clicked() {
+                    out.push(Command::GoToBookmark(number));
+                }
+                let remove = ui.add(Button::new("×").small());
+                remove.widget_info(|| {
+                    egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Forget {name}"))
+                });
+                if remove.on_hover_text("Forget it").clicked() {
+                    out.push(Command::RemoveBookmark(number));
+                }
+            });
+        }
+    });
+}

@@ -1,0 +1,190 @@
+//! Measurements and faults of meshes, drawn over the picture.
+
+use super::highlight::{before, line};
+use super::measure::text;
+use crate::state::State;
+use crate::state::measure::{Circle, Kind, Measurement};
+use crate::ui::theme;
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, vec2};
+use raycast_core::camera::Camera;
+use raycast_core::glam::DVec3;
+use raycast_core::math;
+
+/// The most faults of a kind that are drawn: more would hide the mesh, and take longer than a frame has.
+const MOST_FAULTS: usize = 1000;
+/// Sides of the polygon that a circle is drawn as.
+const SIDES: u32 = 64;
+
+/// Where lines and points are drawn, and how a place of the scene gets there.
+struct Pen<'a, P> {
+    painter: &'a Painter,
+    camera: &'a Camera,
+    place: P,
+}
+
+impl<P: Fn((f64, f64)) -> Pos2> Pen<'_, P> {
+    fn at(&self, point: DVec3) -> Option<Pos2> {
+        let seen = before(self.camera, &[point]);
+        let at = self.camera.project(*seen.first()?)?;
+        Some((self.place)(at))
+    }
+
+    fn line(&self, ends: [DVec3; 2], color: Color32, width: f32) {
+        line(self.painter, self.camera, ends, &self.place, color, width);
+    }
+
+    fn dot(&self, point: DVec3, color: Color32, radius: f32) {
+        if let Some(at) = self.at(point) {
+            let around = Stroke::new(1.0, Color32::BLACK);
+            self.painter.circle(at, radius, color, around);
+        }
+    }
+
+    /// Words on a dark ground, which are read on any picture.
+    fn label(&self, point: DVec3, words: String) {
+        let Some(at) = self.at(point) else {
+            return;
+        };
+        let font = FontId::proportional(13.0);
+        let words = self.painter.layout_no_wrap(words, font, Color32::WHITE);
+        let rect = Rect::from_center_size(at - vec2(0.0, 14.0), words.size() + vec2(10.0, 4.0));
+        self.painter
+            .rect_filled(rect, 4.0, Color32::from_black_alpha(190));
+        let corner = Align2::CENTER_CENTER
+            .align_size_within_rect(words.size(), rect)
+            .min;
+        self.painter.galley(corner, words, Color32::WHITE);
+    }
+}
+
+/// Draws them. `place` maps a point of the picture to the window.
+pub(super) fn show(painter: &Painter, state: &State, place: impl Fn((f64, f64)) -> Pos2) {
+    let Some(camera) = &state.camera() else {
+        return;
+    };
+    let pen = Pen {
+        painter,
+        camera,
+        place,
+    };
+    faults(&pen, state);
+    let accent = theme::of(&egui::Visuals::dark()).accent;
+    for measurement in &state.measuring.list {
+        measured(&pen, measurement, accent);
+    }
+    under_way(&pen, state);
+}
+
+fn measured<P: Fn((f64, f64)) -> Pos2>(pen: &Pen<'_, P>, of: &Measurement, color: Color32) {
+    let points = &of.points;
+    if let Some(circle) = of.circle() {
+        round(pen, &circle, color);
+        pen.line([circle.center, points[0]], color.gamma_multiply(0.7), 1.0);
+        pen.dot(circle.center, color, 2.5);
+    } else {
+        for ends in points.windows(2) {
+            pen.line([ends[0], ends[1]], color, 1.5);
+        }
+    }
+    for &point in points {
+        pen.dot(point, Color32::WHITE, 3.0);
+    }
+    let middle = match (of.kind, &points[..]) {
+        (Kind::Angle, [_, corner, _]) => Some(*corner),
+        (Kind::Radius, _) => of.circle().map(|circle| circle.center),
+        (_, [a, b]) => Some((*a + *b) * 0.5),
+        (_, points) => points.last().copied(),
+    };
+    if let Some(middle) = middle.or(points.first().copied()) {
+        pen.label(middle, text(of));
+    }
+}
+
+fn round<P: Fn((f64, f64)) -> Pos2>(pen: &Pen<'_, P>, circle: &Circle, color: Color32) {
+    let across = circle.normal.any_orthonormal_vector() * circle.radius;
+    let along = circle.normal.cross(across);
+    let at = |side: u32| {
+        let (sin, cos) = math::sin_cos(f64::from(side) * std::f64::consts::TAU / f64::from(SIDES));
+        circle.center + across * cos + along * sin
+    };
+    for side in 0..SIDES {
+        pen.line([at(side), at(side + 1)], color, 1.5);
+    }
+}
+
+/// What is being measured: the points so far, and what a click would take next.
+fn under_way<P: Fn((f64, f64)) -> Pos2>(pen: &Pen<'_, P>, state: &State) {
+    let measuring = &state.measuring;
+    let Some(kind) = measuring.tool else {
+        return;
+    };
+    let color = Color32::from_rgb(0xff, 0xc8, 0x3d);
+    for ends in measuring.points.windows(2) {
+        pen.line([ends[0], ends[1]], color, 1.5);
+    }
+    for &point in &measuring.points {
+        pen.dot(point, color, 3.5);
+    }
+    let Some(target) = state.hover.and_then(|(x, y)| state.target(x, y)) else {
+        return;
+    };
+    if let Some(&last) = measuring.points.last() {
+        pen.line([last, target.point], color.gamma_multiply(0.8), 1.0);
+        let mut points = measuring.points.clone();
+        points.push(target.point);
+        let so_far = Measurement { kind, points };
+        if so_far.value().is_some() {
+            pen.label(target.point, text(&so_far));
+        }
+    }
+    if let Some(at) = pen.at(target.point) {
+        let radius = if target.is_vertex { 6.0 } else { 3.0 };
+        pen.painter
+            .circle_stroke(at, radius, Stroke::new(3.0, Color32::from_black_alpha(120)));
+        pen.painter
+            .circle_stroke(at, radius, Stroke::new(1.5, color));
+    }
+}
+
+/// All faults of the kind that is looked at, and the one among them.
+fn faults<P: Fn((f64, f64)) -> Pos2>(pen: &Pen<'_, P>, state: &State) {
+    let Some((shown, document)) = state.inspection.shown.zip(state.document.as_ref()) else {
+        return;
+    };
+    let scene = &document.scene;
+    let checked = state.inspection.of(scene, shown.object);
+    let world_from_objects = scene.world_from_objects().unwrap_or_default();
+    let (Some(checked), Some(world_from_object)) = (checked, world_from_objects.get(shown.object))
+    else {
+        return;
+    };
+    let count = shown.fault.count(&checked.health);
+    // The one that is looked at comes last, over the others.
+    let others = (0..count.min(MOST_FAULTS)).filter(|index| *index != shown.index);
+    for index in others.chain([shown.index]) {
+        let (color, width) = match index == shown.index {
+            true => (Color32::from_rgb(0xff, 0xe0, 0x4a), 3.0),
+            false => (Color32::from_rgb(0xff, 0x52, 0x52), 1.5),
+        };
+        let corners = checked.corners(shown.fault, index);
+        let corners: Vec<DVec3> = corners
+            .into_iter()
+            .map(|corner| world_from_object.transform_point3(corner))
+            .collect();
+        match corners[..] {
+            [point] => pen.dot(point, color, 1.5 + width),
+            [a, b] => pen.line([a, b], color, width),
+            [a, b, c] => [[a, b], [b, c], [c, a]]
+                .into_iter()
+                .for_each(|ends| pen.line(ends, color, width)),
+            _ => {}
+        }
+    }
+    if count > MOST_FAULTS {
+        let corner = pen.painter.clip_rect().left_bottom() + vec2(10.0, -10.0);
+        let words = format!("{MOST_FAULTS} of {count} are drawn");
+        let font = FontId::proportional(12.0);
+        pen.painter
+            .text(corner, Align2::LEFT_BOTTOM, words, font, Color32::WHITE);
+    }
+}

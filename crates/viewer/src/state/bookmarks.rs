@@ -1,0 +1,72 @@
+//! Views that are kept, and cameras as text.
+
+use super::State;
+use super::effect::Effect;
+use super::navigate;
+use super::viewpoint::Viewpoint;
+use crate::cli::{camera_of, camera_options};
+
+/// Keeps the view.
+pub(super) fn add(state: &mut State) {
+    let view = navigate::destination(state);
+    if state.document.is_some() && !state.bookmarks.contains(&view) {
+        state.bookmarks.push(view);
+        keep(state);
+        let count = state.bookmarks.len();
+        state.tell(format!("Kept as View {count}"));
+    }
+}
+
+/// Goes to a view that was kept.
+pub(super) fn go(state: &mut State, number: usize) {
+    if let Some(view) = state.bookmarks.get(number) {
+        navigate::go(state, *view);
+    }
+}
+
+/// Forgets a view.
+pub(super) fn remove(state: &mut State, number: usize) {
+    if number < state.bookmarks.len() {
+        state.bookmarks.remove(number);
+        keep(state);
+    }
+}
+
+/// Remembers the views for when the file is opened again.
+fn keep(state: &mut State) {
+    if let Some([file]) = state.document.as_ref().map(|document| &document.paths[..]) {
+        let views = state
+            .bookmarks
+            .iter()
+            .map(|view| camera_options(&view.to_file()));
+        state.preferences.keep_views(file, views.collect());
+    }
+}
+
+/// The views that are remembered for the scene that was opened.
+pub(super) fn recall(state: &mut State) {
+    state.bookmarks = match state.document.as_ref().map(|document| &document.paths[..]) {
+        Some([file]) => {
+            let views = state.preferences.views_of(file).iter();
+            views
+                .filter_map(|text| Some(Viewpoint::of(&camera_of(text)?)))
+                .collect()
+        }
+        _ => Vec::new(),
+    };
+}
+
+/// Copies the camera as options of the command line.
+pub(super) fn copy(state: &mut State) -> Option<Effect> {
+    let text = camera_options(&navigate::destination(state).to_file());
+    state.tell("Copied the camera: Ctrl+V brings it back, and raycast render takes it");
+    Some(Effect::Copy(text))
+}
+
+/// Goes where a text says, if it says a camera.
+pub(super) fn paste(state: &mut State, text: &str) {
+    match camera_of(text) {
+        Some(camera) => navigate::go(state, Viewpoint::of(&camera)),
+        None => state.tell("What is on the clipboard is no camera (--eye X,Y,Z --target X,Y,Z …)"),
+    }
+}

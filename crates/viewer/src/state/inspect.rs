@@ -1,0 +1,49 @@
+//! Looking meshes over, and at what is wrong with them.
+
+use super::State;
+use super::effect::Effect;
+use super::inspection::Shown;
+use super::navigate;
+use raycast_core::glam::DVec3;
+use raycast_core::math;
+use raycast_core::scene::Bounds;
+
+/// How many times as high as a fault the picture is that shows it: so that it is seen what is around.
+const AROUND: f64 = 12.0;
+
+/// Looks the marked object over, or all if none is.
+pub(super) fn check(state: &mut State) -> Option<Effect> {
+    let count = state.document.as_ref()?.scene.objects.len();
+    let which: Vec<usize> = match state.selected {
+        Some(marked) => vec![marked],
+        None => (0..count).collect(),
+    };
+    state.inspection.shown = None;
+    (!which.is_empty()).then_some(Effect::Check(which))
+}
+
+/// Lights a fault up and brings it into view.
+pub(super) fn show(state: &mut State, shown: Option<Shown>) {
+    state.inspection.shown = shown;
+    let Some((middle, size)) = shown.and_then(|shown| around(state, shown)) else {
+        return;
+    };
+    let mut to = navigate::destination(state);
+    let slope = math::tan(to.fov.to_radians() * 0.5);
+    // No nearer than zooming goes, and no further than one is.
+    let nearest = state.extent() * 1e-4;
+    let distance = (size.max(nearest) * AROUND / (2.0 * slope)).min(to.orbit.distance);
+    to.orbit.pivot = middle;
+    to.orbit.distance = distance;
+    navigate::go(state, to);
+}
+
+/// The middle of a fault in the scene, and how large it is.
+fn around(state: &State, shown: Shown) -> Option<(DVec3, f64)> {
+    let scene = &state.document.as_ref()?.scene;
+    let checked = state.inspection.of(scene, shown.object)?;
+    let world_from_object = *scene.world_from_objects().ok()?.get(shown.object)?;
+    let corners = checked.corners(shown.fault, shown.index).into_iter();
+    let bounds = Bounds::around(corners.map(|corner| world_from_object.transform_point3(corner)));
+    (!bounds.is_empty()).then(|| (bounds.center(), bounds.size().length()))
+}

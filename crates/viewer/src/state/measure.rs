@@ -1,0 +1,299 @@
+//! Distances, angles and radii between points of the scene.
+
+use super::State;
+use super::pick::Pick;
+use raycast_core::glam::DVec3;
+use raycast_core::math;
+
+/// How near to the cursor, in pixels of the window, a vertex must be for a point to snap to it.
+const SNAP: f64 = 12.0;
+
+/// What is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// From a point to another.
+    Distance,
+    /// At the second of three points.
+    Angle,
+    /// Along points, one after another.
+    Path,
+    /// The radius of the circle through three points.
+    Radius,
+}
+
+impl Kind {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Distance, Self::Angle, Self::Path, Self::Radius];
+
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Distance => "Distance",
+            Self::Angle => "Angle",
+            Self::Path => "Path",
+            Self::Radius => "Radius",
+        }
+    }
+
+    /// How many points it takes; a path takes as many as there are.
+    pub fn points(self) -> Option<usize> {
+        match self {
+            Self::Distance => Some(2),
+            Self::Angle | Self::Radius => Some(3),
+            Self::Path => None,
+        }
+    }
+
+    /// What is to be clicked.
+    pub fn hint(self) -> &'static str {
+        match self {
+            Self::Distance => "Click two points",
+            Self::Angle => "Click three points: the angle is at the second",
+            Self::Path => "Click points; Enter or a double-click ends the path",
+            Self::Radius => "Click three points of the circle",
+        }
+    }
+}
+
+/// What was measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// What it is.
+    pub kind: Kind,
+    /// Between these points of the scene.
+    pub points: Vec<DVec3>,
+}
+
+/// A circle in space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Circle {
+    /// Its middle.
+    pub center: DVec3,
+    /// From there, in scene units.
+    pub radius: f64,
+    /// The unit vector that it turns about.
+    pub normal: DVec3,
+}
+
+impl Measurement {
+    /// A length in scene units, or an angle in degrees from 0 to 180. `None` where there is none: an angle
+    /// with an arm of no length, a circle through points on a line.
+    pub fn value(&self) -> Option<f64> {
+        match (self.kind, &self.points[..]) {
+            (Kind::Distance | Kind::Path, points) => {
+                let lengths = points.windows(2).map(|ends| ends[0].distance(ends[1]));
+                Some(lengths.sum())
+            }
+            (Kind::Angle, &[a, b, c]) => {
+                let (u, v) = (a - b, c - b);
+                // Well-conditioned at all angles, where the arc cosine is not (Kahan, "How Futile are
+                // Mindless Assessments of Roundoff in Floating-Point Computation?", 2006).
+                let angle = math::atan2(u.cross(v).length(), u.dot(v)).to_degrees();
+                (u != DVec3::ZERO && v != DVec3::ZERO).then_some(angle)
+            }
+            (Kind::Radius, _) => self.circle().map(|circle| circle.radius),
+            _ => None,
+        }
+    }
+
+    /// The circle through three points; `None` where they are on a line.
+    pub fn circle(&self) -> Option<Circle> {
+        let (Kind::Radius, &[a, b, c]) = (self.kind, &self.points[..]) else {
+            return None;
+        };
+        let (u, v) = (b - a, c - a);
+        let normal = u.cross(v);
+        let square = normal.length_squared();
+        let from_a = (normal.cross(u) * v.length_squared() + v.cross(normal) * u.length_squared())
+            / (2.0 * square);
+        let circle = Circle {
+            center: a + from_a,
+            radius: from_a.length(),
+            normal: normal.normalize_or_zero(),
+        };
+        (square.is_normal() && from_a.is_finite()).then_some(circle)
+    }
+}
+
+/// What is being measured, and what was.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measuring {
+    /// What clicks measure; nothing, if they pick.
+    pub tool: Option<Kind>,
+    /// The points that were clicked so far.
+    pub points: Vec<DVec3>,
+    /// Whether points snap to vertices.
+    pub snaps: bool,
+    /// What was measured, oldest first.
+    pub list: Vec<Measurement>,
+}
+
+impl Default for Measuring {
+    fn default() -> Self {
+        Self {
+            tool: None,
+            points: Vec::new(),
+            snaps: true,
+            list: Vec::new(),
+        }
+    }
+}
+
+impl Measuring {
+    /// All that was measured as comma-separated values, a measurement a line, numbers with all their digits.
+    pub fn csv(&self) -> String {
+        let mut text = "number,kind,value,unit,points\n".to_owned();
+        for (number, measurement) in (1..).zip(&self.list) {
+            let value = measurement.value();
+            let value = value.map_or_else(String::new, |value| value.to_string());
+            let unit = match measurement.kind {
+                Kind::Angle => "degrees",
+                _ => "scene units",
+            };
+            let points: Vec<_> = measurement
+                .points
+                .iter()
+                .map(|p| format!("{} {} {}", p.x, p.y, p.z))
+                .collect();
+            let (kind, points) = (measurement.kind.name(), points.join("; "));
+            text.push_str(&format!("{number},{kind},{value},{unit},{points}\n"));
+        }
+        text
+    }
+
+    /// Ends a path that has a length.
+    pub(super) fn end_path(&mut self) {
+        if self.tool == Some(Kind::Path) && self.points.len() > 1 {
+            self.finish(Kind::Path);
+        }
+    }
+
+    fn finish(&mut self, kind: Kind) {
+        let points = std::mem::take(&mut self.points);
+        self.list.push(Measurement { kind, points });
+    }
+
+    /// Takes a point; with the last the measurement is done, and the next begins.
+    pub(super) fn add(&mut self, point: DVec3) {
+        // A double-click on a place is no way.
+        if self.points.last() == Some(&point) {
+            return;
+        }
+        self.points.push(point);
+        if let Some(kind) = self.tool
+            && kind.points() == Some(self.points.len())
+        {
+            self.finish(kind);
+        }
+    }
+}
+
+/// A point that a click would take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    /// In world space.
+    pub point: DVec3,
+    /// Whether it is a vertex that is snapped to.
+    pub is_vertex: bool,
+}
+
+impl State {
+    /// The point that a click at (x, y) of the picture would take: a vertex of the triangle there, if one is
+    /// near enough and points snap, else the hit itself.
+    pub fn target(&self, x: f64, y: f64) -> Option<Target> {
+        let pick = self.pick(x, y)?;
+        let hit = Target {
+            point: pick.point,
+            is_vertex: false,
+        };
+        if !self.measuring.snaps {
+            return Some(hit);
+        }
+        let camera = self.camera()?;
+        let reach = SNAP * f64::from(self.size().0) / f64::from(self.viewport.0.max(1));
+        let near = self.corners_of(pick)?.into_iter().filter_map(|corner| {
+            let (cx, cy) = camera.project(corner)?;
+            let square = (cx - x) * (cx - x) + (cy - y) * (cy - y);
+            (square <= reach * reach).then_some((square, corner))
+        });
+        let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0));
+        Some(nearest.map_or(hit, |(_, point)| Target {
+            point,
+            is_vertex: true,
+        }))
+    }
+
+    fn corners_of(&self, pick: Pick) -> Option<[DVec3; 3]> {
+        let scene = &self.document.as_ref()?.built;
+        let number = pick.hit.object as usize;
+        let object = scene.objects.get(number)?;
+        let world_from_object = *scene.world_from_objects().ok()?.get(number)?;
+        let corners = object.mesh.corners(pick.hit.triangle)?;
+        Some(corners.map(|corner| {
+            world_from_object.transform_point3(object.mesh.offset() + corner.as_dvec3())
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(kind: Kind, points: &[[f64; 3]]) -> Option<f64> {
+        let points = points.iter().map(|p| DVec3::from_array(*p)).collect();
+        Measurement { kind, points }.value()
+    }
+
+    #[test]
+    fn lengths_angles_and_radii_are_those_of_geometry() {
+        assert_eq!(value(Kind::Distance, &[[0.; 3], [3., 4., 0.]]), Some(5.0));
+        let path = [[0.; 3], [1., 0., 0.], [1., 2., 0.], [1., 2., 4.]];
+        assert_eq!(value(Kind::Path, &path), Some(7.0));
+        let right = [[1., 0., 0.], [0.; 3], [0., 0., 7.]];
+        assert_eq!(value(Kind::Angle, &right), Some(90.0));
+        // An angle of 1e-8 radians, of which an arc cosine would know nothing.
+        let narrow = value(Kind::Angle, &[[1., 0., 0.], [0.; 3], [1., 1e-8, 0.]]);
+        assert!((narrow.expect("an angle").to_radians() / 1e-8 - 1.0).abs() < 1e-12);
+        assert_eq!(
+            value(Kind::Angle, &[[1., 0., 0.], [1., 0., 0.], [0.; 3]]),
+            None
+        );
+        let circle = [[13., 0., 5.], [10., 3., 5.], [7., 0., 5.]];
+        let radius = value(Kind::Radius, &circle).expect("a circle");
+        assert!((radius - 3.0).abs() < 1e-14);
+        let points = circle.map(DVec3::from_array).to_vec();
+        let circle = Measurement {
+            kind: Kind::Radius,
+            points,
+        }
+        .circle()
+        .expect("one");
+        assert!(circle.center.distance(DVec3::new(10., 0., 5.)) < 1e-14);
+        assert!(circle.normal.distance(DVec3::Z) < 1e-15);
+        let line = [[0.; 3], [1., 1., 1.], [2., 2., 2.]];
+        assert_eq!(value(Kind::Radius, &line), None);
+    }
+
+    #[test]
+    fn points_make_measurements_one_after_another() {
+        let mut measuring = Measuring {
+            tool: Some(Kind::Distance),
+            ..Measuring::default()
+        };
+        for point in [DVec3::ZERO, DVec3::ZERO, DVec3::X, DVec3::Y] {
+            measuring.add(point);
+        }
+        assert_eq!(measuring.list.len(), 1, "the same place twice is one point");
+        assert_eq!(measuring.points, [DVec3::Y], "the next has begun");
+        measuring.tool = Some(Kind::Path);
+        measuring.end_path();
+        assert_eq!(measuring.list.len(), 1, "one point is no path");
+        measuring.add(DVec3::new(0.1, 1.0, 0.0));
+        measuring.end_path();
+        assert_eq!(
+            measuring.csv(),
+            "number,kind,value,unit,points\n1,Distance,1,scene units,0 0 0; 1 0 0\n\
+             2,Path,0.1,scene units,0 1 0; 0.1 1 0\n"
+        );
+    }
+}

@@ -1,0 +1,315 @@
+//! Tests of files, questions and messages.
+
+use super::*;
+
+#[test]
+fn a_bad_file_leaves_everything_as_it_was() {
+    let mut state = State::default();
+    let before = (state.viewpoint.orbit, state.settings, state.plane());
+    let news = || News::Failed("bad.obj:3: expected a number, found \"x\"".to_owned());
+    receive(&mut state, news(), Duration::ZERO);
+    receive(&mut state, news(), Duration::ZERO);
+    assert_eq!(
+        (state.viewpoint.orbit, state.settings, state.plane()),
+        before
+    );
+    assert_eq!(state.errors.len(), 1, "the same error twice is one banner");
+    update(&mut state, Command::Dismiss);
+    assert!(state.errors.is_empty());
+}
+
+#[test]
+fn the_path_line_outlives_a_desktop_without_dialogs() {
+    let mut state = State::default();
+    let effect = update(&mut state, Command::Ask(PromptKind::Open));
+    assert_eq!(effect, Some(Effect::Dialog(PromptKind::Open)));
+    let news = News::Dialog(PromptKind::Open, DialogAnswer::Unavailable);
+    receive(&mut state, news, Duration::ZERO);
+    assert!(state.prompt.as_ref().is_some_and(|prompt| !prompt.dialog));
+    update(&mut state, Command::TypePath(" mesh.obj ".to_owned()));
+    let effect = update(&mut state, Command::ConfirmPath);
+    assert_eq!(
+        effect,
+        Some(Effect::Open(vec![PathBuf::from("mesh.obj")], Keep::Nothing))
+    );
+    assert!(state.prompt.is_none());
+}
+
+#[test]
+fn a_dialogs_answer_counts_only_while_it_is_awaited() {
+    let mut state = State::default();
+    let path = PathBuf::from("mesh.obj");
+    let answer = || News::Dialog(PromptKind::Open, DialogAnswer::Paths(vec![path.clone()]));
+    assert_eq!(receive(&mut state, answer(), Duration::ZERO), None);
+    update(&mut state, Command::Ask(PromptKind::Open));
+    assert_eq!(
+        receive(&mut state, answer(), Duration::ZERO),
+        Some(Effect::Open(vec![path.clone()], Keep::Nothing))
+    );
+}
+
+#[test]
+fn a_picture_needs_a_name_that_says_its_kind() {
+    let mut state = opened(1);
+    update(&mut state, Command::Ask(PromptKind::Picture));
+    update(&mut state, Command::TypePath("picture.doc".to_owned()));
+    assert_eq!(update(&mut state, Command::ConfirmPath), None);
+    assert!(state.prompt.is_some() && state.errors.len() == 1);
+    update(&mut state, Command::TypePath("picture.PNG".to_owned()));
+    assert_eq!(
+        update(&mut state, Command::ConfirmPath),
+        Some(Effect::SavePicture {
+            path: PathBuf::from("picture.PNG"),
+            replace: false
+        })
+    );
+}
+
+#[test]
+fn a_file_is_replaced_when_the_person_says_so() {
+    let mut state = opened(1);
+    let path = PathBuf::from("picture.png");
+    let ask = |state: &mut State| {
+        let replacing = Replacing {
+            path: path.clone(),
+            by: PromptKind::Picture,
+        };
+        let news = News::Taken(replacing.clone());
+        assert_eq!(receive(state, news, Duration::ZERO), None);
+        assert_eq!(state.replacing.as_ref(), Some(&replacing));
+    };
+    let replaced = || Effect::SavePicture {
+        path: path.clone(),
+        replace: true,
+    };
+    ask(&mut state);
+    update(&mut state, Command::Dismiss);
+    assert_eq!(state.replacing, None);
+    ask(&mut state);
+    assert_eq!(update(&mut state, Command::Replace), Some(replaced()));
+    assert_eq!(state.replacing, None);
+
+    // The desktop's dialog has asked already.
+    update(&mut state, Command::Ask(PromptKind::Picture));
+    let answer = DialogAnswer::Paths(vec![path.clone()]);
+    let news = News::Dialog(PromptKind::Picture, answer);
+    assert_eq!(receive(&mut state, news, Duration::ZERO), Some(replaced()));
+}
+
+#[test]
+fn escape_closes_the_topmost_first() {
+    let mut state = State::default();
+    state.errors.push("an error".to_owned());
+    do_all(
+        &mut state,
+        [Command::Ask(PromptKind::Open), Command::ToggleHelp],
+    );
+    update(&mut state, Command::Dismiss);
+    assert!(!state.help && state.prompt.is_some());
+    update(&mut state, Command::Dismiss);
+    assert!(state.prompt.is_none() && state.errors.len() == 1);
+    update(&mut state, Command::Dismiss);
+    assert!(state.errors.is_empty());
+}
+
+#[test]
+fn toasts_go_after_a_while() {
+    let mut state = State::default();
+    receive(
+        &mut state,
+        News::PictureSaved("a.png".into()),
+        Duration::from_secs(1),
+    );
+    assert!(expire_toasts(&mut state, Duration::from_secs(3)).is_some());
+    assert_eq!(state.toasts.len(), 1);
+    assert_eq!(expire_toasts(&mut state, Duration::from_secs(7)), None);
+    assert!(state.toasts.is_empty());
+}
+
+#[test]
+fn unsaved_changes_are_asked_for_before_they_are_lost() {
+    let mut state = opened(1);
+    let other = || Command::Open(vec!["other.obj".into()]);
+    let opens = || Some(Effect::Open(vec!["other.obj".into()], Keep::Nothing));
+    assert_eq!(update(&mut state, other()), opens(), "nothing was changed");
+    update(&mut state, Command::Rename(0, "lid".to_owned()));
+    assert_eq!(update(&mut state, other()), None);
+    assert_eq!(
+        state.question,
+        Some(Pending::Open(vec!["other.obj".into()]))
+    );
+    update(&mut state, Command::Answer(Answer::Stay));
+    assert_eq!(state.question, None);
+
+    update(&mut state, other());
+    assert_eq!(
+        update(&mut state, Command::Answer(Answer::Discard)),
+        opens()
+    );
+
+    // Saved first: the scene has no file yet, so one is asked for.
+    assert_eq!(update(&mut state, Command::Close), None);
+    let asks = Some(Effect::Dialog(PromptKind::Scene));
+    assert_eq!(update(&mut state, Command::Answer(Answer::Save)), asks);
+    update(&mut state, Command::TypePath("lid".to_owned()));
+    let path = PathBuf::from("lid.raycast.toml");
+    let saves = Effect::SaveScene {
+        path: path.clone(),
+        replace: false,
+    };
+    assert_eq!(update(&mut state, Command::ConfirmPath), Some(saves));
+    let news = News::SceneSaved(path.clone(), state.history.revision());
+    assert_eq!(
+        receive(&mut state, news, Duration::ZERO),
+        Some(Effect::Close)
+    );
+    assert!(!state.has_unsaved());
+    assert_eq!(document(&state).file, Some(path.clone()));
+
+    // From now on it has a file, which is its own to write over.
+    update(&mut state, Command::Rename(0, "cap".to_owned()));
+    let saves = Effect::SaveScene {
+        path,
+        replace: true,
+    };
+    assert_eq!(update(&mut state, Command::SaveScene), Some(saves));
+}
+
+#[test]
+fn what_was_changed_while_it_was_saved_is_not_saved() {
+    let mut state = opened(1);
+    update(&mut state, Command::Rename(0, "lid".to_owned()));
+    let revision = state.history.revision();
+    update(&mut state, Command::Rename(0, "cap".to_owned()));
+    receive(
+        &mut state,
+        News::SceneSaved("a.raycast.toml".into(), revision),
+        Duration::ZERO,
+    );
+    assert!(state.has_unsaved());
+    update(&mut state, Command::Undo);
+    assert!(!state.has_unsaved());
+}
+
+#[test]
+fn a_wrong_path_can_be_mended() {
+    let mut state = opened(1);
+    update(&mut state, Command::Ask(PromptKind::Open));
+    update(&mut state, Command::TypePath("mehs.obj".to_owned()));
+    assert!(update(&mut state, Command::ConfirmPath).is_some());
+    assert!(state.prompt.is_none());
+    receive(
+        &mut state,
+        News::NotOpened("mehs.obj: no such file".to_owned()),
+        Duration::ZERO,
+    );
+    assert_eq!(
+        state.prompt.as_ref().map(|prompt| prompt.text.as_str()),
+        Some("mehs.obj")
+    );
+    assert_eq!(state.errors.len(), 1);
+    assert!(state.document.is_some(), "what was open stays");
+
+    // One that was dropped on the window is not what was typed.
+    update(&mut state, Command::ConfirmPath);
+    update(&mut state, Command::Open(vec!["dropped.obj".into()]));
+    receive(
+        &mut state,
+        News::NotOpened("dropped.obj: no such file".to_owned()),
+        Duration::ZERO,
+    );
+    assert_eq!(state.prompt, None);
+}
+
+#[test]
+fn files_come_beside_what_is_open_and_undo_takes_them_away() {
+    let mut state = opened(2);
+    update(&mut state, Command::Ask(PromptKind::Open));
+    update(&mut state, Command::SetAdding(true));
+    update(&mut state, Command::TypePath("more.obj".to_owned()));
+    let added = update(&mut state, Command::ConfirmPath);
+    assert_eq!(added, Some(Effect::Add(vec!["more.obj".into()])));
+    let mut child = document(&state).scene.objects[0].clone();
+    child.parent = Some(0);
+    let news = News::Added {
+        objects: vec![document(&state).scene.objects[1].clone(), child],
+        opened: Vec::new(),
+        paths: vec!["more.obj".into()],
+        notes: Vec::new(),
+        errors: vec!["worse.obj: not a mesh".to_owned()],
+    };
+    assert_eq!(
+        receive(&mut state, news, Duration::ZERO),
+        Some(Effect::Build)
+    );
+    let objects = &document(&state).scene.objects;
+    assert_eq!((objects.len(), objects[3].parent), (4, Some(2)));
+    assert_eq!(
+        state.errors.len(),
+        1,
+        "the bad file costs nothing but a message"
+    );
+    assert_eq!(state.history.undo_name(), Some("Add"));
+    update(&mut state, Command::Undo);
+    assert_eq!(names(&state).len(), 2);
+}
+
+#[test]
+fn a_file_read_again_keeps_the_camera_and_what_a_person_changed() {
+    let mut state = opened(2);
+    update(&mut state, Command::Look(StandardView::Top));
+    update(&mut state, Command::SetMode(Mode::Normals));
+    let before = state.viewpoint;
+    let rule = ColorRule::Uniform(Color([1, 2, 3]));
+    update(&mut state, Command::SetColorRule(Some(1), rule));
+    let reads = Some(Effect::Open(vec!["mesh.obj".into()], Keep::All));
+    let changed = || News::Changed("mesh.obj".into());
+    assert_eq!(receive(&mut state, changed(), Duration::ZERO), reads);
+    update(&mut state, Command::SetWatch(false));
+    assert_eq!(receive(&mut state, changed(), Duration::ZERO), None);
+
+    let News::Loaded(mut again) = loaded(2, None) else {
+        unreachable!("it was made so");
+    };
+    again.keep = Keep::All;
+    receive(&mut state, News::Loaded(again), Duration::ZERO);
+    assert_eq!(
+        (state.viewpoint, state.settings.shading.mode),
+        (before, Mode::Normals)
+    );
+    assert_eq!(document(&state).scene.objects[1].color, rule);
+    assert!(state.has_unsaved());
+
+    // Objects that came or went cannot be told apart from the file's: that is the person's to decide.
+    update(&mut state, Command::SetWatch(true));
+    update(&mut state, Command::Delete(0));
+    assert_eq!(receive(&mut state, changed(), Duration::ZERO), None);
+    assert_eq!(update(&mut state, Command::Reload), None);
+    assert_eq!(state.question, Some(Pending::Reload));
+}
+
+#[test]
+fn undo_outlives_a_file_that_is_read_again_and_shows_what_it_holds_now() {
+    let mut state = opened(2);
+    update(&mut state, Command::SetVisible(0, false));
+    update(&mut state, Command::Rename(1, "lid".to_owned()));
+    let News::Loaded(mut again) = loaded(2, None) else {
+        panic!("it is a scene");
+    };
+    again.keep = Keep::All;
+    let new = Arc::clone(&again.document.scene.objects[0].mesh);
+    receive(&mut state, News::Loaded(again), Duration::ZERO);
+    assert_eq!(names(&state), ["object 0", "lid"]);
+    update(&mut state, Command::Undo);
+    assert_eq!(names(&state), ["object 0", "object 1"]);
+    update(&mut state, Command::Undo);
+    assert_eq!(visible(&state), [true, true]);
+    let objects = &document(&state).scene.objects;
+    assert!(
+        Arc::ptr_eq(&objects[0].mesh, &new),
+        "the new triangles, not the old"
+    );
+    update(&mut state, Command::Redo);
+    assert_eq!(visible(&state), [false, true]);
+    assert!(Arc::ptr_eq(&document(&state).scene.objects[0].mesh, &new));
+}

@@ -1,0 +1,108 @@
+//! Tests of the one place that carries commands out, and of the news.
+
+mod camera_tests;
+mod file_tests;
+mod object_tests;
+mod picture_tests;
+
+use super::command::Command;
+use super::effect::Effect;
+use super::update::{advance, middle, update};
+use super::*;
+use crate::state::document::{Document, Tree};
+use crate::state::effect::Keep;
+use crate::state::inspection::{Checked, Fault, Shown};
+use crate::state::measure::{Kind, Measurement};
+use crate::state::motion;
+use crate::state::news::{DialogAnswer, Loaded, News, expire_toasts, receive};
+use crate::state::viewpoint::{DEFAULT_FOV, StandardView, Viewpoint};
+use crate::state::{Answer, Replacing, TILES_LIMIT};
+use raycast_core::Accel;
+use raycast_core::camera::{FrameLock, Grid, Placement, Projection};
+use raycast_core::formats::CameraFile;
+use raycast_core::glam::{DAffine3, DVec3};
+use raycast_core::scene::{Color, ColorRule, Mesh, MeshData, Object, Scene, Texture, Transform};
+use raycast_core::shade::Mode;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+fn do_all(state: &mut State, commands: impl IntoIterator<Item = Command>) {
+    for command in commands {
+        update(state, command);
+    }
+}
+
+/// A window on so many triangles beside one another, an object each, that came from files.
+fn opened(count: usize) -> State {
+    let mut state = State::default();
+    state.preferences.smooth = false;
+    receive(&mut state, loaded(count, None), Duration::ZERO);
+    state
+}
+
+fn loaded(count: usize, camera: Option<CameraFile>) -> News {
+    let mesh = Arc::new(Mesh::new(MeshData {
+        positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+        triangles: vec![[0, 1, 2]],
+        ..MeshData::default()
+    }));
+    let object = |number: usize| {
+        let mut object = Object::new(format!("object {number}"), Arc::clone(&mesh));
+        object.transform.translate = DVec3::X * 2.0 * number as f64;
+        object.source = Some(std::env::temp_dir().join("mesh.obj"));
+        object
+    };
+    let scene = Arc::new(Scene {
+        objects: (0..count).map(object).collect(),
+    });
+    News::Loaded(Box::new(Loaded {
+        document: Document {
+            number: 1,
+            name: "mesh.obj".to_owned(),
+            paths: vec!["mesh.obj".into()],
+            opened: Vec::new(),
+            animation: None,
+            file: None,
+            read: Arc::clone(&scene),
+            built: Arc::clone(&scene),
+            edits: 0,
+            accel: Arc::new(Accel::build(&scene).expect("a valid scene")),
+            bounds: scene.bounds(),
+            scene,
+            load_time: Duration::ZERO,
+            build_time: Duration::ZERO,
+        },
+        keep: Keep::Nothing,
+        camera,
+        samples: None,
+        shading: None,
+        notes: Vec::new(),
+        errors: Vec::new(),
+    }))
+}
+
+fn document(state: &State) -> &Document {
+    state.document.as_ref().expect("a scene")
+}
+
+fn names(state: &State) -> Vec<&str> {
+    let objects = document(state).scene.objects.iter();
+    objects.map(|object| object.name.as_str()).collect()
+}
+
+fn visible(state: &State) -> Vec<bool> {
+    let objects = document(state).scene.objects.iter();
+    objects.map(|object| object.visible).collect()
+}
+
+/// Does what the worker does.
+fn build(state: &mut State) {
+    let scene = Arc::clone(&document(state).scene);
+    let tree = Tree {
+        accel: Arc::new(Accel::build(&scene).expect("a valid scene")),
+        bounds: scene.bounds(),
+        build_time: Duration::ZERO,
+    };
+    receive(state, News::Built(scene, tree), Duration::ZERO);
+}

@@ -1,0 +1,322 @@
+//! Tests of changes to objects, and of picks.
+
+use super::*;
+
+#[test]
+fn hiding_asks_for_a_tree_and_the_last_picture_stays_until_it_is_there() {
+    let mut state = opened(3);
+    let edits = document(&state).edits;
+    let hide = Command::SetVisible(1, false);
+    assert_eq!(update(&mut state, hide), Some(Effect::Build));
+    assert!(!document(&state).is_built() && document(&state).edits == edits);
+    // Undone before the tree is there: the old one holds again, and the new one is not taken.
+    let late = Arc::clone(&document(&state).scene);
+    assert_eq!(update(&mut state, Command::Undo), None);
+    assert!(document(&state).is_built());
+    let tree = Tree {
+        accel: Arc::new(Accel::build(&late).expect("a valid scene")),
+        bounds: late.bounds(),
+        build_time: Duration::ZERO,
+    };
+    receive(&mut state, News::Built(late, tree), Duration::ZERO);
+    assert_eq!(document(&state).accel.len(), 3);
+
+    update(&mut state, Command::Redo);
+    build(&mut state);
+    assert_eq!(
+        (document(&state).accel.len(), visible(&state)),
+        (2, vec![true, false, true])
+    );
+    update(&mut state, Command::Isolate(2));
+    assert_eq!(visible(&state), [false, false, true]);
+    update(&mut state, Command::Isolate(2));
+    assert_eq!(visible(&state), [true; 3], "alone already: all are shown");
+}
+
+#[test]
+fn objects_are_renamed_duplicated_and_deleted_and_all_of_it_is_undone() {
+    let mut state = opened(3);
+    // The last one moves with the second.
+    let mut scene = Scene::clone(&document(&state).scene);
+    scene.objects[2].parent = Some(1);
+    if let Some(document) = &mut state.document {
+        document.set_scene(Arc::new(scene));
+        document.read = Arc::clone(&document.scene);
+    }
+    update(&mut state, Command::Rename(0, " lid ".to_owned()));
+    assert_eq!(names(&state), ["lid", "object 1", "object 2"]);
+    assert!(state.has_unsaved());
+    assert_eq!(
+        update(&mut state, Command::Duplicate(0)),
+        Some(Effect::Build)
+    );
+    assert_eq!(names(&state), ["lid", "lid copy", "object 1", "object 2"]);
+    assert_eq!(document(&state).scene.objects[3].parent, Some(2));
+    assert_eq!(state.selected, Some(1));
+    build(&mut state);
+    assert_eq!(document(&state).accel.len(), 4, "the copy stands beside it");
+    update(&mut state, Command::Delete(2));
+    assert_eq!(names(&state), ["lid", "lid copy"], "and what moves with it");
+    for expected in [4, 3] {
+        update(&mut state, Command::Undo);
+        assert_eq!(names(&state).len(), expected);
+    }
+    update(&mut state, Command::Undo);
+    assert_eq!(names(&state)[0], "object 0");
+    assert!(!state.has_unsaved(), "back at what was opened");
+    for command in [
+        Command::Delete(9),
+        Command::Duplicate(9),
+        Command::Isolate(9),
+    ] {
+        assert_eq!(update(&mut state, command), None);
+    }
+    assert_eq!(
+        state.history.undo_name(),
+        None,
+        "what changes nothing is no step"
+    );
+}
+
+#[test]
+fn a_click_pins_what_is_there_with_its_values() {
+    let mut state = opened(2);
+    update(&mut state, Command::Look(StandardView::Front));
+    update(&mut state, Command::Fit);
+    let camera = state.camera().expect("a camera");
+    let at = camera
+        .project(DVec3::new(2.25, 0.5, 0.0))
+        .expect("in front");
+    update(&mut state, Command::Pin { at });
+    let pinned = state.pinned.clone().expect("the second triangle");
+    assert_eq!(
+        (pinned.object.as_str(), pinned.normal),
+        ("object 1", DVec3::Z)
+    );
+    assert!(pinned.pick.point.distance(DVec3::new(2.25, 0.5, 0.0)) < 1e-9);
+    assert_eq!(pinned.corners[1], DVec3::new(3.0, 0.0, 0.0));
+    assert_eq!(state.selected, Some(1));
+    let copied = update(&mut state, Command::Copy("2.25".to_owned()));
+    assert_eq!(copied, Some(Effect::Copy("2.25".to_owned())));
+    update(&mut state, Command::Pin { at: (1.0, 1.0) });
+    assert!(state.pinned.is_none() && state.selected.is_none());
+}
+
+#[test]
+fn an_object_is_moved_turned_and_scaled_and_a_drag_is_one_step() {
+    let mut state = opened(2);
+    let transform = |state: &State| document(state).scene.objects[1].transform;
+    let start = transform(&state);
+    let moved = |x: f64| Transform {
+        translate: DVec3::X * x,
+        ..start
+    };
+    for (x, now) in [(3.0, 0), (4.0, 30), (5.0, 60)] {
+        state.now = Duration::from_millis(now);
+        let effect = update(&mut state, Command::SetTransform(1, moved(x)));
+        assert_eq!(effect, Some(Effect::Build), "moved triangles need a tree");
+    }
+    assert_eq!(transform(&state), moved(5.0));
+    assert!(document(&state).built.objects[1].transform == start);
+    state.now = Duration::from_secs(9);
+    update(&mut state, Command::Turn(1, 2));
+    assert_eq!(transform(&state).rotate, DVec3::Z * 90.0);
+    // What is no place is not taken.
+    for bad in [DVec3::NAN, DVec3::new(1.0, 0.0, 1.0)] {
+        let scaled = Transform {
+            scale: bad,
+            ..start
+        };
+        assert_eq!(update(&mut state, Command::SetTransform(1, scaled)), None);
+    }
+    update(&mut state, Command::Undo);
+    assert_eq!(transform(&state), moved(5.0));
+    update(&mut state, Command::Undo);
+    assert_eq!(transform(&state), start);
+    assert_eq!(state.history.undo_name(), None);
+}
+
+#[test]
+fn a_locked_object_stays_as_it_is_and_the_lock_goes_with_it() {
+    let mut state = opened(3);
+    update(&mut state, Command::SetLocked(1, true));
+    let before = document(&state).scene.objects[1].clone();
+    do_all(
+        &mut state,
+        [
+            Command::SetTransform(1, Transform::from_matrix(DAffine3::ZERO)),
+            Command::Rename(1, "other".to_owned()),
+            Command::Delete(1),
+            Command::SetColorRule(Some(1), ColorRule::Uniform(Color([1, 2, 3]))),
+            Command::SetColorRule(None, ColorRule::Uniform(Color([4, 5, 6]))),
+        ],
+    );
+    let after = &document(&state).scene.objects;
+    assert_eq!(after.len(), 3);
+    let of = |object: &Object| (object.name.clone(), object.transform, object.color);
+    assert_eq!(of(&after[1]), of(&before));
+    assert_ne!(after[0].color, before.color, "the others are free");
+    assert!(
+        state
+            .toasts
+            .iter()
+            .any(|toast| toast.text.contains("locked"))
+    );
+
+    // Objects that come and go before it take their locks along.
+    do_all(&mut state, [Command::Duplicate(0), Command::Delete(0)]);
+    assert_eq!(names(&state), ["object 0 copy", "object 1", "object 2"]);
+    assert!(state.is_locked(1) && !state.is_locked(0) && !state.is_locked(2));
+    update(&mut state, Command::Delete(0));
+    assert!(state.is_locked(0) && !state.is_locked(1));
+    update(&mut state, Command::Undo);
+    assert!(state.is_locked(1) && !state.is_locked(0));
+}
+
+#[test]
+fn a_texture_lies_on_the_object_that_it_was_loaded_for() {
+    let mut state = opened(2);
+    let kind = PromptKind::TextureOf(1);
+    assert_eq!(
+        update(&mut state, Command::Ask(kind)),
+        Some(Effect::Dialog(kind))
+    );
+    update(&mut state, Command::TypePath("/tmp/skin.png".to_owned()));
+    let path = PathBuf::from("/tmp/skin.png");
+    let load = Effect::LoadTexture(path.clone(), Some(1));
+    assert_eq!(update(&mut state, Command::ConfirmPath), Some(load));
+    let texture = Texture::new(1, 1, vec![[9, 8, 7, 255]])
+        .map(Arc::new)
+        .expect("a texel");
+    receive(
+        &mut state,
+        News::Texture(texture, path, Some(1)),
+        Duration::ZERO,
+    );
+    let has = |state: &State| {
+        let objects = document(state).scene.objects.iter();
+        objects
+            .map(|object| object.texture.is_some())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(has(&state), [false, true]);
+    update(&mut state, Command::RemoveTexture(Some(1)));
+    assert_eq!(has(&state), [false, false]);
+    update(&mut state, Command::Undo);
+    assert_eq!(has(&state), [false, true]);
+}
+
+#[test]
+fn clicks_measure_between_vertices_while_a_tool_is_on() {
+    let mut state = opened(1);
+    do_all(
+        &mut state,
+        [Command::Look(StandardView::Front), Command::Fit],
+    );
+    let at = |state: &State, point: DVec3| {
+        let camera = state.camera().expect("a camera");
+        camera.project(point).expect("in front")
+    };
+    // Near a corner, inside of the triangle.
+    let near = |state: &State, corner: DVec3| {
+        let middle = DVec3::new(1.0 / 3.0, 1.0 / 3.0, 0.0);
+        at(state, corner + (middle - corner) * 0.01)
+    };
+    update(&mut state, Command::SetTool(Some(Kind::Distance)));
+    for corner in [DVec3::X, DVec3::Y] {
+        let at = near(&state, corner);
+        update(&mut state, Command::Pin { at });
+    }
+    let [measured] = &state.measuring.list[..] else {
+        panic!("{:?}", state.measuring);
+    };
+    assert_eq!(measured.points, [DVec3::X, DVec3::Y], "vertices, not hits");
+    assert_eq!(state.pinned, None);
+    update(&mut state, Command::SetSnaps(false));
+    let beside = near(&state, DVec3::X);
+    update(&mut state, Command::Pin { at: beside });
+    assert_ne!(state.measuring.points, [DVec3::X]);
+    // Beside everything nothing is taken; Esc lets the point go, then the tool.
+    update(&mut state, Command::Pin { at: (0.5, 0.5) });
+    assert_eq!(state.measuring.points.len(), 1);
+    update(&mut state, Command::Dismiss);
+    assert!(state.measuring.points.is_empty() && state.measuring.tool.is_some());
+    update(&mut state, Command::Dismiss);
+    assert_eq!(state.measuring.tool, None);
+    update(&mut state, Command::Pin { at: beside });
+    assert!(state.pinned.is_some(), "clicks pick again");
+}
+
+#[test]
+fn measurements_are_saved_where_the_person_says() {
+    let mut state = opened(1);
+    let kind = PromptKind::Measurements;
+    assert_eq!(
+        update(&mut state, Command::Ask(kind)),
+        None,
+        "nothing to save"
+    );
+    state.measuring.list.push(Measurement {
+        kind: Kind::Distance,
+        points: vec![DVec3::ZERO, DVec3::X],
+    });
+    assert_eq!(
+        update(&mut state, Command::Ask(kind)),
+        Some(Effect::Dialog(kind))
+    );
+    update(&mut state, Command::TypePath("sizes".to_owned()));
+    let save = |replace| Effect::SaveMeasurements {
+        path: "sizes.csv".into(),
+        replace,
+    };
+    assert_eq!(update(&mut state, Command::ConfirmPath), Some(save(false)));
+    let taken = Replacing {
+        path: "sizes.csv".into(),
+        by: kind,
+    };
+    receive(&mut state, News::Taken(taken), Duration::ZERO);
+    assert_eq!(update(&mut state, Command::Replace), Some(save(true)));
+}
+
+#[test]
+fn faults_are_looked_at_one_by_one_while_the_mesh_is_the_same() {
+    let mut state = opened(2);
+    assert_eq!(
+        update(&mut state, Command::Check),
+        Some(Effect::Check(vec![0, 1]))
+    );
+    let weigh = update(&mut state, Command::Select(Some(1)));
+    assert_eq!(weigh, Some(Effect::Weigh(1)));
+    assert_eq!(
+        update(&mut state, Command::Check),
+        Some(Effect::Check(vec![1]))
+    );
+    let mesh = Arc::clone(&document(&state).scene.objects[1].mesh);
+    let health = Arc::new(raycast_core::health::check(&mesh, &|_| true).expect("it goes on"));
+    let object = 1;
+    let checked = vec![Checked {
+        object,
+        mesh,
+        health,
+    }];
+    receive(&mut state, News::Checked(checked), Duration::ZERO);
+    let fault = Fault::OpenEdges;
+    let shown = Shown {
+        object,
+        fault,
+        index: 2,
+    };
+    update(&mut state, Command::ShowFault(Some(shown)));
+    // The edge from (1, 0, 0) to (0, 1, 0) of the object that stands at x = 2.
+    let pivot = state.viewpoint.orbit.pivot;
+    assert!(pivot.distance(DVec3::new(2.5, 0.5, 0.0)) < 1e-12, "{pivot}");
+    let scene = Arc::clone(&document(&state).scene);
+    assert!(state.inspection.of(&scene, 1).is_some());
+    assert!(state.inspection.of(&scene, 0).is_none());
+    update(&mut state, Command::Delete(0));
+    let scene = Arc::clone(&document(&state).scene);
+    assert!(
+        state.inspection.of(&scene, 1).is_none(),
+        "numbers have changed hands"
+    );
+}

@@ -1,0 +1,115 @@
+//! Keys with what is held down beside them.
+
+use egui::Key;
+
+/// A key with what is held down beside it. For keys that are symbols Shift does not count: where it is
+/// needed to type them differs between keyboards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Chord {
+    /// Ctrl, or ⌘ on a Mac.
+    pub ctrl: bool,
+    /// Shift.
+    pub shift: bool,
+    /// Alt.
+    pub alt: bool,
+    /// The key.
+    pub key: Key,
+}
+
+pub(super) const fn plain(key: Key) -> Chord {
+    Chord {
+        ctrl: false,
+        shift: false,
+        alt: false,
+        key,
+    }
+}
+
+pub(super) const fn ctrl(key: Key) -> Chord {
+    Chord {
+        ctrl: true,
+        ..plain(key)
+    }
+}
+
+pub(super) const fn ctrl_shift(key: Key) -> Chord {
+    Chord {
+        shift: true,
+        ..ctrl(key)
+    }
+}
+
+pub(super) const fn shift(key: Key) -> Chord {
+    Chord {
+        shift: true,
+        ..plain(key)
+    }
+}
+
+pub(super) const fn alt(key: Key) -> Chord {
+    Chord {
+        alt: true,
+        ..plain(key)
+    }
+}
+
+impl Chord {
+    /// Whether a key that was pressed is this one.
+    pub fn is(&self, key: Key, modifiers: egui::Modifiers) -> bool {
+        self.key == key
+            && self.ctrl == modifiers.command
+            && self.alt == modifiers.alt
+            && (self.shift == modifiers.shift || is_symbol(key))
+    }
+
+    /// As it is written in menus: `Ctrl+Shift+S`.
+    pub fn name(&self) -> String {
+        let mut name = String::new();
+        for (held, modifier) in [
+            (
+                self.ctrl,
+                if cfg!(target_os = "macos") {
+                    "⌘"
+                } else {
+                    "Ctrl+"
+                },
+            ),
+            (self.alt, "Alt+"),
+            (self.shift, "Shift+"),
+        ] {
+            if held {
+                name.push_str(modifier);
+            }
+        }
+        name.push_str(match self.key {
+            Key::ArrowLeft => "Left",
+            Key::ArrowRight => "Right",
+            Key::ArrowUp => "Up",
+            Key::ArrowDown => "Down",
+            Key::PageUp => "Page Up",
+            Key::PageDown => "Page Down",
+            Key::Questionmark => "?",
+            Key::Plus => "+",
+            Key::Equals => "=",
+            Key::Minus => "−",
+            Key::Comma => ",",
+            Key::Period => ".",
+            key => key.name(),
+        });
+        name
+    }
+
+    /// Whether it means the same while a person types: it is no letter, and not what fields for text use
+    /// themselves.
+    pub(super) fn works_while_typing(&self) -> bool {
+        let is_function = matches!(self.key, Key::F1 | Key::F5);
+        is_function || (self.ctrl && matches!(self.key, Key::O | Key::S | Key::P | Key::E | Key::Q))
+    }
+}
+
+fn is_symbol(key: Key) -> bool {
+    matches!(
+        key,
+        Key::Plus | Key::Equals | Key::Minus | Key::Questionmark | Key::Comma | Key::Period
+    )
+}

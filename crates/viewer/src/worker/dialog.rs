@@ -1,0 +1,51 @@
+//! The desktop's own dialogs for paths.
+
+use crate::state::PromptKind;
+use crate::state::news::DialogAnswer;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// Endings of the files that can be opened.
+pub(super) const DIALOG_ENDINGS: &[&str] = &[
+    "obj", "gltf", "glb", "ply", "stl", "off", "3mf", "txt", "tri", "toml", "gz", "zst",
+];
+
+pub(super) fn dialog(kind: PromptKind, suggested: &str) -> DialogAnswer {
+    let dialog = rfd::FileDialog::new();
+    let started = Instant::now();
+    let files = |title| {
+        let dialog = rfd::FileDialog::new()
+            .set_title(title)
+            .add_filter("Meshes and scenes", DIALOG_ENDINGS)
+            .add_filter("All files", &["*"]);
+        dialog.pick_files()
+    };
+    let one = |path: Option<PathBuf>| path.map(|path| vec![path]);
+    let paths = match kind {
+        PromptKind::Open => files("Open meshes or a scene"),
+        PromptKind::Add => files("Add meshes or a scene"),
+        PromptKind::Texture | PromptKind::TextureOf(_) => one(dialog
+            .set_title("Open a texture")
+            .add_filter("Images", &["png", "jpg", "jpeg", "ppm"])
+            .add_filter("All files", &["*"])
+            .pick_file()),
+        PromptKind::Picture => one(dialog
+            .set_title("Save the picture")
+            .set_file_name(suggested)
+            .save_file()),
+        PromptKind::Measurements => one(dialog
+            .set_title("Save the measurements")
+            .set_file_name(suggested)
+            .save_file()),
+        PromptKind::Scene => one(dialog
+            .set_title("Save the scene")
+            .set_file_name(suggested)
+            .save_file()),
+    };
+    match paths {
+        Some(paths) => DialogAnswer::Paths(paths),
+        // Nobody closes a dialog this soon: it never came up.
+        None if started.elapsed() < Duration::from_millis(700) => DialogAnswer::Unavailable,
+        None => DialogAnswer::Cancelled,
+    }
+}

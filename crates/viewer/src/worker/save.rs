@@ -1,0 +1,107 @@
+//! Writing pictures, scenes and text.
+
+use super::tasks::{Shared, lock};
+use crate::failure::Failure;
+use crate::memory;
+use crate::output::Output;
+use raycast_core::camera::Grid;
+use raycast_core::formats::SceneFile;
+use raycast_core::picture::{Format, Recipe};
+use raycast_core::render::{Cancel, View};
+use std::path::Path;
+use std::time::Duration;
+
+/// A picture that is to be saved.
+#[derive(Clone, Debug)]
+pub struct Saving {
+    /// What it shows.
+    pub view: View,
+    /// How it is split.
+    pub grid: Grid,
+    /// On how many threads it is rendered.
+    pub threads: usize,
+}
+
+/// Whether the scene was written: not where a file is there that it may not replace.
+pub(super) fn save_scene(
+    scene: &SceneFile,
+    path: &Path,
+    own: Option<&Path>,
+    replace: bool,
+    shared: &Shared,
+) -> Result<bool, Failure> {
+    let output = Output::at(path, &[])?;
+    let is_own = own.is_some_and(|own| output.check_against([own]).is_err());
+    if !is_own {
+        output.check_against(lock(&shared.opened).clone())?;
+        if output.is_taken() && !replace {
+            return Ok(false);
+        }
+    }
+    let folder = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let folder = folder.parent().unwrap_or(Path::new("."));
+    let text = scene
+        .to_toml(folder)
+        .map_err(|error| Failure::could_not(error.to_string()))?;
+    output.write(text.as_bytes())?.finish()?;
+    // Nothing else is to be written over it, as over anything that is open.
+    lock(&shared.opened).push(path.to_owned());
+    Ok(true)
+}
+
+/// Whether the picture was written: not where a file is there that it may not replace.
+pub(super) fn save(
+    saving: Saving,
+    path: &Path,
+    replace: bool,
+    shared: &Shared,
+) -> Result<bool, Failure> {
+    let Saving {
+        mut view,
+        grid,
+        threads,
+    } = saving;
+    let format = Format::from_name(&path.to_string_lossy())?;
+    let opened = || lock(&shared.opened).clone();
+    let output = Output::at(path, &[])?;
+    output.check_against(opened())?;
+    if output.is_taken() && !replace {
+        return Ok(false);
+    }
+    view.settings.layers = format == Format::Exr;
+    let plane = view.camera.plane();
+    let memory_for = |columns, rows| format.memory_for(columns, rows);
+    memory::check_picture(path, (plane.columns, plane.rows), memory_for, "")?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .thread_name(|index| format!("raycast-save-{index}"))
+        .start_handler(|_| super::priority::give_way())
+        .build()
+        .map_err(|error| Failure::could_not(error.to_string()))?;
+    let clock = || Duration::ZERO;
+    let picture = pool
+        .install(|| view.render(grid, &clock, &Cancel::default(), &|_| {}))
+        .ok_or_else(|| Failure::could_not("the render was cancelled"))?;
+    let recipe = Recipe::of(&view);
+    let file = output.write(&picture.encode_with(format, Some(&recipe))?)?;
+    // Another scene may have been opened meanwhile.
+    output.check_against(opened())?;
+    file.finish()?;
+    Ok(true)
+}
+
+/// Whether the text was written: not where a file is there that it may not replace.
+pub(super) fn save_text(
+    text: &str,
+    path: &Path,
+    replace: bool,
+    shared: &Shared,
+) -> Result<bool, Failure> {
+    let output = Output::at(path, &[])?;
+    output.check_against(lock(&shared.opened).clone())?;
+    if output.is_taken() && !replace {
+        return Ok(false);
+    }
+    output.write(text.as_bytes())?.finish()?;
+    Ok(true)
+}

@@ -1,0 +1,243 @@
+//! *Copy as command*: the line that is copied, run by a shell, writes the bytes that *Save picture* writes.
+
+use raycast_core::Cull;
+use raycast_core::camera::{Grid, Projection};
+use raycast_core::glam::DVec3;
+use raycast_core::scene::{Color, Transform};
+use raycast_core::shade::Mode;
+use raycast_viewer::state::command::Command;
+use raycast_viewer::state::effect::{Effect, Keep};
+use raycast_viewer::state::news::{News, receive};
+use raycast_viewer::state::update::update;
+use raycast_viewer::state::{Answer, State};
+use raycast_viewer::worker::files::{Files, Saving};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+fn wait(files: &Files) -> News {
+    for _ in 0..1000 {
+        if let Some(news) = files.fetch().pop() {
+            return news;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    panic!("no news came");
+}
+
+/// A window on a mesh in a folder whose name has a blank and a quote in it.
+fn opened(folder: &Path) -> (State, Files) {
+    let folder = folder.join("it's a folder");
+    std::fs::create_dir(&folder).expect("a folder");
+    let path = folder.join("cube.obj");
+    let asset = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/cube.obj");
+    std::fs::copy(asset, &path).expect("a copy");
+    let files = Files::new(Arc::new(|| {}));
+    let mut state = State {
+        viewport: (160, 120),
+        ..State::default()
+    };
+    state.preferences.smooth = false;
+    files.open(vec![path], Keep::Nothing);
+    receive(&mut state, wait(&files), Duration::ZERO);
+    assert!(state.document.is_some(), "{:?}", state.errors);
+    (state, files)
+}
+
+/// What the shell makes of the line, and what the window saves.
+fn both(state: &State, files: &Files, line: &str, folder: &Path) -> (Vec<u8>, Vec<u8>) {
+    let saved = folder.join("saved.png");
+    let picture = Saving {
+        view: state.view_at_rest().expect("a view"),
+        grid: Grid::Size(32),
+        threads: 1,
+    };
+    files.save(picture, saved.clone(), true);
+    assert!(matches!(wait(files), News::PictureSaved(_)));
+    let program = PathBuf::from(env!("CARGO_BIN_EXE_raycast"));
+    let folder_of_program = program.parent().expect("a folder");
+    let told = std::process::Command::new("/bin/sh")
+        .args(["-c", line])
+        .current_dir(folder)
+        .env("PATH", folder_of_program)
+        .output();
+    let told = told.expect("a shell");
+    assert!(
+        told.status.success(),
+        "{line}\n{}",
+        String::from_utf8_lossy(&told.stderr)
+    );
+    let written = line
+        .split(" -o ")
+        .nth(1)
+        .and_then(|rest| rest.split(' ').next());
+    let written = folder.join(written.expect("an output"));
+    (
+        std::fs::read(written).expect("what the command wrote"),
+        std::fs::read(saved).expect("what the window wrote"),
+    )
+}
+
+#[test]
+#[cfg(unix)]
+fn the_copied_command_writes_the_bytes_that_the_window_saves() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (mut state, files) = opened(folder.path());
+    for command in [
+        Command::Orbit {
+            yaw: 13.7,
+            pitch: 9.1,
+        },
+        Command::Roll(7.0),
+        Command::Zoom {
+            at: (31.0, 77.0),
+            factor: 0.7,
+        },
+        Command::SetMode(Mode::Flat),
+        Command::SetWireframe(true),
+        Command::SetWireframeWidth(1.7),
+        Command::SetWireframeColor(Color([200, 30, 3])),
+        Command::SetCull(Cull::Back),
+        Command::SetSamples(Some(3)),
+    ] {
+        update(&mut state, command);
+    }
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        update(&mut state, Command::SetProjection(projection));
+        let Some(Effect::Copy(line)) = update(&mut state, Command::CopyCommand) else {
+            panic!("{:?}", state.errors);
+        };
+        let (run, saved) = both(&state, &files, &line, folder.path());
+        assert!(run == saved, "{projection:?}: {line}");
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn a_changed_scene_is_saved_first_and_its_command_writes_the_same_bytes() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (mut state, files) = opened(folder.path());
+    let moved = Transform {
+        translate: DVec3::new(0.1, 1.0 / 3.0, -0.2),
+        rotate: DVec3::new(11.0, 0.0, 1e-3),
+        ..Transform::IDENTITY
+    };
+    let build = update(&mut state, Command::SetTransform(0, moved));
+    assert_eq!(build, Some(Effect::Build));
+    files.build(Arc::clone(&state.document.as_ref().expect("a scene").scene));
+    receive(&mut state, wait(&files), Duration::ZERO);
+
+    assert_eq!(update(&mut state, Command::CopyCommand), None);
+    assert!(state.question.is_some(), "it is asked whether to save it");
+    assert_eq!(update(&mut state, Command::Answer(Answer::Discard)), None);
+    update(&mut state, Command::CopyCommand);
+    let asked = update(&mut state, Command::Answer(Answer::Save));
+    assert!(matches!(asked, Some(Effect::Dialog(_))), "{asked:?}");
+    let path = folder.path().join("moved.raycast.toml");
+    update(&mut state, Command::TypePath(path.display().to_string()));
+    let Some(Effect::SaveScene { path, replace }) = update(&mut state, Command::ConfirmPath) else {
+        panic!("{:?}", state.errors);
+    };
+    let scene = state.scene_file().expect("a scene");
+    files.save_scene(scene, (path, None), state.history.revision(), replace);
+    let copied = receive(&mut state, wait(&files), Duration::ZERO);
+    let Some(Effect::Copy(line)) = copied else {
+        panic!("{copied:?} {:?}", state.errors);
+    };
+    let (run, saved) = both(&state, &files, &line, folder.path());
+    assert!(run == saved, "{line}");
+}
+
+#[test]
+fn a_picture_that_is_dropped_brings_its_scene_and_its_view_back() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (mut state, files) = opened(folder.path());
+    for command in [
+        Command::Orbit {
+            yaw: 50.0,
+            pitch: -20.0,
+        },
+        Command::SetMode(Mode::Normals),
+        Command::SetSize(96, 64),
+    ] {
+        update(&mut state, command);
+    }
+    let path = folder.path().join("picture.png");
+    let save = |state: &State, path: &Path| {
+        let picture = Saving {
+            view: state.view_at_rest().expect("a view"),
+            grid: Grid::Size(32),
+            threads: 1,
+        };
+        files.save(picture, path.to_owned(), true);
+        assert!(matches!(wait(&files), News::PictureSaved(_)));
+        raycast_core::picture::ImageFile::decode(&std::fs::read(path).expect("a picture"))
+            .expect("an image")
+            .picture
+            .pixels
+    };
+    let pixels = save(&state, &path);
+    let at = state.viewpoint;
+    let drop = |state: &mut State| {
+        let Some(Effect::OpenPicture(path, among)) =
+            update(state, Command::DropPicture(path.clone()))
+        else {
+            panic!("a picture is opened");
+        };
+        let scene = state.document.as_ref().map(|d| Arc::clone(&d.scene));
+        files.open_picture(path, scene, among);
+    };
+    // The scene is open: the view and the look come back.
+    update(&mut state, Command::ResetView);
+    update(&mut state, Command::SetMode(Mode::Depth));
+    drop(&mut state);
+    receive(&mut state, wait(&files), Duration::ZERO);
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
+    assert!(near(state.viewpoint.orbit.yaw, at.orbit.yaw) && near(state.viewpoint.fov, at.fov));
+    assert_eq!(state.settings.shading.mode, Mode::Normals);
+    assert_eq!(state.size(), (96, 64));
+    let again = save(&state, &folder.path().join("again.png"));
+    let other = again.iter().zip(&pixels).filter(|(a, b)| a != b).count();
+    assert!(
+        other * 100 < pixels.len(),
+        "{other} of {} pixels",
+        pixels.len()
+    );
+    // Another scene is open: its own is found among the recent files.
+    files.open(Vec::new(), Keep::Nothing);
+    receive(&mut state, wait(&files), Duration::ZERO);
+    drop(&mut state);
+    for _ in 0..1000 {
+        // First the scene, then what the picture tells.
+        for news in files.fetch() {
+            receive(&mut state, news, Duration::ZERO);
+        }
+        if state.settings.shading.mode == Mode::Normals {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let document = state.document.as_ref().expect("a scene");
+    assert_eq!(document.name, "cube.obj");
+    assert_eq!(state.settings.shading.mode, Mode::Normals);
+    // It is nowhere to be found: it is said, and nothing changes.
+    files.open(Vec::new(), Keep::Nothing);
+    receive(&mut state, wait(&files), Duration::ZERO);
+    state.preferences.recent.clear();
+    drop(&mut state);
+    let news = wait(&files);
+    assert!(
+        matches!(&news, News::NotOpened(text) if text.contains("recent files")),
+        "{news:?}"
+    );
+}
+
+#[test]
+fn what_no_file_has_is_no_command() {
+    let files = Files::new(Arc::new(|| {}));
+    let mut state = State::default();
+    files.open(Vec::new(), Keep::Nothing);
+    receive(&mut state, wait(&files), Duration::ZERO);
+    assert_eq!(update(&mut state, Command::CopyCommand), None);
+    assert!(state.errors[0].contains("in no file"), "{:?}", state.errors);
+}

@@ -1,0 +1,233 @@
+//! Pictures larger than memory, and files that are gone on with after they were ended: the same bytes, the
+//! same pixels, little memory.
+
+use raycast_core::picture::RowReader;
+use raycast_tests::arguments;
+use raycast_tests::binary::{command, refuse, run, succeed};
+use raycast_tests::files::{asset, bytes, folder, names};
+use std::ffi::OsString;
+use std::io::Cursor;
+use std::path::Path;
+use std::process::Stdio;
+use std::time::Duration;
+
+/// Just more pixels than a PNG that is encoded as one.
+const SIZE: &str = "4200x4096";
+
+fn render(output: &Path, more: &[&str]) {
+    let mut arguments = arguments!["render", asset("torus.obj"), "-o", output];
+    arguments.extend(more.iter().map(OsString::from));
+    succeed(arguments);
+}
+
+/// A PNG's pixels as red, green and blue, row by row.
+fn rgb(png: &Path) -> Vec<u8> {
+    let file = bytes(png);
+    let mut reader = RowReader::open(Cursor::new(&file), file.len() as u64).expect("a PNG");
+    let (_, height) = reader.size();
+    let picture = reader.rows(height).expect("its rows");
+    let opaque = |&[r, g, b, a]: &[u8; 4]| {
+        assert_eq!(a, 255);
+        [r, g, b]
+    };
+    picture.pixels.iter().flat_map(opaque).collect()
+}
+
+#[test]
+fn a_picture_in_bands_is_the_stitched_one_and_the_same_for_any_split() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    render(&at("whole.png"), &["--size", SIZE]);
+    render(
+        &at("other.png"),
+        &["--size", SIZE, "--tile-size", "100", "--threads", "1"],
+    );
+    assert!(bytes(&at("whole.png")) == bytes(&at("other.png")));
+    let mut stitch = arguments!["stitch"];
+    for cell in ["0,0", "1,0", "0,1", "1,1"] {
+        let part = at(&format!("{cell}.png"));
+        render(
+            &part,
+            &["--size", SIZE, "--tiles", "2x2", "--sub-camera", cell],
+        );
+        stitch.push(part.into());
+    }
+    let mut stitched = stitch.clone();
+    stitched.extend(arguments!["-o", at("stitched.png")]);
+    succeed(stitched);
+    assert!(bytes(&at("whole.png")) == bytes(&at("stitched.png")));
+    stitch.pop();
+    stitch.extend(arguments!["-o", at("lacking.png")]);
+    let line = refuse(1, stitch);
+    assert!(line.contains("is missing"), "{line}");
+    let told = succeed(arguments![
+        "verify",
+        at("whole.png"),
+        asset("torus.obj"),
+        "--checks",
+        "300"
+    ]);
+    let told = String::from_utf8_lossy(&told.output).into_owned();
+    assert!(told.contains("300 of 17203200 pixels checked"), "{told}");
+
+    // The same pixels in files without compression, and in one that another program reads.
+    render(&at("whole.ppm"), &["--size", SIZE]);
+    let ppm = bytes(&at("whole.ppm"));
+    let pixels = ppm.strip_prefix(b"P6\n4200 4096\n255\n").expect("a PPM");
+    assert!(rgb(&at("whole.png")) == pixels);
+}
+
+#[test]
+fn memory_does_not_grow_with_the_picture() {
+    let folder = folder();
+    let peak = |name: &str, size: &str| {
+        let stats = folder.path().join("stats.json");
+        let output = folder.path().join(name);
+        render(
+            &output,
+            &["--size", size, "--stats", &stats.to_string_lossy()],
+        );
+        let stats: serde_json::Value = serde_json::from_slice(&bytes(&stats)).expect("JSON");
+        stats["peak_bytes"].as_u64().expect("a number")
+    };
+    let small = peak("small.png", "64x64");
+    // In one piece these are 300 MB to 2 GB more.
+    for (name, size) in [
+        ("a.ppm", "8192x8192"),
+        ("a.tif", "8192x8192"),
+        ("a.exr", "4096x2048"),
+    ] {
+        let more = peak(name, size).saturating_sub(small);
+        assert!(
+            more < 200 << 20,
+            "{name}: {more} bytes more than the smallest"
+        );
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_render_that_is_ended_goes_on_to_the_same_bytes() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    for end in ["png", "exr"] {
+        let size = if end == "png" {
+            "5000x4096"
+        } else {
+            "3000x2000"
+        };
+        let (whole, out) = (at(&format!("whole.{end}")), at(&format!("out.{end}")));
+        render(&whole, &["--size", size]);
+        let mut was_ended = 0;
+        for turn in 1..=6u32 {
+            let mut child = command(arguments![
+                "render",
+                asset("torus.obj"),
+                "-o",
+                &out,
+                "--size",
+                size,
+                "--resume"
+            ]);
+            let mut child = child.stderr(Stdio::null()).spawn().expect("it starts");
+            std::thread::sleep(Duration::from_millis(60 * u64::from(turn)));
+            // SIGKILL: no handler has a part in it.
+            child.kill().expect("killed, or done already");
+            let status = child.wait().expect("it has ended");
+            if status.success() {
+                break;
+            }
+            was_ended += 1;
+        }
+        assert!(was_ended > 0, "it was done before it could be ended");
+        render(&out, &["--size", size, "--resume"]);
+        assert!(bytes(&out) == bytes(&whole), "{end}");
+        // Another picture does not go on with this one's part.
+        std::fs::remove_file(&out).expect("removed");
+    }
+    render(&at("out.png"), &["--size", "5000x4096", "--resume"]);
+    let left = names(folder.path());
+    assert!(
+        left.iter()
+            .all(|name| !name.to_string_lossy().starts_with('.')),
+        "{left:?}"
+    );
+    assert!(bytes(&at("out.png")) == bytes(&at("whole.png")));
+}
+
+#[test]
+fn a_tiff_is_read_by_another_program() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    for background in ["transparent", "#102030"] {
+        let more = ["--size", "701x530", "--background", background];
+        render(&at("a.tif"), &more);
+        render(&at("a.png"), &more);
+        let convert = |name: &str| {
+            let mut convert = std::process::Command::new("convert");
+            let convert = convert.arg(at(name)).args(["-depth", "8", "rgba:-"]);
+            run(convert)
+        };
+        if std::process::Command::new("convert")
+            .arg("-version")
+            .output()
+            .is_err()
+        {
+            assert!(std::env::var_os("CI").is_none(), "CI has ImageMagick");
+            return;
+        }
+        let (tiff, png) = (convert("a.tif"), convert("a.png"));
+        assert_eq!(
+            (tiff.status, png.status),
+            (Some(0), Some(0)),
+            "{}",
+            tiff.errors
+        );
+        assert!(tiff.output == png.output && tiff.output.len() == 701 * 530 * 4);
+    }
+}
+
+#[test]
+fn a_deep_zooms_finest_tiles_are_the_picture_and_its_coarsest_one_pixel() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let size = ["--size", "1000x700"];
+    render(&at("a.dzi"), &size);
+    render(&at("whole.png"), &size);
+    let whole = rgb(&at("whole.png"));
+    let tile = |level: u32, column: u32, row: u32| {
+        let path = at(&format!("a_files/{level}/{column}_{row}.png"));
+        let file = bytes(&path);
+        let reader = RowReader::open(Cursor::new(&file), file.len() as u64).expect("a PNG");
+        (reader.size(), rgb(&path))
+    };
+    for (column, row) in [(0, 0), (3, 2), (1, 2)] {
+        let ((width, height), pixels) = tile(10, column, row);
+        assert_eq!(
+            (width, height),
+            ((1000 - column * 256).min(256), (700 - row * 256).min(256))
+        );
+        for (y, line) in pixels.chunks_exact(3 * width as usize).enumerate() {
+            let start = ((row as usize * 256 + y) * 1000 + column as usize * 256) * 3;
+            assert!(
+                line == &whole[start..start + line.len()],
+                "{column} {row}: {y}"
+            );
+        }
+    }
+    assert_eq!(tile(9, 1, 1).0, (500 - 256, 350 - 256));
+    assert_eq!(tile(0, 0, 0).0, (1, 1));
+    assert_eq!(names(&at("a_files")).len(), 11);
+    let dzi = String::from_utf8(bytes(&at("a.dzi"))).expect("text");
+    assert!(dzi.contains("Width=\"1000\" Height=\"700\""), "{dzi}");
+    let page = String::from_utf8(bytes(&at("a.html"))).expect("text");
+    assert!(page.contains("tiles = \"a_files\", columns = 1000, rows = 700, top_level = 10"));
+    // Tiles are not mixed with those of another picture.
+    let again = arguments!["render", asset("torus.obj"), "-o", at("a.dzi")];
+    let line = refuse(1, again);
+    assert!(line.contains("it is there already"), "{line}");
+    assert_eq!(
+        names(folder.path()),
+        ["a.dzi", "a.html", "a_files", "whole.png"]
+    );
+}
