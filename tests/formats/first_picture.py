@@ -5,11 +5,13 @@
     cargo build --release
     /tmp/venv/bin/python tests/formats/first_picture.py target/release/raycast [TURNS]
 
-A bumpy torus of one and of four million triangles, as OBJ, binary PLY and binary STL, at 1600x1000.
+A bumpy torus of one and of four million triangles, as OBJ, binary PLY, binary STL and GLB, at 1600x1000.
 Prints medians of seconds, peak memory in MB, and the ratio of the times.
 """
+import json
 import os
 import statistics
+import struct
 import subprocess
 import sys
 import tempfile
@@ -60,6 +62,33 @@ def write(folder, name, points, faces):
         records = numpy.zeros(len(faces), [("floats", "<f4", (4, 3)), ("more", "<u2")])
         records["floats"][:, 1:] = points[faces]
         records.tofile(file)
+    low, high = (points.min(0).tolist(), points.max(0).tolist())
+    views = [(0, points.nbytes, 34962), (points.nbytes, faces.nbytes, 34963)]
+    scene = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": len(points), "type": "VEC3", "min": low, "max": high},
+            {"bufferView": 1, "componentType": 5125, "count": faces.size, "type": "SCALAR"},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": start, "byteLength": length, "target": target}
+            for start, length, target in views
+        ],
+        "buffers": [{"byteLength": points.nbytes + faces.nbytes}],
+    }
+    text = json.dumps(scene).encode()
+    text += b" " * (-len(text) % 4)
+    length = points.nbytes + faces.nbytes
+    with open(f"{folder}/{name}.glb", "wb") as file:
+        file.write(b"glTF" + struct.pack("<II", 2, 28 + len(text) + length))
+        file.write(struct.pack("<I", len(text)) + b"JSON" + text)
+        file.write(struct.pack("<I", length) + b"BIN\0")
+        points.tofile(file)
+        faces.tofile(file)
 
 
 def run(command):
@@ -78,7 +107,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         for name, triangles in (("1m", 1_000_000), ("4m", 4_000_000)):
             write(folder, name, *torus(triangles))
-            for kind in ("obj", "ply", "stl"):
+            for kind in ("obj", "ply", "stl", "glb"):
                 file, picture = f"{folder}/{name}.{kind}", f"{folder}/picture.png"
                 ours = [raycast, "render", file, "-o", picture, "--size", "1600x1000"]
                 theirs = [sys.executable, "-c", F3D, file, picture]
