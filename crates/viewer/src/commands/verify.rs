@@ -347,7 +347,8 @@ fn told(found: &Verification) -> String {
     if [depth, normal, uv].iter().any(|count| *count < numbers) || color < checked {
         let _ = writeln!(
             text,
-            "not checked: what hangs on the place in a triangle that its ray grazes, colours under lines, what rounding leaves open"
+            "not checked: what hangs on the place in a triangle that its ray grazes, colours under lines, textures that are \
+             filtered by trilinear or ewa, do not repeat, or lie by triangle, plane, sphere or cylinder, what rounding leaves open"
         );
     }
     let _ = match (wrong, checked == pixels) {
