@@ -5,6 +5,7 @@ mod mistyped;
 mod plan;
 mod reading;
 mod texture_map;
+mod texture_projection;
 mod values;
 mod written;
 
@@ -13,6 +14,7 @@ pub use mistyped::mistyped;
 pub use plan::PlanArgs;
 pub use reading::{LimitArg, ReadingArgs};
 pub use texture_map::TextureMapArgs;
+pub use texture_projection::TextureProjectionArgs;
 pub use values::{OrbitArg, SceneColor};
 pub use written::{camera_of, camera_options, render_command};
 
@@ -21,9 +23,9 @@ use crate::output;
 use clap::{Args, Parser, Subcommand};
 use raycast_core::Cull;
 use raycast_core::camera::{Grid, Projection};
-use raycast_core::glam::{DVec2, DVec3};
+use raycast_core::glam::DVec3;
 use raycast_core::render::Precision;
-use raycast_core::scene::{Color, Crop, TextureProjection, Wrap};
+use raycast_core::scene::{Color, Crop, Wrap};
 use raycast_core::shade::{Background, Filter, Mode};
 use raycast_report::scenes::Made;
 use std::io::Write;
@@ -218,26 +220,13 @@ pub struct ShadingArgs {
     /// The part of the texture's image to use, in its pixels from the top left
     #[arg(long, value_name = "X,Y,W,H", requires = "texture", value_parser = values::crop)]
     pub crop: Option<Crop>,
-    /// How surfaces find their place in the texture [default: uv]
-    #[arg(long, value_name = "KIND", value_parser = values::named(values::TEXTURE_PROJECTIONS))]
-    pub texture_projection: Option<TextureProjection>,
     /// What the texture shows beyond its image, along both its axes or along each: `repeat`, `mirror`,
     /// `clamp`, `border` (the object's own colours) or `border:#rrggbb` [default: repeat]
     #[arg(long, value_name = "KIND[,KIND]", requires = "texture", value_parser = values::wrap)]
     pub wrap: Option<[Wrap; 2]>,
-    /// Where the texture of a plane, sphere or cylinder stands, in each object's own space [default: the
-    /// middle of its box]
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
-    pub texture_center: Option<DVec3>,
-    /// From there to who looks at it: a plane's normal, longitude 0 [default: 0,0,1]
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
-    pub texture_front: Option<DVec3>,
-    /// Up in it: the axis of a sphere or cylinder [default: 0,1,0]
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
-    pub texture_up: Option<DVec3>,
-    /// Width and height of a plane; the height of a cylinder [default: the box's]
-    #[arg(long, value_name = "W,H", allow_hyphen_values = true, value_parser = values::extent)]
-    pub texture_size: Option<DVec2>,
+    /// How surfaces find their place in the texture.
+    #[command(flatten)]
+    pub projection: TextureProjectionArgs,
     /// From the object's colours (0) to its texture (1) [default: 1]
     #[arg(long, value_name = "0..1", allow_hyphen_values = true, value_parser = values::blend)]
     pub blend: Option<f32>,

@@ -4,7 +4,7 @@ mod nothing_to_see;
 
 pub use nothing_to_see::NothingToSee;
 
-use crate::cli::{CameraArgs, ReadingArgs, ShadingArgs};
+use crate::cli::{CameraArgs, ReadingArgs, ShadingArgs, TextureProjectionArgs};
 use crate::failure::Failure;
 use raycast_core::camera::{
     Camera, DEFAULT_FOV, Orbit, Placement, PlaneRequest, Projection, fit_distance, fov_to_frame,
@@ -141,21 +141,21 @@ pub fn paint(scene: &mut Scene, args: &ShadingArgs, reading: &ReadingArgs) -> Re
             object.color = rule;
         }
     }
-    place_textures(scene, args)
+    place_textures(scene, &args.projection)
 }
 
 /// Gives every object's texture the projection and the place that were asked for.
 ///
 /// # Errors
 /// A place without directions or size.
-fn place_textures(scene: &mut Scene, args: &ShadingArgs) -> Result<(), Failure> {
-    if args.texture_projection.is_some() {
+fn place_textures(scene: &mut Scene, args: &TextureProjectionArgs) -> Result<(), Failure> {
+    if args.kind.is_some() {
         for object in &mut scene.objects {
             object.mapping.projection = None;
         }
     }
-    let directions = [args.texture_center, args.texture_front, args.texture_up];
-    if directions == [None; 3] && args.texture_size.is_none() {
+    let directions = [args.center, args.front, args.up];
+    if directions == [None; 3] && args.size.is_none() {
         return Ok(());
     }
     for object in &mut scene.objects {
@@ -166,7 +166,7 @@ fn place_textures(scene: &mut Scene, args: &ShadingArgs) -> Result<(), Failure> 
             center: center.unwrap_or(old.center),
             front: front.unwrap_or(old.front),
             up: up.unwrap_or(old.up),
-            size: args.texture_size.unwrap_or(old.size),
+            size: args.size.unwrap_or(old.size),
         };
         if let Err(error) = projector.axes() {
             return Err(Failure::usage(error.to_string()));
@@ -192,7 +192,7 @@ pub fn shading(args: &ShadingArgs, file: Option<Shading>) -> Shading {
         background: args.background.unwrap_or(base.background),
         blend: args.blend.unwrap_or(base.blend),
         filter: args.filter.unwrap_or(base.filter),
-        projection: args.texture_projection.unwrap_or(base.projection),
+        projection: args.projection.kind.unwrap_or(base.projection),
     }
 }
 

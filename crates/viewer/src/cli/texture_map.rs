@@ -1,7 +1,6 @@
-use super::{ReadingArgs, ShadingArgs, values};
+use super::{ReadingArgs, ShadingArgs, TextureProjectionArgs, values};
 use clap::Args;
-use raycast_core::glam::{DVec2, DVec3};
-use raycast_core::scene::{Crop, TextureProjection, Wrap};
+use raycast_core::scene::{Crop, Wrap};
 use std::path::PathBuf;
 
 /// `raycast texture-map`.
@@ -14,7 +13,7 @@ Examples:
 pub struct TextureMapArgs {
     /// Meshes or scene files whose triangles are drawn [default: none]
     pub files: Vec<PathBuf>,
-    /// The image to write: .png, .ppm or .jpg
+    /// The image to write: .png, .ppm, .tif or .jpg
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// The texture's image
@@ -32,24 +31,12 @@ pub struct TextureMapArgs {
     /// Lines' width in pixels
     #[arg(long, value_name = "WIDTH", default_value = "1.5", value_parser = values::line_width)]
     pub line_width: f32,
-    /// How surfaces find their place in the texture [default: the scene file's, uv]
-    #[arg(long, value_name = "KIND", value_parser = values::named(values::TEXTURE_PROJECTIONS))]
-    pub texture_projection: Option<TextureProjection>,
     /// As `raycast render --wrap`
     #[arg(long, value_name = "KIND[,KIND]", value_parser = values::wrap)]
     pub wrap: Option<[Wrap; 2]>,
-    /// As `raycast render --texture-center`
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
-    pub texture_center: Option<DVec3>,
-    /// As `raycast render --texture-front`
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
-    pub texture_front: Option<DVec3>,
-    /// As `raycast render --texture-up`
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
-    pub texture_up: Option<DVec3>,
-    /// As `raycast render --texture-size`
-    #[arg(long, value_name = "W,H", allow_hyphen_values = true, value_parser = values::extent)]
-    pub texture_size: Option<DVec2>,
+    /// How surfaces find their place in the texture.
+    #[command(flatten)]
+    pub projection: TextureProjectionArgs,
     /// How files are read.
     #[command(flatten)]
     pub reading: ReadingArgs,
@@ -62,11 +49,7 @@ impl TextureMapArgs {
             texture: Some(self.texture.clone()),
             crop: self.crop,
             wrap: self.wrap,
-            texture_projection: self.texture_projection,
-            texture_center: self.texture_center,
-            texture_front: self.texture_front,
-            texture_up: self.texture_up,
-            texture_size: self.texture_size,
+            projection: self.projection.clone(),
             ..ShadingArgs::default()
         }
     }

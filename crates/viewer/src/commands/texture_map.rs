@@ -23,7 +23,7 @@ pub(super) fn run(args: &TextureMapArgs) -> Result<(), Failure> {
     let format = Format::from_name(&args.output.to_string_lossy())?;
     if format == Format::Exr {
         return Err(Failure::usage(format!(
-            "{}: expected a name that ends in .png, .ppm or .jpg",
+            "{}: expected a name that ends in .png, .ppm, .tif or .jpg",
             args.output.display()
         )));
     }
