@@ -496,6 +496,15 @@ fn objects_that_nobody_will_see_are_told() {
 }
 
 #[test]
+fn a_shape_that_is_no_table_is_told_what_one_is() {
+    let error = read_scene_from("[[object]]\nshape = \"cube\"\n", &files).expect_err("no table");
+    assert_eq!(
+        error.to_string(),
+        "scene:2: invalid type: string \"cube\", expected a table, as { kind = \"sphere\", radius = 2 }"
+    );
+}
+
+#[test]
 fn messages_show_no_more_of_a_file_than_they_should() {
     let long = "x".repeat(100_000);
     for text in [

@@ -168,7 +168,12 @@ pub(super) struct ObjectToml {
 
 /// A shape by its numbers; those left out are one unit, and as many parts as look round.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(
+    tag = "kind",
+    rename_all = "kebab-case",
+    deny_unknown_fields,
+    expecting = "a table, as { kind = \"sphere\", radius = 2 }"
+)]
 pub(super) enum ShapeToml {
     Cube {
         #[serde(default = "ones")]

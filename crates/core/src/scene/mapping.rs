@@ -98,7 +98,9 @@ impl Projector {
             up,
             size,
         } = *self;
-        let in_range = |vector: DVec3| vector.abs().max_element() <= super::COORDINATE_LIMIT;
+        let in_range = |vector: DVec3| {
+            vector.is_finite() && vector.abs().max_element() <= super::COORDINATE_LIMIT
+        };
         let extent = DVec3::new(size.x, size.y, 0.0);
         if ![center, front, up, extent].into_iter().all(in_range) {
             return Err(ProjectorError::NotFinite);

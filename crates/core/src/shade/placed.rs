@@ -188,6 +188,14 @@ mod tests {
                 center: DVec3::NAN,
                 ..PROJECTOR
             },
+            Projector {
+                center: DVec3::new(f64::NAN, 0.0, 0.0),
+                ..PROJECTOR
+            },
+            Projector {
+                front: DVec3::new(f64::NAN, 0.0, 1.0),
+                ..PROJECTOR
+            },
         ];
         for projector in bad {
             assert!(projector.axes().is_err());
