@@ -29,6 +29,16 @@ pub enum OutOfRange {
         "expected a field of view from {NARROWEST_FOV:e} to below {FOV_END} degrees, found {0}"
     )]
     Fov(f64),
+    /// A vertical field of view of a picture that is no plane.
+    #[error("expected a field of view of {most} degrees at most for {name}, found {found}")]
+    WideFov {
+        /// The projection's name.
+        name: &'static str,
+        /// The most that it can have.
+        most: f64,
+        /// Degrees.
+        found: f64,
+    },
     /// A share of texture in a surface's colour.
     #[error("expected a blend from 0 to 1, found {0}")]
     Blend(f32),

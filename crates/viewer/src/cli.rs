@@ -167,7 +167,7 @@ pub struct CameraArgs {
     /// Distance between neighbouring rays at the target, in scene units
     #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = values::step)]
     pub step: Option<f64>,
-    /// Vertical field of view in degrees [default: 45]
+    /// Vertical field of view in degrees [default: 45, of a panorama all of it or half a turn]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = values::fov)]
     pub fov: Option<f64>,
     /// How rays leave the camera [default: perspective]
@@ -418,7 +418,7 @@ pub struct BenchArgs {
     #[arg(long, value_name = "DEG", default_value_t = 45.0, allow_hyphen_values = true, value_parser = values::fov)]
     pub fov: f64,
     /// How rays leave the camera
-    #[arg(long, value_name = "KIND", default_value = "perspective", value_parser = values::named(values::PROJECTIONS))]
+    #[arg(long, value_name = "KIND", default_value = "perspective", value_parser = values::named(values::PLANAR))]
     pub projection: Projection,
     /// Measure the view from here alone
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]

@@ -7,8 +7,7 @@ pub use nothing_to_see::NothingToSee;
 use crate::cli::{CameraArgs, ReadingArgs, ShadingArgs, TextureProjectionArgs};
 use crate::failure::Failure;
 use raycast_core::camera::{
-    Camera, DEFAULT_FOV, Orbit, Placement, PlaneRequest, Projection, fit_distance, fov_to_frame,
-    frame_to_fov,
+    Camera, Orbit, Placement, PlaneRequest, Projection, fit_distance, frame_to_fov,
 };
 use raycast_core::formats::{self, CameraFile, FormatError, Progress, SceneFile};
 use raycast_core::scene::{Bounds, Dropped, Projector, Scene};
@@ -207,12 +206,22 @@ pub fn camera(
     file_size: Option<(u32, u32)>,
     bounds: &Bounds,
 ) -> Result<Camera, Failure> {
-    let default_size = file_size.unwrap_or(DEFAULT_SIZE);
     let projection = args
         .projection
         .or(file.map(|file| file.projection))
         .unwrap_or_default();
-    let fov = args.fov.or(file.map(fov_of)).unwrap_or(DEFAULT_FOV);
+    // A field of view and a shape mean something else in another kind of picture.
+    let alike = file.filter(|file| file.projection.panorama() == projection.panorama());
+    let rows = file_size.map_or(DEFAULT_SIZE.1, |(_, rows)| rows);
+    let default_size = match (projection.panorama(), alike) {
+        (Some(panorama), None) => panorama.size(rows),
+        _ => file_size.unwrap_or(DEFAULT_SIZE),
+    };
+    let fov = args.fov.or(alike.map(fov_of));
+    let fov = fov.unwrap_or(projection.default_fov());
+    if let Err(error) = projection.check_fov(fov) {
+        return Err(Failure::usage(format!("--fov {fov}: {error}")));
+    }
     let (columns, rows) = args.size.unwrap_or(default_size);
     let aspect = f64::from(columns) / f64::from(rows);
 
@@ -231,12 +240,12 @@ pub fn camera(
         {
             file.frame
         }
-        _ => fov_to_frame(fov, distance),
+        _ => projection.frame(fov, distance),
     };
     let plane = PlaneRequest {
         size: args.size,
         step: args.step,
-        frame_height: args.fov.map(|fov| fov_to_frame(fov, distance)),
+        frame_height: args.fov.map(|fov| projection.frame(fov, distance)),
     }
     .resolve(default_size, frame)?;
     if let (Some(step), Projection::Perspective) = (args.step, projection) {
@@ -267,7 +276,7 @@ pub fn no_camera(args: &CameraArgs, name: &str, failure: Failure) -> Failure {
 /// A scene file's vertical field of view, or the one that its orthographic frame has from its eye.
 fn fov_of(file: &CameraFile) -> f64 {
     match file.projection {
-        Projection::Perspective => file.frame,
+        Projection::Perspective | Projection::Panoramic(_) => file.frame,
         Projection::Orthographic => {
             let distance = file.placement.eye.distance(file.placement.target);
             frame_to_fov(file.frame, distance)

@@ -7,11 +7,9 @@ use super::mesh_file;
 use super::scene_file::{CameraFile, FileKind, ImageSettings, SceneFile};
 use super::scene_text::{Reader, line_at};
 use super::scene_toml::{
-    AnimationToml, BackgroundToml, CameraToml, ImageToml, SceneToml, ShadingToml,
+    AnimationToml, BackgroundToml, CameraToml, ImageToml, ProjectionToml, SceneToml, ShadingToml,
 };
-use crate::camera::{
-    CameraPath, DEFAULT_FOV, ImagePlane, Keyframe, Placement, PlacementError, Projection,
-};
+use crate::camera::{CameraPath, ImagePlane, Keyframe, Placement, PlacementError, Projection};
 use crate::quote::{self, quote};
 use crate::ranges;
 use crate::scene::{Bounds, COORDINATE_LIMIT, Scene};
@@ -133,7 +131,7 @@ impl Reader<'_> {
             let any = || Spanned::new(spanned.span(), 1.0);
             let frame = key.frame.clone().or_else(|| is_orthographic.then(any));
             let camera = CameraToml {
-                projection: projection.into(),
+                projection: ProjectionToml(projection),
                 eye: key.eye.clone(),
                 target: key.target.clone(),
                 up: key.up.clone(),
@@ -154,21 +152,23 @@ impl Reader<'_> {
     fn camera(&self, camera: &Spanned<CameraToml>) -> Result<CameraFile, FormatError> {
         let line = self.line(camera);
         let camera = camera.get_ref();
-        let projection = camera.projection.into();
+        let projection = camera.projection.0;
         let misplaced = |value: &Spanned<f64>, key, other| {
             let found = format!("`{key}`, which is for {other} cameras");
             self.fault(value, "another key", &found)
         };
         let frame = match (projection, &camera.fov, &camera.frame) {
-            (Projection::Perspective, _, Some(frame)) => {
+            (Projection::Perspective | Projection::Panoramic(_), _, Some(frame)) => {
                 return Err(misplaced(frame, "frame", "orthographic"));
             }
             (Projection::Orthographic, Some(fov), _) => {
                 return Err(misplaced(fov, "fov", "perspective"));
             }
-            (Projection::Perspective, None, None) => DEFAULT_FOV,
-            (Projection::Perspective, Some(fov), None) => {
-                self.in_range(fov, ranges::fov(*fov.get_ref()))?
+            (Projection::Perspective | Projection::Panoramic(_), None, None) => {
+                projection.default_fov()
+            }
+            (Projection::Perspective | Projection::Panoramic(_), Some(fov), None) => {
+                self.in_range(fov, projection.check_fov(*fov.get_ref()))?
             }
             (Projection::Orthographic, None, Some(frame)) => {
                 let height = *frame.get_ref();

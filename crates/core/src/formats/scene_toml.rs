@@ -303,6 +303,11 @@ macro_rules! displayed {
 }
 
 displayed! {
+    /// How rays leave the camera.
+    #[derive(Default)]
+    ProjectionToml(Projection)
+}
+displayed! {
     /// A colour as `#rrggbb`.
     ColorToml(Color)
 }
@@ -386,7 +391,6 @@ macro_rules! words {
     };
 }
 
-words!(ProjectionToml for Projection { Perspective, Orthographic });
 words!(ModeToml for Mode {
     Color, Flat, Smooth, Normals, Depth, Barycentric, Uv, Texture, Wireframe
 });
@@ -407,11 +411,5 @@ impl Default for CurveToml {
 impl Default for EaseToml {
     fn default() -> Self {
         Ease::default().into()
-    }
-}
-
-impl Default for ProjectionToml {
-    fn default() -> Self {
-        Projection::default().into()
     }
 }

@@ -2,8 +2,8 @@ use super::files::relative;
 use super::scene_animation;
 use super::scene_file::{CameraFile, SceneFile};
 use super::scene_toml::{
-    BackgroundToml, CameraToml, ColorRuleToml, ColorToml, ImageToml, ObjectToml, SceneToml,
-    ShadingToml, Transparent, WrapToml,
+    BackgroundToml, CameraToml, ColorRuleToml, ColorToml, ImageToml, ObjectToml, ProjectionToml,
+    SceneToml, ShadingToml, Transparent, WrapToml,
 };
 use crate::camera::Projection;
 use crate::quote::shorten;
@@ -95,11 +95,11 @@ fn spanned<T>(value: T) -> Spanned<T> {
 fn camera_table(camera: &CameraFile) -> CameraToml {
     let frame = Some(spanned(camera.frame));
     let (fov, frame) = match camera.projection {
-        Projection::Perspective => (frame, None),
         Projection::Orthographic => (None, frame),
+        Projection::Perspective | Projection::Panoramic(_) => (frame, None),
     };
     CameraToml {
-        projection: camera.projection.into(),
+        projection: ProjectionToml(camera.projection),
         eye: spanned(camera.placement.eye.to_array()),
         target: spanned(camera.placement.target.to_array()),
         up: Some(spanned(camera.placement.up.to_array())),

@@ -48,6 +48,9 @@ impl Accel {
         primitives.clear();
         primitives.resize(lattice.len(), MISS);
         let mut counts = CastCounts::default();
+        if lattice.camera.projection().panorama().is_some() {
+            return self.find_each(lattice, cull, precision, primitives);
+        }
         if self.tree.root.is_some() {
             dispatch(
                 self.simd,
@@ -69,6 +72,10 @@ impl Accel {
     pub fn evaluate(&self, lattice: &Lattice, cull: Cull, precision: Precision, hits: &mut Hits) {
         hits.primitives.resize(lattice.len(), MISS);
         hits.make_places();
+        if lattice.camera.projection().panorama().is_some() {
+            self.evaluate_each(lattice, cull, precision, hits);
+            return;
+        }
         dispatch(
             self.simd,
             Evaluate {

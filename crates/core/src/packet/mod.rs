@@ -26,6 +26,7 @@ mod cast_tests;
 mod componentwise_setup;
 mod counts;
 mod decisions;
+mod each;
 mod frustum;
 mod interval_zbuffer;
 mod lane_math;

@@ -595,7 +595,7 @@ impl<'a> Traversal<'a> {
         let camera = &self.lattice.camera;
         let side = (SMALL * camera.plane().step * f64::from(self.lattice.stride)) as f32;
         match camera.projection() {
-            Projection::Perspective => SmallBoxes {
+            Projection::Perspective | Projection::Panoramic(_) => SmallBoxes {
                 slope: side / camera.distance() as f32,
                 constant: 0.0,
             },
@@ -632,9 +632,9 @@ impl<'a> Traversal<'a> {
     #[inline(always)]
     fn depth_key(&self, near: f32) -> f32 {
         match self.lattice.camera.projection() {
-            Projection::Perspective if near > 0.0 => BEYOND / near,
-            Projection::Perspective => f32::INFINITY,
             Projection::Orthographic => near.abs() * (BEYOND - 1.0) - near,
+            _ if near > 0.0 => BEYOND / near,
+            _ => f32::INFINITY,
         }
     }
 
@@ -642,10 +642,10 @@ impl<'a> Traversal<'a> {
     #[inline(always)]
     fn limit(&self, hi_z: f32) -> f32 {
         match self.lattice.camera.projection() {
-            // The depth key is the inverse depth.
-            Projection::Perspective if hi_z > 0.0 => BEYOND / hi_z,
-            Projection::Perspective => f32::INFINITY,
             Projection::Orthographic => -hi_z + hi_z.abs() * (BEYOND - 1.0),
+            // The depth key is the inverse depth.
+            _ if hi_z > 0.0 => BEYOND / hi_z,
+            _ => f32::INFINITY,
         }
     }
 }

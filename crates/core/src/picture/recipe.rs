@@ -44,7 +44,7 @@ impl Recipe {
 
     /// Whether every pixel covers what lies behind the picture.
     pub fn is_opaque(&self) -> bool {
-        self.shading.background != Background::Transparent
+        self.shading.background != Background::Transparent && self.camera.is_filled()
     }
 
     /// In what another recipe differs, in words: the first that does of scene, size, camera and
@@ -118,7 +118,7 @@ impl Recipe {
              filter = \"{}\"\n\
              texture-projection = \"{}\"\n",
             float(&step),
-            projection_word(camera.projection()),
+            camera.projection(),
             vector(eye),
             vector(target),
             vector(up),
@@ -160,7 +160,7 @@ fn read(text: &str) -> Result<Recipe, String> {
     let scene = lines.quoted("scene")?.parse()?;
     let [columns, rows] = lines.list("size", "two whole numbers")?;
     let step = lines.one("step", "a number")?;
-    let projection = lines.word("projection", projection_of)?;
+    let projection = lines.word("projection", |word| word.parse::<Projection>().ok())?;
     let [eye, target, up] = [
         lines.vector("eye")?,
         lines.vector("target")?,
@@ -325,10 +325,6 @@ macro_rules! words {
     };
 }
 
-words!(projection_word, projection_of: Projection {
-    Perspective = "perspective",
-    Orthographic = "orthographic",
-});
 words!(cull_word, cull_of: Cull { None = "none", Back = "back" });
 words!(precision_word, precision_of: Precision { Fast = "fast", Exact = "exact" });
 words!(mode_word, mode_of: Mode {

@@ -72,13 +72,13 @@ impl DepthRange {
         }
         let eye = camera.placement().eye;
         let distances = bounds.corners().map(|corner| match camera.projection() {
-            Projection::Perspective => corner.distance(eye),
             Projection::Orthographic => (corner - eye).dot(camera.forward()),
+            _ => corner.distance(eye),
         });
         let far = distances.into_iter().fold(0.0, f64::max);
         let near = match camera.projection() {
-            Projection::Perspective => eye.clamp(bounds.min, bounds.max).distance(eye),
             Projection::Orthographic => distances.into_iter().fold(far, f64::min).max(0.0),
+            _ => eye.clamp(bounds.min, bounds.max).distance(eye),
         };
         Self {
             near: near as f32,
@@ -161,7 +161,7 @@ impl<'a> Shader<'a> {
     /// linear light, alpha not multiplied in.
     pub fn color(&self, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
         if hit.primitive == MISS {
-            self.backdrop(y)
+            self.behind(x, y)
         } else {
             self.color_on(&self.facet(hit.primitive, self.needs), x, y, hit)
         }
@@ -204,6 +204,7 @@ impl<'a> Shader<'a> {
     pub fn shade_nothing<'p>(&self, rect: Rect, rows: impl Iterator<Item = &'p mut [[u8; 4]]>) {
         for (y, row) in (rect.y..rect.bottom()).zip(rows) {
             row.fill(self.backdrop8(y));
+            self.clear_beyond(rect.x, y, row);
         }
     }
 
@@ -237,7 +238,7 @@ impl<'a> Shader<'a> {
 
     /// Whether pixels are shaded by the mesh's normals, with no lines over them.
     pub(super) fn is_smooth(&self) -> bool {
-        self.shading.mode == Mode::Smooth && !self.needs.edges
+        self.shading.mode == Mode::Smooth && !self.needs.edges && !self.is_panoramic()
     }
 
     /// The light on eight pixels of a row whose triangles and weights are known.
@@ -255,6 +256,32 @@ impl<'a> Shader<'a> {
     /// What the mode asks of each triangle.
     pub(super) fn needs(&self) -> Needs {
         self.needs
+    }
+
+    /// Whether the picture is no plane.
+    pub(super) fn is_panoramic(&self) -> bool {
+        self.camera.projection().panorama().is_some()
+    }
+
+    /// Makes the pixels of a row that the picture has no place for transparent; the first is in column `left`.
+    pub(super) fn clear_beyond(&self, left: u32, y: u32, pixels: &mut [[u8; 4]]) {
+        if !self.is_panoramic() {
+            return;
+        }
+        for (x, pixel) in (left..).zip(pixels) {
+            if !(self.camera).has_place(f64::from(x) + 0.5, f64::from(y) + 0.5) {
+                *pixel = [0; 4];
+            }
+        }
+    }
+
+    /// What lies behind everything at a place of the picture; nothing where it has no such place.
+    pub(super) fn behind(&self, x: f64, y: f64) -> [f32; 4] {
+        if self.camera.has_place(x, y) {
+            self.backdrop(y)
+        } else {
+            [0.0; 4]
+        }
     }
 
     /// What lies behind everything at a height in the picture.
@@ -288,6 +315,7 @@ impl<'a> Shader<'a> {
                 facet.to_eye = self.middle_to_eye(corners);
             }
             if needs.edges {
+                // Where the picture is no plane, `color_on` has them at each place.
                 facet.edges = Some(EdgeLines::new(&self.camera, corners));
             }
         }
@@ -340,7 +368,7 @@ impl<'a> Shader<'a> {
     #[inline(always)]
     fn normal(&self, corners: [DVec3; 3]) -> Vec3 {
         let forward = self.camera.forward();
-        let orthographic = self.camera.projection() == Projection::Orthographic;
+        let orthographic = self.camera.projection().is_parallel();
         let normal = facing_normal(corners, orthographic.then_some(forward));
         if normal == Vec3::ZERO {
             -forward.as_vec3()
@@ -354,7 +382,9 @@ impl<'a> Shader<'a> {
     fn middle_to_eye(&self, [a, b, c]: [DVec3; 3]) -> Vec3 {
         match self.camera.projection() {
             Projection::Orthographic => -self.camera.forward().as_vec3(),
-            Projection::Perspective => -unit((a + b + c) / 3.0).as_vec3(),
+            Projection::Perspective | Projection::Panoramic(_) => {
+                -unit((a + b + c) / 3.0).as_vec3()
+            }
         }
     }
 
@@ -387,7 +417,12 @@ impl<'a> Shader<'a> {
         let Some(edges) = &facet.edges else {
             return inside;
         };
-        let coverage = edges.coverage(x, y, self.line_width);
+        let coverage = if self.is_panoramic() {
+            let edges = EdgeLines::at(&self.camera, self.corners(hit.primitive), (x, y));
+            edges.coverage(x, y, self.line_width)
+        } else {
+            edges.coverage(x, y, self.line_width)
+        };
         over(self.line_color, coverage, inside)
     }
 
@@ -420,6 +455,9 @@ impl<'a> Shader<'a> {
 
     /// The unit vector from a sample to the eye.
     fn to_eye_at(&self, x: f64, y: f64) -> Vec3 {
+        if self.is_panoramic() {
+            return -unit(self.camera.direction(x, y)).as_vec3();
+        }
         let [corner, right, down] = self.to_eye;
         let to_eye = corner + right * x as f32 + down * y as f32;
         to_eye * (1.0 / to_eye.length())
@@ -512,19 +550,21 @@ fn world_normals(scene: &Scene) -> Vec<Option<Mat3>> {
         .collect()
 }
 
-/// From hits to the eye: through the picture's corner, and what a pixel to the right and down adds.
+/// From hits to the eye: through the picture's corner, and what a pixel to the right and down adds. Nothing where the
+/// picture is no plane.
 fn to_eye(camera: &Camera) -> [Vec3; 3] {
     let direction = |x, y| -camera.direction(x, y) / camera.distance();
     let corner = match camera.projection() {
         Projection::Perspective => direction(0.0, 0.0),
         Projection::Orthographic => -camera.forward(),
+        Projection::Panoramic(_) => DVec3::ZERO,
     };
     let (right, down) = match camera.projection() {
         Projection::Perspective => {
             let pixel = camera.plane().step / camera.distance();
             (camera.right() * -pixel, camera.up() * pixel)
         }
-        Projection::Orthographic => (DVec3::ZERO, DVec3::ZERO),
+        Projection::Orthographic | Projection::Panoramic(_) => (DVec3::ZERO, DVec3::ZERO),
     };
     [corner, right, down].map(|vector| vector.as_vec3())
 }

@@ -80,7 +80,9 @@ pub(crate) struct EdgeOn {
 impl EdgeOn {
     pub(crate) fn new(camera: &Camera, frame: DVec3) -> Self {
         let shared = match camera.projection() {
-            Projection::Perspective => Shared::Eye(camera.placement().eye),
+            Projection::Perspective | Projection::Panoramic(_) => {
+                Shared::Eye(camera.placement().eye)
+            }
             Projection::Orthographic => Shared::Direction(camera.forward(), Level::of(camera)),
         };
         Self {

@@ -95,6 +95,9 @@ impl<'a> Expected<'a> {
     pub(crate) fn color(&self, x: f64, y: f64, truth: Option<&Truth>) -> [Single; 4] {
         let opaque = |[r, g, b]: Vector<24>| [r, g, b, Single::exactly(1.0)];
         let Some(truth) = truth else {
+            if !self.camera.has_place(x, y) {
+                return [Single::exactly(0.0); 4];
+            }
             return self.backdrop(y);
         };
         let lines = self.shading.wireframe.is_some() || self.shading.mode == Mode::Wireframe;

@@ -2,7 +2,7 @@
 
 use clap::builder::{PossibleValuesParser, RangedI64ValueParser, TypedValueParser};
 use raycast_core::Cull;
-use raycast_core::camera::{ImagePlane, Projection, check_step};
+use raycast_core::camera::{ImagePlane, Panorama, Projection, check_step};
 use raycast_core::glam::{DVec2, DVec3};
 use raycast_core::ranges;
 use raycast_core::render::Precision;
@@ -30,7 +30,26 @@ pub(super) type Names<T> = &'static [(&'static str, T)];
 pub(super) const PROJECTIONS: Names<Projection> = &[
     ("perspective", Projection::Perspective),
     ("orthographic", Projection::Orthographic),
+    (
+        "equirectangular",
+        Projection::Panoramic(Panorama::Equirectangular),
+    ),
+    ("cylindrical", Projection::Panoramic(Panorama::Cylindrical)),
+    ("fisheye", Projection::Panoramic(Panorama::Equidistant)),
+    (
+        "fisheye:equisolid",
+        Projection::Panoramic(Panorama::Equisolid),
+    ),
+    (
+        "fisheye:stereographic",
+        Projection::Panoramic(Panorama::Stereographic),
+    ),
+    ("cubemap", Projection::Panoramic(Panorama::CubeStrip)),
+    ("cubemap:cross", Projection::Panoramic(Panorama::CubeCross)),
 ];
+
+/// Those whose pictures are planes.
+pub(super) const PLANAR: Names<Projection> = PROJECTIONS.split_at(2).0;
 
 pub(super) const MODES: Names<Mode> = &[
     ("color", Mode::Color),
@@ -123,9 +142,13 @@ pub(super) fn step(text: &str) -> Result<f64, String> {
     Ok(step)
 }
 
-/// Reads a field of view in degrees.
+/// Reads a field of view in degrees: one that some projection can have.
 pub(super) fn fov(text: &str) -> Result<f64, String> {
-    ranges::fov(number(text)?).map_err(|error| error.to_string())
+    let degrees = number(text)?;
+    if (ranges::FOV_END..=360.0).contains(&degrees) {
+        return Ok(degrees);
+    }
+    ranges::fov(degrees).map_err(|error| error.to_string())
 }
 
 /// Reads a count of samples.

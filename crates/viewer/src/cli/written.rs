@@ -3,7 +3,7 @@
 use super::values::{
     self, CULLS, FILTERS, MODES, Names, PRECISIONS, PROJECTIONS, TEXTURE_PROJECTIONS,
 };
-use raycast_core::camera::{Placement, Projection, fov_to_frame, frame_to_fov};
+use raycast_core::camera::{Placement, Projection, frame_to_fov};
 use raycast_core::formats::{CameraFile, Limits};
 use raycast_core::glam::DVec3;
 use raycast_core::render::View;
@@ -80,8 +80,8 @@ pub fn camera_options(camera: &CameraFile) -> String {
         frame,
     } = camera;
     let fov = match projection {
-        Projection::Perspective => *frame,
         Projection::Orthographic => frame_to_fov(*frame, placement.eye.distance(placement.target)),
+        Projection::Perspective | Projection::Panoramic(_) => *frame,
     };
     format!(
         "--eye {} --target {} --up {} --fov {fov} --projection {}",
@@ -116,18 +116,19 @@ pub fn camera_of(text: &str) -> Option<CameraFile> {
     let fov = told("--fov").map(values::fov).transpose().ok()?;
     let rows = told("--size").map(values::size).transpose().ok()?;
     let step = told("--step").map(values::step).transpose().ok()?;
+    let fov = fov.map(|fov| projection.check_fov(fov)).transpose().ok()?;
     let frame = match (fov, step.zip(rows)) {
-        (Some(fov), _) => fov_to_frame(fov, distance),
+        (Some(fov), _) => projection.frame(fov, distance),
         (None, Some((step, (_, rows)))) => step * f64::from(rows),
-        (None, None) => fov_to_frame(45.0, distance),
+        (None, None) => projection.frame(projection.default_fov(), distance),
     };
     Some(CameraFile {
         placement,
         projection,
-        frame: match (projection, fov) {
-            (Projection::Perspective, Some(fov)) => fov,
-            (Projection::Perspective, None) => frame_to_fov(frame, distance),
-            (Projection::Orthographic, _) => frame,
+        frame: match fov {
+            _ if projection.is_parallel() => frame,
+            Some(fov) => fov,
+            None => projection.fov_degrees(frame, distance),
         },
     })
 }
@@ -213,7 +214,7 @@ mod tests {
         let line =
             "raycast render a.obj -o a.png --size 40x30 --step 0.1 --eye 0,0,9 --target 0,0,0";
         let read = camera_of(line).expect("a camera");
-        assert!((fov_to_frame(read.frame, 9.0) - 3.0).abs() < 1e-12);
+        assert!((raycast_core::camera::fov_to_frame(read.frame, 9.0) - 3.0).abs() < 1e-12);
         for text in [
             "",
             "hello",

@@ -148,7 +148,9 @@ mod tests {
                 "{right}"
             );
             match projection {
-                Projection::Perspective => assert_eq!(from, placement.eye),
+                Projection::Perspective | Projection::Panoramic(_) => {
+                    assert_eq!(from, placement.eye)
+                }
                 Projection::Orthographic => assert!(from.distance(to + DVec3::Z * 4.0) < 1e-12),
             }
         }

@@ -117,7 +117,7 @@ fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
 }
 
 /// Some choices in a list that opens; the one that was clicked.
-fn select<T: PartialEq + Copy>(
+pub(super) fn select<T: PartialEq + Copy>(
     ui: &mut Ui,
     id: &str,
     current: T,

@@ -13,7 +13,7 @@ use super::pick::Pinned;
 use super::plane;
 use super::viewpoint::{DEFAULT_FOV, Viewpoint};
 use super::{Pending, PromptKind, Replacing, Resolution, SAMPLES_LIMIT, State};
-use raycast_core::camera::{Orbit, Projection, frame_to_fov};
+use raycast_core::camera::{Orbit, Projection};
 use raycast_core::formats::CameraFile;
 use raycast_core::picture::Recipe;
 use raycast_core::render::Settings;
@@ -360,8 +360,8 @@ fn apply(state: &mut State, recipe: &Recipe) {
     let plane = recipe.camera.plane();
     let projection = recipe.camera.projection();
     let frame = match projection {
-        Projection::Perspective => frame_to_fov(plane.frame_height(), recipe.camera.distance()),
         Projection::Orthographic => plane.frame_height(),
+        _ => projection.fov_degrees(plane.frame_height(), recipe.camera.distance()),
     };
     let camera = CameraFile {
         placement: recipe.camera.placement(),

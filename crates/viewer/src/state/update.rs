@@ -4,7 +4,7 @@ use super::command::Command;
 use super::effect::Effect;
 use super::measure::Kind;
 use super::pick::Pinned;
-use super::viewpoint::FOV_RANGE;
+use super::viewpoint::fov_range;
 use super::{Palette, Pending, PromptKind, Resolution, SAMPLES_LIMIT, State};
 use super::{
     as_command, bookmarks, files, history, inspect, navigate, objects, plane, preferences,
@@ -81,7 +81,8 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::FitWindow => state.resolution = Resolution::Window { density: 1.0 },
         Command::SetFov(fov) if fov.is_finite() => {
             navigate::leave(state);
-            state.viewpoint.fov = fov.clamp(FOV_RANGE.0, FOV_RANGE.1);
+            let (narrowest, widest) = fov_range(state.viewpoint.projection);
+            state.viewpoint.fov = fov.clamp(narrowest, widest);
         }
         Command::SetFov(_) => {}
         Command::SetFrame(height) => {
@@ -91,7 +92,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::SetLock(lock) => state.lock = lock,
         Command::SetProjection(projection) => {
             navigate::leave(state);
-            state.viewpoint.projection = projection;
+            navigate::set_projection(state, projection);
         }
         Command::SetSamples(samples) => {
             state.samples = samples.map(|samples| samples.clamp(1, SAMPLES_LIMIT));

@@ -423,7 +423,7 @@ pub static ACTIONS: &[Action] = &[
         |state| {
             Command::SetProjection(match state.viewpoint.projection {
                 Projection::Perspective => Projection::Orthographic,
-                Projection::Orthographic => Projection::Perspective,
+                Projection::Orthographic | Projection::Panoramic(_) => Projection::Perspective,
             })
         },
     )
