@@ -222,12 +222,40 @@ fn a_deep_zooms_finest_tiles_are_the_picture_and_its_coarsest_one_pixel() {
     assert!(dzi.contains("Width=\"1000\" Height=\"700\""), "{dzi}");
     let page = String::from_utf8(bytes(&at("a.html"))).expect("text");
     assert!(page.contains("tiles = \"a_files\", columns = 1000, rows = 700, top_level = 10"));
-    // Tiles are not mixed with those of another picture.
-    let again = arguments!["render", asset("torus.obj"), "-o", at("a.dzi")];
-    let line = refuse(1, again);
-    assert!(line.contains("it is there already"), "{line}");
-    assert_eq!(
-        names(folder.path()),
-        ["a.dzi", "a.html", "a_files", "whole.png"]
+}
+
+#[test]
+fn a_deep_zoom_writes_over_no_page_and_no_tiles_and_nothing_over_its_page() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let zoom = |more: &[&str]| {
+        let mut zoom = arguments!["render", asset("torus.obj"), "-o", at("a.dzi")];
+        zoom.extend(["--size", "64x48"].map(OsString::from));
+        zoom.extend(more.iter().map(OsString::from));
+        zoom
+    };
+    std::fs::write(at("a.html"), "a letter").expect("written");
+    let line = refuse(1, zoom(&[]));
+    assert!(
+        line.contains("a.html: cannot be made: it is there already"),
+        "{line}"
     );
+    assert_eq!(bytes(&at("a.html")), b"a letter");
+    assert_eq!(names(folder.path()), ["a.html"]);
+    std::fs::remove_file(at("a.html")).expect("removed");
+    for taken in ["a.html", "a.dzi"] {
+        let line = refuse(2, zoom(&["--stats", &at(taken).to_string_lossy()]));
+        assert!(line.contains(taken), "{line}");
+        assert!(names(folder.path()).is_empty(), "{taken}");
+    }
+    succeed(zoom(&[]));
+    assert_eq!(names(folder.path()), ["a.dzi", "a.html", "a_files"]);
+    // Tiles are not mixed with those of another picture.
+    std::fs::remove_file(at("a.html")).expect("removed");
+    let line = refuse(1, zoom(&[]));
+    assert!(
+        line.contains("a_files: cannot be made: it is there already"),
+        "{line}"
+    );
+    assert_eq!(names(folder.path()), ["a.dzi", "a_files"]);
 }

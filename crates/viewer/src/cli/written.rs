@@ -1,5 +1,6 @@
 //! A command line that makes a picture: written so that it reads back as the same.
 
+use super::shell::quoted;
 use super::values::{
     self, CULLS, FILTERS, MODES, Names, PRECISIONS, PROJECTIONS, TEXTURE_PROJECTIONS,
 };
@@ -163,33 +164,9 @@ fn point(point: DVec3) -> String {
     format!("{},{},{}", point.x, point.y, point.z)
 }
 
-/// A word as a shell takes it: in single quotes (on Windows in double ones) unless it is plain.
-fn quoted(word: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-./:,=+@%".contains(c);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        return word.to_owned();
-    }
-    if cfg!(windows) {
-        format!("\"{word}\"")
-    } else {
-        format!("'{}'", word.replace('\'', r"'\''"))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn words_are_quoted_where_a_shell_would_split_or_change_them() {
-        assert_eq!(quoted("/a/b-1.obj"), "/a/b-1.obj");
-        assert_eq!(quoted("--wireframe=1.5"), "--wireframe=1.5");
-        if !cfg!(windows) {
-            assert_eq!(quoted("a b"), "'a b'");
-            assert_eq!(quoted("it's $HOME"), r"'it'\''s $HOME'");
-            assert_eq!(quoted("#102030"), "'#102030'");
-        }
-    }
 
     #[test]
     fn a_camera_reads_back_as_it_was_written_and_nonsense_is_none() {

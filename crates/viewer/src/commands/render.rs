@@ -43,10 +43,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     inputs.extend(args.shading.texture.as_deref());
     let output = Output::at(&args.output, &inputs)?;
     let deep_zoom = match deep_zoom {
-        true => Some(DeepZoom::at(&args.output, &inputs)?),
+        true => Some(DeepZoom::at(&args.output, output.clone(), &inputs)?),
         false => None,
     };
     inputs.push(&args.output);
+    inputs.extend(deep_zoom.as_ref().map(DeepZoom::page));
     let stats_target = StatsTarget::at(args.stats.as_deref(), &inputs)?;
     let pool = workers(args.casting.threads)?;
 
