@@ -8,12 +8,13 @@ use raycast_core::camera::{Placement, Projection, fov_to_frame, frame_to_fov};
 use raycast_core::formats::{CameraFile, Limits};
 use raycast_core::glam::DVec3;
 use raycast_core::render::View;
-use raycast_core::scene::UpAxis;
+use raycast_core::scene::{Scene, UpAxis};
 use raycast_core::shade::Background;
 use std::path::PathBuf;
 
-/// `raycast render` with all that decides the picture's bytes: whatever a scene file among `files` says of camera
-/// and shading, but for lines along edges, which an option switches on and none switches off.
+/// `raycast render` with all that decides the picture's bytes, whatever a scene file among `files` says of camera
+/// and shading; but for how textures are projected where an object has a projection of its own, since the option is
+/// for all objects: the files' shading must then say it.
 ///
 /// Numbers have the fewest digits that read back as the same, and words are quoted for a shell where they
 /// need to be. `None` where a path is no text.
@@ -50,26 +51,29 @@ pub fn render_command(
     );
     option("--blend", shading.blend.to_string());
     option("--filter", word(FILTERS, shading.filter));
-    // The option would be for all objects, those too that have a projection of their own.
-    if view
-        .scene
-        .objects
-        .iter()
-        .all(|object| object.mapping.projection.is_none())
-    {
+    if !has_own_projection(&view.scene) {
         let projection = word(TEXTURE_PROJECTIONS, shading.projection);
         option("--texture-projection", projection);
     }
     option("--samples", settings.samples.max(1).to_string());
     option("--cull", word(CULLS, settings.cull));
     option("--precision", word(PRECISIONS, settings.precision));
-    if let Some(lines) = shading.wireframe {
-        option("--wireframe-color", lines.color.to_string());
-        words.push(format!("--wireframe={}", lines.width));
+    match shading.wireframe {
+        Some(lines) => {
+            option("--wireframe-color", lines.color.to_string());
+            words.push(format!("--wireframe={}", lines.width));
+        }
+        None => words.push("--wireframe=none".to_owned()),
     }
     words.extend(reading(limits));
     let words: Vec<_> = words.iter().map(|word| quoted(word)).collect();
     Some(words.join(" "))
+}
+
+/// Whether an object has a texture projection of its own.
+pub fn has_own_projection(scene: &Scene) -> bool {
+    let mut objects = scene.objects.iter();
+    objects.any(|object| object.mapping.projection.is_some())
 }
 
 /// A camera as options of `raycast render`, which [`camera_of`] reads. An orthographic frame is told by the field

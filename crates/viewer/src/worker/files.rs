@@ -323,14 +323,19 @@ impl Files {
         let progress = Arc::new(Progress::default());
         *lock(&self.shared.check) = Some((ticket, name, Arc::clone(&progress)));
         self.shared.spawn("raycast-check", ANY, move |shared| {
-            let checked = check(&meshes, &progress, &|| {
+            let goes_on = || {
                 (shared.wake)();
                 shared.newest_check.load(Ordering::Relaxed) == ticket
-            });
+            };
+            let checked = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+                check(&meshes, &progress, &goes_on)
+            }));
             let mut under_way = lock(&shared.check);
             if under_way.as_ref().is_some_and(|(own, ..)| *own == ticket) {
                 *under_way = None;
             }
+            drop(under_way);
+            let checked = checked.map_err(|panic| panic_text(&*panic))?;
             Ok(checked.map_or(News::Nothing, News::Checked))
         });
     }
@@ -371,6 +376,19 @@ mod tests {
         let files = files();
         files.shared.spawn("test", ANY, |_| panic!("on purpose"));
         assert!(matches!(wait(&files), News::Failed(text) if text.contains("on purpose")));
+    }
+
+    #[test]
+    fn a_check_that_panics_is_told_and_no_longer_under_way() {
+        let is_first = std::sync::atomic::AtomicBool::new(true);
+        let files = Files::new(Arc::new(move || {
+            assert!(!is_first.swap(false, Ordering::Relaxed), "on purpose");
+        }));
+        let file = demo::scene().expect("the demo scene");
+        let mesh = Arc::clone(&file.scene.objects[0].mesh);
+        files.check("a mesh".to_owned(), vec![(0, mesh)]);
+        assert!(matches!(wait(&files), News::Failed(text) if text.contains("on purpose")));
+        assert_eq!(files.activity(), None);
     }
 
     #[test]

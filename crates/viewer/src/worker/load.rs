@@ -212,7 +212,11 @@ impl Load<'_> {
             false => setup::visible_tree(&called, &scene),
         };
         let accel = accel.map_err(|error| error.to_string())?;
-        let build_time = started.elapsed();
+        let tree = Tree {
+            bounds: setup::bounds(&scene, &accel),
+            accel: Arc::new(accel),
+            build_time: started.elapsed(),
+        };
         let objects = scene.objects.iter();
         let dropped: u64 = objects.map(|o| u64::from(o.mesh.dropped().total())).sum();
         let mut notes = file.warnings;
@@ -228,29 +232,21 @@ impl Load<'_> {
             [path] => Some(path).filter(is_scene).cloned(),
             _ => None,
         };
+        let number = self.shared.documents.fetch_add(1, Ordering::Relaxed) + 1;
+        let document = Document {
+            paths,
+            opened: file.opened,
+            animation: file.animation,
+            shading: file.shading,
+            file: own,
+            load_time,
+            ..Document::new(number, name, scene, tree)
+        };
         Ok(Loaded {
-            document: Document {
-                number: self.shared.documents.fetch_add(1, Ordering::Relaxed) + 1,
-                name,
-                paths,
-                opened: file.opened,
-                animation: file.animation,
-                file: own,
-                bounds: setup::bounds(&scene, &accel),
-                read: Arc::clone(&scene),
-                built: Arc::clone(&scene),
-                scene,
-                edits: 0,
-                accel: Arc::new(accel),
-                load_time,
-                build_time,
-            },
-            keep: Keep::Nothing,
             camera: file.camera,
             samples: file.image.samples,
-            shading: file.shading,
             notes,
-            errors: Vec::new(),
+            ..Loaded::new(document)
         })
     }
 
