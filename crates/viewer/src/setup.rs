@@ -6,6 +6,7 @@ pub use nothing_to_see::NothingToSee;
 
 use crate::cli::{CameraArgs, ReadingArgs, ShadingArgs, TextureProjectionArgs, WireframeArg};
 use crate::failure::Failure;
+use crate::memory;
 use raycast_core::camera::{
     Camera, DEFAULT_FOV, Orbit, Placement, PlaneRequest, Projection, fit_distance, fov_to_frame,
     frame_to_fov,
@@ -30,7 +31,7 @@ pub fn load(
     reading: &ReadingArgs,
     progress: Progress<'_>,
 ) -> Result<SceneFile, FormatError> {
-    let budget = reading.budget();
+    let budget = memory::budget(reading.limits());
     let mut all = SceneFile::default();
     for (index, file) in files.iter().enumerate() {
         let share = |share: f32| progress((index as f32 + share) / files.len() as f32);
@@ -113,7 +114,7 @@ pub fn name_of(files: &[PathBuf]) -> String {
 /// A texture that cannot be read, a crop that leaves it.
 pub fn paint(scene: &mut Scene, args: &ShadingArgs, reading: &ReadingArgs) -> Result<(), Failure> {
     if let Some(path) = &args.texture {
-        let mut texture = formats::read_texture_within(path, &reading.budget())?;
+        let mut texture = formats::read_texture_within(path, &memory::budget(reading.limits()))?;
         if let Some(crop) = args.crop {
             texture = texture.cropped(crop).ok_or_else(|| {
                 Failure::usage(format!(

@@ -7,11 +7,12 @@ use super::load::{Load, scene_name, tree};
 use super::save::{save, save_scene, save_text};
 use super::tasks::{ANY, LoadStage, Progress, Shared, lock};
 use super::{Wake, case, neighbors, panic_text};
+use crate::memory;
 use crate::state::effect::Keep;
 use crate::state::inspection::Sized;
 use crate::state::news::News;
 use crate::state::{PromptKind, Replacing};
-use raycast_core::formats::{self, Budget, Limits, SceneFile};
+use raycast_core::formats::{self, Limits, SceneFile};
 use raycast_core::glam::DAffine3;
 use raycast_core::health;
 use raycast_core::scene::{Mesh, Scene};
@@ -239,7 +240,7 @@ impl Files {
 
     /// Reads an image as a texture of an object, or of all.
     pub fn load_texture(&self, path: PathBuf, which: Option<usize>) {
-        let budget = Budget::new(self.limits);
+        let budget = memory::budget(self.limits);
         self.shared.spawn("raycast-texture", ANY, move |shared| {
             lock(&shared.opened).push(path.clone());
             let texture = formats::read_texture_within(&path, &budget);
