@@ -4,6 +4,7 @@ mod frames;
 mod mistyped;
 mod plan;
 mod reading;
+mod shell;
 mod texture_map;
 mod texture_projection;
 mod values;
@@ -13,10 +14,11 @@ pub use frames::{FrameArgs, FrameRange, frame_path};
 pub use mistyped::mistyped;
 pub use plan::PlanArgs;
 pub use reading::{LimitArg, ReadingArgs};
+pub use shell::quoted_for_posix;
 pub use texture_map::TextureMapArgs;
 pub use texture_projection::TextureProjectionArgs;
-pub use values::{OrbitArg, SceneColor};
-pub use written::{camera_of, camera_options, render_command};
+pub use values::{OrbitArg, SceneColor, WireframeArg};
+pub use written::{camera_of, camera_options, has_own_projection, render_command};
 
 use crate::failure::Failure;
 use crate::output;
@@ -201,16 +203,17 @@ pub struct ShadingArgs {
     /// What the picture shows [default: smooth]
     #[arg(long, value_name = "MODE", value_parser = values::named(values::MODES))]
     pub mode: Option<Mode>,
-    /// Draw triangles' edges over the mode, so many pixels wide [default width: 1]
+    /// Draw triangles' edges over the mode, so many pixels wide [default width: 1]; or `none`, also where a scene
+    /// file has them
     #[arg(
         long,
         value_name = "WIDTH",
         num_args = 0..=1,
         require_equals = true,
         default_missing_value = "1",
-        value_parser = values::line_width
+        value_parser = values::wireframe
     )]
-    pub wireframe: Option<f32>,
+    pub wireframe: Option<WireframeArg>,
     /// The color of these edges: `#rrggbb` or `#rgb`
     #[arg(long, value_name = "COLOR", requires = "wireframe")]
     pub wireframe_color: Option<Color>,
@@ -616,19 +619,15 @@ mod tests {
 
     #[test]
     fn wireframe_takes_its_width_after_an_equals_sign_alone() {
-        assert_eq!(
-            render("render -o a.png --wireframe a.obj")
-                .shading
-                .wireframe,
-            Some(1.0)
-        );
-        assert_eq!(
-            render("render -o a.png --wireframe=2.5 a.obj")
-                .shading
-                .wireframe,
-            Some(2.5)
-        );
-        assert_eq!(render("render -o a.png a.obj").shading.wireframe, None);
+        for (option, expected) in [
+            ("", None),
+            ("--wireframe", Some(WireframeArg::Width(1.0))),
+            ("--wireframe=2.5", Some(WireframeArg::Width(2.5))),
+            ("--wireframe=none", Some(WireframeArg::None)),
+        ] {
+            let args = render(&format!("render -o a.png {option} a.obj"));
+            assert_eq!(args.shading.wireframe, expected, "{option}");
+        }
     }
 
     #[test]
@@ -645,6 +644,7 @@ mod tests {
             "render a.obj -o a.png --step nan",
             "render a.obj -o a.png --step 1e-320",
             "render a.obj -o a.png --wireframe=101",
+            "render a.obj -o a.png --wireframe=no",
             "render a.obj -o a.png --limit rows=3",
             "info a.obj --limit bytes=x",
             "render a.obj -o a.png --eye 1,2",

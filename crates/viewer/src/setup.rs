@@ -4,8 +4,9 @@ mod nothing_to_see;
 
 pub use nothing_to_see::NothingToSee;
 
-use crate::cli::{CameraArgs, ReadingArgs, ShadingArgs, TextureProjectionArgs};
+use crate::cli::{CameraArgs, ReadingArgs, ShadingArgs, TextureProjectionArgs, WireframeArg};
 use crate::failure::Failure;
+use crate::memory;
 use raycast_core::camera::{
     Camera, Orbit, Placement, PlaneRequest, Projection, fit_distance, frame_to_fov,
 };
@@ -29,7 +30,7 @@ pub fn load(
     reading: &ReadingArgs,
     progress: Progress<'_>,
 ) -> Result<SceneFile, FormatError> {
-    let budget = reading.budget();
+    let budget = memory::budget(reading.limits());
     let mut all = SceneFile::default();
     for (index, file) in files.iter().enumerate() {
         let share = |share: f32| progress((index as f32 + share) / files.len() as f32);
@@ -112,7 +113,7 @@ pub fn name_of(files: &[PathBuf]) -> String {
 /// A texture that cannot be read, a crop that leaves it.
 pub fn paint(scene: &mut Scene, args: &ShadingArgs, reading: &ReadingArgs) -> Result<(), Failure> {
     if let Some(path) = &args.texture {
-        let mut texture = formats::read_texture_within(path, &reading.budget())?;
+        let mut texture = formats::read_texture_within(path, &memory::budget(reading.limits()))?;
         if let Some(crop) = args.crop {
             texture = texture.cropped(crop).ok_or_else(|| {
                 Failure::usage(format!(
@@ -178,16 +179,20 @@ fn place_textures(scene: &mut Scene, args: &TextureProjectionArgs) -> Result<(),
 /// The shading that was asked for, over the scene file's, over the defaults.
 pub fn shading(args: &ShadingArgs, file: Option<Shading>) -> Shading {
     let base = file.unwrap_or_default();
-    let wireframe = args.wireframe.map(|width| {
-        let lines = base.wireframe.unwrap_or_default();
-        Wireframe {
-            width,
-            color: args.wireframe_color.unwrap_or(lines.color),
+    let wireframe = match args.wireframe {
+        None => base.wireframe,
+        Some(WireframeArg::None) => None,
+        Some(WireframeArg::Width(width)) => {
+            let lines = base.wireframe.unwrap_or_default();
+            Some(Wireframe {
+                width,
+                color: args.wireframe_color.unwrap_or(lines.color),
+            })
         }
-    });
+    };
     Shading {
         mode: args.mode.unwrap_or(base.mode),
-        wireframe: wireframe.or(base.wireframe),
+        wireframe,
         background: args.background.unwrap_or(base.background),
         blend: args.blend.unwrap_or(base.blend),
         filter: args.filter.unwrap_or(base.filter),
@@ -532,7 +537,7 @@ mod tests {
             ..Shading::default()
         };
         let args = ShadingArgs {
-            wireframe: Some(2.0),
+            wireframe: Some(WireframeArg::Width(2.0)),
             blend: Some(0.5),
             ..ShadingArgs::default()
         };
@@ -540,6 +545,11 @@ mod tests {
         assert_eq!((made.mode, made.blend), (Mode::Depth, 0.5));
         assert_eq!(made.wireframe.map(|lines| lines.width), Some(2.0));
         assert_eq!(shading(&ShadingArgs::default(), None), Shading::default());
+        let none = ShadingArgs {
+            wireframe: Some(WireframeArg::None),
+            ..ShadingArgs::default()
+        };
+        assert_eq!(shading(&none, Some(made)).wireframe, None);
     }
 
     #[test]

@@ -13,7 +13,7 @@ use raycast_viewer::panels::overlay::TileOverlay;
 use raycast_viewer::panels::{Commands, Status, window};
 use raycast_viewer::state::PromptKind;
 use raycast_viewer::state::command::Command;
-use raycast_viewer::state::document::Document;
+use raycast_viewer::state::document::{Document, Tree};
 use raycast_viewer::state::effect::{Effect, Keep};
 use raycast_viewer::state::inspection::Checked;
 use raycast_viewer::state::news::{Loaded, News, receive};
@@ -371,30 +371,15 @@ fn open_two() -> Harness<'static, Bench> {
     });
     let mut state = State::default();
     state.preferences.smooth = false;
-    let loaded = Loaded {
-        document: Document {
-            number: 1,
-            name: "mesh.obj".to_owned(),
-            paths: vec!["mesh.obj".into()],
-            opened: Vec::new(),
-            animation: None,
-            file: None,
-            read: Arc::clone(&scene),
-            built: Arc::clone(&scene),
-            edits: 0,
-            accel: Arc::new(Accel::build(&scene).expect("a valid scene")),
-            bounds: scene.bounds(),
-            scene,
-            load_time: Duration::ZERO,
-            build_time: Duration::ZERO,
-        },
-        keep: Keep::Nothing,
-        camera: None,
-        samples: None,
-        shading: None,
-        notes: Vec::new(),
-        errors: Vec::new(),
+    let tree = Tree {
+        accel: Arc::new(Accel::build(&scene).expect("a valid scene")),
+        bounds: scene.bounds(),
+        build_time: Duration::ZERO,
     };
+    let loaded = Loaded::new(Document {
+        paths: vec!["mesh.obj".into()],
+        ..Document::new(1, "mesh.obj", scene, tree)
+    });
     receive(&mut state, News::Loaded(Box::new(loaded)), Duration::ZERO);
     open_with(state)
 }

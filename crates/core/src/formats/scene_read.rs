@@ -8,6 +8,7 @@ use super::scene_file::{CameraFile, FileKind, ImageSettings, SceneFile};
 use super::scene_text::{Reader, line_at};
 use super::scene_toml::{
     AnimationToml, BackgroundToml, CameraToml, ImageToml, ProjectionToml, SceneToml, ShadingToml,
+    VERSION, VersionToml,
 };
 use crate::camera::{CameraPath, ImagePlane, Keyframe, Placement, PlacementError, Projection};
 use crate::quote::{self, quote};
@@ -32,9 +33,16 @@ pub(super) fn read(
     })?;
     let reader = Reader { path, text, files };
     let parsed: SceneToml = guarded(path, || toml::from_str(text))?.map_err(|error| {
+        // What a newer version holds this one need not know.
+        let newer = guarded(path, || toml::from_str::<VersionToml>(text));
+        let newer = newer.ok().and_then(Result::ok);
+        if let Some(fault) = newer.and_then(|newer| reader.version(newer.version.as_ref()).err()) {
+            return fault;
+        }
         let line = error.span().map(|span| line_at(bytes, span.start));
         FormatError::refused(path, line, &shorten(error.message()))
     })?;
+    reader.version(parsed.version.as_ref())?;
     let (mut warnings, mut notes) = (Vec::new(), Vec::new());
     let camera = parsed
         .camera
@@ -109,6 +117,19 @@ fn unseen(path: &Path, scene: &Scene) -> Vec<String> {
 }
 
 impl Reader<'_> {
+    /// Whether this program knows a file of this version.
+    fn version(&self, version: Option<&Spanned<i64>>) -> Result<(), FormatError> {
+        match version {
+            Some(version) if !(1..=VERSION).contains(version.get_ref()) => {
+                let expected =
+                    format!("a scene file of version {VERSION}, which this program reads");
+                let found = format!("version {}", version.get_ref());
+                Err(self.fault(version, &expected, &found))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Keyframes, each a camera with the projection of the scene's.
     fn animation(
         &self,

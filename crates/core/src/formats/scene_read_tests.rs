@@ -128,6 +128,40 @@ fn an_object_says_what_is_up_in_its_file() {
 }
 
 #[test]
+fn a_file_of_a_newer_version_is_refused_as_that_whatever_else_it_holds() {
+    let saved = parse(WHOLE).to_toml(Path::new("/nowhere"));
+    let saved = saved.expect("it can be saved");
+    assert!(saved.starts_with("version = 1\n"), "{saved}");
+    assert_eq!(parse(&saved).scene.content(), parse(WHOLE).scene.content());
+    assert!(super::kind::is_scene(Path::new("-"), saved.as_bytes()));
+    let of = |version: &str, more: &str| {
+        let text = format!("# A scene.\nversion = {version}\n{more}");
+        let read = read_scene_from(&text, &files);
+        read.map_err(|error| error.to_string())
+    };
+    assert!(of("1", "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\n").is_ok());
+    for version in ["2", "0", "-1"] {
+        for more in ["", "[weather]\nrain = true\n"] {
+            let told = format!(
+                "scene:2: expected a scene file of version 1, which this program reads, found version {version}"
+            );
+            assert_eq!(of(version, more).expect_err(version), told);
+        }
+    }
+    for (version, more, expected) in [
+        (
+            "1",
+            "[weather]\nrain = true\n",
+            "scene:3: unknown field `weather`",
+        ),
+        ("\"one\"", "", "scene:2: invalid type"),
+    ] {
+        let told = of(version, more).expect_err(version);
+        assert!(told.starts_with(expected), "{told}");
+    }
+}
+
+#[test]
 fn what_is_left_out_is_left_to_the_caller() {
     let file = parse("");
     let nothing = "scene: the scene has no objects: there is nothing to see";

@@ -6,9 +6,21 @@ use crate::shade::{Filter, Mode};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 use toml::Spanned;
 
+/// The version of scene files that is written, and the newest that is read: one that says none is of it. It counts
+/// changes after which a program that does not know them would show something else.
+pub(super) const VERSION: i64 = 1;
+
+/// What a scene file of any version says.
+#[derive(Debug, Deserialize)]
+pub(super) struct VersionToml {
+    pub(super) version: Option<Spanned<i64>>,
+}
+
 #[derive(Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SceneToml {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) version: Option<Spanned<i64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) camera: Option<Spanned<CameraToml>>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -3,7 +3,7 @@ use super::scene_animation;
 use super::scene_file::{CameraFile, SceneFile};
 use super::scene_toml::{
     BackgroundToml, CameraToml, ColorRuleToml, ColorToml, ImageToml, ObjectToml, ProjectionToml,
-    SceneToml, ShadingToml, Transparent, WrapToml,
+    SceneToml, ShadingToml, Transparent, VERSION, WrapToml,
 };
 use crate::camera::Projection;
 use crate::quote::shorten;
@@ -60,6 +60,7 @@ impl SceneFile {
             .map(|index| Ok(spanned(object(&self.scene, index, &names, base_dir)?)))
             .collect::<Result<_, SaveError>>()?;
         let file = SceneToml {
+            version: Some(spanned(VERSION)),
             camera: self.camera.map(|camera| spanned(camera_table(&camera))),
             animation: self.animation.as_ref().map(|path| {
                 let projection = self.camera.map(|camera| camera.projection);

@@ -187,6 +187,25 @@ pub(super) fn orbit(text: &str) -> Result<OrbitArg, String> {
     })
 }
 
+/// `--wireframe`: lines over the mode, or none although a scene file has them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WireframeArg {
+    /// None.
+    None,
+    /// So many pixels wide.
+    Width(f32),
+}
+
+/// Reads a line's width in pixels, or `none`.
+pub(super) fn wireframe(text: &str) -> Result<WireframeArg, String> {
+    if text == "none" {
+        return Ok(WireframeArg::None);
+    }
+    line_width(text)
+        .map(WireframeArg::Width)
+        .map_err(|error| format!("{error}, or none"))
+}
+
 /// Reads a line's width in pixels.
 pub(super) fn line_width(text: &str) -> Result<f32, String> {
     ranges::line_width(number(text)?).map_err(|error| error.to_string())

@@ -1,5 +1,6 @@
 //! A command line that makes a picture: written so that it reads back as the same.
 
+use super::shell::quoted;
 use super::values::{
     self, CULLS, FILTERS, MODES, Names, PRECISIONS, PROJECTIONS, TEXTURE_PROJECTIONS,
 };
@@ -7,12 +8,13 @@ use raycast_core::camera::{Placement, Projection, frame_to_fov};
 use raycast_core::formats::{CameraFile, Limits};
 use raycast_core::glam::DVec3;
 use raycast_core::render::View;
-use raycast_core::scene::UpAxis;
+use raycast_core::scene::{Scene, UpAxis};
 use raycast_core::shade::Background;
 use std::path::PathBuf;
 
-/// `raycast render` with all that decides the picture's bytes: whatever a scene file among `files` says of camera
-/// and shading, but for lines along edges, which an option switches on and none switches off.
+/// `raycast render` with all that decides the picture's bytes, whatever a scene file among `files` says of camera
+/// and shading; but for how textures are projected where an object has a projection of its own, since the option is
+/// for all objects: the files' shading must then say it.
 ///
 /// Numbers have the fewest digits that read back as the same, and words are quoted for a shell where they
 /// need to be. `None` where a path is no text.
@@ -49,26 +51,29 @@ pub fn render_command(
     );
     option("--blend", shading.blend.to_string());
     option("--filter", word(FILTERS, shading.filter));
-    // The option would be for all objects, those too that have a projection of their own.
-    if view
-        .scene
-        .objects
-        .iter()
-        .all(|object| object.mapping.projection.is_none())
-    {
+    if !has_own_projection(&view.scene) {
         let projection = word(TEXTURE_PROJECTIONS, shading.projection);
         option("--texture-projection", projection);
     }
     option("--samples", settings.samples.max(1).to_string());
     option("--cull", word(CULLS, settings.cull));
     option("--precision", word(PRECISIONS, settings.precision));
-    if let Some(lines) = shading.wireframe {
-        option("--wireframe-color", lines.color.to_string());
-        words.push(format!("--wireframe={}", lines.width));
+    match shading.wireframe {
+        Some(lines) => {
+            option("--wireframe-color", lines.color.to_string());
+            words.push(format!("--wireframe={}", lines.width));
+        }
+        None => words.push("--wireframe=none".to_owned()),
     }
     words.extend(reading(limits));
     let words: Vec<_> = words.iter().map(|word| quoted(word)).collect();
     Some(words.join(" "))
+}
+
+/// Whether an object has a texture projection of its own.
+pub fn has_own_projection(scene: &Scene) -> bool {
+    let mut objects = scene.objects.iter();
+    objects.any(|object| object.mapping.projection.is_some())
 }
 
 /// A camera as options of `raycast render`, which [`camera_of`] reads. An orthographic frame is told by the field
@@ -164,33 +169,9 @@ fn point(point: DVec3) -> String {
     format!("{},{},{}", point.x, point.y, point.z)
 }
 
-/// A word as a shell takes it: in single quotes (on Windows in double ones) unless it is plain.
-fn quoted(word: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-./:,=+@%".contains(c);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        return word.to_owned();
-    }
-    if cfg!(windows) {
-        format!("\"{word}\"")
-    } else {
-        format!("'{}'", word.replace('\'', r"'\''"))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn words_are_quoted_where_a_shell_would_split_or_change_them() {
-        assert_eq!(quoted("/a/b-1.obj"), "/a/b-1.obj");
-        assert_eq!(quoted("--wireframe=1.5"), "--wireframe=1.5");
-        if !cfg!(windows) {
-            assert_eq!(quoted("a b"), "'a b'");
-            assert_eq!(quoted("it's $HOME"), r"'it'\''s $HOME'");
-            assert_eq!(quoted("#102030"), "'#102030'");
-        }
-    }
 
     #[test]
     fn a_camera_reads_back_as_it_was_written_and_nonsense_is_none() {

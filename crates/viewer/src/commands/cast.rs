@@ -2,8 +2,8 @@ use super::{Failure, warn, warn_of_reading, workers};
 use crate::cli::CastArgs;
 use crate::output::Output;
 use crate::progress::TerminalProgress;
-use crate::setup;
 use crate::stats::{self, Stats, StatsTarget, milliseconds};
+use crate::{memory, setup};
 use raycast_core::formats::{HIT_BYTES, RAY_BYTES, SceneFile, decode_ray, encode_hit};
 use raycast_core::{Accel, Cull};
 use rayon::prelude::*;
@@ -63,6 +63,7 @@ pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
     progress.building();
     let building = Instant::now();
     let name = setup::name_of(&args.files);
+    memory::check_tree(&name, scene.triangle_count())?;
     let accel = pool.install(|| setup::visible_tree(&name, &scene))?;
     let build_time = building.elapsed();
 

@@ -36,6 +36,11 @@ pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
             "{name}: several frames are written to a file each (out-%05d.png), or to one .png or .apng"
         )));
     }
+    if args.resume && !is_each {
+        return Err(Failure::usage(format!(
+            "{name}: a file of several frames is written in one piece: leave out --resume"
+        )));
+    }
     if args.tiles.unfinished.is_some() || args.tiles.show_sub_cameras {
         return Err(Failure::usage(
             "--unfinished and --show-sub-cameras are for one picture, not for frames",

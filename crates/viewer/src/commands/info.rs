@@ -2,8 +2,8 @@ use super::Failure;
 use crate::cli::{CameraArgs, InfoArgs, ReadingArgs};
 use crate::output::print;
 use crate::progress::TerminalProgress;
-use crate::setup;
 use crate::stats::{json, milliseconds};
+use crate::{memory, setup};
 use raycast_core::formats::{self, SceneFile};
 use raycast_core::glam::DAffine3;
 use raycast_core::health;
@@ -220,7 +220,7 @@ fn inspect(path: &Path, reading: &ReadingArgs, looks: bool) -> Result<FileInfo, 
     let progress = TerminalProgress::new();
     progress.loading();
     let loading = Instant::now();
-    let budget = reading.budget();
+    let budget = memory::budget(reading.limits());
     let SceneFile {
         kind,
         scene,

@@ -57,6 +57,23 @@ impl Output {
         Ok(output)
     }
 
+    /// A file that goes with this one and is named after it, as [`Output::at`]: it is replaced only where this
+    /// one is there too. Else it is somebody's own, of which the command line says nothing.
+    ///
+    /// # Errors
+    /// As [`Output::at`]; a file that is there without this one.
+    pub fn beside(&self, name: &Path, inputs: &[&Path]) -> Result<Self, Failure> {
+        let output = Self::at(name, inputs)?;
+        if output.is_taken() && !self.is_taken() {
+            let own = self.name.display();
+            return Err(cannot_write(
+                name,
+                &format!("it is there already, and {own}, which it would go with, is not"),
+            ));
+        }
+        Ok(output)
+    }
+
     /// Checks that the place is none of `inputs`, under whatever name. Devices may be both.
     ///
     /// # Errors
@@ -388,6 +405,19 @@ mod tests {
             Err(Failure::CouldNot(_))
         ));
         assert_eq!(names(directory.path()), ["mesh.obj"]);
+    }
+
+    #[test]
+    fn a_file_that_is_named_after_another_is_replaced_with_that_alone() {
+        let directory = tempfile::tempdir().expect("a directory");
+        let at = |name: &str| directory.path().join(name);
+        let own = Output::at(&at("a"), &[]).expect("a place");
+        assert!(own.beside(&at("a.b"), &[]).is_ok());
+        fs::write(at("a.b"), b"somebody's own").expect("written");
+        let refused = own.beside(&at("a.b"), &[]);
+        assert!(refused.is_err_and(|error| error.to_string().contains("it is there already")));
+        fs::write(at("a"), b"").expect("written");
+        assert!(own.beside(&at("a.b"), &[]).is_ok());
     }
 
     #[test]

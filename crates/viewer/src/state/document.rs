@@ -3,6 +3,7 @@
 use raycast_core::Accel;
 use raycast_core::camera::CameraPath;
 use raycast_core::scene::{Bounds, Scene};
+use raycast_core::shade::Shading;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -22,6 +23,8 @@ pub struct Document {
     pub file: Option<PathBuf>,
     /// The camera's keyframes, which are saved as they were read.
     pub animation: Option<CameraPath>,
+    /// The shading that its files tell.
+    pub shading: Option<Shading>,
     /// The objects, as a person has them.
     pub scene: Arc<Scene>,
     /// The objects as they were read.
@@ -41,6 +44,27 @@ pub struct Document {
 }
 
 impl Document {
+    /// A scene of no file, and the tree over it.
+    pub fn new(number: u64, name: impl Into<String>, scene: Arc<Scene>, tree: Tree) -> Self {
+        Self {
+            number,
+            name: name.into(),
+            paths: Vec::new(),
+            opened: Vec::new(),
+            file: None,
+            animation: None,
+            shading: None,
+            read: Arc::clone(&scene),
+            built: Arc::clone(&scene),
+            scene,
+            edits: 0,
+            accel: tree.accel,
+            bounds: tree.bounds,
+            load_time: Duration::ZERO,
+            build_time: tree.build_time,
+        }
+    }
+
     /// Whether the tree is over the objects as they are.
     pub fn is_built(&self) -> bool {
         Arc::ptr_eq(&self.scene, &self.built)

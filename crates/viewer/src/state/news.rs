@@ -18,7 +18,8 @@ use raycast_core::formats::CameraFile;
 use raycast_core::picture::Recipe;
 use raycast_core::render::Settings;
 use raycast_core::scene::{Object, Scene, Texture};
-use raycast_core::shade::{Mode, Shading};
+use raycast_core::shade::Mode;
+use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -93,12 +94,24 @@ pub struct Loaded {
     pub camera: Option<CameraFile>,
     /// The file's samples a pixel.
     pub samples: Option<u32>,
-    /// The file's shading.
-    pub shading: Option<Shading>,
     /// What could be read only in part, to be told.
     pub notes: Vec<String>,
     /// Files that could not be read at all, while others could.
     pub errors: Vec<String>,
+}
+
+impl Loaded {
+    /// A scene that was read whole, whose files say nothing about showing it.
+    pub fn new(document: Document) -> Self {
+        Self {
+            document,
+            keep: Keep::Nothing,
+            camera: None,
+            samples: None,
+            notes: Vec::new(),
+            errors: Vec::new(),
+        }
+    }
 }
 
 /// Takes in news from another thread; `now` is the window's clock.
@@ -136,8 +149,9 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
         }
         News::Sized(sized) => state.inspection.sized = Some(sized),
         News::Checked(checked) => {
-            let is_new = |old: &Checked| checked.iter().all(|new| new.object != old.object);
-            state.inspection.checked.retain(is_new);
+            let again: HashSet<usize> = checked.iter().map(|new| new.object).collect();
+            let kept = |old: &Checked| !again.contains(&old.object);
+            state.inspection.checked.retain(kept);
             state.inspection.checked.extend(checked);
         }
         News::Recipe(recipe) => {
@@ -184,6 +198,7 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
                 // Each time: the watch is told anew, and knows the file as it is now.
                 document.opened.push(path.clone());
                 document.file = Some(path.clone());
+                document.shading = Some(state.settings.shading);
             }
             files::remember(state, &[path]);
             let pending = state.after_saving.take()?;
@@ -259,7 +274,6 @@ fn show(state: &mut State, loaded: Loaded) {
         keep,
         camera,
         samples,
-        shading,
         notes,
         errors,
     } = loaded;
@@ -270,6 +284,7 @@ fn show(state: &mut State, loaded: Loaded) {
         renewed = keep_looks(&mut document, last);
     }
     let paths = document.paths.clone();
+    let shading = document.shading;
     state.document = Some(document);
     match renewed {
         Some(meshes) => state.history.renew(&meshes),

@@ -3,11 +3,11 @@
 use super::demo;
 use super::tasks::{Progress, Shared, lock};
 use crate::failure::Failure;
-use crate::setup;
 use crate::state::document::{Document, Tree};
 use crate::state::effect::Keep;
 use crate::state::news::{Loaded, News};
-use raycast_core::formats::{self, Budget, Limits, SceneFile};
+use crate::{memory, setup};
+use raycast_core::formats::{self, Limits, SceneFile};
 use raycast_core::picture::{ImageFile, Recipe};
 use raycast_core::render::Cancel;
 use raycast_core::scene::Scene;
@@ -80,7 +80,7 @@ impl Load<'_> {
         among: Vec<PathBuf>,
         limits: Limits,
     ) -> Result<News, String> {
-        let budget = Budget::new(limits);
+        let budget = memory::budget(limits);
         let Some(recipe) = recipe(path)? else {
             lock(&self.shared.opened).push(path.to_owned());
             let texture = formats::read_texture_within(path, &budget);
@@ -98,7 +98,7 @@ impl Load<'_> {
             }
             self.progress.read(index as f32 / count as f32);
             (self.shared.wake)();
-            let read = formats::read_scene_within(&file, &Budget::new(limits), &|_| {});
+            let read = formats::read_scene_within(&file, &memory::budget(limits), &|_| {});
             let Ok(read) = read else {
                 continue;
             };
@@ -142,7 +142,7 @@ impl Load<'_> {
             file = demo::scene().map_err(|error| error.to_string())?;
         }
         let cancel = Cancel::default();
-        let budget = Budget::new(limits).cancelled_by(cancel.clone());
+        let budget = memory::budget(limits).cancelled_by(cancel.clone());
         let count = paths.len();
         for (index, path) in paths.into_iter().enumerate() {
             if self.is_over() {
@@ -205,6 +205,7 @@ impl Load<'_> {
         scene.objects.iter().for_each(|object| {
             object.mesh.bounds();
         });
+        memory::check_tree(&called, scene.triangle_count()).map_err(|error| error.to_string())?;
         let has_hidden = scene.objects.iter().any(|object| !object.visible);
         let accel = match has_hidden {
             // It may be that nothing is to be seen, on purpose.
@@ -212,7 +213,11 @@ impl Load<'_> {
             false => setup::visible_tree(&called, &scene),
         };
         let accel = accel.map_err(|error| error.to_string())?;
-        let build_time = started.elapsed();
+        let tree = Tree {
+            bounds: setup::bounds(&scene, &accel),
+            accel: Arc::new(accel),
+            build_time: started.elapsed(),
+        };
         let objects = scene.objects.iter();
         let dropped: u64 = objects.map(|o| u64::from(o.mesh.dropped().total())).sum();
         let mut notes = file.warnings;
@@ -228,29 +233,21 @@ impl Load<'_> {
             [path] => Some(path).filter(is_scene).cloned(),
             _ => None,
         };
+        let number = self.shared.documents.fetch_add(1, Ordering::Relaxed) + 1;
+        let document = Document {
+            paths,
+            opened: file.opened,
+            animation: file.animation,
+            shading: file.shading,
+            file: own,
+            load_time,
+            ..Document::new(number, name, scene, tree)
+        };
         Ok(Loaded {
-            document: Document {
-                number: self.shared.documents.fetch_add(1, Ordering::Relaxed) + 1,
-                name,
-                paths,
-                opened: file.opened,
-                animation: file.animation,
-                file: own,
-                bounds: setup::bounds(&scene, &accel),
-                read: Arc::clone(&scene),
-                built: Arc::clone(&scene),
-                scene,
-                edits: 0,
-                accel: Arc::new(accel),
-                load_time,
-                build_time,
-            },
-            keep: Keep::Nothing,
             camera: file.camera,
             samples: file.image.samples,
-            shading: file.shading,
             notes,
-            errors: Vec::new(),
+            ..Loaded::new(document)
         })
     }
 
