@@ -3,9 +3,9 @@
 use crate::bvh::Accel;
 use crate::camera::Camera;
 use crate::hit::Precision;
+use crate::num::simd::Simd;
 use crate::triangle::coplanar::Coplanar;
 use crate::triangle::edge_on::EdgeOn;
-use glam::Vec3;
 
 /// Decisions about a tree's triangles, cached.
 #[derive(Debug)]
@@ -27,9 +27,9 @@ impl<'a> Decisions<'a> {
         }
     }
 
-    /// A triangle's corners.
-    pub(super) fn corners(&self, primitive: u32) -> [Vec3; 3] {
-        self.accel.corners(primitive)
+    /// The instruction set that work goes by.
+    pub(super) fn simd(&self) -> Simd {
+        self.accel.simd
     }
 
     /// Whether casting is exact. Fast casting interpolates t, u and v in double precision alone: what only more

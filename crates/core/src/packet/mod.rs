@@ -12,7 +12,8 @@
 //!    thin ones have their bounds shrunk to what their rows span.
 //! 4. `setup`: what is left is set up as linear functions of a ray's place: three edge functions and an
 //!    inverse depth, with bounds on their errors (Pineda 1988; Olano and Greer 1997). Where the bounds say little,
-//!    `componentwise_setup` does it again with bounds of its own.
+//!    `componentwise_setup` does it again with bounds of its own. Of what is thin beside its distance, depths are
+//!    relative to a `depth_reference`.
 //! 5. `interval_zbuffer`: triangles are rasterised into an interval of depth a ray, in single precision.
 //!    What the intervals cannot decide is marked undecided, its rivals are recorded, and `cast` lets the single
 //!    ray decide between them. What is the same for all rays is decided once (`decisions`).
@@ -26,6 +27,7 @@ mod cast_tests;
 mod componentwise_setup;
 mod counts;
 mod decisions;
+mod depth_reference;
 mod each;
 mod frustum;
 mod interval_zbuffer;

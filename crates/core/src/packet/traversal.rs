@@ -6,6 +6,7 @@
 
 use super::counts::CastCounts;
 use super::decisions::Decisions;
+use super::depth_reference::DepthReference;
 use super::frustum::{CellFrusta, Frustum, Viewpoint, Window};
 use super::interval_zbuffer::{IntervalZBuffer, SmallOutcome};
 use super::observer::Observer;
@@ -216,6 +217,8 @@ pub(super) struct Traversal<'a> {
     boxes: [RayBox; LANES],
     /// What is decided exactly, once for all packets.
     decisions: Decisions<'a>,
+    /// What the large packet's depth keys are relative to.
+    reference: DepthReference,
     pub(super) counts: CastCounts,
 }
 
@@ -241,6 +244,7 @@ impl<'a> Traversal<'a> {
             queued: Batch::default(),
             boxes: [RayBox::default(); LANES],
             decisions: Decisions::new(accel, &lattice.camera, precision),
+            reference: DepthReference::default(),
             counts: CastCounts::default(),
         }
     }
@@ -319,6 +323,11 @@ impl<'a> Traversal<'a> {
             }
             std::mem::swap(&mut self.list, &mut self.next);
         }
+        // What more precision would decide otherwise, fast casting does not.
+        if self.decisions.are_exact() {
+            let boxes = self.list.iter().map(|entry| entry.1);
+            self.reference = DepthReference::of(boxes, &self.lattice.camera, self.eye);
+        }
         self.list.sort_unstable_by(|a, b| a.2.total_cmp(&b.2));
         for pair in self.list.chunks(2) {
             let (first, second) = (&pair[0], pair.get(1));
@@ -379,11 +388,13 @@ impl<'a> Traversal<'a> {
                 }
                 if !begun {
                     begun = true;
-                    let perspective = self.lattice.camera.projection() == Projection::Perspective;
-                    zbuffer.clear(lanes, part.columns, part.rows, perspective);
+                    zbuffer.clear(lanes, part.columns, part.rows, self.begin());
                 }
                 let corners = self.corners(lanes, self.batch.primitives());
                 projector.project(lanes, &corners, self.batch.len, &mut projected);
+                if !self.reference.is_zero() {
+                    projected.relate_to(self.reference);
+                }
             }
             if self.queued.len == 0 {
                 return begun;
@@ -616,6 +627,16 @@ impl<'a> Traversal<'a> {
             (part.columns, part.rows),
             cull,
         )
+        .relative_to(self.reference)
+    }
+
+    /// The relative depth key where rays begin; infinite for perspective.
+    fn begin(&self) -> f32 {
+        match self.lattice.camera.projection() {
+            Projection::Perspective => f32::INFINITY,
+            // They begin at the image plane, where the negated depth is zero.
+            Projection::Orthographic => 0.0 - self.reference.key(),
+        }
     }
 
     /// Where boxes must begin to hold something that is not occluded.
@@ -628,19 +649,21 @@ impl<'a> Traversal<'a> {
         }
     }
 
-    /// Upper bound of the depth key of a box that begins here along the view axis.
+    /// Upper bound of the relative depth key of a box that begins here along the view axis.
     #[inline(always)]
     fn depth_key(&self, near: f32) -> f32 {
-        match self.lattice.camera.projection() {
+        let key = match self.lattice.camera.projection() {
             Projection::Orthographic => near.abs() * (BEYOND - 1.0) - near,
             _ if near > 0.0 => BEYOND / near,
             _ => f32::INFINITY,
-        }
+        };
+        self.reference.relative_above(key)
     }
 
     /// How far along the view axis a box may begin and still hold something nearer than `hi_z`.
     #[inline(always)]
     fn limit(&self, hi_z: f32) -> f32 {
+        let hi_z = self.reference.absolute(hi_z);
         match self.lattice.camera.projection() {
             Projection::Orthographic => -hi_z + hi_z.abs() * (BEYOND - 1.0),
             // The depth key is the inverse depth.
