@@ -27,6 +27,8 @@ mod componentwise_setup;
 mod counts;
 mod decisions;
 mod frustum;
+#[cfg(test)]
+mod instance_tests;
 mod interval_zbuffer;
 mod lane_math;
 mod observer;
