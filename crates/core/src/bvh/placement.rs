@@ -145,15 +145,15 @@ impl BoxPlacement {
 mod tests {
     use super::*;
     use crate::random::Random;
-    use glam::{DMat3, DQuat, EulerRot};
+    use glam::{DMat3, DQuat};
 
     /// Placements over many magnitudes, each with how large the mesh is.
     fn placements(random: &mut Random) -> Vec<(Placement, f64)> {
         let mut all = Vec::new();
         for round in 0..300 {
             let size = 10f64.powi(round % 13 - 6);
-            let angles = random.point() * 4.0;
-            let turn = DQuat::from_euler(EulerRot::XYZ, angles.x, angles.y, angles.z);
+            let turn = random.point().extend(random.signed());
+            let turn = DQuat::from_vec4(turn).normalize();
             let scale = DMat3::from_diagonal(random.point() * 10f64.powi(round % 7 - 3));
             let world_from_object = DAffine3 {
                 matrix3: DMat3::from_quat(turn) * scale,
