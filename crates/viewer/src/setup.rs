@@ -72,12 +72,35 @@ pub fn tree(scene: &Scene) -> Result<Accel, Failure> {
     Ok(Accel::build(scene)?.with_simd(simd))
 }
 
+/// The tree over a scene whose objects may come to be moved and hidden: of more than one object, a tree for each
+/// mesh. Where nothing is put to another place [`tree`] is faster to cast at: of 1280 × 720 rays, a fifth at most
+/// where objects stand apart and their corners are placed once, a third in a thousand objects of one mesh, twice where
+/// objects interpenetrate.
+///
+/// # Errors
+/// As [`tree`].
+pub fn tree_to_edit(scene: &Scene) -> Result<Accel, Failure> {
+    let simd = instruction_set()?;
+    Ok(match &scene.objects[..] {
+        [] | [_] => Accel::build(scene)?,
+        _ => Accel::build_instances(scene)?,
+    }
+    .with_simd(simd))
+}
+
 /// The tree over a scene of which something can be seen; `name` is what an error calls it.
 ///
 /// # Errors
 /// As [`tree`]; [`NothingToSee`] where no triangle is left.
 pub fn visible_tree(name: &str, scene: &Scene) -> Result<Accel, Failure> {
-    let accel = tree(scene)?;
+    visible(name, scene, tree(scene)?)
+}
+
+/// A tree of which something can be seen.
+///
+/// # Errors
+/// [`NothingToSee`] where no triangle is left.
+pub fn visible(name: &str, scene: &Scene, accel: Accel) -> Result<Accel, Failure> {
     if accel.is_empty() {
         return Err(NothingToSee {
             name: name.to_owned(),
@@ -91,11 +114,10 @@ pub fn visible_tree(name: &str, scene: &Scene) -> Result<Accel, Failure> {
 
 /// The box around what can be seen: a triangle that its transform moved out of range is not.
 pub fn bounds(scene: &Scene, accel: &Accel) -> Bounds {
-    if accel.out_of_range() == 0 {
+    if accel.out_of_range() == 0 && !accel.has_instances() {
         return scene.bounds();
     }
-    let corners = (0..accel.len() as u32).flat_map(|primitive| accel.corners(primitive));
-    Bounds::around(corners.map(|corner| accel.origin() + corner.as_dvec3()))
+    accel.bounds()
 }
 
 /// What a scene of these files is called in an error.

@@ -164,7 +164,8 @@ fn a_changed_scene_is_saved_first_and_its_command_writes_the_same_bytes() {
     };
     let build = update(&mut state, Command::SetTransform(0, moved));
     assert_eq!(build, Some(Effect::Build));
-    files.build(Arc::clone(&state.document.as_ref().expect("a scene").scene));
+    let document = state.document.as_ref().expect("a scene");
+    files.build(Arc::clone(&document.scene), Arc::clone(&document.accel));
     receive(&mut state, wait(&files), Duration::ZERO);
 
     assert_eq!(update(&mut state, Command::CopyCommand), None);

@@ -372,7 +372,7 @@ fn open_two() -> Harness<'static, Bench> {
     let mut state = State::default();
     state.preferences.smooth = false;
     let tree = Tree {
-        accel: Arc::new(Accel::build(&scene).expect("a valid scene")),
+        accel: Arc::new(Accel::build_instances(&scene).expect("a valid scene")),
         bounds: scene.bounds(),
         build_time: Duration::ZERO,
     };
@@ -393,13 +393,20 @@ fn objects(harness: &Harness<'_, Bench>) -> Vec<(String, bool)> {
 #[test]
 fn an_object_is_hidden_by_its_eye_and_undo_brings_it_back() {
     let mut harness = open_two();
+    let shown = |harness: &Harness<'_, Bench>| {
+        let document = harness.state().state.document.as_ref().expect("a scene");
+        assert!(document.is_built(), "at once");
+        (document.accel.len(), document.bounds.min.x)
+    };
     click(&mut harness, "Hide left one");
     assert_eq!(objects(&harness)[0], ("left one".to_owned(), false));
-    assert_eq!(harness.state().effects, [Effect::Build]);
+    assert_eq!(shown(&harness), (1, 2.0));
     harness.get_by_label("Show left one");
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     harness.run();
     assert!(objects(&harness)[0].1);
+    assert_eq!(shown(&harness), (2, 0.0));
+    assert!(!harness.state().effects.contains(&Effect::Build));
 }
 
 #[test]

@@ -52,7 +52,7 @@ impl<'a> Decisions<'a> {
             && self
                 .coplanar
                 .are(a, b, |primitive| self.accel.corners(primitive));
-        let id = |primitive: u32| self.accel.triangles[primitive as usize].number;
+        let id = |primitive: u32| self.accel.id(primitive);
         is_one_plane.then(|| if id(a) < id(b) { a } else { b })
     }
 }

@@ -30,6 +30,8 @@ mod decisions;
 mod depth_reference;
 mod each;
 mod frustum;
+#[cfg(test)]
+mod instance_tests;
 mod interval_zbuffer;
 mod lane_math;
 mod observer;

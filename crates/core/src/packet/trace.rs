@@ -136,7 +136,7 @@ impl Work for RecordTrace<'_> {
                         min: accel.origin + bounds.min.as_dvec3(),
                         max: accel.origin + bounds.max.as_dvec3(),
                     },
-                    primitives: subtree.primitives().collect(),
+                    primitives: accel.primitives_below(subtree),
                 });
             }
             if !level.list.is_empty() {

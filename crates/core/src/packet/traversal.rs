@@ -311,13 +311,12 @@ impl<'a> Traversal<'a> {
                 };
                 deepened = true;
                 self.counts.nodes += 1;
-                let node = &tree.nodes[index as usize];
-                let children = node.children(index);
-                let entered = frustum.enter(lanes, &node.boxes);
+                let mut opened = None;
+                let (boxes, children) = self.accel.open(index, &mut opened);
+                let entered = frustum.enter(lanes, boxes);
                 for (child, (near, inside)) in entered.into_iter().enumerate() {
                     if inside {
-                        self.next
-                            .push((children[child], node.boxes.get(child), near));
+                        self.next.push((children[child], boxes.get(child), near));
                     }
                 }
             }
@@ -427,6 +426,7 @@ impl<'a> Traversal<'a> {
                 self.batch.take(&mut descent.leaf);
                 continue;
             }
+            let mut opened = None;
             let (boxes, children) = if descent.depth > 0 {
                 descent.depth -= 1;
                 let (subtree, near) = descent.stack[descent.depth];
@@ -438,8 +438,7 @@ impl<'a> Traversal<'a> {
                     observer.reached(descent.leaf.clone());
                     continue;
                 };
-                let node = &self.accel.tree.nodes[index as usize];
-                (&node.boxes, node.children(index))
+                self.accel.open(index, &mut opened)
             } else if descent.pair < self.pairs.len()
                 && self.pairs[descent.pair].near <= descent.limits.furthest
             {
@@ -565,20 +564,21 @@ impl<'a> Traversal<'a> {
         for (out, corners) in out.iter_mut().zip([ax, ay, az, bx, by, bz, cx, cy, cz]) {
             corners.store(out);
         }
+        self.accel.place(primitives, &mut out);
         out
     }
 
-    /// A triangle's first eight coordinates.
+    /// A triangle's first eight coordinates, as they are stored.
     #[inline(always)]
     fn row<L: Lanes>(&self, lanes: L, primitive: u32) -> L::F32 {
-        let [a, b, c] = self.accel.triangles[primitive as usize].corners;
+        let [a, b, c] = self.accel.stored_corners(primitive);
         lanes.load(&[a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y])
     }
 
     /// Its ninth coordinate.
     #[inline(always)]
     fn last(&self, primitive: u32) -> f32 {
-        self.accel.triangles[primitive as usize].corners[2].z
+        self.accel.stored_corners(primitive)[2].z
     }
 
     /// Prefetches what a subtree on the stack will be read from: its triangles, or its first nodes.
@@ -596,7 +596,10 @@ impl<'a> Traversal<'a> {
             // Eight triangles take five cache lines.
             None => {
                 for line in 0..=subtree.count as usize * 5 / 8 {
-                    lanes.prefetch(&self.accel.triangles, subtree.first as usize + line * 8 / 5);
+                    lanes.prefetch(
+                        self.accel.triangles(),
+                        subtree.first as usize + line * 8 / 5,
+                    );
                 }
             }
         }

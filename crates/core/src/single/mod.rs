@@ -28,7 +28,7 @@ impl Accel {
     pub fn cast_brute_force(&self, ray: &Ray, cull: Cull) -> Option<Hit> {
         let ray = PreparedRay::new(ray, self.origin, cull, Precision::Exact)?;
         let mut nearest = Nearest::NONE;
-        for primitive in 0..self.triangles.len() as u32 {
+        for primitive in self.primitives() {
             self.meet(&ray, primitive, &mut nearest);
         }
         self.to_hit(nearest)
@@ -44,8 +44,8 @@ impl Accel {
     pub(crate) fn meet(&self, ray: &PreparedRay, primitive: u32, nearest: &mut Nearest) {
         ray.meet(
             primitive,
-            |primitive| self.triangles[primitive as usize].corners,
-            |primitive| self.triangles[primitive as usize].number,
+            |primitive| self.corners(primitive),
+            |primitive| self.id(primitive),
             nearest,
         );
     }

@@ -18,9 +18,9 @@ pub(crate) fn nearest(accel: &Accel, ray: &PreparedRay) -> Nearest {
     let mut depth = 0;
     loop {
         if let Some(index) = subtree.node() {
-            let node = &tree.nodes[index as usize];
-            let [(near_a, meets_a), (near_b, meets_b)] = slab.enter(&node.boxes, limit);
-            let [a, b] = node.children(index);
+            let mut opened = None;
+            let (boxes, [a, b]) = accel.open(index, &mut opened);
+            let [(near_a, meets_a), (near_b, meets_b)] = slab.enter(boxes, limit);
             match (meets_a, meets_b) {
                 (true, true) => {
                     let (first, second) = if near_b < near_a {

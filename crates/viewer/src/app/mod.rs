@@ -257,7 +257,8 @@ impl App {
             Some(Effect::CancelLoad) => self.files.cancel_load(),
             Some(Effect::Build) => {
                 if let Some(document) = &self.state.document {
-                    self.files.build(Arc::clone(&document.scene));
+                    let (scene, accel) = (&document.scene, &document.accel);
+                    self.files.build(Arc::clone(scene), Arc::clone(accel));
                 }
             }
             Some(Effect::LoadTexture(path, which)) => self.files.load_texture(path, which),

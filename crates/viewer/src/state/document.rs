@@ -70,16 +70,21 @@ impl Document {
         Arc::ptr_eq(&self.scene, &self.built)
     }
 
-    /// Takes new objects. Where the tree holds for them they are shown at once; else it must be built
-    /// again (`false`), and what was shown stays until then.
+    /// Takes new objects. Where the tree holds for them, or one over them is made at once, they are shown at once;
+    /// else it must be built (`false`), and what was shown stays until then.
     pub fn set_scene(&mut self, scene: Arc<Scene>) -> bool {
         self.scene = scene;
         let holds = has_same_triangles(&self.scene, &self.built);
-        if holds {
-            self.built = Arc::clone(&self.scene);
-            self.edits += 1;
+        if !holds {
+            let Some(accel) = self.accel.updated_at_once(&self.scene) else {
+                return false;
+            };
+            self.bounds = accel.bounds();
+            self.accel = Arc::new(accel);
         }
-        holds
+        self.built = Arc::clone(&self.scene);
+        self.edits += 1;
+        true
     }
 
     /// Takes the tree over `scene`, unless the objects have changed since it was asked for.

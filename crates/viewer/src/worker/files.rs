@@ -12,6 +12,7 @@ use crate::state::effect::Keep;
 use crate::state::inspection::Sized;
 use crate::state::news::News;
 use crate::state::{PromptKind, Replacing};
+use raycast_core::Accel;
 use raycast_core::formats::{self, Limits, SceneFile};
 use raycast_core::glam::DAffine3;
 use raycast_core::health;
@@ -204,8 +205,8 @@ impl Files {
         });
     }
 
-    /// Builds the tree over a scene's visible objects. The newest call wins.
-    pub fn build(&self, scene: Arc<Scene>) {
+    /// Builds the tree over a scene's visible objects, which was `before`. The newest call wins.
+    pub fn build(&self, scene: Arc<Scene>, before: Arc<Accel>) {
         let ticket = self.shared.newest_tree.fetch_add(1, Ordering::Relaxed) + 1;
         self.shared.building.fetch_add(1, Ordering::Relaxed);
         self.shared.spawn("raycast-tree", ANY, move |shared| {
@@ -214,7 +215,7 @@ impl Files {
                 let _turn = lock(&shared.building_turn);
                 let is_newest = shared.newest_tree.load(Ordering::Relaxed) == ticket;
                 is_newest.then(|| {
-                    let build = || tree(&scene);
+                    let build = || tree(&scene, &before);
                     std::panic::catch_unwind(std::panic::AssertUnwindSafe(build))
                 })
             };

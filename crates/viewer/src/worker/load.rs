@@ -7,6 +7,7 @@ use crate::state::document::{Document, Tree};
 use crate::state::effect::Keep;
 use crate::state::news::{Loaded, News};
 use crate::{memory, setup};
+use raycast_core::Accel;
 use raycast_core::formats::{self, Limits, SceneFile};
 use raycast_core::picture::{ImageFile, Recipe};
 use raycast_core::render::Cancel;
@@ -207,11 +208,11 @@ impl Load<'_> {
         });
         memory::check_tree(&called, scene.triangle_count()).map_err(|error| error.to_string())?;
         let has_hidden = scene.objects.iter().any(|object| !object.visible);
-        let accel = match has_hidden {
+        let accel = setup::tree_to_edit(&scene).and_then(|accel| match has_hidden {
             // It may be that nothing is to be seen, on purpose.
-            true => setup::tree(&scene),
-            false => setup::visible_tree(&called, &scene),
-        };
+            true => Ok(accel),
+            false => setup::visible(&called, &scene, accel),
+        });
         let accel = accel.map_err(|error| error.to_string())?;
         let tree = Tree {
             bounds: setup::bounds(&scene, &accel),
@@ -271,10 +272,10 @@ fn recipe(path: &Path) -> Result<Option<Recipe>, String> {
     Ok(file.recipe)
 }
 
-/// The tree over a scene, and the box around what can be seen of it.
-pub(super) fn tree(scene: &Scene) -> Result<Tree, Failure> {
+/// The tree over a scene after `before`, and the box around what can be seen of it.
+pub(super) fn tree(scene: &Scene, before: &Accel) -> Result<Tree, Failure> {
     let started = Instant::now();
-    let accel = setup::tree(scene)?;
+    let accel = before.updated(scene)?;
     Ok(Tree {
         bounds: setup::bounds(scene, &accel),
         accel: Arc::new(accel),

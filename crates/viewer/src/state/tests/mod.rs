@@ -74,6 +74,16 @@ fn tree(scene: &Scene) -> Tree {
     }
 }
 
+/// The same over a tree a mesh, as the window builds it for several objects.
+fn opened_to_edit(count: usize) -> State {
+    let mut state = opened(count);
+    if let Some(document) = &mut state.document {
+        let accel = Accel::build_instances(&document.scene).expect("a valid scene");
+        document.accel = Arc::new(accel);
+    }
+    state
+}
+
 fn document(state: &State) -> &Document {
     state.document.as_ref().expect("a scene")
 }
