@@ -3,6 +3,7 @@
 use crate::bvh::Accel;
 use crate::camera::Camera;
 use crate::hit::Precision;
+use crate::triangle::clip::Clip;
 use crate::triangle::coplanar::Coplanar;
 use crate::triangle::edge_on::EdgeOn;
 use glam::Vec3;
@@ -11,6 +12,7 @@ use glam::Vec3;
 #[derive(Debug)]
 pub(crate) struct Decisions<'a> {
     accel: &'a Accel,
+    clip: &'a Clip,
     edge_on: EdgeOn,
     coplanar: Coplanar,
     /// Fast casting orders triangles of one plane by their rounded distances.
@@ -18,9 +20,15 @@ pub(crate) struct Decisions<'a> {
 }
 
 impl<'a> Decisions<'a> {
-    pub(super) fn new(accel: &'a Accel, camera: &Camera, precision: Precision) -> Self {
+    pub(super) fn new(
+        accel: &'a Accel,
+        clip: &'a Clip,
+        camera: &Camera,
+        precision: Precision,
+    ) -> Self {
         Self {
             accel,
+            clip,
             edge_on: EdgeOn::new(camera, accel.origin),
             coplanar: Coplanar::new(),
             precision,
@@ -30,6 +38,12 @@ impl<'a> Decisions<'a> {
     /// A triangle's corners.
     pub(super) fn corners(&self, primitive: u32) -> [Vec3; 3] {
         self.accel.corners(primitive)
+    }
+
+    /// The clipping planes.
+    #[inline(always)]
+    pub(super) fn clip(&self) -> &'a Clip {
+        self.clip
     }
 
     /// Whether casting is exact. Fast casting interpolates t, u and v in double precision alone: what only more

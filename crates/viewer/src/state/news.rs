@@ -17,7 +17,7 @@ use raycast_core::camera::{Orbit, Projection, frame_to_fov};
 use raycast_core::formats::CameraFile;
 use raycast_core::picture::Recipe;
 use raycast_core::render::Settings;
-use raycast_core::scene::{Object, Scene, Texture};
+use raycast_core::scene::{ClippingPlanes, Object, Scene, Texture};
 use raycast_core::shade::{Mode, Shading};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -95,6 +95,8 @@ pub struct Loaded {
     pub samples: Option<u32>,
     /// The file's shading.
     pub shading: Option<Shading>,
+    /// The file's clipping planes.
+    pub clip: ClippingPlanes,
     /// What could be read only in part, to be told.
     pub notes: Vec<String>,
     /// Files that could not be read at all, while others could.
@@ -260,6 +262,7 @@ fn show(state: &mut State, loaded: Loaded) {
         camera,
         samples,
         shading,
+        clip,
         notes,
         errors,
     } = loaded;
@@ -293,6 +296,7 @@ fn show(state: &mut State, loaded: Loaded) {
     state.trail = Default::default();
     bookmarks::recall(state);
     state.locked = Arc::default();
+    state.cutting = None;
     state.measuring = Measuring {
         snaps: state.measuring.snaps,
         ..Measuring::default()
@@ -302,6 +306,7 @@ fn show(state: &mut State, loaded: Loaded) {
         None if keep == Keep::Nothing => state.settings = Settings::default(),
         None => {}
     }
+    state.settings.clip = clip;
     if keep == Keep::Nothing {
         state.resolution = Resolution::Window { density: 1.0 };
     }
@@ -373,6 +378,7 @@ fn apply(state: &mut State, recipe: &Recipe) {
     }
     state.settings.shading = recipe.shading;
     state.settings.cull = recipe.cull;
+    state.settings.clip = recipe.clip;
     navigate::go(state, Viewpoint::of(&camera));
     state.tell("Shown as that picture was made");
 }

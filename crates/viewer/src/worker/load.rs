@@ -249,6 +249,7 @@ impl Load<'_> {
             camera: file.camera,
             samples: file.image.samples,
             shading: file.shading,
+            clip: file.clip,
             notes,
             errors: Vec::new(),
         })
