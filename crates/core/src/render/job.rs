@@ -4,10 +4,10 @@ use super::sample::sample_offset;
 use super::view::{Clock, Settings, View};
 use super::{Pass, Tile, TileStats};
 use crate::camera::{Lattice, Rect, SubCamera};
-use crate::hit::Detail;
+use crate::hit::{Detail, MISS};
 use crate::hits::Hits;
 use crate::picture::{Layers, Strip};
-use crate::shade::{self, Cut, Section, Shader, TileShader};
+use crate::shade::{self, Cut, Section, Shader, Shown, TileShader};
 use std::time::Duration;
 
 /// A tile as far as it has come.
@@ -152,9 +152,10 @@ impl Job {
                     let (x, y) = lattice.place(column, row);
                     let hit = hits.get((row * lattice.columns + column) as usize);
                     let cut = section.as_ref();
-                    let cut = cut.and_then(|s| s.color(s.at(x, y, hit.primitive), false));
+                    let cut = cut
+                        .and_then(|s| s.color8(Section::shown(s.at(x, y, hit.primitive), false)));
                     let color = match cut {
-                        Some(color) => shade::encode(color),
+                        Some(color) => color,
                         None => shader.pixel8(x, y, &hit),
                     };
                     let (left, top) = (
@@ -190,7 +191,7 @@ impl Job {
                 for (at, (sum, hit)) in sums.iter_mut().zip(hits.iter()).enumerate() {
                     let (x, y) =
                         lattice.place(at as u32 % lattice.columns, at as u32 / lattice.columns);
-                    let cut = cut.get(at).copied().flatten();
+                    let cut = cut.as_ref().and_then(|(s, all)| s.color(all[at]));
                     let [r, g, b, a] = cut.unwrap_or_else(|| shader.color(x, y, &hit));
                     *sum = [sum[0] + r * a, sum[1] + g * a, sum[2] + b * a, sum[3] + a];
                 }
@@ -295,27 +296,29 @@ impl<'a, 's> Work<'a, 's> {
         rect: Rect,
         rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
     ) {
-        let cut = self.cut(lattice);
-        if cut.is_empty() {
+        let Some((section, shown)) = self.cut(lattice) else {
             return self.shade_uncut(lattice, rect, rows);
+        };
+        // What is behind a section is not shaded.
+        for (primitive, shown) in self.buffers.hits.primitives.iter_mut().zip(&shown) {
+            if *shown != Shown::NONE {
+                *primitive = MISS;
+            }
         }
         let mut rows: Vec<_> = rows.collect();
         self.shade_uncut(lattice, rect, rows.iter_mut().map(|row| &mut **row));
-        for (row, cut) in rows.iter_mut().zip(cut.chunks(lattice.columns as usize)) {
-            for (pixel, cut) in row.iter_mut().zip(cut) {
-                if let Some(color) = cut {
-                    *pixel = shade::encode(*color);
+        for (row, shown) in rows.iter_mut().zip(shown.chunks(lattice.columns as usize)) {
+            for (pixel, shown) in row.iter_mut().zip(shown) {
+                if let Some(color) = section.color8(*shown) {
+                    *pixel = color;
                 }
             }
         }
     }
 
-    /// Colours of the sections that the rays of a lattice show, which have just been cast: `None` where they show none,
-    /// and nothing at all where no ray does.
-    fn cut(&mut self, lattice: &Lattice) -> Vec<Option<[f32; 4]>> {
-        let Some(section) = self.section() else {
-            return Vec::new();
-        };
+    /// What the rays of a lattice, which have just been cast, show of sections; `None` where none shows any.
+    fn cut(&mut self, lattice: &Lattice) -> Option<(Section<'a>, Vec<Shown>)> {
+        let section = self.section()?;
         let begin = (self.clock)();
         let cuts = |lattice: &Lattice, primitives: &[u32]| -> Vec<Cut> {
             let place = |at: u32| lattice.place(at % lattice.columns, at / lattice.columns);
@@ -325,7 +328,8 @@ impl<'a, 's> Work<'a, 's> {
         };
         let inner = cuts(lattice, &self.buffers.hits.primitives);
         if inner.iter().all(Option::is_none) {
-            return Vec::new();
+            self.stats.shade += self.since(begin);
+            return None;
         }
         let (columns, rows) = (lattice.columns as usize, lattice.rows as usize);
         let plane = self.view.camera.plane();
@@ -356,7 +360,7 @@ impl<'a, 's> Work<'a, 's> {
         let below = beside(bottom < plane.rows, row(bottom.min(plane.rows - 1)));
         let before = beside(lattice.x > 0, column(lattice.x.saturating_sub(1)));
         let behind = beside(right < plane.columns, column(right.min(plane.columns - 1)));
-        let colors = inner.iter().enumerate().map(|(at, &cut)| {
+        let shown = inner.iter().enumerate().map(|(at, &cut)| {
             let (x, y) = (at % columns, at / columns);
             let next = |is_inside: bool, to: usize, outside: Option<&Cut>| match is_inside {
                 true => inner[to],
@@ -368,11 +372,11 @@ impl<'a, 's> Work<'a, 's> {
                 next(y > 0, at.wrapping_sub(columns), above.get(x)),
                 next(y + 1 < rows, at + columns, below.get(x)),
             ];
-            section.color(cut, neighbours.iter().any(|&next| next != cut))
+            Section::shown(cut, neighbours.iter().any(|&next| next != cut))
         });
-        let colors = colors.collect();
+        let shown = shown.collect();
         self.stats.shade += self.since(begin);
-        colors
+        Some((section, shown))
     }
 
     /// The section that clipping planes make, if any is seen.

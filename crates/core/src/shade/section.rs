@@ -25,6 +25,14 @@ pub(crate) const OUTLINE: Color = Color([0x2b, 0x15, 0x08]);
 /// A plane and the object that it cuts there; `None` where no section is seen.
 pub(crate) type Cut = Option<(usize, u32)>;
 
+/// What a sample shows of sections: nothing, an outline, or the inside of one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Shown(u8);
+
+impl Shown {
+    pub(crate) const NONE: Self = Self(0);
+}
+
 /// The sections of a picture.
 #[derive(Debug)]
 pub(crate) struct Section<'a> {
@@ -33,6 +41,8 @@ pub(crate) struct Section<'a> {
     /// The eye, relative to the tree's origin.
     eye: DVec3,
     planes: Vec<Plane>,
+    /// Of the outline, then of each plane.
+    colors: Vec<([f32; 4], [u8; 4])>,
 }
 
 #[derive(Debug)]
@@ -41,7 +51,6 @@ struct Plane {
     normal: DVec3,
     /// How far before the plane the eye, or the image plane's middle, stands: in scene units.
     depth: f64,
-    color: Vec3,
 }
 
 impl<'a> Section<'a> {
@@ -66,7 +75,6 @@ impl<'a> Section<'a> {
             Plane {
                 normal,
                 depth: (plane.offset - plane.normal.dot(eye)) / length,
-                color: base * lights.on(-normal.as_vec3(), to_eye),
             }
         });
         // What leaves the range of double precision has no section rather than a wrong one.
@@ -76,11 +84,18 @@ impl<'a> Section<'a> {
             Projection::Orthographic => plane.normal.dot(camera.forward()) > 0.0,
         };
         let planes: Vec<_> = planes.filter(is_entered).collect();
+        let faces = planes
+            .iter()
+            .map(|plane| base * lights.on(-plane.normal.as_vec3(), to_eye));
+        let colors = [srgb::linear(OUTLINE)].into_iter().chain(faces);
+        let colors = colors.map(|Vec3 { x, y, z }| ([x, y, z, 1.0], srgb::encode([x, y, z, 1.0])));
+        let colors = colors.collect();
         (!planes.is_empty()).then(|| Self {
             accel,
             camera,
             eye: eye - accel.origin,
             planes,
+            colors,
         })
     }
 
@@ -89,12 +104,16 @@ impl<'a> Section<'a> {
         if primitive == MISS || !self.is_back(primitive) {
             return None;
         }
+        let object = self.accel.identify(primitive).0;
+        // A hit is kept, so its ray has entered through every plane that it goes through this way: the last one counts.
+        if self.planes.len() == 1 && self.camera.projection() == Projection::Perspective {
+            return Some((0, object));
+        }
         let direction = self.camera.direction(x, y);
         let start = match self.camera.projection() {
             Projection::Perspective => DVec3::ZERO,
             Projection::Orthographic => self.camera.on_plane(x, y),
         };
-        // A hit is kept, so its ray has entered through every plane that it goes through this way: the last one counts.
         let mut last = (0.0, None);
         for (number, plane) in self.planes.iter().enumerate() {
             let along = plane.normal.dot(direction);
@@ -103,17 +122,32 @@ impl<'a> Section<'a> {
                 last = (entry, Some(number));
             }
         }
-        Some((last.1?, self.accel.identify(primitive).0))
+        Some((last.1?, object))
     }
 
-    /// The colour of a section, or of its outline: linear light, alpha not multiplied in.
-    pub(crate) fn color(&self, cut: Cut, is_outline: bool) -> Option<[f32; 4]> {
-        let (number, _) = cut?;
-        let Vec3 { x, y, z } = match is_outline {
-            true => srgb::linear(OUTLINE),
-            false => self.planes.get(number)?.color,
-        };
-        Some([x, y, z, 1.0])
+    /// What a sample shows, whose section is this and is on its outline or not.
+    pub(crate) fn shown(cut: Cut, is_outline: bool) -> Shown {
+        match cut {
+            None => Shown::NONE,
+            Some(_) if is_outline => Shown(1),
+            Some((number, _)) => Shown(number as u8 + 2),
+        }
+    }
+
+    /// The colour of what is shown of sections, if anything is: linear light, alpha not multiplied in.
+    pub(crate) fn color(&self, shown: Shown) -> Option<[f32; 4]> {
+        let number = shown.0.checked_sub(1)?;
+        self.colors
+            .get(usize::from(number))
+            .map(|(color, _)| *color)
+    }
+
+    /// The same as a picture holds it.
+    pub(crate) fn color8(&self, shown: Shown) -> Option<[u8; 4]> {
+        let number = shown.0.checked_sub(1)?;
+        self.colors
+            .get(usize::from(number))
+            .map(|(_, color)| *color)
     }
 
     /// Whether rays see a triangle's back.
