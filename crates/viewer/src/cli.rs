@@ -1,19 +1,23 @@
 //! What a command line may hold.
 
+mod clip;
 mod frames;
 mod mistyped;
 mod plan;
 mod reading;
+mod section;
 mod shell;
 mod texture_map;
 mod texture_projection;
 mod values;
 mod written;
 
+pub use clip::{ClipArg, ClipArgs};
 pub use frames::{FrameArgs, FrameRange, frame_path};
 pub use mistyped::mistyped;
 pub use plan::PlanArgs;
 pub use reading::{LimitArg, ReadingArgs};
+pub use section::SectionArgs;
 pub use shell::quoted_for_posix;
 pub use texture_map::TextureMapArgs;
 pub use texture_projection::TextureProjectionArgs;
@@ -90,6 +94,8 @@ pub enum Command {
     Convert(ConvertArgs),
     /// Draw a mesh's triangles into its texture
     TextureMap(Box<TextureMapArgs>),
+    /// Draw the outline of a section as SVG or DXF
+    Section(SectionArgs),
     /// Tell what files hold
     Info(InfoArgs),
     /// Measure frame times on this machine; prints JSON
@@ -114,6 +120,7 @@ Examples:
   raycast render bunny.obj -o dense.exr --step 0.0001 --fov 30
   raycast render scene.raycast.toml -o scene.png --samples 16 --stats -
   raycast render bunny.obj -o large.tif --size 65536x32768 --resume
+  raycast render bunny.obj -o cut.png --clip x:0 --clip -y:0.1
   raycast render bunny.obj -o turn-%05d.png --turntable 100
   raycast render a.obj b.obj -o both.png --eye -1,2,5 --target 0,0.5,0")]
 pub struct RenderArgs {
@@ -292,6 +299,9 @@ pub struct CastingArgs {
     /// Which faces rays pass through: none, or those seen from the back
     #[arg(long, value_name = "FACES", default_value = "none", value_parser = values::named(values::CULLS))]
     pub cull: Cull,
+    /// What is cut away.
+    #[command(flatten)]
+    pub clip: ClipArgs,
 }
 
 /// `raycast cast`.
@@ -318,6 +328,9 @@ pub struct CastArgs {
     /// Which faces rays pass through: none, or those seen from the back
     #[arg(long, value_name = "FACES", default_value = "none", value_parser = values::named(values::CULLS))]
     pub cull: Cull,
+    /// What is cut away.
+    #[command(flatten)]
+    pub clip: ClipArgs,
     /// Workers, 0 to 256; 0 is one for each of the machine's
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::threads())]
     pub threads: u16,
@@ -667,6 +680,8 @@ mod tests {
             "stitch a.png",
             "bench",
             "bench a.obj --target 0,0,0",
+            "render a.obj -o a.png --clip 0,0,0,1",
+            "cast a.obj --rays r --hits h --clip w:1",
             "info",
             "--colour",
         ] {

@@ -7,7 +7,7 @@ use egui_kittest::kittest::Queryable;
 use raycast_core::Accel;
 use raycast_core::camera::{FrameLock, Grid, Projection};
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{Mesh, MeshData, Object, Scene};
+use raycast_core::scene::{ClippingPlanes, Mesh, MeshData, Object, Scene};
 use raycast_core::shade::Mode;
 use raycast_viewer::panels::overlay::TileOverlay;
 use raycast_viewer::panels::{Commands, Status, window};
@@ -679,4 +679,83 @@ fn w_walks_while_one_walks_and_draws_lines_else() {
     harness.run();
     let state = &harness.state().state;
     assert!(state.walk.is_none() && state.settings.shading.wireframe.is_some());
+}
+
+#[test]
+fn planes_are_added_moved_flipped_switched_off_and_removed_in_the_panel() {
+    let mut harness = open_two();
+    click(&mut harness, "Cut");
+    click(&mut harness, "Cut across X");
+    let planes = |harness: &Harness<'_, Bench>| harness.state().state.settings.clip.all().to_vec();
+    let first = planes(&harness)[0];
+    assert!(first.normal.abs() == DVec3::X && first.enabled);
+    click(&mut harness, "Flip clipping plane 1");
+    assert_eq!(planes(&harness), [first.flipped()]);
+    let name = if first.normal.x > 0.0 {
+        "X ≤"
+    } else {
+        "X ≥"
+    };
+    click(&mut harness, name);
+    assert!(!planes(&harness)[0].enabled);
+    click(&mut harness, name);
+    let slider = harness.get_by_label("Position of clipping plane 1").rect();
+    let at = slider.left_center() + (slider.right_center() - slider.left_center()) * 0.25;
+    for pressed in [true, false] {
+        harness.event(egui::Event::PointerMoved(at));
+        harness.event(egui::Event::PointerButton {
+            pos: at,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        });
+        harness.run();
+    }
+    let moved = planes(&harness)[0];
+    assert!(moved.normal == first.flipped().normal && moved.offset != first.flipped().offset);
+    click(&mut harness, "Remove clipping plane 1");
+    assert!(planes(&harness).is_empty());
+    click(&mut harness, "Cut through three points");
+    assert!(harness.state().state.cutting.is_some());
+    assert!(
+        harness
+            .query_by_label("Click 3 more points of the plane")
+            .is_some()
+    );
+}
+
+#[test]
+fn a_plane_is_moved_by_its_handle_in_the_picture() {
+    let mut harness = open_two();
+    harness.state_mut().state.viewport = (800, 800);
+    harness.run();
+    click(&mut harness, "Cut");
+    click(&mut harness, "Cut across X");
+    let before = harness.state().state.settings.clip.all()[0];
+    let handle = harness
+        .get_by_label("Move clipping plane 1")
+        .rect()
+        .center();
+    let press = |pos: Pos2, pressed| egui::Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    harness.event(egui::Event::PointerMoved(handle));
+    harness.event(press(handle, true));
+    harness.run();
+    let view = harness.state().state.viewpoint;
+    for step in 1..4 {
+        let by = egui::vec2(12.0 * step as f32, 0.0);
+        harness.event(egui::Event::PointerMoved(handle + by));
+        harness.run();
+    }
+    harness.event(press(handle + egui::vec2(36.0, 0.0), false));
+    harness.run();
+    let after = harness.state().state.settings.clip.all()[0];
+    assert_eq!(after.normal, before.normal);
+    let x = |plane: &raycast_core::scene::ClippingPlane| plane.offset * plane.normal.x;
+    assert!(x(&after) > x(&before) + 1e-3, "{before:?} {after:?}");
+    assert_eq!(harness.state().state.viewpoint, view, "the camera stays");
 }

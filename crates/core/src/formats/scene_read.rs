@@ -7,13 +7,13 @@ use super::mesh_file;
 use super::scene_file::{CameraFile, FileKind, ImageSettings, SceneFile};
 use super::scene_text::{Reader, line_at};
 use super::scene_toml::{
-    AnimationToml, BackgroundToml, CameraToml, ImageToml, ProjectionToml, SceneToml, ShadingToml,
-    VERSION, VersionToml,
+    AnimationToml, BackgroundToml, CameraToml, ClipToml, ImageToml, ProjectionToml, SceneToml,
+    ShadingToml, VERSION, VersionToml,
 };
 use crate::camera::{CameraPath, ImagePlane, Keyframe, Placement, PlacementError, Projection};
 use crate::quote::{self, quote};
 use crate::ranges;
-use crate::scene::{Bounds, COORDINATE_LIMIT, Scene};
+use crate::scene::{Bounds, COORDINATE_LIMIT, ClippingPlane, ClippingPlanes, Scene};
 use crate::shade::{Background, Shading, Wireframe};
 use glam::DVec3;
 use std::path::Path;
@@ -54,6 +54,7 @@ pub(super) fn read(
         .map(|animation| reader.animation(&animation, projection));
     let image = reader.image(&parsed.image)?;
     let shading = reader.shading(parsed.shading.as_ref(), &parsed.image)?;
+    let clip = reader.clip(&parsed.clip)?;
     let objects = reader.objects(&parsed.objects, progress, &mut warnings, &mut notes)?;
     let scene = Scene { objects };
     let mut unseen = unseen(path, &scene);
@@ -67,6 +68,7 @@ pub(super) fn read(
         animation: animation.transpose()?,
         image,
         shading,
+        clip,
         warnings,
         notes,
         opened: files.opened(),
@@ -246,6 +248,28 @@ impl Reader<'_> {
             size: size.transpose()?,
             samples: samples.transpose()?,
         })
+    }
+
+    /// `[[clip]]`.
+    fn clip(&self, tables: &[Spanned<ClipToml>]) -> Result<ClippingPlanes, FormatError> {
+        let mut planes = ClippingPlanes::NONE;
+        for table in tables {
+            let ClipToml {
+                normal,
+                offset,
+                enabled,
+            } = table.get_ref();
+            planes
+                .push(ClippingPlane {
+                    normal: DVec3::from_array(*normal),
+                    offset: *offset,
+                    enabled: enabled.unwrap_or(true),
+                })
+                .map_err(|error| {
+                    FormatError::refused(self.path, self.line(table), &error.to_string())
+                })?;
+        }
+        Ok(planes)
     }
 
     /// `[shading]` and the background; `None` where the file has neither.

@@ -609,3 +609,44 @@ fov = 20.0
     let error = read(none).expect_err("no keyframes").to_string();
     assert!(error.contains("expected a keyframe"), "{error}");
 }
+
+#[test]
+fn clipping_planes_come_back_and_their_faults_are_named() {
+    let text = "[[clip]]\nnormal = [0.1, 0, -2]\noffset = 3.5\n\n[[clip]]\nnormal = [0, 1, 0]\nenabled = false\n";
+    let file = parse(text);
+    let [first, second] = file.clip.all() else {
+        panic!("two planes: {:?}", file.clip);
+    };
+    assert_eq!(
+        (first.normal, first.offset),
+        (DVec3::new(0.1, 0.0, -2.0), 3.5)
+    );
+    assert_eq!((second.offset, second.enabled), (0.0, false));
+    assert_eq!(file.clip.only_enabled().all(), [*first]);
+    let saved = file
+        .to_toml(Path::new("/nowhere"))
+        .expect("it can be saved");
+    assert_eq!(parse(&saved).clip, file.clip, "{saved}");
+    let plain = parse("")
+        .to_toml(Path::new("/nowhere"))
+        .expect("it can be saved");
+    assert!(!plain.contains("clip"), "{plain}");
+    for (bad, told) in [
+        (
+            "[[clip]]\nnormal = [0, 0, 0]",
+            "scene:1: a clipping plane's normal must not be zero",
+        ),
+        (
+            "[[clip]]\nnormal = [1, 0, 0]\noffset = nan",
+            "scene:1: a clipping plane's numbers must be finite",
+        ),
+        ("[[clip]]\noffset = 1", "normal"),
+        (
+            &"[[clip]]\nnormal = [1, 0, 0]\n".repeat(9),
+            "scene:17: there can be at most 8 clipping planes",
+        ),
+    ] {
+        let error = read_scene_from(bad, &files).expect_err(bad).to_string();
+        assert!(error.contains(told), "{error}");
+    }
+}

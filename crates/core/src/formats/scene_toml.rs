@@ -29,6 +29,8 @@ pub(super) struct SceneToml {
     pub(super) image: ImageToml,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) shading: Option<ShadingToml>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) clip: Vec<Spanned<ClipToml>>,
     #[serde(default, rename = "object", skip_serializing_if = "Vec::is_empty")]
     pub(super) objects: Vec<Spanned<ObjectToml>>,
 }
@@ -124,6 +126,17 @@ pub(super) struct ShadingToml {
     pub(super) filter: Option<FilterToml>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) texture_projection: Option<TextureProjectionToml>,
+}
+
+/// A clipping plane.
+#[derive(Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ClipToml {
+    pub(super) normal: [f64; 3],
+    #[serde(default)]
+    pub(super) offset: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) enabled: Option<bool>,
 }
 
 #[derive(Debug, Deserialize, Serialize)]

@@ -2,12 +2,12 @@ use super::files::relative;
 use super::scene_animation;
 use super::scene_file::{CameraFile, SceneFile};
 use super::scene_toml::{
-    BackgroundToml, CameraToml, ColorRuleToml, ColorToml, ImageToml, ObjectToml, ProjectionToml,
-    SceneToml, ShadingToml, Transparent, VERSION, WrapToml,
+    BackgroundToml, CameraToml, ClipToml, ColorRuleToml, ColorToml, ImageToml, ObjectToml,
+    ProjectionToml, SceneToml, ShadingToml, Transparent, VERSION, WrapToml,
 };
 use crate::camera::Projection;
 use crate::quote::shorten;
-use crate::scene::{Scene, SceneError, Transform, UpAxis, Wrap};
+use crate::scene::{ClippingPlane, Scene, SceneError, Transform, UpAxis, Wrap};
 use crate::shade::{Background, Shading};
 use glam::DAffine3;
 use std::path::Path;
@@ -82,6 +82,7 @@ impl SceneFile {
                 }),
             },
             shading: self.shading.map(|shading| shading_table(&shading)),
+            clip: self.clip.all().iter().map(clip_table).collect(),
             objects,
         };
         toml::to_string(&file).map_err(|error| SaveError::Encode(error.to_string()))
@@ -107,6 +108,14 @@ fn camera_table(camera: &CameraFile) -> CameraToml {
         fov,
         frame,
     }
+}
+
+fn clip_table(plane: &ClippingPlane) -> Spanned<ClipToml> {
+    spanned(ClipToml {
+        normal: plane.normal.to_array(),
+        offset: plane.offset,
+        enabled: (!plane.enabled).then_some(false),
+    })
 }
 
 fn shading_table(shading: &Shading) -> ShadingToml {

@@ -9,7 +9,8 @@ use crate::camera::Lattice;
 use crate::hit::{Cull, Detail, MISS, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::num::simd::{F32x8, Lanes, Mask8, Work, dispatch};
-use crate::single;
+use crate::single::{self, Clipped};
+use crate::triangle::clip::Clip;
 use crate::triangle::interpolate::{Corners, LANES, Places, RowHits, interpolate_row};
 use crate::triangle::linear::{LinearHit, Pencil, PencilRow};
 use crate::triangle::{Nearest, PreparedRay};
@@ -45,17 +46,29 @@ impl Accel {
         precision: Precision,
         primitives: &mut Vec<u32>,
     ) -> CastCounts {
+        self.find_kept(&Clip::NONE, lattice, cull, precision, primitives)
+    }
+
+    fn find_kept(
+        &self,
+        clip: &Clip,
+        lattice: &Lattice,
+        cull: Cull,
+        precision: Precision,
+        primitives: &mut Vec<u32>,
+    ) -> CastCounts {
         primitives.clear();
         primitives.resize(lattice.len(), MISS);
         let mut counts = CastCounts::default();
         if lattice.camera.projection().panorama().is_some() {
-            return self.find_each(lattice, cull, precision, primitives);
+            return self.find_each(clip, lattice, cull, precision, primitives);
         }
         if self.tree.root.is_some() {
             dispatch(
                 self.simd,
                 Find {
                     accel: self,
+                    clip,
                     lattice,
                     cull,
                     precision,
@@ -89,8 +102,42 @@ impl Accel {
     }
 }
 
+impl Clipped<'_> {
+    /// Casts every ray of a lattice into `hits`, else as [`Accel::cast_lattice`].
+    pub fn cast_lattice(
+        &self,
+        lattice: &Lattice,
+        cull: Cull,
+        precision: Precision,
+        detail: Detail,
+        hits: &mut Vec<PrimitiveHit>,
+    ) {
+        let mut found = Hits::default();
+        self.find(lattice, cull, precision, &mut found.primitives);
+        if detail == Detail::Full {
+            self.accel.evaluate(lattice, cull, precision, &mut found);
+        }
+        hits.clear();
+        hits.extend(found.iter());
+    }
+
+    /// Finds the closest triangle that each ray of a lattice hits at a point that is kept, else as
+    /// [`Accel::find`]; [`Accel::evaluate`] tells where.
+    pub fn find(
+        &self,
+        lattice: &Lattice,
+        cull: Cull,
+        precision: Precision,
+        primitives: &mut Vec<u32>,
+    ) -> CastCounts {
+        self.accel
+            .find_kept(&self.clip, lattice, cull, precision, primitives)
+    }
+}
+
 pub(super) struct Find<'a> {
     pub(super) accel: &'a Accel,
+    pub(super) clip: &'a Clip,
     pub(super) lattice: &'a Lattice,
     pub(super) cull: Cull,
     pub(super) precision: Precision,
@@ -107,7 +154,7 @@ impl Work for Find<'_> {
             columns: self.lattice.columns,
             rows: self.lattice.rows,
         };
-        let mut traversal = Traversal::new(self.accel, self.lattice, self.precision);
+        let mut traversal = Traversal::new(self.accel, self.clip, self.lattice, self.precision);
         let mut zbuffer = IntervalZBuffer::new();
         for large in whole.split(LARGE_SIDE) {
             traversal.list(lanes, &large);
@@ -180,12 +227,13 @@ impl Find<'_> {
             Some(rivals) if self.precision == Precision::Exact => {
                 let mut nearest = Nearest::NONE;
                 for &(_, primitive) in rivals {
-                    self.accel.meet(&ray, primitive, &mut nearest);
+                    self.accel
+                        .meet_kept(self.clip, &ray, primitive, &mut nearest);
                 }
                 nearest
             }
             // Double precision, which fast casting trusts, may see a triangle that no ray hits.
-            _ => single::nearest(self.accel, &ray),
+            _ => single::nearest(self.accel, self.clip, &ray),
         };
         let primitive = nearest.primitive;
         if ray.was_exact() {

@@ -39,7 +39,7 @@ impl DepthReference {
             return Self::default();
         }
         let key = match camera.projection() {
-            Projection::Perspective => 1.0 / middle,
+            Projection::Perspective | Projection::Panoramic(_) => 1.0 / middle,
             Projection::Orthographic => -middle,
         } as f32;
         Self(if key.is_normal() { key } else { 0.0 })

@@ -7,11 +7,13 @@ use crate::hit::{Cull, MISS, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::single;
 use crate::triangle::PreparedRay;
+use crate::triangle::clip::Clip;
 
 impl Accel {
     /// [`Accel::find`] for any lattice; `primitives` has a place for each of its rays.
     pub(super) fn find_each(
         &self,
+        clip: &Clip,
         lattice: &Lattice,
         cull: Cull,
         precision: Precision,
@@ -23,7 +25,7 @@ impl Accel {
             let Some(ray) = PreparedRay::new(&ray, self.origin, cull, precision) else {
                 continue;
             };
-            *primitive = single::nearest(self, &ray).primitive;
+            *primitive = single::nearest(self, clip, &ray).primitive;
             counts.hits += u64::from(*primitive != MISS);
             *(if ray.was_exact() {
                 &mut counts.exact_rays

@@ -7,6 +7,8 @@
 //! (Abrash, "Rasterization on Larrabee", 2009; Greene, Kass, Miller, "Hierarchical Z-Buffer Visibility",
 //! 1993).
 
+mod cut_triangles;
+
 use super::componentwise_setup::ComponentwiseSetup;
 use super::decisions::Decisions;
 use super::params::{CELLS, ROW, SIDE};
@@ -86,6 +88,25 @@ struct EdgeFunctions {
     edge_error: f32,
     depth_key: [f32; 3],
     depth_key_error: f32,
+}
+
+impl EdgeFunctions {
+    /// Those of lane `l` of a set-up.
+    #[inline(always)]
+    fn of(set_up: &TriangleSetup, l: usize, primitive: u32) -> Self {
+        let linear = |f: &[[f32; LANES]; 3]| [f[0][l], f[1][l], f[2][l]];
+        Self {
+            primitive,
+            edges: [
+                linear(&set_up.edges[0]),
+                linear(&set_up.edges[1]),
+                linear(&set_up.edges[2]),
+            ],
+            edge_error: set_up.edge_error[l],
+            depth_key: linear(&set_up.depth_key),
+            depth_key_error: set_up.depth_key_error[l],
+        }
+    }
 }
 
 impl IntervalZBuffer {
@@ -390,7 +411,10 @@ impl IntervalZBuffer {
             0
         };
         for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
-            if never_hit >> l & 1 == 0 {
+            if never_hit >> l & 1 == 0
+                && (decisions.clip().is_empty()
+                    || !self.rasterize_cut(lanes, &set_up, l, primitive, decisions))
+            {
                 self.rasterize_one(lanes, &set_up, l, primitive, decisions);
             }
         }
@@ -406,18 +430,7 @@ impl IntervalZBuffer {
         primitive: u32,
         decisions: &mut Decisions<'_>,
     ) {
-        let linear = |f: &[[f32; LANES]; 3]| [f[0][l], f[1][l], f[2][l]];
-        let functions = EdgeFunctions {
-            primitive,
-            edges: [
-                linear(&set_up.edges[0]),
-                linear(&set_up.edges[1]),
-                linear(&set_up.edges[2]),
-            ],
-            edge_error: set_up.edge_error[l],
-            depth_key: linear(&set_up.depth_key),
-            depth_key_error: set_up.depth_key_error[l],
-        };
+        let functions = EdgeFunctions::of(set_up, l, primitive);
         let RayBox {
             left,
             right,

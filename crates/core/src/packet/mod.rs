@@ -18,12 +18,17 @@
 //!    What the intervals cannot decide is marked undecided, its rivals are recorded, and `cast` lets the single
 //!    ray decide between them. What is the same for all rays is decided once (`decisions`).
 //!
+//! Where there are clipping planes, boxes and triangles of which they keep nothing are skipped on the way, and those
+//! that they cut get an edge more (`interval_zbuffer::cut_triangles`).
+//!
 //! `observer` and `trace` record the way for pictures and tables. No decision here is final unless a
 //! derived bound says so: the answers are those of exact arithmetic.
 
 mod cast;
 #[cfg(test)]
 mod cast_tests;
+#[cfg(test)]
+mod clip_tests;
 mod componentwise_setup;
 mod counts;
 mod decisions;

@@ -19,6 +19,7 @@ use crate::bvh::tree::{Box32, BoxPair, DEPTH_LIMIT, Subtree};
 use crate::camera::{Lattice, Projection};
 use crate::hit::{Cull, Precision};
 use crate::num::simd::{F32x8, LANES, Lanes};
+use crate::triangle::clip::{Clip, Kept};
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
@@ -202,6 +203,7 @@ impl Descent {
 /// The traversal of a lattice's packets.
 pub(super) struct Traversal<'a> {
     accel: &'a Accel,
+    clip: &'a Clip,
     lattice: &'a Lattice,
     eye: DVec3,
     eye_error: f64,
@@ -212,6 +214,8 @@ pub(super) struct Traversal<'a> {
     next: Vec<(Subtree, Box32, f32)>,
     /// Primitive indices of the leaves reached.
     batch: Batch,
+    /// Those of them, as bits, that clipping planes leave a part of.
+    cut: u32,
     /// Those queued for set-up, with the bounds of their rays.
     queued: Batch,
     boxes: [RayBox; LANES],
@@ -223,7 +227,12 @@ pub(super) struct Traversal<'a> {
 }
 
 impl<'a> Traversal<'a> {
-    pub(super) fn new(accel: &'a Accel, lattice: &'a Lattice, precision: Precision) -> Self {
+    pub(super) fn new(
+        accel: &'a Accel,
+        clip: &'a Clip,
+        lattice: &'a Lattice,
+        precision: Precision,
+    ) -> Self {
         let eye_in_world = lattice.camera.placement().eye;
         let eye = eye_in_world - accel.origin;
         let off = accel.origin != DVec3::ZERO;
@@ -234,6 +243,7 @@ impl<'a> Traversal<'a> {
         };
         Self {
             accel,
+            clip,
             lattice,
             eye,
             eye_error,
@@ -241,9 +251,10 @@ impl<'a> Traversal<'a> {
             list: Vec::new(),
             next: Vec::new(),
             batch: Batch::default(),
+            cut: 0,
             queued: Batch::default(),
             boxes: [RayBox::default(); LANES],
-            decisions: Decisions::new(accel, &lattice.camera, precision),
+            decisions: Decisions::new(accel, clip, &lattice.camera, precision),
             reference: DepthReference::default(),
             counts: CastCounts::default(),
         }
@@ -315,7 +326,7 @@ impl<'a> Traversal<'a> {
                 let (boxes, children) = self.accel.open(index, &mut opened);
                 let entered = frustum.enter(lanes, boxes);
                 for (child, (near, inside)) in entered.into_iter().enumerate() {
-                    if inside {
+                    if inside && !self.removes(boxes, child) {
                         self.next.push((children[child], boxes.get(child), near));
                     }
                 }
@@ -384,6 +395,9 @@ impl<'a> Traversal<'a> {
                 self.fill_batch(lanes, &mut descent, part, zbuffer, observer);
                 if self.batch.len == 0 {
                     break;
+                }
+                if !self.clip.is_empty() && !self.clip_batch() {
+                    continue;
                 }
                 if !begun {
                     begun = true;
@@ -462,6 +476,10 @@ impl<'a> Traversal<'a> {
             let [(near_a, inside_a), (near_b, inside_b)] = descent.frustum.enter(lanes, boxes);
             let mut a_hit = inside_a & (near_a <= limits.furthest);
             let mut b_hit = inside_b & (near_b <= limits.furthest);
+            if !self.clip.is_empty() {
+                a_hit &= !self.removes(boxes, 0);
+                b_hit &= !self.removes(boxes, 1);
+            }
             // What begins behind hi-z of some cells may touch no others.
             if a_hit & (near_a > limits.nearest_cell) | b_hit & (near_b > limits.nearest_cell) {
                 descent.doubtful += 1;
@@ -500,7 +518,7 @@ impl<'a> Traversal<'a> {
         if zbuffer.occludes(&rays, projected.nearest[lane]) {
             return Outcome::Occluded;
         }
-        if projected.small >> lane & 1 == 0 {
+        if (projected.small & !self.cut) >> lane & 1 == 0 {
             if rays.is_narrow() && zbuffer.occludes_each(lanes, &rays, projected.nearest[lane]) {
                 return Outcome::Occluded;
             }
@@ -527,6 +545,34 @@ impl<'a> Traversal<'a> {
             self.queue(primitive, rays);
         }
         Outcome::NoRoom
+    }
+
+    /// Whether clipping planes keep nothing within a box.
+    #[inline(always)]
+    fn removes(&self, boxes: &BoxPair, which: usize) -> bool {
+        !self.clip.is_empty()
+            && self.clip.removes(
+                boxes.min.map(|least| least[which]),
+                boxes.max.map(|most| most[which]),
+            )
+    }
+
+    /// Drops triangles of which clipping planes keep nothing from the batch, and marks those that they cut. Whether
+    /// any is left.
+    #[inline(never)]
+    fn clip_batch(&mut self) -> bool {
+        let all = self.batch.primitives;
+        let count = std::mem::take(&mut self.batch.len);
+        self.cut = 0;
+        for &primitive in &all[..count] {
+            match self.clip.of(self.accel.corners(primitive)) {
+                Kept::Nothing => continue,
+                Kept::Some => self.cut |= 1 << self.batch.len,
+                Kept::All => {}
+            }
+            self.batch.push(primitive);
+        }
+        self.batch.len > 0
     }
 
     #[inline(always)]
@@ -636,7 +682,7 @@ impl<'a> Traversal<'a> {
     /// The relative depth key where rays begin; infinite for perspective.
     fn begin(&self) -> f32 {
         match self.lattice.camera.projection() {
-            Projection::Perspective => f32::INFINITY,
+            Projection::Perspective | Projection::Panoramic(_) => f32::INFINITY,
             // They begin at the image plane, where the negated depth is zero.
             Projection::Orthographic => 0.0 - self.reference.key(),
         }

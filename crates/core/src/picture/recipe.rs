@@ -4,7 +4,7 @@ use super::ImageError;
 use crate::camera::{Camera, ImagePlane, Placement, Projection};
 use crate::digest::Digest;
 use crate::hit::{Cull, Precision};
-use crate::scene::Color;
+use crate::scene::{ClippingPlane, ClippingPlanes, Color};
 use crate::shade::{Background, Filter, Mode, Shading, TextureProjection, Wireframe};
 use glam::DVec3;
 use std::fmt::{self, LowerExp};
@@ -30,6 +30,8 @@ pub struct Recipe {
     pub samples: u32,
     /// Which faces they met.
     pub cull: Cull,
+    /// What was cut away: planes that are enabled.
+    pub clip: ClippingPlanes,
     /// How sure the triangles are.
     pub precision: Precision,
     /// In which colours.
@@ -53,6 +55,9 @@ impl Recipe {
         if self.scene != other.scene {
             return Some("it was made from another scene".to_owned());
         }
+        if self.clip != other.clip {
+            return Some("it was made with other clipping planes".to_owned());
+        }
         let (mine, theirs) = (self.lines(), other.lines());
         let (mine, theirs) = mine
             .lines()
@@ -74,6 +79,7 @@ impl Recipe {
             camera,
             samples,
             cull,
+            clip,
             precision,
             shading,
         } = self;
@@ -99,6 +105,13 @@ impl Recipe {
             Background::Transparent => "\"transparent\"".to_owned(),
             Background::Gradient(top, bottom) => format!("[\"{top}\", \"{bottom}\"]"),
         };
+        // Pictures without planes keep the text that they had before there were any.
+        let clip: String = (clip.all().iter())
+            .map(|ClippingPlane { normal, offset, .. }| {
+                let numbers = [normal.x, normal.y, normal.z, *offset].map(|number| float(&number));
+                format!("clip = [{}]\n", numbers.join(", "))
+            })
+            .collect();
         format!(
             "raycast-recipe = {VERSION}\n\
              scene = \"{scene}\"\n\
@@ -110,6 +123,7 @@ impl Recipe {
              up = {}\n\
              samples = {samples}\n\
              cull = \"{}\"\n\
+             {clip}\
              precision = \"{}\"\n\
              mode = \"{}\"\n\
              wireframe = {lines}\n\
@@ -168,6 +182,7 @@ fn read(text: &str) -> Result<Recipe, String> {
     ];
     let samples = lines.one("samples", "a whole number")?;
     let cull = lines.word("cull", cull_of)?;
+    let clip = lines.clip()?;
     let precision = lines.word("precision", precision_of)?;
     let mode = lines.word("mode", mode_of)?;
     let wireframe = lines.wireframe()?;
@@ -182,6 +197,7 @@ fn read(text: &str) -> Result<Recipe, String> {
         camera: Camera::new(Placement { eye, target, up }, projection, plane),
         samples,
         cull,
+        clip,
         precision,
         shading: Shading {
             mode,
@@ -259,6 +275,23 @@ impl<'t> Lines<'t> {
 
     fn vector(&mut self, key: &str) -> Result<DVec3, String> {
         self.list(key, "three numbers").map(DVec3::from_array)
+    }
+
+    /// Clipping planes, a line each; none where there are no such lines.
+    fn clip(&mut self) -> Result<ClippingPlanes, String> {
+        let mut planes = ClippingPlanes::NONE;
+        while self
+            .lines
+            .clone()
+            .next()
+            .is_some_and(|line| line.starts_with("clip = "))
+        {
+            let [x, y, z, offset] = self.list("clip", "four numbers")?;
+            ClippingPlane::new(DVec3::new(x, y, z), offset)
+                .and_then(|plane| planes.push(plane))
+                .map_err(|error| format!("line {}: {error}", self.number))?;
+        }
+        Ok(planes)
     }
 
     fn wireframe(&mut self) -> Result<Option<Wireframe>, String> {
@@ -371,6 +404,7 @@ pub(super) mod tests {
             camera: Camera::new(placement, Projection::Orthographic, plane),
             samples: 16,
             cull: Cull::Back,
+            clip: ClippingPlanes::NONE,
             precision: Precision::Fast,
             shading: Shading {
                 mode: Mode::Normals,
@@ -411,6 +445,30 @@ pub(super) mod tests {
             ..recipe
         };
         assert_eq!(plain.to_string().parse::<Recipe>().expect("reads"), plain);
+    }
+
+    #[test]
+    fn clipping_planes_are_told_where_there_are_any() {
+        let mut recipe = sample_recipe(40, 30);
+        let plain = recipe;
+        for (normal, offset) in [(DVec3::X, -0.5), (DVec3::new(1.0 / 3.0, 0.0, -2.0), 1e9)] {
+            let plane = ClippingPlane::new(normal, offset).expect("a plane");
+            recipe.clip.push(plane).expect("room");
+        }
+        let text = recipe.to_string();
+        assert!(
+            text.contains("\nclip = [1e0, 0e0, 0e0, -5e-1]\nclip = [3.33"),
+            "{text}"
+        );
+        assert_eq!(text.parse::<Recipe>().expect("reads"), recipe);
+        let told = plain.difference(&recipe).expect("they differ");
+        assert_eq!(told, "it was made with other clipping planes");
+        let zero = text.replace("[1e0, 0e0, 0e0, -5e-1]", "[0e0, 0e0, 0e0, -5e-1]");
+        let told = zero.parse::<Recipe>().expect_err("refused").to_string();
+        assert!(
+            told.contains("line 11: a clipping plane's normal must not be zero"),
+            "{told}"
+        );
     }
 
     #[test]

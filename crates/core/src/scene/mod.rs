@@ -1,6 +1,7 @@
 //! What there is to see: meshes, the objects that place them, their colours and textures.
 
 mod bounds;
+mod clipping;
 mod color;
 mod content;
 mod mapping;
@@ -13,6 +14,7 @@ mod up_axis;
 mod wrap;
 
 pub use bounds::Bounds;
+pub use clipping::{CLIPPING_PLANES, ClippingError, ClippingPlane, ClippingPlanes};
 pub use color::{Color, ColorRule};
 pub use mapping::{Projector, ProjectorError, TextureMapping, TextureProjection};
 pub use mesh::{Attribute, BENT, COORDINATE_LIMIT, Dropped, Material, Mesh, MeshData, Rounding};

@@ -1,5 +1,6 @@
 //! The single ray: the reference that packets agree with.
 
+mod clipped;
 mod slab;
 #[cfg(test)]
 mod tie_tests;
@@ -8,7 +9,9 @@ mod traversal;
 use crate::bvh::Accel;
 use crate::hit::{Cull, Hit, Precision, PrimitiveHit};
 use crate::ray::Ray;
+use crate::triangle::clip::Clip;
 use crate::triangle::{Nearest, PreparedRay};
+pub use clipped::Clipped;
 pub(crate) use traversal::nearest;
 
 impl Accel {
@@ -36,7 +39,7 @@ impl Accel {
 
     fn nearest(&self, ray: &Ray, cull: Cull, precision: Precision) -> Nearest {
         match PreparedRay::new(ray, self.origin, cull, precision) {
-            Some(ray) => traversal::nearest(self, &ray),
+            Some(ray) => traversal::nearest(self, &Clip::NONE, &ray),
             None => Nearest::NONE,
         }
     }

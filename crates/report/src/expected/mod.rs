@@ -7,6 +7,7 @@
 mod light;
 mod normal;
 mod range;
+mod section;
 mod srgb;
 mod texture;
 
@@ -104,6 +105,11 @@ impl<'a> Expected<'a> {
         let Some(hit) = self.hit(truth).filter(|_| !lines) else {
             return [Single::UNKNOWN; 4];
         };
+        if let Some(cut) =
+            section::color(self.stage, &self.camera, self.shading.mode, (x, y), truth)
+        {
+            return opaque(cut);
+        }
         let lit = |light: Vector<24>| {
             let color = self.surface_color(&hit);
             std::array::from_fn(|i| color[i] * light[i])

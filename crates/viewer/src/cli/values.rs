@@ -157,7 +157,7 @@ pub(super) fn samples(text: &str) -> Result<u32, String> {
 }
 
 /// Reads a number of any size.
-fn number<T: FromStr>(text: &str) -> Result<T, String> {
+pub(super) fn number<T: FromStr>(text: &str) -> Result<T, String> {
     text.parse().map_err(|_| "expected a number".to_owned())
 }
 
@@ -284,7 +284,10 @@ fn by(text: &str, expected: &str) -> Result<(u32, u32), String> {
 }
 
 /// Reads `N` values with commas between them.
-fn list<T: FromStr, const N: usize>(text: &str, expected: &str) -> Result<[T; N], String> {
+pub(super) fn list<T: FromStr, const N: usize>(
+    text: &str,
+    expected: &str,
+) -> Result<[T; N], String> {
     text.split(',')
         .map(|part| part.trim().parse().ok())
         .collect::<Option<Vec<T>>>()

@@ -1,5 +1,6 @@
 //! A command line that makes a picture: written so that it reads back as the same.
 
+use super::clip;
 use super::shell::quoted;
 use super::values::{
     self, CULLS, FILTERS, MODES, Names, PRECISIONS, PROJECTIONS, TEXTURE_PROJECTIONS,
@@ -58,6 +59,17 @@ pub fn render_command(
     option("--samples", settings.samples.max(1).to_string());
     option("--cull", word(CULLS, settings.cull));
     option("--precision", word(PRECISIONS, settings.precision));
+    let planes = clip::words(&settings.clip);
+    // A scene file may have planes that are not these; a mesh has none.
+    let may_have_planes = files
+        .iter()
+        .any(|file| file.extension().is_some_and(|e| e == "toml"));
+    if planes.is_empty() && may_have_planes {
+        option("--clip", "none".to_owned());
+    }
+    for plane in planes {
+        option("--clip", plane);
+    }
     match shading.wireframe {
         Some(lines) => {
             option("--wireframe-color", lines.color.to_string());

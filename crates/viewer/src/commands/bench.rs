@@ -8,7 +8,7 @@ use raycast_core::camera::{Camera, Grid, Lattice, Placement, PlaneRequest, fov_t
 use raycast_core::formats;
 use raycast_core::picture::Picture;
 use raycast_core::render::{Cancel, Precision, Settings, TileStats, View};
-use raycast_core::scene::Scene;
+use raycast_core::scene::{ClippingPlanes, Scene};
 use raycast_core::shade::Shading;
 use raycast_core::{Accel, Detail};
 use raycast_report::casters::{self, Caster};
@@ -175,6 +175,7 @@ fn measure(
                     ..Shading::default()
                 },
                 cull: args.casting.cull,
+                clip: args.casting.clip.planes(ClippingPlanes::NONE)?,
                 precision: args.casting.precision,
                 samples: 1,
                 layers: false,

@@ -188,6 +188,7 @@ pub(super) fn open(
     let settings = Settings {
         shading: setup::shading(&args.shading, file.shading),
         cull: args.casting.cull,
+        clip: args.casting.clip.planes(file.clip)?,
         precision: args.casting.precision,
         samples: args.samples.or(file.image.samples).unwrap_or(1).max(1),
         layers: format == Format::Exr,

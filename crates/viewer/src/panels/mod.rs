@@ -2,6 +2,7 @@
 
 mod banner;
 mod camera;
+mod cut;
 mod gizmo;
 mod health;
 mod help;

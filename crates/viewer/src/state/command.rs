@@ -1,5 +1,6 @@
 //! What a person can ask for. Panels and keys make commands; `update` carries them out.
 
+use super::cut::PlaneBy;
 use super::inspection::Shown;
 use super::measure::Kind;
 use super::preferences::{Mouse, Theme};
@@ -9,7 +10,7 @@ use super::{Answer, PromptKind, Tint};
 use raycast_core::Cull;
 use raycast_core::camera::{FrameLock, Grid, Projection};
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{Color, ColorRule, Transform};
+use raycast_core::scene::{ClippingPlane, Color, ColorRule, Transform};
 use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
 use std::path::PathBuf;
 
@@ -174,6 +175,15 @@ pub enum Command {
     /// How objects are turned and scaled.
     SetTurning(Turning),
 
+    /// Cut away what is before a new plane.
+    AddPlane(PlaneBy),
+    /// Put another clipping plane in the place of one, by its place in the list.
+    SetPlane(usize, ClippingPlane),
+    /// Take a clipping plane away.
+    RemovePlane(usize),
+    /// Take clicks as the points of a clipping plane, or stop.
+    SetCutting(bool),
+
     /// What clicks on the picture measure; nothing, if they pick.
     SetTool(Option<Kind>),
     /// Whether measured points snap to vertices.
@@ -322,6 +332,9 @@ impl Command {
             Self::SetLocked(_, false) => ("Unlock", false),
             Self::SetTransform(..) => ("Move", true),
             Self::Turn(..) => ("Turn", false),
+            Self::AddPlane(_) => ("Cut", false),
+            Self::SetPlane(..) => ("Change of clipping plane", true),
+            Self::RemovePlane(_) => ("Remove clipping plane", false),
             _ => return None,
         };
         Some((name, goes_on))
@@ -332,6 +345,8 @@ impl Command {
         match self {
             Self::SetColorRule(object, _) => *object,
             Self::SetTransform(object, _) => Some(*object),
+            // Or the one plane.
+            Self::SetPlane(plane, _) => Some(*plane),
             _ => None,
         }
     }

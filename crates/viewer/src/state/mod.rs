@@ -7,6 +7,7 @@
 mod as_command;
 mod bookmarks;
 pub mod command;
+pub mod cut;
 pub mod document;
 pub mod effect;
 mod files;
@@ -136,6 +137,8 @@ pub struct State {
     pub naming: Option<usize>,
     /// What is being measured, and what was.
     pub measuring: Measuring,
+    /// The points so far of a clipping plane through three, while they are clicked.
+    pub cutting: Option<Vec<DVec3>>,
     /// What was found out about meshes.
     pub inspection: Inspection,
     /// What was clicked on.
@@ -201,6 +204,7 @@ impl Default for State {
             turning: Turning::default(),
             naming: None,
             measuring: Measuring::default(),
+            cutting: None,
             inspection: Inspection::default(),
             pinned: None,
             help: false,
@@ -421,6 +425,7 @@ impl State {
                 samples: self.samples,
             },
             shading: Some(self.settings.shading),
+            clip: self.settings.clip,
             ..SceneFile::default()
         })
     }
@@ -439,6 +444,7 @@ impl State {
             .document
             .as_ref()?
             .accel
+            .clipped(&self.settings.clip)
             .cast(&ray, self.settings.cull)?;
         Some(Pick {
             hit,

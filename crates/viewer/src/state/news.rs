@@ -17,7 +17,7 @@ use raycast_core::camera::{Orbit, Projection};
 use raycast_core::formats::CameraFile;
 use raycast_core::picture::Recipe;
 use raycast_core::render::Settings;
-use raycast_core::scene::{Object, Scene, Texture};
+use raycast_core::scene::{ClippingPlanes, Object, Scene, Texture};
 use raycast_core::shade::Mode;
 use std::collections::HashSet;
 use std::path::PathBuf;
@@ -94,6 +94,8 @@ pub struct Loaded {
     pub camera: Option<CameraFile>,
     /// The file's samples a pixel.
     pub samples: Option<u32>,
+    /// The file's clipping planes.
+    pub clip: ClippingPlanes,
     /// What could be read only in part, to be told.
     pub notes: Vec<String>,
     /// Files that could not be read at all, while others could.
@@ -108,6 +110,7 @@ impl Loaded {
             keep: Keep::Nothing,
             camera: None,
             samples: None,
+            clip: ClippingPlanes::NONE,
             notes: Vec::new(),
             errors: Vec::new(),
         }
@@ -274,6 +277,7 @@ fn show(state: &mut State, loaded: Loaded) {
         keep,
         camera,
         samples,
+        clip,
         notes,
         errors,
     } = loaded;
@@ -308,6 +312,7 @@ fn show(state: &mut State, loaded: Loaded) {
     state.trail = Default::default();
     bookmarks::recall(state);
     state.locked = Arc::default();
+    state.cutting = None;
     state.measuring = Measuring {
         snaps: state.measuring.snaps,
         ..Measuring::default()
@@ -317,6 +322,7 @@ fn show(state: &mut State, loaded: Loaded) {
         None if keep == Keep::Nothing => state.settings = Settings::default(),
         None => {}
     }
+    state.settings.clip = clip;
     if keep == Keep::Nothing {
         state.resolution = Resolution::Window { density: 1.0 };
     }
@@ -388,6 +394,7 @@ fn apply(state: &mut State, recipe: &Recipe) {
     }
     state.settings.shading = recipe.shading;
     state.settings.cull = recipe.cull;
+    state.settings.clip = recipe.clip;
     navigate::go(state, Viewpoint::of(&camera));
     state.tell("Shown as that picture was made");
 }

@@ -7,7 +7,7 @@ use super::pick::Pinned;
 use super::viewpoint::fov_range;
 use super::{Palette, Pending, PromptKind, Resolution, SAMPLES_LIMIT, State};
 use super::{
-    as_command, bookmarks, files, history, inspect, navigate, objects, plane, preferences,
+    as_command, bookmarks, cut, files, history, inspect, navigate, objects, plane, preferences,
 };
 use raycast_core::ranges::WIDEST_LINE;
 use raycast_core::shade::Wireframe;
@@ -161,7 +161,16 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::Duplicate(which) => return objects::duplicate(state, which),
         Command::Delete(which) => return objects::delete(state, which),
 
+        Command::AddPlane(by) => cut::add(state, by),
+        Command::SetPlane(index, plane) => cut::set(state, index, plane),
+        Command::RemovePlane(index) => cut::remove(state, index),
+        Command::SetCutting(on) => {
+            state.cutting = on.then(Vec::new);
+            state.measuring.tool = None;
+        }
+
         Command::SetTool(tool) => {
+            state.cutting = None;
             state.measuring.points.clear();
             state.measuring.tool = tool;
         }
@@ -179,6 +188,11 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::Check => return inspect::check(state),
         Command::ShowFault(shown) => inspect::show(state, shown),
 
+        Command::Pin { at: (x, y) } if state.cutting.is_some() => {
+            let point = state.pick(x, y)?.point;
+            let points = cut::take(state, point)?;
+            return update(state, Command::AddPlane(cut::PlaneBy::Points(points)));
+        }
         Command::Pin { at: (x, y) } if state.measuring.tool.is_some() => {
             if let Some(target) = state.target(x, y) {
                 state.measuring.add(target.point);
@@ -342,6 +356,8 @@ fn dismiss(state: &mut State) {
     } else if state.errors.pop().is_some() {
     } else if state.walk.is_some() {
         state.walk = None;
+    } else if state.cutting.is_some() {
+        state.cutting = None;
     } else if !state.measuring.points.is_empty() {
         state.measuring.points.clear();
     } else if state.measuring.tool.is_some() {

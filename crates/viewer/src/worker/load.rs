@@ -247,6 +247,7 @@ impl Load<'_> {
         Ok(Loaded {
             camera: file.camera,
             samples: file.image.samples,
+            clip: file.clip,
             notes,
             ..Loaded::new(document)
         })

@@ -1,6 +1,7 @@
 //! Tests of the one place that carries commands out, and of the news.
 
 mod camera_tests;
+mod cut_tests;
 mod file_tests;
 mod object_tests;
 mod picture_tests;
@@ -21,7 +22,9 @@ use raycast_core::Accel;
 use raycast_core::camera::{FrameLock, Grid, Placement, Projection};
 use raycast_core::formats::CameraFile;
 use raycast_core::glam::{DAffine3, DVec3};
-use raycast_core::scene::{Color, ColorRule, Mesh, MeshData, Object, Scene, Texture, Transform};
+use raycast_core::scene::{
+    ClippingPlanes, Color, ColorRule, Mesh, MeshData, Object, Scene, Texture, Transform,
+};
 use raycast_core::shade::Mode;
 use std::path::PathBuf;
 use std::sync::Arc;
