@@ -7,7 +7,7 @@ use egui_kittest::kittest::Queryable;
 use raycast_core::Accel;
 use raycast_core::camera::{FrameLock, Grid, Projection};
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{ClippingPlanes, Mesh, MeshData, Object, Scene};
+use raycast_core::scene::{Mesh, MeshData, Object, Scene};
 use raycast_core::shade::Mode;
 use raycast_viewer::panels::overlay::TileOverlay;
 use raycast_viewer::panels::{Commands, Status, window};

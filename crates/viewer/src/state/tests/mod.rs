@@ -22,9 +22,7 @@ use raycast_core::Accel;
 use raycast_core::camera::{FrameLock, Grid, Placement, Projection};
 use raycast_core::formats::CameraFile;
 use raycast_core::glam::{DAffine3, DVec3};
-use raycast_core::scene::{
-    ClippingPlanes, Color, ColorRule, Mesh, MeshData, Object, Scene, Texture, Transform,
-};
+use raycast_core::scene::{Color, ColorRule, Mesh, MeshData, Object, Scene, Texture, Transform};
 use raycast_core::shade::Mode;
 use std::path::PathBuf;
 use std::sync::Arc;
