@@ -14,7 +14,7 @@ use crate::camera::{
 };
 use crate::quote::{self, quote};
 use crate::ranges;
-use crate::scene::{Bounds, COORDINATE_LIMIT, Scene};
+use crate::scene::{Bounds, COORDINATE_LIMIT, ColorMap, ColorScale, Scene};
 use crate::shade::{Background, Shading, Wireframe};
 use glam::DVec3;
 use std::path::Path;
@@ -227,6 +227,24 @@ impl Reader<'_> {
         })
     }
 
+    /// How numbers become colours, where the file says any of it.
+    fn scale(&self, file: &ShadingToml) -> Result<Option<ColorScale>, FormatError> {
+        if file.color_map.is_none() && file.color_range.is_none() && file.legend.is_none() {
+            return Ok(None);
+        }
+        let range = file.color_range.as_ref().map(|range| {
+            let [low, high] = *range.get_ref();
+            ranges::color_range([low, high]).map_err(|error| {
+                FormatError::refused(self.path, self.line(range), &error.to_string())
+            })
+        });
+        Ok(Some(ColorScale {
+            map: file.color_map.map_or(ColorMap::default(), Into::into),
+            range: range.transpose()?,
+            legend: file.legend.unwrap_or(false),
+        }))
+    }
+
     /// `[shading]` and the background; `None` where the file has neither.
     fn shading(
         &self,
@@ -265,6 +283,7 @@ impl Reader<'_> {
             projection: file
                 .texture_projection
                 .map_or(defaults.projection, Into::into),
+            scale: self.scale(file)?,
         }))
     }
 }

@@ -1,7 +1,7 @@
 //! A command line that makes a picture: written so that it reads back as the same.
 
 use super::values::{
-    self, CULLS, FILTERS, MODES, Names, PRECISIONS, PROJECTIONS, TEXTURE_PROJECTIONS,
+    self, COLOR_MAPS, CULLS, FILTERS, MODES, Names, PRECISIONS, PROJECTIONS, TEXTURE_PROJECTIONS,
 };
 use raycast_core::camera::{Placement, Projection, fov_to_frame, frame_to_fov};
 use raycast_core::formats::{CameraFile, Limits};
@@ -59,12 +59,21 @@ pub fn render_command(
         let projection = word(TEXTURE_PROJECTIONS, shading.projection);
         option("--texture-projection", projection);
     }
+    if let Some(scale) = shading.scale {
+        option("--color-map", word(COLOR_MAPS, scale.map));
+        if let Some([low, high]) = scale.range {
+            option("--color-range", format!("{low},{high}"));
+        }
+    }
     option("--samples", settings.samples.max(1).to_string());
     option("--cull", word(CULLS, settings.cull));
     option("--precision", word(PRECISIONS, settings.precision));
     if let Some(lines) = shading.wireframe {
         option("--wireframe-color", lines.color.to_string());
         words.push(format!("--wireframe={}", lines.width));
+    }
+    if shading.scale.is_some_and(|scale| scale.legend) {
+        words.push("--legend".to_owned());
     }
     words.extend(reading(limits));
     let words: Vec<_> = words.iter().map(|word| quoted(word)).collect();

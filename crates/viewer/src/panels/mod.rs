@@ -2,10 +2,12 @@
 
 mod banner;
 mod camera;
+mod colors;
 mod gizmo;
 mod health;
 mod help;
 mod highlight;
+mod legend;
 mod look;
 mod marks;
 mod measure;
