@@ -31,7 +31,7 @@ use raycast_core::Cull;
 use raycast_core::camera::{Grid, Projection};
 use raycast_core::glam::DVec3;
 use raycast_core::render::Precision;
-use raycast_core::scene::{Color, Crop, Wrap};
+use raycast_core::scene::{Color, ColorMap, Crop, Wrap};
 use raycast_core::shade::{Background, Filter, Mode};
 use raycast_report::scenes::Made;
 use std::io::Write;
@@ -243,10 +243,22 @@ pub struct ShadingArgs {
     /// How the texture is read between its texels [default: bilinear]
     #[arg(long, value_name = "KIND", value_parser = values::named(values::FILTERS))]
     pub filter: Option<Filter>,
-    /// Every object's colours: `file`, `per-triangle[:SEED]`, `#rrggbb` or `#rgb` [default: the file's own,
+    /// Every object's colours: `file`, `per-triangle[:SEED]`, `object` (one each), `normal`, `#rrggbb` or `#rgb`;
+    /// or a number through a colour map: `area`, `distance[:X,Y,Z]` (from the eye or a point),
+    /// `curvature[:gaussian]` or `scalar:NAME` (the file's; `raycast info` lists them) [default: the file's own,
     /// or one a triangle where it has none]
     #[arg(long, value_name = "COLOR", value_parser = values::scene_color)]
     pub color: Option<SceneColor>,
+    /// The colours of numbers, from low to high; with it, or either of the next two, `--mode depth` is in these
+    /// colours instead of greys, over the distances seen [default: viridis]
+    #[arg(long, value_name = "MAP", value_parser = values::named(values::COLOR_MAPS))]
+    pub color_map: Option<ColorMap>,
+    /// The numbers at the map's ends [default: fitted to what there is]
+    #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, value_parser = values::color_range)]
+    pub color_range: Option<[f64; 2]>,
+    /// Draw what the colours stand for into the picture
+    #[arg(long)]
+    pub legend: bool,
     /// What lies behind: `#top,#bottom`, `#rrggbb`, `#rgb` or `transparent`
     #[arg(long, value_name = "COLORS", value_parser = values::background)]
     pub background: Option<Background>,

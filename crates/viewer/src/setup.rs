@@ -11,9 +11,10 @@ use raycast_core::camera::{
     Camera, Orbit, Placement, PlaneRequest, Projection, fit_distance, frame_to_fov,
 };
 use raycast_core::formats::{self, CameraFile, FormatError, Progress, SceneFile};
-use raycast_core::scene::{Bounds, Dropped, Projector, Scene};
+use raycast_core::scene::{Bounds, ColorRule, ColorScale, Dropped, Projector, Quantity, Scene};
 use raycast_core::shade::{Shading, Wireframe};
 use raycast_core::{Accel, Simd, ranges};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -158,12 +159,36 @@ pub fn paint(scene: &mut Scene, args: &ShadingArgs, reading: &ReadingArgs) -> Re
             object.texture = Some(Arc::clone(&texture));
         }
     }
-    if let Some(rule) = args.color {
+    if let Some(rule) = &args.color {
+        check_scalar(scene, rule)?;
         for object in &mut scene.objects {
-            object.color = rule;
+            object.color = rule.clone();
         }
     }
     place_textures(scene, &args.projection)
+}
+
+/// Whether an object has the scalar that a rule names.
+fn check_scalar(scene: &Scene, rule: &ColorRule) -> Result<(), Failure> {
+    let ColorRule::Value(Quantity::Scalar(name)) = rule else {
+        return Ok(());
+    };
+    let mut meshes = scene.objects.iter().map(|object| &object.mesh);
+    if meshes.any(|mesh| mesh.scalar(name).is_some()) {
+        return Ok(());
+    }
+    let meshes = scene.objects.iter().map(|object| &object.mesh);
+    let names: BTreeSet<_> = meshes
+        .flat_map(|mesh| mesh.scalars().iter().map(|scalar| scalar.name.as_str()))
+        .collect();
+    let names: Vec<_> = names.into_iter().collect();
+    Err(Failure::usage(match names[..] {
+        [] => format!("--color scalar:{name}: the files have no scalars"),
+        _ => format!(
+            "--color scalar:{name}: the files have no such scalar, but {}",
+            names.join(", ")
+        ),
+    }))
 }
 
 /// Gives every object's texture the projection and the place that were asked for.
@@ -219,7 +244,21 @@ pub fn shading(args: &ShadingArgs, file: Option<Shading>) -> Shading {
         blend: args.blend.unwrap_or(base.blend),
         filter: args.filter.unwrap_or(base.filter),
         projection: args.projection.kind.unwrap_or(base.projection),
+        scale: scale(args, base.scale),
     }
+}
+
+/// The colour scale that was asked for, over the scene file's.
+fn scale(args: &ShadingArgs, file: Option<ColorScale>) -> Option<ColorScale> {
+    if args.color_map.is_none() && args.color_range.is_none() && !args.legend {
+        return file;
+    }
+    let base = file.unwrap_or_default();
+    Some(ColorScale {
+        map: args.color_map.unwrap_or(base.map),
+        range: args.color_range.or(base.range),
+        legend: args.legend || base.legend,
+    })
 }
 
 /// The camera that was asked for, over the scene file's, over one that has all of `bounds` in view.

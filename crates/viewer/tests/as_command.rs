@@ -3,7 +3,7 @@
 use raycast_core::Cull;
 use raycast_core::camera::{Grid, Projection};
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{Color, Transform};
+use raycast_core::scene::{Color, ColorMap, ColorScale, Transform};
 use raycast_core::shade::{Mode, TextureProjection};
 use raycast_viewer::state::command::Command;
 use raycast_viewer::state::effect::{Effect, Keep};
@@ -149,6 +149,21 @@ fn the_copied_command_writes_the_bytes_that_the_window_saves() {
         };
         let (run, saved) = both(&state, &files, &line, folder.path());
         assert!(run == saved, "{projection:?}: {line}");
+    }
+    // Depth in colors, fitted and over a range.
+    update(&mut state, Command::SetMode(Mode::Depth));
+    for range in [None, Some([0.1, 1.0 / 3.0])] {
+        let scale = ColorScale {
+            map: ColorMap::Turbo,
+            range,
+            legend: true,
+        };
+        update(&mut state, Command::SetColorScale(Some(scale)));
+        let Some(Effect::Copy(line)) = update(&mut state, Command::CopyCommand) else {
+            panic!("{:?}", state.errors);
+        };
+        let (run, saved) = both(&state, &files, &line, folder.path());
+        assert!(run == saved, "{line}");
     }
 }
 

@@ -13,7 +13,9 @@ use super::scene_toml::{
 use crate::camera::{CameraPath, ImagePlane, Keyframe, Placement, PlacementError, Projection};
 use crate::quote::{self, quote};
 use crate::ranges;
-use crate::scene::{Bounds, COORDINATE_LIMIT, ClippingPlane, ClippingPlanes, Scene};
+use crate::scene::{
+    Bounds, COORDINATE_LIMIT, ClippingPlane, ClippingPlanes, ColorMap, ColorScale, Scene,
+};
 use crate::shade::{Background, Shading, Wireframe};
 use glam::DVec3;
 use std::path::Path;
@@ -272,6 +274,24 @@ impl Reader<'_> {
         Ok(planes)
     }
 
+    /// How numbers become colours, where the file says any of it.
+    fn scale(&self, file: &ShadingToml) -> Result<Option<ColorScale>, FormatError> {
+        if file.color_map.is_none() && file.color_range.is_none() && file.legend.is_none() {
+            return Ok(None);
+        }
+        let range = file.color_range.as_ref().map(|range| {
+            let [low, high] = *range.get_ref();
+            ranges::color_range([low, high]).map_err(|error| {
+                FormatError::refused(self.path, self.line(range), &error.to_string())
+            })
+        });
+        Ok(Some(ColorScale {
+            map: file.color_map.map_or(ColorMap::default(), Into::into),
+            range: range.transpose()?,
+            legend: file.legend.unwrap_or(false),
+        }))
+    }
+
     /// `[shading]` and the background; `None` where the file has neither.
     fn shading(
         &self,
@@ -310,6 +330,7 @@ impl Reader<'_> {
             projection: file
                 .texture_projection
                 .map_or(defaults.projection, Into::into),
+            scale: self.scale(file)?,
         }))
     }
 }

@@ -127,6 +127,9 @@ fn shading_table(shading: &Shading) -> ShadingToml {
         blend: Some(spanned(shading.blend)),
         filter: Some(shading.filter.into()),
         texture_projection: Some(shading.projection.into()),
+        color_map: shading.scale.map(|scale| scale.map.into()),
+        color_range: shading.scale.and_then(|scale| scale.range).map(spanned),
+        legend: shading.scale.filter(|scale| scale.legend).map(|_| true),
     }
 }
 
@@ -185,7 +188,7 @@ fn object(
         }
     };
     let (image, projector) = (object.texture.as_ref(), object.mapping.projector);
-    let (color, seed) = ColorRuleToml::from_rule(object.color);
+    let (color, seed) = ColorRuleToml::from_rule(&object.color);
     let Transform {
         translate,
         rotate,
@@ -202,7 +205,7 @@ fn object(
         mesh,
         up_axis: (object.up_axis != UpAxis::default()).then(|| object.up_axis.into()),
         node: object.node.map(spanned),
-        color: Some(color),
+        color: Some(spanned(color)),
         seed,
         texture,
         crop: image

@@ -4,7 +4,7 @@ use super::ImageError;
 use crate::camera::{Camera, ImagePlane, Placement, Projection};
 use crate::digest::Digest;
 use crate::hit::{Cull, Precision};
-use crate::scene::{ClippingPlane, ClippingPlanes, Color};
+use crate::scene::{ClippingPlane, ClippingPlanes, Color, ColorMap, ColorScale};
 use crate::shade::{Background, Filter, Mode, Shading, TextureProjection, Wireframe};
 use glam::DVec3;
 use std::fmt::{self, LowerExp};
@@ -96,6 +96,7 @@ impl Recipe {
             blend,
             filter,
             projection,
+            scale,
         } = shading;
         let lines = match wireframe {
             None => "\"none\"".to_owned(),
@@ -112,6 +113,11 @@ impl Recipe {
                 format!("clip = [{}]\n", numbers.join(", "))
             })
             .collect();
+        // What few pictures have has a line where they do.
+        let mut more = String::new();
+        if let Some(scale) = scale {
+            more += &format!("color-scale = {}\n", scale_text(scale));
+        }
         format!(
             "raycast-recipe = {VERSION}\n\
              scene = \"{scene}\"\n\
@@ -130,7 +136,7 @@ impl Recipe {
              background = {background}\n\
              blend = {}\n\
              filter = \"{}\"\n\
-             texture-projection = \"{}\"\n",
+             texture-projection = \"{}\"\n{more}",
             float(&step),
             camera.projection(),
             vector(eye),
@@ -190,6 +196,7 @@ fn read(text: &str) -> Result<Recipe, String> {
     let blend = lines.one("blend", "a number")?;
     let filter = lines.word("filter", filter_of)?;
     let texture_projection = lines.word("texture-projection", texture_projection_of)?;
+    let scale = lines.scale()?;
     let digest: Digest = lines.quoted("digest")?.parse()?;
     let plane = ImagePlane::new(columns, rows, step).map_err(|error| error.to_string())?;
     let recipe = Recipe {
@@ -206,6 +213,7 @@ fn read(text: &str) -> Result<Recipe, String> {
             blend,
             filter,
             projection: texture_projection,
+            scale,
         },
     };
     // Whatever was read must be written as it was: a damaged line is not believed.
@@ -312,6 +320,35 @@ impl<'t> Lines<'t> {
             .ok_or_else(|| self.wrong("a width and a colour, or \"none\"", value))
     }
 
+    /// What stands behind the key, where that is the next line's.
+    fn optional(&mut self, key: &str) -> Option<&'t str> {
+        let line = self.lines.clone().next()?;
+        line.strip_prefix(key)?.strip_prefix(" = ")?;
+        self.value(key).ok()
+    }
+
+    fn scale(&mut self) -> Result<Option<ColorScale>, String> {
+        let Some(value) = self.optional("color-scale") else {
+            return Ok(None);
+        };
+        let read = || {
+            let mut items = items(value)?.peekable();
+            let map = color_map_of(unquoted(items.next()?)?)?;
+            let range = match items.next()? {
+                "\"fitted\"" => None,
+                low => Some([low.parse().ok()?, items.next()?.parse().ok()?]),
+            };
+            let legend = items.next().is_some();
+            Some(ColorScale { map, range, legend })
+        };
+        read().map(Some).ok_or_else(|| {
+            self.wrong(
+                "a color map, \"fitted\" or two numbers, and perhaps \"legend\"",
+                value,
+            )
+        })
+    }
+
     fn background(&mut self) -> Result<Background, String> {
         let value = self.value("background")?;
         if value == "\"transparent\"" {
@@ -323,6 +360,15 @@ impl<'t> Lines<'t> {
         };
         read().ok_or_else(|| self.wrong("two colours, or \"transparent\"", value))
     }
+}
+
+fn scale_text(ColorScale { map, range, legend }: &ColorScale) -> String {
+    let range = match range {
+        None => "\"fitted\"".to_owned(),
+        Some([low, high]) => format!("{}, {}", float(low), float(high)),
+    };
+    let legend = if *legend { ", \"legend\"" } else { "" };
+    format!("[\"{}\", {range}{legend}]", color_map_word(*map))
 }
 
 /// What stands between quotes.
@@ -358,6 +404,13 @@ macro_rules! words {
     };
 }
 
+words!(color_map_word, color_map_of: ColorMap {
+    Viridis = "viridis",
+    Magma = "magma",
+    Turbo = "turbo",
+    Cividis = "cividis",
+    Diverging = "diverging",
+});
 words!(cull_word, cull_of: Cull { None = "none", Back = "back" });
 words!(precision_word, precision_of: Precision { Fast = "fast", Exact = "exact" });
 words!(mode_word, mode_of: Mode {
@@ -416,6 +469,11 @@ pub(super) mod tests {
                 blend: 1.0 / 3.0,
                 filter: Filter::Nearest,
                 projection: TextureProjection::Triplanar,
+                scale: Some(ColorScale {
+                    map: ColorMap::Turbo,
+                    range: Some([-1.5, 1e300]),
+                    legend: true,
+                }),
             },
         }
     }
@@ -437,7 +495,8 @@ pub(super) mod tests {
                  samples = 16\ncull = \"back\"\nprecision = \"fast\"\nmode = \"normals\"\n\
                  wireframe = [1e-1, \"#0102ab\"]\nbackground = \"transparent\"\n\
                  blend = 3.3333334e-1\nfilter = \"nearest\"\n\
-                 texture-projection = \"triplanar\"\ndigest = \"{digest}\"\n"
+                 texture-projection = \"triplanar\"\n\
+                 color-scale = [\"turbo\", -1.5e0, 1e300, \"legend\"]\ndigest = \"{digest}\"\n"
             )
         );
         let plain = Recipe {

@@ -3,12 +3,17 @@
 mod edges;
 mod facet;
 mod footprint;
+mod legend;
 mod light;
 mod mapping;
 mod mipmap;
 mod mode;
+mod own_color;
+#[cfg(test)]
+mod own_color_tests;
 mod per_triangle;
 mod placed;
+mod ramp;
 mod sample;
 mod section;
 mod shader;
@@ -27,6 +32,8 @@ mod triplanar;
 mod vertex_color_tests;
 
 pub use crate::scene::TextureProjection;
+pub(crate) use legend::DrawnLegend;
+pub use legend::Legend;
 pub use mapping::texture_corners;
 pub use mode::{Background, Filter, Mode, Shading, Wireframe};
 pub(crate) use section::{Cut, Section, Shown};

@@ -142,7 +142,7 @@ impl<'s> TileShader<'s> {
         let mut colors = Vectors::splat(lanes, Vec3::ZERO);
         let mut each = Rows::ZERO;
         let needs = shader.needs();
-        let varied = needs.texture || needs.corner_colors;
+        let varied = needs.texture || needs.varied;
         let mut lane = 0;
         while lane < LANES {
             let primitive = primitives[lane];

@@ -219,6 +219,7 @@ impl App {
         for batch in self.renderer.outbox().fetch(now, |size| fits(size, shown)) {
             turns |= batch.complete || batch.generation > self.canvas.generation();
             self.canvas.take_in(batch);
+            self.state.legend = self.canvas.legend().cloned();
         }
         turns
     }

@@ -6,7 +6,7 @@ use raycast_core::camera::{ImagePlane, Panorama, Projection, check_step};
 use raycast_core::glam::{DVec2, DVec3};
 use raycast_core::ranges;
 use raycast_core::render::Precision;
-use raycast_core::scene::{Color, ColorRule, Crop, TextureProjection, UpAxis, Wrap};
+use raycast_core::scene::{Color, ColorMap, ColorRule, Crop, TextureProjection, UpAxis, Wrap};
 use raycast_core::shade::{Background, Filter, Mode};
 use std::str::FromStr;
 
@@ -77,6 +77,14 @@ pub(super) const FILTERS: Names<Filter> = &[
     ("bilinear", Filter::Bilinear),
     ("trilinear", Filter::Trilinear),
     ("ewa", Filter::Ewa),
+];
+
+pub(super) const COLOR_MAPS: Names<ColorMap> = &[
+    ("viridis", ColorMap::Viridis),
+    ("magma", ColorMap::Magma),
+    ("turbo", ColorMap::Turbo),
+    ("cividis", ColorMap::Cividis),
+    ("diverging", ColorMap::Diverging),
 ];
 
 pub(super) const PRECISIONS: Names<Precision> =
@@ -248,19 +256,12 @@ pub(super) fn extent(text: &str) -> Result<DVec2, String> {
 
 /// Reads a colour rule.
 pub(super) fn scene_color(text: &str) -> Result<SceneColor, String> {
-    const EXPECTED: &str = "expected file, per-triangle, per-triangle:SEED, #rrggbb or #rgb";
-    match text.split_once(':') {
-        None if text == "file" => Ok(ColorRule::File),
-        None if text == "per-triangle" => Ok(ColorRule::PerTriangle { seed: 0 }),
-        Some(("per-triangle", seed)) => match seed.parse() {
-            Ok(seed) => Ok(ColorRule::PerTriangle { seed }),
-            Err(_) => Err(format!("{EXPECTED}, a seed being 0 to {}", u32::MAX)),
-        },
-        _ => text
-            .parse()
-            .map(ColorRule::Uniform)
-            .map_err(|_| EXPECTED.to_owned()),
-    }
+    text.parse()
+}
+
+/// Reads the ends of a colour scale.
+pub(super) fn color_range(text: &str) -> Result<[f64; 2], String> {
+    ranges::color_range(list(text, "two numbers as LOW,HIGH")?).map_err(|error| error.to_string())
 }
 
 /// Reads what lies behind everything.
@@ -348,6 +349,10 @@ mod tests {
             Ok(ColorRule::Uniform(Color([1, 2, 255])))
         );
         assert_eq!(scene_color("#0af"), scene_color("#00aaff"));
+        assert_eq!(color_range("-1,2.5"), Ok([-1.0, 2.5]));
+        for bad in ["", "1", "2,1", "1,1", "0,inf", "a,b"] {
+            assert!(color_range(bad).is_err(), "{bad}");
+        }
         for bad in ["", "per-triangle:", "per-triangle:-1", "file:1", "#12345"] {
             assert!(scene_color(bad).is_err(), "{bad}");
         }

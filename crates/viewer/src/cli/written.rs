@@ -3,7 +3,7 @@
 use super::clip;
 use super::shell::quoted;
 use super::values::{
-    self, CULLS, FILTERS, MODES, Names, PRECISIONS, PROJECTIONS, TEXTURE_PROJECTIONS,
+    self, COLOR_MAPS, CULLS, FILTERS, MODES, Names, PRECISIONS, PROJECTIONS, TEXTURE_PROJECTIONS,
 };
 use raycast_core::camera::{Placement, Projection, frame_to_fov};
 use raycast_core::formats::{CameraFile, Limits};
@@ -56,6 +56,12 @@ pub fn render_command(
         let projection = word(TEXTURE_PROJECTIONS, shading.projection);
         option("--texture-projection", projection);
     }
+    if let Some(scale) = shading.scale {
+        option("--color-map", word(COLOR_MAPS, scale.map));
+        if let Some([low, high]) = scale.range {
+            option("--color-range", format!("{low},{high}"));
+        }
+    }
     option("--samples", settings.samples.max(1).to_string());
     option("--cull", word(CULLS, settings.cull));
     option("--precision", word(PRECISIONS, settings.precision));
@@ -76,6 +82,9 @@ pub fn render_command(
             words.push(format!("--wireframe={}", lines.width));
         }
         None => words.push("--wireframe=none".to_owned()),
+    }
+    if shading.scale.is_some_and(|scale| scale.legend) {
+        words.push("--legend".to_owned());
     }
     words.extend(reading(limits));
     let words: Vec<_> = words.iter().map(|word| quoted(word)).collect();

@@ -352,7 +352,8 @@ fn told(found: &Verification) -> String {
         let _ = writeln!(
             text,
             "not checked: what hangs on the place in a triangle that its ray grazes, colours under lines, textures that are \
-             filtered by trilinear or ewa, do not repeat, or lie by triangle, plane, sphere or cylinder, what rounding leaves open"
+             filtered by trilinear or ewa, do not repeat, or lie by triangle, plane, sphere or cylinder, colours by curvature, \
+             what a legend covers, what rounding leaves open"
         );
     }
     let _ = match (wrong, checked == pixels) {

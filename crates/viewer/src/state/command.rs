@@ -10,7 +10,7 @@ use super::{Answer, PromptKind, Tint};
 use raycast_core::Cull;
 use raycast_core::camera::{FrameLock, Grid, Projection};
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{ClippingPlane, Color, ColorRule, Transform};
+use raycast_core::scene::{ClippingPlane, Color, ColorRule, ColorScale, Transform};
 use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
 use std::path::PathBuf;
 
@@ -145,6 +145,8 @@ pub enum Command {
     SetCull(Cull),
     /// What lies behind everything.
     SetBackground(Background),
+    /// How numbers become colours; `None` for the usual way, and depth in greys.
+    SetColorScale(Option<ColorScale>),
     /// How an object's triangles get their colours; all objects' for `None`.
     SetColorRule(Option<usize>, ColorRule),
     /// Take the texture off an object; off all, for `None`.
@@ -319,6 +321,7 @@ impl Command {
             Self::SetTextureProjection(_) => ("Change of mapping", false),
             Self::SetCull(_) => ("Change of faces", false),
             Self::SetBackground(_) => ("Change of background", true),
+            Self::SetColorScale(_) => ("Change of color scale", true),
             Self::SetColorRule(..) => ("Change of color", true),
             Self::RemoveTexture(None) => ("Remove textures", false),
             Self::RemoveTexture(Some(_)) => ("Remove texture", false),

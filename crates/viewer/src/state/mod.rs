@@ -44,6 +44,7 @@ use raycast_core::formats::{ImageSettings, Limits, SceneFile};
 use raycast_core::glam::DVec3;
 use raycast_core::render::{Settings, View};
 use raycast_core::scene::Bounds;
+use raycast_core::shade::Legend;
 use std::sync::Arc;
 use std::time::Duration;
 use turn::Turning;
@@ -141,6 +142,8 @@ pub struct State {
     pub cutting: Option<Vec<DVec3>>,
     /// What was found out about meshes.
     pub inspection: Inspection,
+    /// What the colours of the picture on screen stand for.
+    pub legend: Option<Arc<Legend>>,
     /// What was clicked on.
     pub pinned: Option<Pinned>,
     /// Whether the keys are shown.
@@ -206,6 +209,7 @@ impl Default for State {
             measuring: Measuring::default(),
             cutting: None,
             inspection: Inspection::default(),
+            legend: None,
             pinned: None,
             help: false,
             palette: None,

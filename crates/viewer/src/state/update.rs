@@ -10,7 +10,7 @@ use super::{
     as_command, bookmarks, cut, files, history, inspect, navigate, objects, plane, preferences,
 };
 use raycast_core::ranges::WIDEST_LINE;
-use raycast_core::shade::Wireframe;
+use raycast_core::shade::{Mode, Wireframe};
 
 pub use super::names::suggested_name;
 
@@ -103,7 +103,15 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::SetOrder(on) => state.overlay.order = on,
         Command::SetTint(tint) => state.overlay.tint = tint,
 
-        Command::SetMode(mode) => state.settings.shading.mode = mode,
+        Command::SetMode(mode) => {
+            let shading = &mut state.settings.shading;
+            // Grey on grey tells little: depth begins in colors.
+            if mode == Mode::Depth && shading.mode != Mode::Depth {
+                shading.scale.get_or_insert_default();
+            }
+            shading.mode = mode;
+        }
+        Command::SetColorScale(scale) => state.settings.shading.scale = scale,
         Command::SetWireframe(on) => {
             state.settings.shading.wireframe = on.then(Wireframe::default);
         }
@@ -119,7 +127,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::SetCull(cull) => state.settings.cull = cull,
         Command::SetBackground(background) => state.settings.shading.background = background,
         Command::SetColorRule(which, rule) => {
-            return objects::change(state, which, |object| object.color = rule);
+            return objects::change(state, which, |object| object.color = rule.clone());
         }
         Command::RemoveTexture(which) => {
             return objects::change(state, which, |object| {

@@ -239,7 +239,7 @@ fn a_locked_object_stays_as_it_is_and_the_lock_goes_with_it() {
     );
     let after = &document(&state).scene.objects;
     assert_eq!(after.len(), 3);
-    let of = |object: &Object| (object.name.clone(), object.transform, object.color);
+    let of = |object: &Object| (object.name.clone(), object.transform, object.color.clone());
     assert_eq!(of(&after[1]), of(&before));
     assert_ne!(after[0].color, before.color, "the others are free");
     assert!(
