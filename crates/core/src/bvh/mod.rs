@@ -117,12 +117,19 @@ impl Accel {
     }
 
     /// The children of a node, with their boxes. Those of a mesh's tree are placed in `opened`.
+    ///
+    /// `INSTANCES` says whether there may be any, here and below: packets are compiled for both, since a branch that
+    /// is never taken cost one tree 4 % (in memory that could have been registers).
     #[inline(always)]
-    pub(crate) fn open<'a>(
+    pub(crate) fn open<'a, const INSTANCES: bool>(
         &'a self,
         index: u32,
         opened: &'a mut Option<Opened>,
     ) -> (&'a BoxPair, [Subtree; 2]) {
+        if !INSTANCES {
+            let node = &self.tree.nodes[index as usize];
+            return (&node.boxes, node.children(index));
+        }
         match self.tree.nodes.get(index as usize) {
             Some(node) => (&node.boxes, node.children(index)),
             None => {
@@ -134,7 +141,10 @@ impl Accel {
 
     /// A triangle's corners as they are stored: those of an instance are to be [placed](Accel::place).
     #[inline(always)]
-    pub(crate) fn stored_corners(&self, primitive: u32) -> &[Vec3; 3] {
+    pub(crate) fn stored_corners<const INSTANCES: bool>(&self, primitive: u32) -> &[Vec3; 3] {
+        if !INSTANCES {
+            return &self.triangles[primitive as usize].corners;
+        }
         match self.triangles.get(primitive as usize) {
             Some(triangle) => &triangle.corners,
             None => self.stored_in_mesh(primitive),
@@ -143,14 +153,16 @@ impl Accel {
 
     /// Places the stored corners of eight triangles; nothing to do where there are no instances.
     #[inline(always)]
-    pub(crate) fn place(&self, primitives: &[u32; LANES], corners: &mut [[f32; LANES]; 9]) {
-        if !self.instances.is_empty() {
+    pub(crate) fn place<const INSTANCES: bool>(
+        &self,
+        primitives: &[u32; LANES],
+        corners: &mut [[f32; LANES]; 9],
+    ) {
+        if INSTANCES {
             self.place_instances(primitives, corners);
         }
     }
 
-    // One tree pays for what instances do with a branch that is never taken: `cold` tells the compiler so, and keeps
-    // registers from being saved before it.
     #[cold]
     #[inline(never)]
     fn open_placed(&self, index: u32) -> Opened {
@@ -217,6 +229,16 @@ impl Accel {
         match self.triangles.get(primitive as usize) {
             Some(triangle) => triangle.corners,
             None => self.placed_corners(primitive),
+        }
+    }
+
+    /// [`Accel::corners`].
+    #[inline(always)]
+    pub(crate) fn corners_of<const INSTANCES: bool>(&self, primitive: u32) -> [Vec3; 3] {
+        if INSTANCES {
+            self.corners(primitive)
+        } else {
+            self.triangles[primitive as usize].corners
         }
     }
 

@@ -64,20 +64,36 @@ impl Accel {
             return self.find_each(clip, lattice, cull, precision, primitives);
         }
         if self.tree.root.is_some() {
-            dispatch(
-                self.simd,
-                Find {
-                    accel: self,
-                    clip,
-                    lattice,
-                    cull,
-                    precision,
-                    primitives,
-                    counts: &mut counts,
-                },
-            );
+            if self.has_instances() {
+                self.find_in::<true>(clip, lattice, cull, precision, primitives, &mut counts);
+            } else {
+                self.find_in::<false>(clip, lattice, cull, precision, primitives, &mut counts);
+            }
         }
         counts
+    }
+
+    fn find_in<const INSTANCES: bool>(
+        &self,
+        clip: &Clip,
+        lattice: &Lattice,
+        cull: Cull,
+        precision: Precision,
+        primitives: &mut [u32],
+        counts: &mut CastCounts,
+    ) {
+        dispatch(
+            self.simd,
+            Find::<INSTANCES> {
+                accel: self,
+                clip,
+                lattice,
+                cull,
+                precision,
+                primitives,
+                counts,
+            },
+        );
     }
 
     /// Interpolates t, u and v where the rays of a lattice hit the triangles that [`Accel::find`] found, the
@@ -89,9 +105,23 @@ impl Accel {
             self.evaluate_each(lattice, cull, precision, hits);
             return;
         }
+        if self.has_instances() {
+            self.evaluate_in::<true>(lattice, cull, precision, hits);
+        } else {
+            self.evaluate_in::<false>(lattice, cull, precision, hits);
+        }
+    }
+
+    fn evaluate_in<const INSTANCES: bool>(
+        &self,
+        lattice: &Lattice,
+        cull: Cull,
+        precision: Precision,
+        hits: &mut Hits,
+    ) {
         dispatch(
             self.simd,
-            Evaluate {
+            Evaluate::<INSTANCES> {
                 accel: self,
                 lattice,
                 cull,
@@ -135,7 +165,7 @@ impl Clipped<'_> {
     }
 }
 
-pub(super) struct Find<'a> {
+pub(super) struct Find<'a, const INSTANCES: bool> {
     pub(super) accel: &'a Accel,
     pub(super) clip: &'a Clip,
     pub(super) lattice: &'a Lattice,
@@ -145,7 +175,7 @@ pub(super) struct Find<'a> {
     pub(super) counts: &'a mut CastCounts,
 }
 
-impl Work for Find<'_> {
+impl<const INSTANCES: bool> Work for Find<'_, INSTANCES> {
     #[inline(always)]
     fn run(mut self, lanes: impl Lanes) {
         let whole = RayRect {
@@ -154,7 +184,8 @@ impl Work for Find<'_> {
             columns: self.lattice.columns,
             rows: self.lattice.rows,
         };
-        let mut traversal = Traversal::new(self.accel, self.clip, self.lattice, self.precision);
+        let mut traversal =
+            Traversal::<INSTANCES>::new(self.accel, self.clip, self.lattice, self.precision);
         let mut zbuffer = IntervalZBuffer::new();
         for large in whole.split(LARGE_SIDE) {
             traversal.list(lanes, &large);
@@ -175,7 +206,7 @@ impl Work for Find<'_> {
     }
 }
 
-impl Find<'_> {
+impl<const INSTANCES: bool> Find<'_, INSTANCES> {
     /// Keeps what a packet found, and casts its undecided rays.
     #[inline(always)]
     pub(super) fn keep(&mut self, part: &RayRect, zbuffer: &mut IntervalZBuffer) {
@@ -245,7 +276,7 @@ impl Find<'_> {
     }
 }
 
-struct Evaluate<'a> {
+struct Evaluate<'a, const INSTANCES: bool> {
     accel: &'a Accel,
     lattice: &'a Lattice,
     cull: Cull,
@@ -261,7 +292,7 @@ struct Eight<'h> {
     v: &'h mut [f32; LANES],
 }
 
-impl Work for Evaluate<'_> {
+impl<const INSTANCES: bool> Work for Evaluate<'_, INSTANCES> {
     #[inline(always)]
     fn run(self, lanes: impl Lanes) {
         let columns = self.lattice.columns as usize;
@@ -275,7 +306,7 @@ impl Work for Evaluate<'_> {
             precision,
             hits,
         } = self;
-        let mut interpolate = Interpolate {
+        let mut interpolate = Interpolate::<INSTANCES> {
             accel,
             lattice,
             cull,
@@ -329,7 +360,7 @@ impl Work for Evaluate<'_> {
 /// them.
 const KNOWN: usize = 16;
 
-struct Interpolate<'a> {
+struct Interpolate<'a, const INSTANCES: bool> {
     accel: &'a Accel,
     lattice: &'a Lattice,
     cull: Cull,
@@ -339,7 +370,7 @@ struct Interpolate<'a> {
     known: [(u32, LinearHit); KNOWN],
 }
 
-impl Interpolate<'_> {
+impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
     /// Interpolates eight rays of a row, from a column on; those beyond the row's end are misses.
     #[inline(always)]
     fn eight(
@@ -429,7 +460,10 @@ impl Interpolate<'_> {
     fn known(&mut self, primitive: u32) -> Option<&LinearHit> {
         let (known, hit) = &mut self.known[primitive as usize % KNOWN];
         if *known != primitive {
-            *hit = LinearHit::new(self.pencil.as_ref()?, self.accel.corners(primitive));
+            *hit = LinearHit::new(
+                self.pencil.as_ref()?,
+                self.accel.corners_of::<INSTANCES>(primitive),
+            );
             *known = primitive;
         }
         Some(hit)
@@ -448,7 +482,7 @@ impl Interpolate<'_> {
                 lane += 1;
             }
             if primitive != MISS {
-                let [a, b, c] = self.accel.corners(primitive);
+                let [a, b, c] = self.accel.corners_of::<INSTANCES>(primitive);
                 let one = [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z];
                 for (all, one) in all.iter_mut().zip(one) {
                     *all = from.select(lanes.splat(one), *all);
@@ -467,7 +501,7 @@ impl Interpolate<'_> {
         let ray = self.lattice.ray(column, row);
         let ray = PreparedRay::new(&ray, self.accel.origin, self.cull, self.precision);
         ray.map_or(PrimitiveHit::NONE, |ray| {
-            ray.evaluate(primitive, self.accel.corners(primitive))
+            ray.evaluate(primitive, self.accel.corners_of::<INSTANCES>(primitive))
                 .to_primitive_hit()
         })
     }

@@ -113,7 +113,7 @@ impl Work for RecordTrace<'_> {
         };
         let mut primitives = vec![MISS; lattice.len()];
         let clip = Clip::NONE;
-        let mut find = Find {
+        let mut find = Find::<true> {
             accel,
             clip: &clip,
             lattice,
@@ -122,7 +122,7 @@ impl Work for RecordTrace<'_> {
             primitives: &mut primitives,
             counts: &mut CastCounts::default(),
         };
-        let mut traversal = Traversal::new(accel, &clip, lattice, Precision::Exact);
+        let mut traversal = Traversal::<true>::new(accel, &clip, lattice, Precision::Exact);
         let mut zbuffer = IntervalZBuffer::new();
         for large in whole.split(LARGE_SIDE) {
             let before = traversal.counts.nodes;

@@ -200,8 +200,8 @@ impl Descent {
     }
 }
 
-/// The traversal of a lattice's packets.
-pub(super) struct Traversal<'a> {
+/// The traversal of a lattice's packets, through one tree or through instances too ([`Accel::open`]).
+pub(super) struct Traversal<'a, const INSTANCES: bool> {
     accel: &'a Accel,
     clip: &'a Clip,
     lattice: &'a Lattice,
@@ -226,7 +226,7 @@ pub(super) struct Traversal<'a> {
     pub(super) counts: CastCounts,
 }
 
-impl<'a> Traversal<'a> {
+impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
     pub(super) fn new(
         accel: &'a Accel,
         clip: &'a Clip,
@@ -323,7 +323,7 @@ impl<'a> Traversal<'a> {
                 deepened = true;
                 self.counts.nodes += 1;
                 let mut opened = None;
-                let (boxes, children) = self.accel.open(index, &mut opened);
+                let (boxes, children) = self.accel.open::<INSTANCES>(index, &mut opened);
                 let entered = frustum.enter(lanes, boxes);
                 for (child, (near, inside)) in entered.into_iter().enumerate() {
                     if inside && !self.removes(boxes, child) {
@@ -452,7 +452,7 @@ impl<'a> Traversal<'a> {
                     observer.reached(descent.leaf.clone());
                     continue;
                 };
-                self.accel.open(index, &mut opened)
+                self.accel.open::<INSTANCES>(index, &mut opened)
             } else if descent.pair < self.pairs.len()
                 && self.pairs[descent.pair].near <= descent.limits.furthest
             {
@@ -610,21 +610,21 @@ impl<'a> Traversal<'a> {
         for (out, corners) in out.iter_mut().zip([ax, ay, az, bx, by, bz, cx, cy, cz]) {
             corners.store(out);
         }
-        self.accel.place(primitives, &mut out);
+        self.accel.place::<INSTANCES>(primitives, &mut out);
         out
     }
 
     /// A triangle's first eight coordinates, as they are stored.
     #[inline(always)]
     fn row<L: Lanes>(&self, lanes: L, primitive: u32) -> L::F32 {
-        let [a, b, c] = self.accel.stored_corners(primitive);
+        let [a, b, c] = self.accel.stored_corners::<INSTANCES>(primitive);
         lanes.load(&[a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y])
     }
 
     /// Its ninth coordinate.
     #[inline(always)]
     fn last(&self, primitive: u32) -> f32 {
-        self.accel.stored_corners(primitive)[2].z
+        self.accel.stored_corners::<INSTANCES>(primitive)[2].z
     }
 
     /// Prefetches what a subtree on the stack will be read from: its triangles, or its first nodes.
