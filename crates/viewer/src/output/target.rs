@@ -88,15 +88,25 @@ impl Output {
         for input in inputs {
             let input = input.as_ref();
             if Identity::of(input).as_ref() == Some(&place) {
-                let is = if input == self.name {
-                    String::new()
-                } else {
-                    format!("it is {}, and ", input.display())
-                };
-                return Err(Failure::usage(format!(
-                    "{}: cannot be written: {is}this command reads or writes that already",
-                    self.name.display()
-                )));
+                return Err(used_already(&self.name, input));
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that none of many places is one of `inputs`, before the first is written.
+    ///
+    /// # Errors
+    /// The first that is.
+    pub fn check_all(names: &[PathBuf], inputs: &[PathBuf]) -> Result<(), Failure> {
+        let inputs: Vec<_> = inputs
+            .iter()
+            .filter_map(|input| Some((input, Identity::of(input)?)))
+            .collect();
+        for name in names {
+            let place = Identity::of(name);
+            if let Some((input, _)) = inputs.iter().find(|(_, id)| Some(id) == place.as_ref()) {
+                return Err(used_already(name, input));
             }
         }
         Ok(())
@@ -213,6 +223,18 @@ impl Output {
     fn cannot(&self, reason: &dyn Display) -> Failure {
         cannot_write(&self.name, reason)
     }
+}
+
+fn used_already(name: &Path, input: &Path) -> Failure {
+    let is = if input == name {
+        String::new()
+    } else {
+        format!("it is {}, and ", input.display())
+    };
+    let name = name.display();
+    Failure::usage(format!(
+        "{name}: cannot be written: {is}this command reads or writes that already"
+    ))
 }
 
 fn cannot_write(name: &Path, reason: &dyn Display) -> Failure {
