@@ -91,9 +91,19 @@ fn no_input_is_written_over() {
     // The library that the output would have is that of the input.
     std::fs::create_dir(at("b")).expect("a folder");
     std::fs::hard_link(at("a.mtl"), at("b/c.mtl")).expect("a link");
-    let line = refuse(2, arguments!["convert", at("a.obj"), "-o", at("b/c.obj")]);
-    assert!(line.contains("c.mtl: cannot be written"), "{line}");
-    assert_eq!(names(&at("b")), ["c.mtl"]);
+    // Nobody said that it might be replaced; with a mesh there that it goes with, it is the input still.
+    for (status, mesh) in [(1, None), (2, Some(mesh))] {
+        if let Some(mesh) = mesh {
+            write(&at("b"), "c.obj", mesh);
+        }
+        let line = refuse(
+            status,
+            arguments!["convert", at("a.obj"), "-o", at("b/c.obj")],
+        );
+        assert!(line.contains("c.mtl: cannot be written"), "{line}");
+    }
+    assert_eq!(names(&at("b")), ["c.mtl", "c.obj"]);
+    assert_eq!(bytes(&at("b/c.mtl")), b"newmtl x\nKd 1 0 0\n");
     for (output, why) in [
         ("b/a.off", "expected a name that ends in"),
         ("b/a", "expected a name that ends in"),

@@ -2,11 +2,11 @@
 
 use raycast_tests::arguments;
 use raycast_tests::binary::{self, ProgramOutput, command, refuse, run, succeed};
-use raycast_tests::files::{asset, bytes, folder, names, write};
+use raycast_tests::files::{asset, bytes, folder, names, write, write_rays};
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::Path;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A refusal: exit status 1, one line that says all of this.
@@ -232,4 +232,55 @@ fn a_mesh_that_changes_while_it_is_read_is_a_picture_or_one_line() {
         }
         is_done.store(true, Ordering::Relaxed);
     });
+}
+
+/// What needs more memory than there is is refused before it is begun, with the figures: the program neither ends
+/// half-way, without a word, nor hangs.
+#[cfg(target_os = "linux")]
+#[test]
+fn meshes_and_trees_beyond_memory_are_refused() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    // So many facets of nothing but zeros, of which the disk holds none.
+    let facets = 4_000_000u32;
+    let mut head = vec![0; 80];
+    head.extend(facets.to_le_bytes());
+    let mesh = write(folder.path(), "large.stl", head);
+    let file = std::fs::File::options().write(true).open(&mesh);
+    let length = 84 + 50 * u64::from(facets);
+    file.and_then(|file| file.set_len(length))
+        .expect("a sparse file");
+    write_rays(&at("rays"), &[]);
+    let cast = arguments!["cast", &mesh, "--rays", at("rays"), "--hits", at("hits")];
+    for (kibibytes, arguments, expected) in [
+        (1_000_000, cast, "the tree over 4000000 triangles"),
+        (
+            1_000_000,
+            arguments!["bench", "--made", "ball:6000000", "--frames", "1"],
+            "ball:6000000: the tree over 6000000 triangles",
+        ),
+        (
+            500_000,
+            arguments!["info", &mesh],
+            "large.stl: the file takes 200000084 bytes",
+        ),
+    ] {
+        let mut shell = Command::new("sh");
+        shell.arg("-c");
+        shell.arg(format!(
+            "ulimit -v {kibibytes}; exec timeout 60 \"$0\" \"$@\""
+        ));
+        shell.arg(raycast_tests::binary::path()).args(&arguments);
+        let told = run(shell.stdin(Stdio::null()));
+        assert_eq!(told.status, Some(1), "{arguments:?}: {}", told.errors);
+        assert_eq!(told.errors.lines().count(), 1, "{}", told.errors);
+        for expected in [expected, "ulimit -v"] {
+            assert!(
+                told.errors.contains(expected),
+                "{expected}: {}",
+                told.errors
+            );
+        }
+    }
+    assert_eq!(names(folder.path()), ["large.stl", "rays"]);
 }

@@ -187,7 +187,9 @@ fn no_ray_of_a_camera_leaves() {
             let (eye, target) = (inside(&mut random), inside(&mut random));
             let projection = PROJECTIONS[random.below(2) as usize];
             let height = match projection {
-                Projection::Perspective => eye.distance(target) * random.between(0.01, 4.0),
+                Projection::Perspective | Projection::Panoramic(_) => {
+                    eye.distance(target) * random.between(0.01, 4.0)
+                }
                 // All rays begin inside.
                 Projection::Orthographic => radius * random.between(0.01, 0.2),
             };

@@ -105,54 +105,117 @@ fn memory_does_not_grow_with_the_picture() {
     }
 }
 
-#[cfg(unix)]
+/// Renders, and tells how many rays were cast.
+fn rays(output: &Path, more: &[&str]) -> u64 {
+    let stats = output.with_extension("json");
+    let mut more = more.to_vec();
+    let name = stats.to_string_lossy();
+    more.extend(["--stats", &name]);
+    render(output, &more);
+    let told: serde_json::Value = serde_json::from_slice(&bytes(&stats)).expect("JSON");
+    std::fs::remove_file(stats).expect("it was written");
+    told["rays"].as_u64().expect("a number")
+}
+
+/// Begins a render with `--resume`, and kills it once its journal tells of a band that is safe.
+fn end_amid(output: &Path, more: &[&str]) {
+    let name = output.file_name().expect("a name").to_string_lossy();
+    let journal = output.with_file_name(format!(".{name}.raycast-journal"));
+    let lines =
+        || std::fs::read(&journal).map_or(0, |text| text.split(|b| *b == b'\n').count() - 1);
+    let before = lines();
+    let mut render = arguments!["render", asset("torus.obj"), "-o", output, "--resume"];
+    render.extend(more.iter().map(OsString::from));
+    let mut child = command(render)
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("it starts");
+    // The first line says of what picture it is. That of another picture is begun anew.
+    while lines() < 2 || lines() == before {
+        let ended = child.try_wait().expect("a child");
+        assert!(
+            ended.is_none(),
+            "it was done before it could be ended: {ended:?}"
+        );
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    // SIGKILL: no handler has a part in it.
+    child.kill().expect("killed");
+    child.wait().expect("it has ended");
+    assert!(
+        journal.exists() && lines() >= 2,
+        "it was done before it could be ended"
+    );
+}
+
 #[test]
 fn a_render_that_is_ended_goes_on_to_the_same_bytes() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    for end in ["png", "exr"] {
-        let size = if end == "png" {
-            "5000x4096"
-        } else {
-            "3000x2000"
-        };
+    // One thread and several samples: bands take long enough to be ended among them.
+    let slow = ["--threads", "1", "--samples", "4"];
+    for (end, size) in [("png", "5000x4096"), ("exr", "3000x2000")] {
         let (whole, out) = (at(&format!("whole.{end}")), at(&format!("out.{end}")));
-        render(&whole, &["--size", size]);
-        let mut was_ended = 0;
-        for turn in 1..=6u32 {
-            let mut child = command(arguments![
-                "render",
-                asset("torus.obj"),
-                "-o",
-                &out,
-                "--size",
-                size,
-                "--resume"
-            ]);
-            let mut child = child.stderr(Stdio::null()).spawn().expect("it starts");
-            std::thread::sleep(Duration::from_millis(60 * u64::from(turn)));
-            // SIGKILL: no handler has a part in it.
-            child.kill().expect("killed, or done already");
-            let status = child.wait().expect("it has ended");
-            if status.success() {
-                break;
-            }
-            was_ended += 1;
-        }
-        assert!(was_ended > 0, "it was done before it could be ended");
-        render(&out, &["--size", size, "--resume"]);
+        let more = [&["--size", size][..], &slow].concat();
+        let all = rays(&whole, &more);
+        end_amid(&out, &more);
+        end_amid(&out, &more);
+        let left = rays(&out, &[&more[..], &["--resume"]].concat());
+        assert!(0 < left && left < all, "{end}: {left} of {all} rays");
         assert!(bytes(&out) == bytes(&whole), "{end}");
+        assert_eq!(names(folder.path()).len(), 2, "nothing else is left");
+
         // Another picture does not go on with this one's part.
-        std::fs::remove_file(&out).expect("removed");
+        end_amid(&out, &more);
+        let other = [&["--size", size, "--mode", "flat"][..], &slow].concat();
+        let anew = rays(&out, &[&other[..], &["--resume"]].concat());
+        assert_eq!(anew, rays(&whole, &other), "{end}");
+        assert!(bytes(&out) == bytes(&whole), "{end}");
+        std::fs::remove_file(&out).expect("it is there");
+        std::fs::remove_file(&whole).expect("it is there");
     }
-    render(&at("out.png"), &["--size", "5000x4096", "--resume"]);
-    let left = names(folder.path());
-    assert!(
-        left.iter()
-            .all(|name| !name.to_string_lossy().starts_with('.')),
-        "{left:?}"
-    );
-    assert!(bytes(&at("out.png")) == bytes(&at("whole.png")));
+    assert!(names(folder.path()).is_empty());
+}
+
+#[test]
+fn what_cannot_be_gone_on_with_is_said() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let mesh = asset("torus.obj");
+    for name in ["a.png", "a.jpg"] {
+        let small = arguments![
+            "render",
+            &mesh,
+            "-o",
+            at(name),
+            "--size",
+            "64x48",
+            "--resume"
+        ];
+        let told = succeed(small).errors;
+        assert!(
+            told.contains(name) && told.contains("--resume has no effect"),
+            "{told}"
+        );
+    }
+    let frames = arguments![
+        "render",
+        &mesh,
+        "-o",
+        at("b.png"),
+        "--turntable",
+        "2",
+        "--resume"
+    ];
+    let line = refuse(2, frames);
+    assert!(line.contains("--resume"), "{line}");
+    for other in [["--unfinished", "1"], ["--sub-camera", "0,0"]] {
+        let mut parts = arguments!["render", &mesh, "-o", at("b.png"), "--resume"];
+        parts.extend(other.map(OsString::from));
+        let line = refuse(2, parts);
+        assert!(line.contains("--resume"), "{line}");
+    }
+    assert_eq!(names(folder.path()), ["a.jpg", "a.png"]);
 }
 
 #[test]
@@ -222,12 +285,40 @@ fn a_deep_zooms_finest_tiles_are_the_picture_and_its_coarsest_one_pixel() {
     assert!(dzi.contains("Width=\"1000\" Height=\"700\""), "{dzi}");
     let page = String::from_utf8(bytes(&at("a.html"))).expect("text");
     assert!(page.contains("tiles = \"a_files\", columns = 1000, rows = 700, top_level = 10"));
-    // Tiles are not mixed with those of another picture.
-    let again = arguments!["render", asset("torus.obj"), "-o", at("a.dzi")];
-    let line = refuse(1, again);
-    assert!(line.contains("it is there already"), "{line}");
-    assert_eq!(
-        names(folder.path()),
-        ["a.dzi", "a.html", "a_files", "whole.png"]
+}
+
+#[test]
+fn a_deep_zoom_writes_over_no_page_and_no_tiles_and_nothing_over_its_page() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let zoom = |more: &[&str]| {
+        let mut zoom = arguments!["render", asset("torus.obj"), "-o", at("a.dzi")];
+        zoom.extend(["--size", "64x48"].map(OsString::from));
+        zoom.extend(more.iter().map(OsString::from));
+        zoom
+    };
+    std::fs::write(at("a.html"), "a letter").expect("written");
+    let line = refuse(1, zoom(&[]));
+    assert!(
+        line.contains("a.html: cannot be made: it is there already"),
+        "{line}"
     );
+    assert_eq!(bytes(&at("a.html")), b"a letter");
+    assert_eq!(names(folder.path()), ["a.html"]);
+    std::fs::remove_file(at("a.html")).expect("removed");
+    for taken in ["a.html", "a.dzi"] {
+        let line = refuse(2, zoom(&["--stats", &at(taken).to_string_lossy()]));
+        assert!(line.contains(taken), "{line}");
+        assert!(names(folder.path()).is_empty(), "{taken}");
+    }
+    succeed(zoom(&[]));
+    assert_eq!(names(folder.path()), ["a.dzi", "a.html", "a_files"]);
+    // Tiles are not mixed with those of another picture.
+    std::fs::remove_file(at("a.html")).expect("removed");
+    let line = refuse(1, zoom(&[]));
+    assert!(
+        line.contains("a_files: cannot be made: it is there already"),
+        "{line}"
+    );
+    assert_eq!(names(folder.path()), ["a.dzi", "a_files"]);
 }

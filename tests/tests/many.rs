@@ -203,6 +203,9 @@ fn a_plans_lines_make_the_whole_pictures_bytes_in_any_order() {
         "{}",
         lacking.errors
     );
+    // Picture 1 is stitched; that 0 is not is what the engine hears.
+    let both = run(Command::new("sh").arg("-e").arg(at("it's a plan.stitch")));
+    assert_ne!(both.status, Some(0), "{}", both.errors);
     for line in [lines[0], lines[7]] {
         assert_eq!(shell(line).status, Some(0), "{line}");
     }
@@ -214,5 +217,142 @@ fn a_plans_lines_make_the_whole_pictures_bytes_in_any_order() {
     for frame in 0..2 {
         let [out, whole] = ["out", "whole"].map(|name| bytes(&at(&format!("{name}-{frame}.png"))));
         assert!(out == whole, "{frame}");
+    }
+}
+
+/// The scripts by which an engine starts a plan's jobs: what Slurm is given, by an `sbatch` that keeps it, and what
+/// Kubernetes' containers run.
+#[cfg(unix)]
+fn scripts(folder: &Path, plan: &Path) -> Vec<(String, &'static str)> {
+    use std::os::unix::fs::PermissionsExt;
+    let sbatch = write(
+        folder,
+        "sbatch",
+        "#!/bin/sh\nn=$(ls \"$KEPT\" | wc -l)\ncat > \"$KEPT/$n\"\necho \"$n\"\n",
+    );
+    std::fs::set_permissions(&sbatch, std::fs::Permissions::from_mode(0o755)).expect("set");
+    let kept = folder.join("kept");
+    std::fs::create_dir(&kept).expect("a folder");
+    let beside = |suffix: &str| {
+        let mut name = plan.as_os_str().to_owned();
+        name.push(suffix);
+        std::path::PathBuf::from(name)
+    };
+    let path = std::env::var("PATH").unwrap_or_default();
+    let submitted = run(Command::new("sh")
+        .arg(beside(".slurm"))
+        .env("PATH", format!("{}:{path}", folder.display()))
+        .env("KEPT", &kept));
+    assert_eq!(submitted.status, Some(0), "{}", submitted.errors);
+    let mut scripts: Vec<_> = names(&kept)
+        .iter()
+        .map(|name| {
+            let script = String::from_utf8(bytes(&kept.join(name))).expect("text");
+            (script, "SLURM_ARRAY_TASK_ID")
+        })
+        .collect();
+    for suffix in [".yaml", ".stitch.yaml"] {
+        let text = String::from_utf8(bytes(&beside(suffix))).expect("text");
+        let command = text
+            .lines()
+            .find_map(|line| line.trim().strip_prefix("command: "));
+        let words: Vec<String> =
+            serde_json::from_str(command.expect("a command")).expect("a list of words");
+        scripts.push((words[2].clone(), "JOB_COMPLETION_INDEX"));
+    }
+    scripts
+}
+
+#[cfg(unix)]
+#[test]
+fn an_engines_job_fails_where_its_command_or_its_plan_does() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let plan = at("it's a plan");
+    let mut arguments = arguments!["plan", asset("monkey.obj"), "-o", &plan, "--tiles", "2x1"];
+    arguments.extend(arguments!["--program", raycast_tests::binary::path(), "--"]);
+    arguments.extend(arguments!["--size", "64x48"]);
+    succeed(&arguments);
+    let scripts = scripts(folder.path(), &plan);
+    assert_eq!(scripts.len(), 4);
+    let status = |(script, index): &(String, &str), value: &str| {
+        run(Command::new("sh").args(["-c", script]).env(index, value)).status
+    };
+    // Nothing is there to be stitched yet.
+    for (stitch, index) in [(&scripts[1], "1"), (&scripts[3], "0")] {
+        assert_ne!(status(stitch, index), Some(0), "{stitch:?}");
+    }
+    for (job, indices) in [(&scripts[0], ["1", "2"]), (&scripts[2], ["0", "1"])] {
+        for index in indices {
+            assert_eq!(status(job, index), Some(0), "{job:?}");
+        }
+        assert_eq!(names(&at("it's a plan.parts")).len(), 2, "{job:?}");
+    }
+    for (stitch, index) in [(&scripts[1], "1"), (&scripts[3], "0")] {
+        assert_eq!(status(stitch, index), Some(0), "{stitch:?}");
+        std::fs::remove_file(at("it's a plan.png")).expect("it was stitched");
+    }
+    for name in ["it's a plan", "it's a plan.stitch"] {
+        std::fs::remove_file(at(name)).expect("removed");
+    }
+    for script in &scripts {
+        assert_ne!(status(script, "1"), Some(0), "{script:?}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_plans_jobs_find_a_texture_from_any_folder() {
+    let folder = folder();
+    let work = folder.path().join("work");
+    std::fs::create_dir(&work).expect("a folder");
+    let at = |name: &str| work.join(name);
+    write(folder.path(), "skin.png", bytes(&asset("leopard.png")));
+    write(&work, "a.obj", bytes(&asset("torus.obj")));
+    let program = raycast_tests::binary::path();
+    for (name, texture) in [
+        ("one", "--texture=../skin.png"),
+        ("two", "--texture ../skin.png"),
+    ] {
+        let mut plan = Command::new(program);
+        plan.args(["plan", "a.obj", "-o", name, "--", "--size", "64x48"]);
+        plan.args(["--mode", "texture"]).args(texture.split(' '));
+        let told = run(plan.current_dir(&work));
+        assert_eq!(told.status, Some(0), "{}", told.errors);
+        for lines in [name.to_owned(), format!("{name}.stitch")] {
+            let told = run(Command::new("sh")
+                .arg("-e")
+                .arg(at(&lines))
+                .current_dir("/"));
+            assert_eq!(told.status, Some(0), "{lines}: {}", told.errors);
+        }
+    }
+    let texture = folder.path().join("skin.png").display().to_string();
+    render(
+        &at("a.obj"),
+        &at("want.png"),
+        &["--mode", "texture", "--texture", &texture],
+    );
+    for name in ["one.png", "two.png"] {
+        assert!(bytes(&at(name)) == bytes(&at("want.png")), "{name}");
+    }
+}
+
+#[test]
+fn a_plan_replaces_a_plan_and_nothing_that_is_only_called_alike() {
+    let folder = folder();
+    let plan = folder.path().join("p");
+    let arguments = arguments!["plan", asset("monkey.obj"), "-o", &plan];
+    let notes = write(folder.path(), "p.yaml", "mine: true\n");
+    let line = refuse(1, &arguments);
+    assert!(
+        line.contains("p.yaml") && line.contains("it is there already"),
+        "{line}"
+    );
+    assert_eq!(names(folder.path()), ["p.yaml"]);
+    assert_eq!(bytes(&notes), b"mine: true\n");
+    std::fs::remove_file(&notes).expect("removed");
+    for _ in 0..2 {
+        succeed(&arguments);
     }
 }

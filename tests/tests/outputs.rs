@@ -300,3 +300,44 @@ mod unix {
         assert_eq!(std::fs::metadata(&path).expect("a file").uid(), other);
     }
 }
+
+#[test]
+fn frames_are_not_written_over_what_is_read_nor_statistics_over_frames() {
+    let inputs = Inputs::new();
+    let image = bytes(&asset("leopard.png"));
+    write(inputs.folder.path(), "f-2.png", &image);
+    let mesh = "mtllib frames.mtl\nusemtl skin\n\
+         v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n";
+    write(inputs.folder.path(), "frames.obj", mesh);
+    let library = "newmtl skin\nmap_Kd f-2.png\n";
+    write(inputs.folder.path(), "frames.mtl", library);
+    let mesh = inputs.at("frames.obj");
+    let frames = |pattern: &str| {
+        let output = inputs.at(pattern);
+        arguments![
+            "render",
+            &mesh,
+            "-o",
+            output,
+            "--turntable",
+            "4",
+            "--size",
+            "4x4"
+        ]
+    };
+    // The third frame is the texture: none is written.
+    let told = refuse(2, frames("f-%d.png"));
+    assert!(told.contains("f-2.png: cannot be written"), "{told}");
+    assert!(!inputs.at("f-0.png").exists());
+    assert!(bytes(&inputs.at("f-2.png")) == image);
+    let mut with_stats = frames("g-%d.png");
+    with_stats.extend(arguments!["--stats", inputs.at("g-1.png")]);
+    refuse(2, with_stats);
+    for pattern in ["h-%s.png", "h-%d-%d.png", "h-%99d.png"] {
+        let told = refuse(2, frames(pattern));
+        assert!(told.contains("%05d"), "{told}");
+    }
+    inputs.assert_untouched("frames");
+    succeed(frames("k-%d.png"));
+    assert!(inputs.at("k-3.png").exists());
+}

@@ -201,7 +201,9 @@ fn demo_scene() {
     let stage = Stage::staged(file.scene);
     let distance = (placed.placement.target - placed.placement.eye).length();
     let height = match placed.projection {
-        Projection::Perspective => raycast_core::camera::fov_to_frame(placed.frame, distance),
+        Projection::Perspective | Projection::Panoramic(_) => {
+            raycast_core::camera::fov_to_frame(placed.frame, distance)
+        }
         Projection::Orthographic => placed.frame,
     };
     let camera = camera(

@@ -155,3 +155,18 @@ fn an_input_is_not_overwritten() {
     assert!(told.status == Some(1) || told.status == Some(2), "{told:?}");
     assert!(bytes(&mesh) == bytes(&asset("cube.obj")));
 }
+
+#[test]
+fn a_field_of_view_is_one_that_the_projection_can_have() {
+    let mesh = asset("cube.obj");
+    for (projection, fov, named) in [
+        ("perspective", "180", "below 180 degrees"),
+        ("equirectangular", "181", "180 degrees at most"),
+        ("cylindrical", "180", "179 degrees at most"),
+        ("fisheye:stereographic", "360", "359 degrees at most"),
+        ("cubemap", "91", "90 degrees at most"),
+    ] {
+        let options = ["--projection", projection, "--fov", fov, "--size", "8x8"];
+        refuse_render(2, &mesh, &options, named);
+    }
+}

@@ -293,6 +293,72 @@ fn interrupt(signal: Signal, status: Option<i32>, seed: u64) -> u32 {
     new
 }
 
+/// Sends `signal` at a random moment of a deep zoom, whose tiles are files in a folder under way, over and over.
+fn interrupt_deep_zoom(signal: Signal, status: Option<i32>, seed: u64) {
+    let render = |folder: &Path| {
+        let mut render = arguments!["render", asset("torus.obj"), "-o", folder.join("a.dzi")];
+        render.extend(["--size", "2000x1500", "--mode", "flat"].map(std::ffi::OsString::from));
+        render
+    };
+    let all = ["a.dzi", "a.html", "a_files"];
+    let alone = folder();
+    let started = Instant::now();
+    succeed(render(alone.path()));
+    let whole_time = started.elapsed();
+    assert_eq!(names(alone.path()), all);
+
+    let mut random = Random::new(seed);
+    for round in 0..count() {
+        let folder = folder();
+        let mut child = command(render(folder.path()))
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("the program can be started");
+        let share = f64::from(random.below(1 << 16)) / f64::from(1 << 16);
+        std::thread::sleep(whole_time.mul_f64(1.1 * share));
+        send(&child, signal);
+        let ended = child.wait().expect("the program ends");
+        if signal == Signal::KILL {
+            let next = arguments![
+                "render",
+                asset("cube.obj"),
+                "-o",
+                folder.path().join("b.png")
+            ];
+            succeed(next);
+            std::fs::remove_file(folder.path().join("b.png")).expect("it was made");
+        }
+        let what = format!("{signal:?}, round {round}: {ended}");
+        let by_signal = ended.signal() == Some(signal.as_raw());
+        assert!(
+            by_signal || ended.code() == Some(0) || (status.is_some() && ended.code() == status),
+            "{what}"
+        );
+        // The tiles are put in their place before the page, and that before the .dzi.
+        let left = names(folder.path());
+        assert!(
+            all.iter()
+                .rev()
+                .zip(left.iter().rev())
+                .all(|(name, left)| left == name),
+            "{what}: {left:?}"
+        );
+        assert!(left.len() == 3 || !ended.success(), "{what}: {left:?}");
+    }
+}
+
+#[test]
+fn signals_amid_a_deep_zoom_leave_no_folder_under_way() {
+    for (seed, (signal, status)) in ENDS.into_iter().enumerate() {
+        if signal == Signal::HUP && is_ignored_here(signal) {
+            println!("skipped: SIGHUP is ignored here, and stays so");
+            continue;
+        }
+        interrupt_deep_zoom(signal, Some(status), seed as u64);
+    }
+    interrupt_deep_zoom(Signal::KILL, None, 99);
+}
+
 #[test]
 fn signals_at_random_moments_leave_the_old_file_or_the_new_one() {
     for (seed, (signal, status)) in ENDS.into_iter().enumerate() {

@@ -10,18 +10,9 @@ use raycast_core::shade::{Filter, Mode, Shading};
 use raycast_report::cameras::camera;
 use raycast_tests::binary::{refuse, succeed};
 use raycast_tests::check::{Check, Stage, instruction_sets, on_threads, render};
+use raycast_tests::files::{asset, bytes, folder};
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-fn asset(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
-    folder.join(name)
-}
-
-fn bytes(path: &Path) -> Vec<u8> {
-    std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
-}
 
 const PROJECTIONS: [TextureProjection; 6] = [
     TextureProjection::Uv,
@@ -91,7 +82,7 @@ fn splits_threads_and_instruction_sets_agree_with_every_projection_and_filter() 
 
 #[test]
 fn options_and_a_scene_file_make_the_same_picture() {
-    let folder = tempfile::tempdir().expect("a folder for temporary files");
+    let folder = folder();
     let picture = |name: &str, arguments: &[&str]| {
         let output = folder.path().join(name);
         let mut all: Vec<OsString> = vec!["render".into(), "-o".into(), output.clone().into()];
@@ -140,7 +131,7 @@ fn options_and_a_scene_file_make_the_same_picture() {
 
 #[test]
 fn triangles_are_drawn_into_the_texture_within_its_crop() {
-    let folder = tempfile::tempdir().expect("a folder for temporary files");
+    let folder = folder();
     let leopard = asset("leopard.png");
     let map = |name: &str, more: &[&str]| {
         let output = folder.path().join(name);

@@ -14,7 +14,7 @@ fn a_wrong_pixel_is_found() {
     let folder = folder();
     let mesh = asset("monkey.obj");
     let view = ["--size", "150x110", "--orbit", "40,10"].map(OsString::from);
-    for projection in ["perspective", "orthographic"] {
+    for projection in ["perspective", "orthographic", "fisheye:equisolid"] {
         let path = folder.path().join("picture.exr");
         let with_view = |mut arguments: Vec<OsString>| {
             arguments.extend(view.iter().cloned());

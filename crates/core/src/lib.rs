@@ -52,7 +52,7 @@
 //!
 //! A module uses only modules before it:
 //!
-//! [`math`], `num`, [`Ray`], [`Hit`] → [`scene`] → [`health`] → [`camera`] → `triangle` → `bvh` → `single` → [`packet`] →
+//! [`math`], `num`, [`Ray`], [`Hit`] → [`scene`] → [`health`] → [`camera`] → `triangle` → `bvh` → `single` → [`section`] → [`packet`] →
 //! [`shade`] → [`picture`] → [`render`](mod@render) → [`formats`]
 //!
 //! The crate is pure: it has no window, no global state and no clock, and it never prints. Files are read
@@ -76,6 +76,7 @@ pub mod ranges;
 mod ray;
 pub mod render;
 pub mod scene;
+pub mod section;
 pub mod shade;
 mod single;
 mod triangle;
@@ -87,3 +88,4 @@ pub use hits::Hits;
 pub use num::simd::Simd;
 pub use ray::Ray;
 pub use render::render;
+pub use single::Clipped;

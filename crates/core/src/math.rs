@@ -10,6 +10,11 @@
 //! Errors are below one unit in the last place, as the C library's are; angles are in radians; what is
 //! no number, or out of a function's domain, gives NaN.
 
+/// √(a² + b²), however large or small the two are.
+pub fn hypot(a: f64, b: f64) -> f64 {
+    libm::hypot(a, b)
+}
+
 /// The sine of an angle: −1 to 1.
 pub fn sin(angle: f64) -> f64 {
     libm::sin(angle)

@@ -29,9 +29,22 @@ pub enum OutOfRange {
         "expected a field of view from {NARROWEST_FOV:e} to below {FOV_END} degrees, found {0}"
     )]
     Fov(f64),
+    /// A vertical field of view of a picture that is no plane.
+    #[error("expected a field of view of {most} degrees at most for {name}, found {found}")]
+    WideFov {
+        /// The projection's name.
+        name: &'static str,
+        /// The most that it can have.
+        most: f64,
+        /// Degrees.
+        found: f64,
+    },
     /// A share of texture in a surface's colour.
     #[error("expected a blend from 0 to 1, found {0}")]
     Blend(f32),
+    /// The ends of a color scale.
+    #[error("expected a low end below a high one, found {0} and {1}")]
+    ColorRange(f64, f64),
 }
 
 /// Samples a pixel, from 1 to [`MOST_SAMPLES`].
@@ -68,6 +81,16 @@ pub fn fov(degrees: f64) -> Result<f64, OutOfRange> {
 pub fn blend(share: f32) -> Result<f32, OutOfRange> {
     let fits = (0.0..=1.0).contains(&share);
     fits.then_some(share).ok_or(OutOfRange::Blend(share))
+}
+
+/// The numbers at the ends of a color scale: finite, the first below the second, a finite distance apart.
+///
+/// # Errors
+/// Any other numbers.
+pub fn color_range([low, high]: [f64; 2]) -> Result<[f64; 2], OutOfRange> {
+    let fits = low < high && (high - low).is_finite();
+    fits.then_some([low, high])
+        .ok_or(OutOfRange::ColorRange(low, high))
 }
 
 #[cfg(test)]

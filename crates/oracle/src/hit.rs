@@ -1,7 +1,7 @@
 //! One ray and one triangle, without rounding.
 
 use crate::exact::{self, Dyadic, Vector};
-use crate::{Ray, Triangle, Truth};
+use crate::{HalfSpace, Ray, Triangle, Truth};
 use std::cmp::Ordering;
 
 /// A ray without rounding.
@@ -81,6 +81,17 @@ impl ExactRay {
 }
 
 impl ExactHit<'_> {
+    /// Whether its point is in all of these: n·(o + t·d) ≥ c, times the sum that is the denominator of t.
+    pub(crate) fn is_in(&self, ray: &ExactRay, half_spaces: &[HalfSpace]) -> bool {
+        half_spaces.iter().all(|half_space| {
+            let normal = exact::vector(half_space.normal.to_array());
+            let ahead = &exact::dot(&normal, &ray.direction) * &self.depth;
+            let start = &exact::dot(&normal, &ray.origin) - &Dyadic::new(half_space.offset);
+            let value = &(&start * &self.sum) + &ahead;
+            value.signum() * self.sum.signum() >= 0
+        })
+    }
+
     /// Nearest first; equal distances by number.
     pub(crate) fn order(&self, other: &Self) -> Ordering {
         // depth / sum against depth' / sum': both sides times sum · sum', and its sign.

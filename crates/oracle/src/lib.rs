@@ -8,6 +8,7 @@
 
 mod exact;
 mod filter;
+mod half_space;
 mod hit;
 pub mod oracle;
 pub mod random;
@@ -16,6 +17,7 @@ mod tree;
 mod triangle;
 mod truth;
 
+pub use half_space::HalfSpace;
 pub use oracle::Oracle;
 pub use ray::Ray;
 pub use triangle::Triangle;

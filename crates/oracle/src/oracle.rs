@@ -7,7 +7,7 @@
 use crate::filter::Filter;
 use crate::hit::{ExactHit, ExactRay};
 use crate::tree::Tree;
-use crate::{Ray, Triangle, Truth};
+use crate::{HalfSpace, Ray, Triangle, Truth};
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
 
@@ -24,6 +24,8 @@ pub struct Oracle {
     tree: Tree,
     /// Where each triangle is, in the order of their numbers.
     by_number: Vec<u32>,
+    /// Where points must be for their hits to count.
+    kept: Vec<HalfSpace>,
 }
 
 impl Oracle {
@@ -37,7 +39,14 @@ impl Oracle {
             triangles,
             tree,
             by_number,
+            kept: Vec::new(),
         }
+    }
+
+    /// The same triangles, of which only what lies in all of these counts.
+    #[must_use]
+    pub fn clipped(self, kept: Vec<HalfSpace>) -> Self {
+        Self { kept, ..self }
     }
 
     /// The oracle of triangles given by their corners, all of object 0, numbered by their order.
@@ -63,7 +72,7 @@ impl Oracle {
             let inside = self.triangles[ball].iter();
             possible.extend(inside.filter(|triangle| !filter.misses_triangle(triangle)));
         });
-        nearest_of(possible, ray, cull_backs)
+        nearest_of(possible, ray, cull_backs, &self.kept)
     }
 
     /// The same by deciding every triangle exactly, one after the other.
@@ -71,7 +80,7 @@ impl Oracle {
         if !ray.is_valid() {
             return None;
         }
-        nearest_of(&self.triangles, ray, cull_backs)
+        nearest_of(&self.triangles, ray, cull_backs, &self.kept)
     }
 
     /// How `ray` hits the triangle with these numbers, others or not in its way; `None` where it
@@ -87,8 +96,9 @@ impl Oracle {
         if !ray.is_valid() {
             return None;
         }
-        let hit = ExactRay::new(ray).hit(triangle, cull_backs)?;
-        Some(hit.rounded(ray))
+        let exact_ray = ExactRay::new(ray);
+        let hit = exact_ray.hit(triangle, cull_backs)?;
+        hit.is_in(&exact_ray, &self.kept).then(|| hit.rounded(ray))
     }
 
     /// The triangle with these numbers.
@@ -111,6 +121,7 @@ fn nearest_of<'a>(
     triangles: impl IntoIterator<Item = &'a Triangle>,
     ray: &Ray,
     cull_backs: bool,
+    kept: &[HalfSpace],
 ) -> Option<Truth> {
     let exact_ray = ExactRay::new(ray);
     let mut nearest: Option<ExactHit<'_>> = None;
@@ -119,6 +130,7 @@ fn nearest_of<'a>(
             && nearest
                 .as_ref()
                 .is_none_or(|best| hit.order(best) == Ordering::Less)
+            && hit.is_in(&exact_ray, kept)
         {
             nearest = Some(hit);
         }
@@ -129,8 +141,8 @@ fn nearest_of<'a>(
 #[cfg(test)]
 mod tests {
     use super::Oracle;
-    use crate::Ray;
     use crate::random::Random;
+    use crate::{HalfSpace, Ray};
     use glam::{DVec3, Vec3};
 
     const UNIT: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::Y];
@@ -298,6 +310,35 @@ mod tests {
                 assert_eq!(truth, oracle.brute_force(&ray, false));
                 assert_eq!(truth.is_some(), target.x < 1.0, "{far}");
             }
+        }
+    }
+
+    #[test]
+    fn only_what_lies_in_every_half_space_counts_and_their_borders_do() {
+        let below = UNIT.map(|p| p - Vec3::Z);
+        let oracle = |normal: DVec3, offset| {
+            let kept = vec![HalfSpace { normal, offset }];
+            Oracle::of_corners(&[UNIT, below]).clipped(kept)
+        };
+        let hit = |oracle: &Oracle, x| {
+            let ray = down(x, 0.25);
+            let found = oracle.nearest(&ray, false);
+            assert_eq!(found, oracle.brute_force(&ray, false));
+            found.map(|hit| hit.triangle)
+        };
+        let right = oracle(DVec3::X * 3.0, 1.5);
+        assert_eq!(hit(&right, 0.5), Some(0));
+        assert_eq!(hit(&right, 0.5f64.next_down()), None);
+        let left = oracle(DVec3::NEG_X, -0.5);
+        assert_eq!(hit(&left, 0.5), Some(0));
+        assert_eq!(hit(&left, 0.5f64.next_up()), None);
+        // The nearer triangle is cut away: the one below is seen.
+        let low = oracle(DVec3::NEG_Z, 0.5);
+        assert_eq!(hit(&low, 0.5), Some(1));
+        assert_eq!(low.intersect(0, 0, &down(0.5, 0.25), false), None);
+        // The plane itself is kept on both its sides.
+        for normal in [DVec3::Z, DVec3::NEG_Z] {
+            assert_eq!(hit(&oracle(normal, 0.0), 0.5), Some(0));
         }
     }
 

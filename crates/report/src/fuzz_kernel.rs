@@ -11,6 +11,7 @@ use crate::meshes::mesh;
 use crate::stage::{Stage, scene_of};
 use raycast_core::camera::{Camera, ImagePlane, Lattice, Placement, Projection, Ray, Rect};
 use raycast_core::glam::DVec3;
+use raycast_core::scene::{ClippingPlane, ClippingPlanes};
 use raycast_core::{Accel, Cull, Detail, Precision, PrimitiveHit};
 
 /// The most triangles, and corners to choose theirs from.
@@ -87,7 +88,14 @@ pub fn scenario(bytes: &[u8]) -> Option<Scenario> {
             .sub_camera(rect)
             .sparse_lattice(stride, (0, 0))
     };
+    let mut clip = ClippingPlanes::NONE;
+    for _ in 0..source.below(4) {
+        if let Some(plane) = source.plane(&points, &triangles, eye) {
+            clip.push(plane).ok()?;
+        }
+    }
     let stage = Stage::new(scene_of([mesh(points, triangles)])).ok()?;
+    let stage = stage.clipped(clip);
     Some(Scenario {
         stage,
         lattice,
@@ -107,13 +115,15 @@ impl Scenario {
             lattice,
             cull,
         } = self;
-        let single = |ray: &Ray| stage.accel.cast_primitive(ray, *cull, Precision::Exact);
+        let kept = stage.kept();
+        let single = |ray: &Ray| kept.cast_primitive(ray, *cull, Precision::Exact);
         let expected: Vec<PrimitiveHit> =
             (0..lattice.len()).map(|i| single(&self.ray(i))).collect();
         for simd in instruction_sets() {
             let accel = Accel::clone(&stage.accel).with_simd(simd);
             let mut found = Vec::new();
-            accel.cast_lattice(lattice, *cull, Precision::Exact, Detail::Full, &mut found);
+            let kept = accel.clipped(&stage.clip());
+            kept.cast_lattice(lattice, *cull, Precision::Exact, Detail::Full, &mut found);
             let differs = (0..lattice.len()).find(|&i| found.get(i) != expected.get(i));
             if let Some(i) = differs {
                 let (found, expected) = (found.get(i), &expected[i]);
@@ -143,8 +153,8 @@ impl Scenario {
     fn check_ray(&self, i: usize) -> Result<(), String> {
         let Self { stage, cull, .. } = self;
         let ray = self.ray(i);
-        let cast = stage.accel.cast(&ray, *cull);
-        let brute = stage.accel.cast_brute_force(&ray, *cull);
+        let cast = stage.kept().cast(&ray, *cull);
+        let brute = stage.kept().cast_brute_force(&ray, *cull);
         if cast != brute {
             return Err(self.told(i, &format!("the tree gave {cast:?}, brute force {brute:?}")));
         }
@@ -170,9 +180,10 @@ impl Scenario {
             .map(|number| mesh.corners(number))
             .collect();
         format!(
-            "{fault}\n    ray: {i}, {:?}\n   cull: {cull:?}\nlattice: {lattice:?}\n offset: {:?}\ncorners: {triangles:?}",
+            "{fault}\n    ray: {i}, {:?}\n   cull: {cull:?}\nlattice: {lattice:?}\n offset: {:?}\n   clip: {:?}\ncorners: {triangles:?}",
             self.ray(i),
             mesh.offset(),
+            stage.clip(),
         )
     }
 }
@@ -260,6 +271,30 @@ impl Source<'_> {
             4 => f64::from(i16::from_le_bytes(self.bytes())) / 1024.0,
             _ => HOSTILE[self.below(HOSTILE.len())],
         }
+    }
+
+    /// A clipping plane: through a corner, an edge, a triangle or the eye, or any.
+    fn plane(
+        &mut self,
+        points: &[DVec3],
+        triangles: &[[u32; 3]],
+        eye: DVec3,
+    ) -> Option<ClippingPlane> {
+        let [a, b, c] = triangles[self.below(triangles.len())].map(|i| points[i as usize]);
+        let any = DVec3::from_array([(); 3].map(|()| self.number()));
+        let normal = match self.below(6) {
+            0 => (b - a).cross(c - a),
+            1 => (b - a).cross(any),
+            2 => any,
+            _ => [DVec3::X, DVec3::NEG_Y, DVec3::Z][self.below(3)],
+        };
+        match self.below(4) {
+            0 => ClippingPlane::through(eye, normal),
+            1 => ClippingPlane::new(normal, self.number()),
+            2 => ClippingPlane::through((a + b) * 0.5, normal),
+            _ => ClippingPlane::through(a, normal),
+        }
+        .ok()
     }
 
     /// A place for an eye or a target: of its own, or where the mesh is hardest, or a little off that.

@@ -3,10 +3,12 @@
 use raycast_core::camera::{Camera, Ray};
 use raycast_core::glam::DAffine3;
 use raycast_core::render::{Settings, View};
-use raycast_core::scene::{COORDINATE_LIMIT, Mesh, Object, Scene, SceneError};
+use raycast_core::scene::{
+    COORDINATE_LIMIT, ClippingPlane, ClippingPlanes, Mesh, Object, Scene, SceneError,
+};
 use raycast_core::shade::{Mode, Shading};
-use raycast_core::{Accel, Cull};
-use raycast_oracle::{Oracle, Triangle, Truth};
+use raycast_core::{Accel, Clipped, Cull};
+use raycast_oracle::{HalfSpace, Oracle, Triangle, Truth};
 use std::sync::Arc;
 
 /// A scene with its tree and the truth about it.
@@ -18,6 +20,8 @@ pub struct Stage {
     pub accel: Arc<Accel>,
     /// The truth about it.
     pub oracle: Oracle,
+    /// What is cut away: the truth is about what is left.
+    clip: ClippingPlanes,
 }
 
 impl Stage {
@@ -40,7 +44,32 @@ impl Stage {
             scene,
             accel,
             oracle,
+            clip: ClippingPlanes::NONE,
         })
+    }
+
+    /// The same, cut by these planes.
+    #[must_use]
+    pub fn clipped(mut self, clip: ClippingPlanes) -> Self {
+        let half_space = |plane: &ClippingPlane| HalfSpace {
+            normal: plane.normal,
+            offset: plane.offset,
+        };
+        self.oracle = self
+            .oracle
+            .clipped(clip.enabled().map(half_space).collect());
+        self.clip = clip;
+        self
+    }
+
+    /// What is cut away.
+    pub fn clip(&self) -> ClippingPlanes {
+        self.clip
+    }
+
+    /// What the planes leave of the tree.
+    pub fn kept(&self) -> Clipped<'_> {
+        self.accel.clipped(&self.clip)
     }
 
     /// The nearest triangle that a ray hits, in truth.
@@ -71,6 +100,7 @@ impl Stage {
                     ..Shading::default()
                 },
                 cull,
+                clip: self.clip,
                 samples: 1,
                 layers: true,
                 ..Settings::default()

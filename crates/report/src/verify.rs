@@ -120,7 +120,7 @@ pub fn verify(
     done: &(impl Fn(u64) + Sync),
 ) -> Verification {
     let drawn = draw(claim, most, seed);
-    let expected = Expected::new(stage, claim.camera, claim.shading);
+    let expected = Expected::new(stage, claim.camera, claim.shading, claim.cull);
     let parts: Vec<(Channels, Vec<WrongPixel>)> = drawn
         .par_chunks(256)
         .map(|chunk| {

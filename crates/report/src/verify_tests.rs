@@ -6,7 +6,8 @@ use raycast_core::camera::Grid;
 use raycast_core::glam::{DVec3, Vec2, Vec3};
 use raycast_core::render::Cancel;
 use raycast_core::scene::{
-    Attribute, Color, ColorRule, Mesh, MeshData, Object, Scene, Texture, Transform,
+    Attribute, Color, ColorMap, ColorRule, ColorScale, Mesh, MeshData, Object, Scalar, ScalarAt,
+    Scene, Texture, Transform,
 };
 use raycast_core::shade::{Background, Filter, Mode, TextureProjection, Wireframe};
 use std::sync::Arc;
@@ -282,6 +283,119 @@ fn every_mode_is_checked() {
                 let found = made.checked(&stage, 100_000);
                 assert!(found.wrong > least, "{place}: {}", found.wrong);
             }
+        }
+    }
+}
+
+/// Two meshes with scalars, each with its rule.
+fn ruled(rule: &str) -> Stage {
+    let scalars = |vertices: usize, triangles: usize| {
+        let scalar = |name: &str, at, count: usize| Scalar {
+            name: name.to_owned(),
+            at,
+            values: (0..count)
+                .map(|i| (i * 37 % 101) as f32 * 0.3 - 7.0)
+                .collect(),
+        };
+        vec![
+            scalar("vertex", ScalarAt::Vertices, vertices),
+            scalar("face", ScalarAt::Triangles, triangles),
+        ]
+    };
+    let object = |mesh: &Mesh, x: f64| {
+        let positions = mesh.positions().iter();
+        let mut object = Object::new(
+            "object",
+            Arc::new(Mesh::new(MeshData {
+                positions: positions.map(|p| p.as_dvec3() + mesh.offset()).collect(),
+                triangles: mesh.triangles().to_vec(),
+                scalars: scalars(mesh.positions().len(), mesh.triangles().len()),
+                ..MeshData::default()
+            })),
+        );
+        object.color = rule.parse().expect("a rule");
+        object.transform.translate.x = x;
+        object.transform.rotate = DVec3::new(10.0, 20.0, 30.0);
+        object
+    };
+    let objects = vec![
+        object(&meshes::sphere(DVec3::ZERO, 1.0, 12), -0.9),
+        object(&meshes::cuboid(DVec3::splat(-0.7), DVec3::splat(0.7)), 1.2),
+    ];
+    Stage::new(Scene { objects }).expect("a valid scene")
+}
+
+#[test]
+fn every_color_rule_is_checked_but_curvature() {
+    let rules = [
+        "object",
+        "normal",
+        "area",
+        "distance",
+        "distance:1,2,-3",
+        "scalar:vertex",
+        "scalar:face",
+        "curvature",
+    ];
+    let least = 4800 * 18 / 20;
+    for (index, rule) in rules.into_iter().enumerate() {
+        let stage = ruled(rule);
+        for camera in views() {
+            for range in [None, Some([-2.0, 5.0])] {
+                let shading = Shading {
+                    mode: [Mode::Color, Mode::Smooth, Mode::Flat][index % 3],
+                    scale: Some(ColorScale {
+                        map: ColorMap::ALL[index % 5],
+                        range,
+                        legend: false,
+                    }),
+                    ..Shading::default()
+                };
+                let mut made = Made::of(&stage, camera, shading, 1, true);
+                let found = made.checked(&stage, 100_000);
+                let place = format!("{rule} {range:?} {:?}", camera.projection());
+                assert_eq!(found.wrong, 0, "{place}: {:?}", found.first_wrong);
+                if rule == "curvature" {
+                    assert!(found.channels.color < least, "{place}");
+                    continue;
+                }
+                assert!(
+                    found.channels.color > least,
+                    "{place}: {}",
+                    found.channels.color
+                );
+                for color in &mut made.layers().color {
+                    color[2] += 2e-2;
+                }
+                let found = made.checked(&stage, 100_000);
+                assert!(found.wrong > least, "{place}: {}", found.wrong);
+            }
+        }
+    }
+}
+
+#[test]
+fn depth_through_a_map_is_checked_and_what_a_legend_covers_is_not() {
+    let stage = ruled("file");
+    for camera in views() {
+        for (range, legend) in [(None, false), (Some([1.0, 4.0]), true)] {
+            let shading = Shading {
+                mode: Mode::Depth,
+                scale: Some(ColorScale {
+                    map: ColorMap::Turbo,
+                    range,
+                    legend,
+                }),
+                ..Shading::default()
+            };
+            let made = Made::of(&stage, camera, shading, 1, true);
+            let found = made.checked(&stage, 100_000);
+            assert_eq!(found.wrong, 0, "{range:?}: {:?}", found.first_wrong);
+            assert!(
+                found.channels.color > 4800 * 18 / 20,
+                "{}",
+                found.channels.color
+            );
         }
     }
 }

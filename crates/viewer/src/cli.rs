@@ -1,22 +1,28 @@
 //! What a command line may hold.
 
+mod clip;
 mod frames;
 mod mistyped;
 mod plan;
 mod reading;
+mod section;
+mod shell;
 mod texture_map;
 mod texture_projection;
 mod values;
 mod written;
 
+pub use clip::{ClipArg, ClipArgs};
 pub use frames::{FrameArgs, FrameRange, frame_path};
 pub use mistyped::mistyped;
 pub use plan::PlanArgs;
 pub use reading::{LimitArg, ReadingArgs};
+pub use section::SectionArgs;
+pub use shell::quoted_for_posix;
 pub use texture_map::TextureMapArgs;
 pub use texture_projection::TextureProjectionArgs;
-pub use values::{OrbitArg, SceneColor};
-pub use written::{camera_of, camera_options, render_command};
+pub use values::{OrbitArg, SceneColor, WireframeArg};
+pub use written::{camera_of, camera_options, has_own_projection, render_command};
 
 use crate::failure::Failure;
 use crate::output;
@@ -25,7 +31,7 @@ use raycast_core::Cull;
 use raycast_core::camera::{Grid, Projection};
 use raycast_core::glam::DVec3;
 use raycast_core::render::Precision;
-use raycast_core::scene::{Color, Crop, Wrap};
+use raycast_core::scene::{Color, ColorMap, Crop, Wrap};
 use raycast_core::shade::{Background, Filter, Mode};
 use raycast_report::scenes::Made;
 use std::io::Write;
@@ -88,6 +94,8 @@ pub enum Command {
     Convert(ConvertArgs),
     /// Draw a mesh's triangles into its texture
     TextureMap(Box<TextureMapArgs>),
+    /// Draw the outline of a section as SVG or DXF
+    Section(SectionArgs),
     /// Tell what files hold
     Info(InfoArgs),
     /// Measure frame times on this machine; prints JSON
@@ -112,6 +120,7 @@ Examples:
   raycast render bunny.obj -o dense.exr --step 0.0001 --fov 30
   raycast render scene.raycast.toml -o scene.png --samples 16 --stats -
   raycast render bunny.obj -o large.tif --size 65536x32768 --resume
+  raycast render bunny.obj -o cut.png --clip x:0 --clip -y:0.1
   raycast render bunny.obj -o turn-%05d.png --turntable 100
   raycast render a.obj b.obj -o both.png --eye -1,2,5 --target 0,0.5,0")]
 pub struct RenderArgs {
@@ -167,7 +176,7 @@ pub struct CameraArgs {
     /// Distance between neighbouring rays at the target, in scene units
     #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = values::step)]
     pub step: Option<f64>,
-    /// Vertical field of view in degrees [default: 45]
+    /// Vertical field of view in degrees [default: 45, of a panorama all of it or half a turn]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = values::fov)]
     pub fov: Option<f64>,
     /// How rays leave the camera [default: perspective]
@@ -201,16 +210,17 @@ pub struct ShadingArgs {
     /// What the picture shows [default: smooth]
     #[arg(long, value_name = "MODE", value_parser = values::named(values::MODES))]
     pub mode: Option<Mode>,
-    /// Draw triangles' edges over the mode, so many pixels wide [default width: 1]
+    /// Draw triangles' edges over the mode, so many pixels wide [default width: 1]; or `none`, also where a scene
+    /// file has them
     #[arg(
         long,
         value_name = "WIDTH",
         num_args = 0..=1,
         require_equals = true,
         default_missing_value = "1",
-        value_parser = values::line_width
+        value_parser = values::wireframe
     )]
-    pub wireframe: Option<f32>,
+    pub wireframe: Option<WireframeArg>,
     /// The color of these edges: `#rrggbb` or `#rgb`
     #[arg(long, value_name = "COLOR", requires = "wireframe")]
     pub wireframe_color: Option<Color>,
@@ -233,10 +243,22 @@ pub struct ShadingArgs {
     /// How the texture is read between its texels [default: bilinear]
     #[arg(long, value_name = "KIND", value_parser = values::named(values::FILTERS))]
     pub filter: Option<Filter>,
-    /// Every object's colours: `file`, `per-triangle[:SEED]`, `#rrggbb` or `#rgb` [default: the file's own,
+    /// Every object's colours: `file`, `per-triangle[:SEED]`, `object` (one each), `normal`, `#rrggbb` or `#rgb`;
+    /// or a number through a colour map: `area`, `distance[:X,Y,Z]` (from the eye or a point),
+    /// `curvature[:gaussian]` or `scalar:NAME` (the file's; `raycast info` lists them) [default: the file's own,
     /// or one a triangle where it has none]
     #[arg(long, value_name = "COLOR", value_parser = values::scene_color)]
     pub color: Option<SceneColor>,
+    /// The colours of numbers, from low to high; with it, or either of the next two, `--mode depth` is in these
+    /// colours instead of greys, over the distances seen [default: viridis]
+    #[arg(long, value_name = "MAP", value_parser = values::named(values::COLOR_MAPS))]
+    pub color_map: Option<ColorMap>,
+    /// The numbers at the map's ends [default: fitted to what there is]
+    #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, value_parser = values::color_range)]
+    pub color_range: Option<[f64; 2]>,
+    /// Draw what the colours stand for into the picture
+    #[arg(long)]
+    pub legend: bool,
     /// What lies behind: `#top,#bottom`, `#rrggbb`, `#rgb` or `transparent`
     #[arg(long, value_name = "COLORS", value_parser = values::background)]
     pub background: Option<Background>,
@@ -289,6 +311,9 @@ pub struct CastingArgs {
     /// Which faces rays pass through: none, or those seen from the back
     #[arg(long, value_name = "FACES", default_value = "none", value_parser = values::named(values::CULLS))]
     pub cull: Cull,
+    /// What is cut away.
+    #[command(flatten)]
+    pub clip: ClipArgs,
 }
 
 /// `raycast cast`.
@@ -315,6 +340,9 @@ pub struct CastArgs {
     /// Which faces rays pass through: none, or those seen from the back
     #[arg(long, value_name = "FACES", default_value = "none", value_parser = values::named(values::CULLS))]
     pub cull: Cull,
+    /// What is cut away.
+    #[command(flatten)]
+    pub clip: ClipArgs,
     /// Workers, 0 to 256; 0 is one for each of the machine's
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::threads())]
     pub threads: u16,
@@ -418,7 +446,7 @@ pub struct BenchArgs {
     #[arg(long, value_name = "DEG", default_value_t = 45.0, allow_hyphen_values = true, value_parser = values::fov)]
     pub fov: f64,
     /// How rays leave the camera
-    #[arg(long, value_name = "KIND", default_value = "perspective", value_parser = values::named(values::PROJECTIONS))]
+    #[arg(long, value_name = "KIND", default_value = "perspective", value_parser = values::named(values::PLANAR))]
     pub projection: Projection,
     /// Measure the view from here alone
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
@@ -616,19 +644,15 @@ mod tests {
 
     #[test]
     fn wireframe_takes_its_width_after_an_equals_sign_alone() {
-        assert_eq!(
-            render("render -o a.png --wireframe a.obj")
-                .shading
-                .wireframe,
-            Some(1.0)
-        );
-        assert_eq!(
-            render("render -o a.png --wireframe=2.5 a.obj")
-                .shading
-                .wireframe,
-            Some(2.5)
-        );
-        assert_eq!(render("render -o a.png a.obj").shading.wireframe, None);
+        for (option, expected) in [
+            ("", None),
+            ("--wireframe", Some(WireframeArg::Width(1.0))),
+            ("--wireframe=2.5", Some(WireframeArg::Width(2.5))),
+            ("--wireframe=none", Some(WireframeArg::None)),
+        ] {
+            let args = render(&format!("render -o a.png {option} a.obj"));
+            assert_eq!(args.shading.wireframe, expected, "{option}");
+        }
     }
 
     #[test]
@@ -639,12 +663,13 @@ mod tests {
             "render a.obj -o a.png --size 0x5",
             "render a.obj -o a.png --size 5",
             "render a.obj -o a.png --size 70000x5",
-            "render a.obj -o a.png --fov 180",
+            "render a.obj -o a.png --fov 361",
             "render a.obj -o a.png --fov -1",
             "render a.obj -o a.png --step 0",
             "render a.obj -o a.png --step nan",
             "render a.obj -o a.png --step 1e-320",
             "render a.obj -o a.png --wireframe=101",
+            "render a.obj -o a.png --wireframe=no",
             "render a.obj -o a.png --limit rows=3",
             "info a.obj --limit bytes=x",
             "render a.obj -o a.png --eye 1,2",
@@ -667,6 +692,8 @@ mod tests {
             "stitch a.png",
             "bench",
             "bench a.obj --target 0,0,0",
+            "render a.obj -o a.png --clip 0,0,0,1",
+            "cast a.obj --rays r --hits h --clip w:1",
             "info",
             "--colour",
         ] {

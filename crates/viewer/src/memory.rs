@@ -5,6 +5,7 @@
 //! least of what the process's own limits, its control group and the machine leave.
 
 use crate::failure::Failure;
+use raycast_core::formats::{Budget, Limits};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -108,6 +109,15 @@ impl Room {
             self.limit,
             Size(self.bytes)
         )))
+    }
+}
+
+/// A budget of reading, of which nothing is taken, within these limits and within the memory that there is.
+pub fn budget(limits: Limits) -> Budget {
+    let budget = Budget::new(limits);
+    match Room::now() {
+        Some(room) => budget.within_memory(room.bytes, room.limit.to_string()),
+        None => budget,
     }
 }
 

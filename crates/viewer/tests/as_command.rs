@@ -3,8 +3,8 @@
 use raycast_core::Cull;
 use raycast_core::camera::{Grid, Projection};
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{Color, Transform};
-use raycast_core::shade::Mode;
+use raycast_core::scene::{Color, ColorMap, ColorScale, Transform};
+use raycast_core::shade::{Mode, TextureProjection};
 use raycast_viewer::state::command::Command;
 use raycast_viewer::state::effect::{Effect, Keep};
 use raycast_viewer::state::news::{News, receive};
@@ -25,6 +25,16 @@ fn wait(files: &Files) -> News {
     panic!("no news came");
 }
 
+/// A small window that remembers nothing.
+fn empty() -> (State, Files) {
+    let mut state = State {
+        viewport: (160, 120),
+        ..State::default()
+    };
+    state.preferences.smooth = false;
+    (state, Files::new(Arc::new(|| {})))
+}
+
 /// A window on a mesh in a folder whose name has a blank and a quote in it.
 fn opened(folder: &Path) -> (State, Files) {
     let folder = folder.join("it's a folder");
@@ -32,16 +42,46 @@ fn opened(folder: &Path) -> (State, Files) {
     let path = folder.join("cube.obj");
     let asset = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/cube.obj");
     std::fs::copy(asset, &path).expect("a copy");
-    let files = Files::new(Arc::new(|| {}));
-    let mut state = State {
-        viewport: (160, 120),
-        ..State::default()
-    };
-    state.preferences.smooth = false;
-    files.open(vec![path], Keep::Nothing);
-    receive(&mut state, wait(&files), Duration::ZERO);
-    assert!(state.document.is_some(), "{:?}", state.errors);
+    let (mut state, files) = empty();
+    open(&mut state, &files, &[path], Keep::Nothing);
     (state, files)
+}
+
+/// Copies of assets, and a scene of two of them with these lines of shading; the scene's path.
+#[cfg(unix)]
+fn scene_of_two(folder: &Path, shading: &str) -> PathBuf {
+    for name in ["cube.obj", "torus.obj", "leopard.png"] {
+        let asset = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets");
+        std::fs::copy(asset.join(name), folder.join(name)).expect("a copy");
+    }
+    let object = |mesh: &str, more: &str| {
+        format!("[[object]]\nmesh = \"{mesh}\"\ntexture = \"leopard.png\"\n{more}\n")
+    };
+    let text = format!(
+        "[shading]\n{shading}\n{}{}",
+        object("cube.obj", ""),
+        object("torus.obj", "texture-projection = \"triplanar\"")
+    );
+    let path = folder.join("two.raycast.toml");
+    std::fs::write(&path, text).expect("a scene");
+    path
+}
+
+/// Opens files as F5 does, if anything is open.
+fn open(state: &mut State, files: &Files, paths: &[PathBuf], keep: Keep) {
+    files.open(paths.to_vec(), keep);
+    receive(state, wait(files), Duration::ZERO);
+    assert!(state.errors.is_empty(), "{:?}", state.errors);
+}
+
+/// Copies the command, which must write what the window saves.
+#[cfg(unix)]
+fn copies(state: &mut State, files: &Files, folder: &Path) {
+    let Some(Effect::Copy(line)) = update(state, Command::CopyCommand) else {
+        panic!("{:?} {:?}", state.errors, state.question);
+    };
+    let (run, saved) = both(state, files, &line, folder);
+    assert!(run == saved, "{line}");
 }
 
 /// What the shell makes of the line, and what the window saves.
@@ -110,6 +150,21 @@ fn the_copied_command_writes_the_bytes_that_the_window_saves() {
         let (run, saved) = both(&state, &files, &line, folder.path());
         assert!(run == saved, "{projection:?}: {line}");
     }
+    // Depth in colors, fitted and over a range.
+    update(&mut state, Command::SetMode(Mode::Depth));
+    for range in [None, Some([0.1, 1.0 / 3.0])] {
+        let scale = ColorScale {
+            map: ColorMap::Turbo,
+            range,
+            legend: true,
+        };
+        update(&mut state, Command::SetColorScale(Some(scale)));
+        let Some(Effect::Copy(line)) = update(&mut state, Command::CopyCommand) else {
+            panic!("{:?}", state.errors);
+        };
+        let (run, saved) = both(&state, &files, &line, folder.path());
+        assert!(run == saved, "{line}");
+    }
 }
 
 #[test]
@@ -124,7 +179,8 @@ fn a_changed_scene_is_saved_first_and_its_command_writes_the_same_bytes() {
     };
     let build = update(&mut state, Command::SetTransform(0, moved));
     assert_eq!(build, Some(Effect::Build));
-    files.build(Arc::clone(&state.document.as_ref().expect("a scene").scene));
+    let document = state.document.as_ref().expect("a scene");
+    files.build(Arc::clone(&document.scene), Arc::clone(&document.accel));
     receive(&mut state, wait(&files), Duration::ZERO);
 
     assert_eq!(update(&mut state, Command::CopyCommand), None);
@@ -145,6 +201,83 @@ fn a_changed_scene_is_saved_first_and_its_command_writes_the_same_bytes() {
         panic!("{copied:?} {:?}", state.errors);
     };
     let (run, saved) = both(&state, &files, &line, folder.path());
+    assert!(run == saved, "{line}");
+}
+
+#[test]
+#[cfg(unix)]
+fn lines_that_a_file_has_and_the_window_has_not_are_switched_off_by_the_command() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let at = folder.path();
+    // A file among several.
+    let scene = scene_of_two(at, "wireframe = true");
+    let (mut state, files) = empty();
+    let paths = [at.join("cube.obj"), scene.clone()];
+    open(&mut state, &files, &paths, Keep::Nothing);
+    assert!(state.settings.shading.wireframe.is_some());
+    copies(&mut state, &files, at);
+    update(&mut state, Command::SetWireframe(false));
+    copies(&mut state, &files, at);
+    // A scene that got lines since it was opened.
+    scene_of_two(at, "");
+    open(
+        &mut state,
+        &files,
+        std::slice::from_ref(&scene),
+        Keep::Nothing,
+    );
+    scene_of_two(at, "wireframe = true\nwireframe-width = 3.0");
+    open(&mut state, &files, std::slice::from_ref(&scene), Keep::All);
+    assert!(state.settings.shading.wireframe.is_none());
+    copies(&mut state, &files, at);
+}
+
+#[test]
+#[cfg(unix)]
+fn textures_that_lie_as_no_file_says_are_saved_before_the_command_is_copied() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let at = folder.path();
+    let scene = scene_of_two(at, "mode = \"texture\"\ntexture-projection = \"sphere\"");
+    let (mut state, files) = empty();
+    let paths = [at.join("cube.obj"), scene.clone()];
+    open(&mut state, &files, &paths, Keep::Nothing);
+    copies(&mut state, &files, at);
+    let uv = TextureProjection::Uv;
+    update(&mut state, Command::SetTextureProjection(uv));
+    assert_eq!(update(&mut state, Command::CopyCommand), None);
+    assert!(
+        state.question.is_some(),
+        "one projection was chosen for some"
+    );
+    update(&mut state, Command::Answer(Answer::Discard));
+
+    // The same of a scene whose file has another since it was opened; once that is saved it is the file's.
+    open(
+        &mut state,
+        &files,
+        std::slice::from_ref(&scene),
+        Keep::Nothing,
+    );
+    copies(&mut state, &files, at);
+    scene_of_two(at, "mode = \"texture\"\ntexture-projection = \"plane\"");
+    open(&mut state, &files, std::slice::from_ref(&scene), Keep::All);
+    assert_eq!(state.settings.shading.projection, TextureProjection::Sphere);
+    assert_eq!(update(&mut state, Command::CopyCommand), None);
+    let asked = update(&mut state, Command::Answer(Answer::Save));
+    let Some(Effect::SaveScene { path, replace }) = asked else {
+        panic!("{asked:?} {:?}", state.errors);
+    };
+    let own = state
+        .document
+        .as_ref()
+        .and_then(|document| document.file.clone());
+    let file = state.scene_file().expect("a scene");
+    files.save_scene(file, (path, own), state.history.revision(), replace);
+    let copied = receive(&mut state, wait(&files), Duration::ZERO);
+    let Some(Effect::Copy(line)) = copied else {
+        panic!("{copied:?} {:?}", state.errors);
+    };
+    let (run, saved) = both(&state, &files, &line, at);
     assert!(run == saved, "{line}");
 }
 

@@ -13,7 +13,7 @@ use raycast_viewer::panels::overlay::TileOverlay;
 use raycast_viewer::panels::{Commands, Status, window};
 use raycast_viewer::state::PromptKind;
 use raycast_viewer::state::command::Command;
-use raycast_viewer::state::document::Document;
+use raycast_viewer::state::document::{Document, Tree};
 use raycast_viewer::state::effect::{Effect, Keep};
 use raycast_viewer::state::inspection::Checked;
 use raycast_viewer::state::news::{Loaded, News, receive};
@@ -371,30 +371,15 @@ fn open_two() -> Harness<'static, Bench> {
     });
     let mut state = State::default();
     state.preferences.smooth = false;
-    let loaded = Loaded {
-        document: Document {
-            number: 1,
-            name: "mesh.obj".to_owned(),
-            paths: vec!["mesh.obj".into()],
-            opened: Vec::new(),
-            animation: None,
-            file: None,
-            read: Arc::clone(&scene),
-            built: Arc::clone(&scene),
-            edits: 0,
-            accel: Arc::new(Accel::build(&scene).expect("a valid scene")),
-            bounds: scene.bounds(),
-            scene,
-            load_time: Duration::ZERO,
-            build_time: Duration::ZERO,
-        },
-        keep: Keep::Nothing,
-        camera: None,
-        samples: None,
-        shading: None,
-        notes: Vec::new(),
-        errors: Vec::new(),
+    let tree = Tree {
+        accel: Arc::new(Accel::build_instances(&scene).expect("a valid scene")),
+        bounds: scene.bounds(),
+        build_time: Duration::ZERO,
     };
+    let loaded = Loaded::new(Document {
+        paths: vec!["mesh.obj".into()],
+        ..Document::new(1, "mesh.obj", scene, tree)
+    });
     receive(&mut state, News::Loaded(Box::new(loaded)), Duration::ZERO);
     open_with(state)
 }
@@ -408,13 +393,20 @@ fn objects(harness: &Harness<'_, Bench>) -> Vec<(String, bool)> {
 #[test]
 fn an_object_is_hidden_by_its_eye_and_undo_brings_it_back() {
     let mut harness = open_two();
+    let shown = |harness: &Harness<'_, Bench>| {
+        let document = harness.state().state.document.as_ref().expect("a scene");
+        assert!(document.is_built(), "at once");
+        (document.accel.len(), document.bounds.min.x)
+    };
     click(&mut harness, "Hide left one");
     assert_eq!(objects(&harness)[0], ("left one".to_owned(), false));
-    assert_eq!(harness.state().effects, [Effect::Build]);
+    assert_eq!(shown(&harness), (1, 2.0));
     harness.get_by_label("Show left one");
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     harness.run();
     assert!(objects(&harness)[0].1);
+    assert_eq!(shown(&harness), (2, 0.0));
+    assert!(!harness.state().effects.contains(&Effect::Build));
 }
 
 #[test]
@@ -687,4 +679,83 @@ fn w_walks_while_one_walks_and_draws_lines_else() {
     harness.run();
     let state = &harness.state().state;
     assert!(state.walk.is_none() && state.settings.shading.wireframe.is_some());
+}
+
+#[test]
+fn planes_are_added_moved_flipped_switched_off_and_removed_in_the_panel() {
+    let mut harness = open_two();
+    click(&mut harness, "Cut");
+    click(&mut harness, "Cut across X");
+    let planes = |harness: &Harness<'_, Bench>| harness.state().state.settings.clip.all().to_vec();
+    let first = planes(&harness)[0];
+    assert!(first.normal.abs() == DVec3::X && first.enabled);
+    click(&mut harness, "Flip clipping plane 1");
+    assert_eq!(planes(&harness), [first.flipped()]);
+    let name = if first.normal.x > 0.0 {
+        "X ≤"
+    } else {
+        "X ≥"
+    };
+    click(&mut harness, name);
+    assert!(!planes(&harness)[0].enabled);
+    click(&mut harness, name);
+    let slider = harness.get_by_label("Position of clipping plane 1").rect();
+    let at = slider.left_center() + (slider.right_center() - slider.left_center()) * 0.25;
+    for pressed in [true, false] {
+        harness.event(egui::Event::PointerMoved(at));
+        harness.event(egui::Event::PointerButton {
+            pos: at,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        });
+        harness.run();
+    }
+    let moved = planes(&harness)[0];
+    assert!(moved.normal == first.flipped().normal && moved.offset != first.flipped().offset);
+    click(&mut harness, "Remove clipping plane 1");
+    assert!(planes(&harness).is_empty());
+    click(&mut harness, "Cut through three points");
+    assert!(harness.state().state.cutting.is_some());
+    assert!(
+        harness
+            .query_by_label("Click 3 more points of the plane")
+            .is_some()
+    );
+}
+
+#[test]
+fn a_plane_is_moved_by_its_handle_in_the_picture() {
+    let mut harness = open_two();
+    harness.state_mut().state.viewport = (800, 800);
+    harness.run();
+    click(&mut harness, "Cut");
+    click(&mut harness, "Cut across X");
+    let before = harness.state().state.settings.clip.all()[0];
+    let handle = harness
+        .get_by_label("Move clipping plane 1")
+        .rect()
+        .center();
+    let press = |pos: Pos2, pressed| egui::Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    harness.event(egui::Event::PointerMoved(handle));
+    harness.event(press(handle, true));
+    harness.run();
+    let view = harness.state().state.viewpoint;
+    for step in 1..4 {
+        let by = egui::vec2(12.0 * step as f32, 0.0);
+        harness.event(egui::Event::PointerMoved(handle + by));
+        harness.run();
+    }
+    harness.event(press(handle + egui::vec2(36.0, 0.0), false));
+    harness.run();
+    let after = harness.state().state.settings.clip.all()[0];
+    assert_eq!(after.normal, before.normal);
+    let x = |plane: &raycast_core::scene::ClippingPlane| plane.offset * plane.normal.x;
+    assert!(x(&after) > x(&before) + 1e-3, "{before:?} {after:?}");
+    assert_eq!(harness.state().state.viewpoint, view, "the camera stays");
 }

@@ -3,8 +3,9 @@
 use super::Accel;
 use super::copies::copies;
 use super::flatten::{Reachable, World};
+use super::instances::Instances;
 use super::layout::{Layout, halved};
-use super::tree::{Box32, Tree};
+use super::tree::{Box32, DEPTH_LIMIT, Tree};
 use super::treelet::Treelets;
 use crate::num::simd::Simd;
 use crate::scene::{Scene, SceneError};
@@ -24,7 +25,11 @@ const TREELET_LIMIT: usize = 8;
 const FEW_TREELETS: usize = 1 << 14;
 
 pub(super) fn build(scene: &Scene) -> Result<Accel, SceneError> {
-    let world = World::of(scene)?;
+    Ok(build_world(World::of(scene)?, DEPTH_LIMIT))
+}
+
+/// The tree over all visible objects of a world, at most so deep.
+pub(super) fn build_world(world: World<'_>, depth_limit: usize) -> Accel {
     let Reachable {
         mut numbers,
         mut boxes,
@@ -37,19 +42,21 @@ pub(super) fn build(scene: &Scene) -> Result<Accel, SceneError> {
         remove(&mut numbers, &copies);
         remove(&mut boxes, &copies);
     }
-    let (tree, order) = build_tree(&boxes);
+    let (tree, order) = build_tree(&boxes, depth_limit);
     drop(boxes);
     // Corners are placed a second time: that takes less than keeping them, unsorted, would.
     let triangles = order.par_iter();
     let triangles = triangles.map(|&index| world.triangle(numbers[index as usize]));
-    Ok(Accel {
+    Accel {
         origin: world.origin,
         triangles: triangles.collect(),
         tree,
+        instances: Instances::default(),
         simd: Simd::best(),
         first_numbers: world.first_numbers,
         out_of_range,
-    })
+        known: None,
+    }
 }
 
 /// Leaves out what stands at some places, which ascend.
@@ -63,8 +70,8 @@ fn remove<T>(all: &mut Vec<T>, places: &[u32]) {
     });
 }
 
-/// The tree over the boxes, and their indices in the order of its leaves.
-fn build_tree(boxes: &[Box32]) -> (Tree, Vec<u32>) {
+/// The tree over the boxes, at most so deep, and their indices in the order of its leaves.
+fn build_tree(boxes: &[Box32], depth_limit: usize) -> (Tree, Vec<u32>) {
     let limit = (boxes.len() / FEW_TREELETS).min(TREELET_LIMIT);
     let treelets = Treelets::of(boxes, limit);
     let around = |treelet| {
@@ -75,7 +82,7 @@ fn build_tree(boxes: &[Box32]) -> (Tree, Vec<u32>) {
     let clusters = (treelets.len() > 1 && !has_many_equals(&around)).then(|| cluster(&around));
     let layout = clusters
         .as_ref()
-        .and_then(|clusters| Layout::measure(boxes, &treelets, clusters));
+        .and_then(|clusters| Layout::measure(boxes, &treelets, clusters, depth_limit));
     match layout {
         Some(layout) => layout.tree(),
         None => halved(boxes, treelets.order().to_vec()),
@@ -131,7 +138,7 @@ fn has_many_equals(boxes: &[Box32]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bvh::tree::{DEPTH_LIMIT, Subtree};
+    use crate::bvh::tree::Subtree;
     use crate::random::Random;
 
     fn cube(middle: Vec3, size: f32) -> Box32 {
@@ -144,7 +151,7 @@ mod tests {
     /// Checks that a tree holds every box once, inside the boxes above it, in primitive indices that follow one
     /// another, and that it is not too deep.
     fn check(name: &str, boxes: &[Box32]) {
-        let (tree, order) = build_tree(boxes);
+        let (tree, order) = build_tree(boxes, DEPTH_LIMIT);
         let mut sorted = order.clone();
         sorted.sort_unstable();
         assert!(sorted.into_iter().eq(0..boxes.len() as u32), "{name}");
@@ -188,7 +195,8 @@ mod tests {
             let boxes: Vec<Box32> = (0..count).map(|_| cube_somewhere()).collect();
             let orders = [1, 2, 5].map(|threads| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-                pool.expect("a pool").install(|| build_tree(&boxes).1)
+                pool.expect("a pool")
+                    .install(|| build_tree(&boxes, DEPTH_LIMIT).1)
             });
             assert!(orders[0] == orders[1] && orders[1] == orders[2], "{count}");
         }

@@ -2,6 +2,7 @@
 
 use super::Triangle;
 use super::corner_hash::hash;
+use super::placement::Placement;
 use super::tree::{Box32, TRIANGLE_LIMIT};
 use crate::scene::{COORDINATE_LIMIT, Mesh, Object, Scene, SceneError};
 use glam::{DAffine3, DVec3, Vec3};
@@ -14,15 +15,27 @@ pub(super) struct World<'s> {
     pub(super) origin: DVec3,
     /// The first number of each object, and the number after the last.
     pub(super) first_numbers: Vec<u32>,
-    objects: Vec<Placed<'s>>,
+    pub(super) objects: Vec<Placed<'s>>,
 }
 
 /// A mesh in the world.
-struct Placed<'s> {
-    mesh: &'s Mesh,
-    visible: bool,
+pub(super) struct Placed<'s> {
+    pub(super) mesh: &'s Mesh,
+    pub(super) visible: bool,
     /// `None` where positions as the mesh has them are relative to the world's origin.
-    world_from_object: Option<DAffine3>,
+    pub(super) placement: Option<Placement>,
+}
+
+impl<'s> Placed<'s> {
+    fn new(mesh: &'s Mesh, visible: bool, world_from_object: DAffine3, origin: DVec3) -> Self {
+        let as_stored = world_from_object == DAffine3::IDENTITY && mesh.offset() == origin;
+        let placement = Placement::new(world_from_object, mesh.offset(), origin);
+        Self {
+            mesh,
+            visible,
+            placement: (!as_stored).then_some(placement),
+        }
+    }
 }
 
 /// The triangles that rays can meet.
@@ -40,23 +53,38 @@ pub(super) struct Reachable {
 impl<'s> World<'s> {
     pub(super) fn of(scene: &'s Scene) -> Result<Self, SceneError> {
         let transforms = scene.world_from_objects()?;
-        let first_numbers = number(scene)?;
         let origin = common_origin(scene, &transforms);
+        Self::about(scene, &transforms, origin)
+    }
+
+    /// The same about an origin that is given.
+    pub(super) fn about(
+        scene: &'s Scene,
+        transforms: &[DAffine3],
+        origin: DVec3,
+    ) -> Result<Self, SceneError> {
         let objects = scene.objects.iter().zip(transforms);
-        let place = |(object, world_from_object): (&'s Object, _)| {
-            let mesh = &*object.mesh;
-            let as_stored = world_from_object == DAffine3::IDENTITY && mesh.offset() == origin;
-            Placed {
-                mesh,
-                visible: object.visible,
-                world_from_object: (!as_stored).then_some(world_from_object),
-            }
+        let place = |(object, &world_from_object): (&'s Object, _)| {
+            Placed::new(&object.mesh, object.visible, world_from_object, origin)
         };
         Ok(Self {
             origin,
-            first_numbers,
+            first_numbers: number(scene)?,
             objects: objects.map(place).collect(),
         })
+    }
+
+    /// A mesh alone: in its place, or with the positions that it has.
+    pub(super) fn alone(mesh: &'s Mesh, placement: Option<Placement>) -> Self {
+        Self {
+            origin: DVec3::ZERO,
+            first_numbers: vec![0, mesh.triangles().len() as u32],
+            objects: vec![Placed {
+                mesh,
+                visible: true,
+                placement,
+            }],
+        }
     }
 
     /// The triangle of a number. One that its mesh does not have is nowhere.
@@ -72,18 +100,13 @@ impl<'s> World<'s> {
 
     fn corners(&self, object: usize, triangle: u32) -> [Vec3; 3] {
         let Placed {
-            mesh,
-            world_from_object,
-            ..
+            mesh, placement, ..
         } = &self.objects[object];
         let corners = mesh.corners(triangle).unwrap_or([Vec3::NAN; 3]);
-        let Some(world_from_object) = world_from_object else {
-            return corners;
-        };
-        corners.map(|corner| {
-            let in_object = mesh.offset() + corner.as_dvec3();
-            (world_from_object.transform_point3(in_object) - self.origin).as_vec3()
-        })
+        match placement {
+            Some(placement) => corners.map(|corner| placement.corner(corner)),
+            None => corners,
+        }
     }
 
     /// All kept triangles but those out of range.
@@ -125,7 +148,7 @@ impl<'s> World<'s> {
 
 /// Whether rays can meet a triangle: all its coordinates are within twice the limit, since a mesh at
 /// the limit may have been moved off its offset.
-fn in_range(corners: &[Vec3; 3]) -> bool {
+pub(super) fn in_range(corners: &[Vec3; 3]) -> bool {
     let within = |corner: &Vec3| f64::from(corner.abs().max_element()) <= 2.0 * COORDINATE_LIMIT;
     corners
         .iter()
@@ -154,7 +177,7 @@ fn number(scene: &Scene) -> Result<Vec<u32>, SceneError> {
 ///
 /// A mesh at rest keeps its positions as they are when this is its own offset; for others it is as
 /// good as any other point nearby.
-fn common_origin(scene: &Scene, transforms: &[DAffine3]) -> DVec3 {
+pub(super) fn common_origin(scene: &Scene, transforms: &[DAffine3]) -> DVec3 {
     let mut offsets = scene
         .objects
         .iter()

@@ -120,12 +120,13 @@ pub(super) struct Layout<'a> {
 }
 
 impl<'a> Layout<'a> {
-    /// Measures the tree. `None` if it is too deep for the traversals, or does not hold every treelet exactly
+    /// Measures the tree. `None` if it is deeper than so many levels, or does not hold every treelet exactly
     /// once.
     pub(super) fn measure(
         boxes: &'a [Box32],
         treelets: &'a Treelets,
         clusters: &'a Bvh2,
+        depth_limit: usize,
     ) -> Option<Self> {
         let measure = Measure {
             treelets,
@@ -135,7 +136,7 @@ impl<'a> Layout<'a> {
         };
         let (all, levels) = measure.below(0, 1)?;
         // No treelet is there twice, so as many as there are boxes are all of them.
-        let whole = all.primitives == boxes.len() && levels <= DEPTH_LIMIT;
+        let whole = all.primitives == boxes.len() && levels <= depth_limit;
         whole.then(|| Self {
             boxes,
             treelets,

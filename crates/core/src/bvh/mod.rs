@@ -4,15 +4,22 @@ mod build;
 mod copies;
 mod corner_hash;
 mod flatten;
+mod instances;
 mod layout;
+mod placement;
 mod support;
+mod top_level;
 pub(crate) mod tree;
 mod treelet;
+mod two_level;
 
-use crate::num::simd::Simd;
-use crate::scene::{Scene, SceneError};
+use crate::num::simd::{LANES, Simd};
+use crate::scene::{Bounds, Scene, SceneError};
 use glam::{DVec3, Vec3};
-use tree::Tree;
+use instances::{Instances, Opened};
+use std::sync::Arc;
+use tree::{BoxPair, Subtree, Tree};
+use two_level::Known;
 
 /// A triangle in leaf order.
 #[derive(Clone, Copy, Debug)]
@@ -23,26 +30,34 @@ pub(crate) struct Triangle {
     pub(crate) number: u32,
 }
 
-/// World-space triangles and the tree over them.
+/// World-space triangles and the tree over them: one tree over all, or a top-level tree over the objects and a tree
+/// for each mesh.
 ///
-/// Corners are stored in single precision relative to [`Accel::origin`]. Where the scene is one object at rest,
-/// or all its meshes share an offset and rest, they are the meshes' own positions, unchanged; anything else is
-/// transformed in double precision and rounded once. "Exact" refers to the corners as stored here.
+/// Corners are in single precision relative to [`Accel::origin`]. Where the scene is one object at rest, or all its
+/// meshes share an offset and rest, they are the meshes' own positions, unchanged; anything else is transformed in
+/// double precision and rounded once. "Exact" refers to these corners. Both kinds of tree have the same, and give
+/// every ray the same answer, bit for bit; only primitive indices differ.
 #[derive(Clone, Debug)]
 pub struct Accel {
     pub(crate) origin: DVec3,
-    pub(crate) triangles: Vec<Triangle>,
+    /// In leaf order; none where there are instances.
+    triangles: Vec<Triangle>,
+    /// Its nodes; none where there are instances.
     pub(crate) tree: Tree,
+    /// What has the nodes and triangles that the arrays do not have.
+    pub(crate) instances: Instances,
     /// The instruction set for packets.
     pub(crate) simd: Simd,
     /// The first primitive id of each object, and the one after the last.
     first_numbers: Vec<u32>,
     /// Triangles finite in their mesh that a transform moved out of single precision's range.
     out_of_range: u32,
+    /// What the next tree over instances may take over.
+    known: Option<Arc<Known>>,
 }
 
 impl Accel {
-    /// Places every object's kept triangles in the world and builds the tree.
+    /// Places every object's kept triangles in the world and builds one tree over all of them.
     ///
     /// # Errors
     /// A scene whose transforms or parents are not valid, or with more triangles than ids.
@@ -50,19 +65,189 @@ impl Accel {
         build::build(scene)
     }
 
+    /// Builds a tree for each mesh, however many objects have it, and a top-level tree over the objects
+    /// (Embree's instances). Rays take longer, the more so where objects overlap; memory is that of the meshes, and
+    /// [`Accel::updated`] takes no rebuild of them.
+    ///
+    /// # Errors
+    /// As [`Accel::build`].
+    pub fn build_instances(scene: &Scene) -> Result<Self, SceneError> {
+        match two_level::build(scene, None, false)? {
+            Some(accel) => Ok(accel),
+            None => Self::build(scene),
+        }
+    }
+
+    /// The tree over the scene after its objects have changed, as by [`Accel::build_instances`]: trees are built
+    /// for the meshes alone that this one has not met. The origin stays: an object that moves changes no other's
+    /// corners.
+    ///
+    /// # Errors
+    /// As [`Accel::build`].
+    pub fn updated(&self, scene: &Scene) -> Result<Self, SceneError> {
+        match two_level::build(scene, Some(self), false)? {
+            Some(accel) => Ok(accel),
+            None => Self::build(scene),
+        }
+    }
+
+    /// What [`Accel::updated`] gives, where that takes no longer than some milliseconds and no other thread: every
+    /// mesh has a tree, there are at most some thousand objects, and few of them are in a new place. `None`
+    /// elsewhere.
+    pub fn updated_at_once(&self, scene: &Scene) -> Option<Self> {
+        self.known.as_ref()?;
+        two_level::build(scene, Some(self), true).ok()?
+    }
+
+    /// The box around all that rays can hit, in world coordinates; empty where there is nothing.
+    pub fn bounds(&self) -> Bounds {
+        if self.is_empty() {
+            return Bounds::EMPTY;
+        }
+        let around = self.tree.bounds;
+        Bounds {
+            min: self.origin + around.min.as_dvec3(),
+            max: self.origin + around.max.as_dvec3(),
+        }
+    }
+
+    /// Whether there is a tree for each mesh.
+    pub fn has_instances(&self) -> bool {
+        !self.instances.is_empty()
+    }
+
+    /// The children of a node, with their boxes. Those of a mesh's tree are placed in `opened`.
+    ///
+    /// `INSTANCES` says whether there may be any, here and below: packets are compiled for both, since a branch that
+    /// is never taken cost one tree 4 % (in memory that could have been registers).
+    #[inline(always)]
+    pub(crate) fn open<'a, const INSTANCES: bool>(
+        &'a self,
+        index: u32,
+        opened: &'a mut Option<Opened>,
+    ) -> (&'a BoxPair, [Subtree; 2]) {
+        if !INSTANCES {
+            let node = &self.tree.nodes[index as usize];
+            return (&node.boxes, node.children(index));
+        }
+        match self.tree.nodes.get(index as usize) {
+            Some(node) => (&node.boxes, node.children(index)),
+            None => {
+                let opened = opened.insert(self.open_placed(index));
+                (&opened.boxes, opened.children)
+            }
+        }
+    }
+
+    /// A triangle's corners as they are stored: those of an instance are to be [placed](Accel::place).
+    #[inline(always)]
+    pub(crate) fn stored_corners<const INSTANCES: bool>(&self, primitive: u32) -> &[Vec3; 3] {
+        if !INSTANCES {
+            return &self.triangles[primitive as usize].corners;
+        }
+        match self.triangles.get(primitive as usize) {
+            Some(triangle) => &triangle.corners,
+            None => self.stored_in_mesh(primitive),
+        }
+    }
+
+    /// Places the stored corners of eight triangles; nothing to do where there are no instances.
+    #[inline(always)]
+    pub(crate) fn place<const INSTANCES: bool>(
+        &self,
+        primitives: &[u32; LANES],
+        corners: &mut [[f32; LANES]; 9],
+    ) {
+        if INSTANCES && self.has_instances() {
+            self.place_instances(primitives, corners);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn open_placed(&self, index: u32) -> Opened {
+        self.instances.open(index)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn stored_in_mesh(&self, primitive: u32) -> &[Vec3; 3] {
+        &self.instances.stored(primitive).corners
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn place_instances(&self, primitives: &[u32; LANES], corners: &mut [[f32; LANES]; 9]) {
+        self.instances.place(primitives, corners);
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn placed_corners(&self, primitive: u32) -> [Vec3; 3] {
+        self.instances.corners(primitive)
+    }
+
+    /// Triangles that follow one another in memory, for prefetching.
+    #[inline(always)]
+    pub(crate) fn triangles(&self) -> &[Triangle] {
+        &self.triangles
+    }
+
+    /// A triangle's primitive id.
+    #[inline(always)]
+    pub(crate) fn id(&self, primitive: u32) -> u32 {
+        match self.triangles.get(primitive as usize) {
+            Some(triangle) => triangle.number,
+            None => self.instances.id(primitive),
+        }
+    }
+
+    /// The primitive indices below a subtree.
+    pub(crate) fn primitives_below(&self, subtree: Subtree) -> Vec<u32> {
+        match self.instances.top_children(subtree) {
+            Some(children) => {
+                let below = children.map(|child| self.primitives_below(child));
+                below.concat()
+            }
+            None => subtree.primitives().collect(),
+        }
+    }
+
+    /// All primitive indices: those below [`Accel::len`], unless there are instances.
+    pub fn primitives(&self) -> impl Iterator<Item = u32> {
+        (0..self.triangles.len() as u32).chain(self.instances.primitives())
+    }
+
     /// What to add to a corner from [`Accel::corners`] to get world coordinates.
     pub fn origin(&self) -> DVec3 {
         self.origin
     }
 
-    /// The corners of a triangle by primitive index, relative to [`Accel::origin`]. `primitive` < [`Accel::len`].
+    /// The corners of a triangle by primitive index, one of [`Accel::primitives`], relative to [`Accel::origin`].
+    #[inline(always)]
     pub fn corners(&self, primitive: u32) -> [Vec3; 3] {
-        self.triangles[primitive as usize].corners
+        match self.triangles.get(primitive as usize) {
+            Some(triangle) => triangle.corners,
+            None => self.placed_corners(primitive),
+        }
     }
 
-    /// The object and the triangle number of a primitive index. `primitive` < [`Accel::len`].
+    /// [`Accel::corners`].
+    #[inline(always)]
+    pub(crate) fn corners_of<const INSTANCES: bool>(&self, primitive: u32) -> [Vec3; 3] {
+        if INSTANCES {
+            self.corners(primitive)
+        } else {
+            self.triangles[primitive as usize].corners
+        }
+    }
+
+    /// The object and the triangle number of a primitive index, one of [`Accel::primitives`].
     pub fn identify(&self, primitive: u32) -> (u32, u32) {
-        let number = self.triangles[primitive as usize].number;
+        let Some(triangle) = self.triangles.get(primitive as usize) else {
+            return self.instances.identify(primitive);
+        };
+        let number = triangle.number;
         let object = match &self.first_numbers[..] {
             // One object: nothing to look up.
             [_, _] => 0,
@@ -83,14 +268,14 @@ impl Accel {
     }
 
     /// How many triangles rays can hit. Of those that coincide and turn the same way only the one with
-    /// the lowest id counts.
+    /// the lowest id counts; where there are instances, of those of one mesh.
     pub fn len(&self) -> usize {
-        self.triangles.len()
+        self.triangles.len() + self.instances.triangle_count()
     }
 
     /// Whether there is nothing to hit.
     pub fn is_empty(&self) -> bool {
-        self.triangles.is_empty()
+        self.tree.root.is_none()
     }
 
     /// Triangles that a transform moved out of single precision's range: never hit.
@@ -102,6 +287,7 @@ impl Accel {
     pub fn retained_bytes(&self) -> usize {
         self.triangles.capacity() * size_of::<Triangle>()
             + self.tree.retained_bytes()
+            + self.instances.retained_bytes()
             + self.first_numbers.capacity() * size_of::<u32>()
     }
 }

@@ -18,9 +18,9 @@ impl Accel {
         let mut most = f64::NEG_INFINITY;
         loop {
             if let Some(index) = subtree.node() {
-                let node = &self.tree.nodes[index as usize];
-                let [a, b] = node.children(index);
-                let reach = [0, 1].map(|which| reach(&node.boxes.get(which), direction));
+                let mut opened = None;
+                let (boxes, [a, b]) = self.open::<true>(index, &mut opened);
+                let reach = [0, 1].map(|which| reach(&boxes.get(which), direction));
                 let (near, far) = if reach[0] >= reach[1] {
                     ((a, reach[0]), (b, reach[1]))
                 } else {

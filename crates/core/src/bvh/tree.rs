@@ -41,6 +41,21 @@ impl Subtree {
         Self { node, first, count }
     }
 
+    /// The same with node and primitives further on by so many indices.
+    #[inline(always)]
+    pub(crate) fn shifted(self, by: u32) -> Self {
+        let node = if self.node == LEAF {
+            LEAF
+        } else {
+            self.node + by
+        };
+        Self {
+            node,
+            first: self.first + by,
+            ..self
+        }
+    }
+
     /// The same triangles as a leaf.
     #[inline(always)]
     pub(crate) fn whole(self) -> Self {

@@ -1,6 +1,12 @@
-use super::{ImagePlane, Placement, Ray};
+use super::{ImagePlane, Panorama, Placement, Ray};
 use crate::math;
+use crate::ranges::{self, OutOfRange};
 use glam::DVec3;
+use std::fmt;
+use std::str::FromStr;
+
+/// The vertical field of view in degrees of a planar picture where nobody says another.
+pub const DEFAULT_FOV: f64 = 45.0;
 
 /// How rays leave the camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -10,6 +16,114 @@ pub enum Projection {
     Perspective,
     /// Side by side along the view axis, from the plane through the eye.
     Orthographic,
+    /// All from the eye, in the directions of a picture that is no plane.
+    Panoramic(Panorama),
+}
+
+impl Projection {
+    /// Every projection, and its name.
+    pub fn all() -> impl Iterator<Item = (&'static str, Self)> {
+        let planar = [
+            ("perspective", Self::Perspective),
+            ("orthographic", Self::Orthographic),
+        ];
+        let panoramas = Panorama::ALL.map(|(name, panorama)| (name, Self::Panoramic(panorama)));
+        planar.into_iter().chain(panoramas)
+    }
+
+    /// Its name, as in [`Projection::all`].
+    pub fn name(self) -> &'static str {
+        let mut all = Self::all();
+        all.find(|(_, it)| *it == self).map_or("", |(name, _)| name)
+    }
+
+    /// Whether rays are parallel; else they share the eye.
+    #[inline]
+    pub fn is_parallel(self) -> bool {
+        self == Self::Orthographic
+    }
+
+    /// The kind of picture, where that is no plane.
+    #[inline]
+    pub fn panorama(self) -> Option<Panorama> {
+        match self {
+            Self::Panoramic(panorama) => Some(panorama),
+            Self::Perspective | Self::Orthographic => None,
+        }
+    }
+
+    /// The height at distance `d` of a frame with this vertical field of view in degrees: what an orthographic frame
+    /// has there too, so that switching the projection keeps the picture.
+    pub fn frame(self, fov_degrees: f64, distance: f64) -> f64 {
+        match self {
+            Self::Perspective | Self::Orthographic => fov_to_frame(fov_degrees, distance),
+            Self::Panoramic(panorama) => panorama.height(fov_degrees) * distance,
+        }
+    }
+
+    /// The vertical field of view in degrees of a frame this high at this distance.
+    pub fn fov_degrees(self, frame_height: f64, distance: f64) -> f64 {
+        match self {
+            Self::Perspective | Self::Orthographic => frame_to_fov(frame_height, distance),
+            Self::Panoramic(panorama) => panorama.fov_degrees(frame_height / distance),
+        }
+    }
+
+    /// A vertical field of view in degrees, checked: what the projection can have.
+    ///
+    /// # Errors
+    /// Any other number.
+    pub fn check_fov(self, degrees: f64) -> Result<f64, OutOfRange> {
+        match self {
+            Self::Perspective | Self::Orthographic => ranges::fov(degrees),
+            Self::Panoramic(panorama) => {
+                let most = panorama.most_fov();
+                if (ranges::NARROWEST_FOV..=most).contains(&degrees) {
+                    Ok(degrees)
+                } else {
+                    let name = self.name();
+                    Err(OutOfRange::WideFov {
+                        name,
+                        most,
+                        found: degrees,
+                    })
+                }
+            }
+        }
+    }
+
+    /// The part of a vertical field of view in degrees that a scene is to fill: of a panorama the quarter of a turn in its
+    /// middle, which is much like a perspective picture.
+    pub fn fitting_fov(self, fov_degrees: f64) -> f64 {
+        match self {
+            Self::Perspective | Self::Orthographic => fov_degrees,
+            Self::Panoramic(_) => fov_degrees.min(90.0),
+        }
+    }
+
+    /// The vertical field of view in degrees where nobody says another.
+    pub fn default_fov(self) -> f64 {
+        self.panorama().map_or(DEFAULT_FOV, Panorama::default_fov)
+    }
+}
+
+impl fmt::Display for Projection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Projection {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let found = Self::all().find(|(name, _)| *name == text);
+        found.map(|(_, projection)| projection).ok_or_else(|| {
+            let names: Vec<_> = Self::all().map(|(name, _)| name).collect();
+            let found = crate::quote::quote(text);
+            format!("expected one of {}, found {found}", names.join(", "))
+        })
+    }
 }
 
 /// An eye, an orientation and an image plane.
@@ -59,7 +173,8 @@ impl Camera {
     ///
     /// This is the one definition of a pixel's ray: the pixel in column c and row r has its centre
     /// at (c + ½, r + ½). The direction is of unit length, so `t` is the distance from the eye, or
-    /// from the image plane of an orthographic camera.
+    /// from the image plane of an orthographic camera. Where the picture has no such place
+    /// ([`Camera::has_place`]) it is zero.
     #[inline(always)]
     pub fn ray(&self, x: f64, y: f64) -> Ray {
         let on_plane = self.on_plane(x, y);
@@ -69,6 +184,75 @@ impl Camera {
                 Ray::new(self.placement.eye, direction / direction.length())
             }
             Projection::Orthographic => Ray::new(self.placement.eye + on_plane, self.forward),
+            Projection::Panoramic(panorama) => self.panoramic_ray(panorama, x, y),
+        }
+    }
+
+    #[inline(never)]
+    fn panoramic_ray(&self, panorama: Panorama, x: f64, y: f64) -> Ray {
+        let direction = self.panoramic_direction(panorama, x, y);
+        let length = direction.length();
+        let unit = if length > 0.0 {
+            direction / length
+        } else {
+            DVec3::ZERO
+        };
+        Ray::new(self.placement.eye, unit)
+    }
+
+    fn panoramic_direction(&self, panorama: Panorama, x: f64, y: f64) -> DVec3 {
+        let (a, b) = self.panoramic_place(x, y);
+        let direction = panorama.direction(a, b).unwrap_or(DVec3::ZERO);
+        self.in_world(direction)
+    }
+
+    /// (x, y) of the picture as [`Panorama`] counts places.
+    fn panoramic_place(&self, x: f64, y: f64) -> (f64, f64) {
+        let (across, along) = self.across_and_along(x, y);
+        (across / self.distance, along / self.distance)
+    }
+
+    /// A vector given to the right, up and forward.
+    fn in_world(&self, vector: DVec3) -> DVec3 {
+        self.right * vector.x + self.up * vector.y + self.forward * vector.z
+    }
+
+    /// Whether the picture has the place (x, y): one of no plane has an end. A place that it does not have has no ray,
+    /// but one without direction, which misses everything; pixels there are transparent.
+    pub fn has_place(&self, x: f64, y: f64) -> bool {
+        self.projection.panorama().is_none_or(|panorama| {
+            let (a, b) = self.panoramic_place(x, y);
+            panorama.direction(a, b).is_some()
+        })
+    }
+
+    /// Whether the picture has all of its pixels' places.
+    pub fn is_filled(&self) -> bool {
+        // What a panorama has is convex but for the cross, and no rectangle about the cross's middle has its corners in
+        // there and leaves it between them.
+        let right = f64::from(self.plane.columns) - 0.5;
+        let bottom = f64::from(self.plane.rows) - 0.5;
+        [(0.5, 0.5), (right, 0.5), (0.5, bottom), (right, bottom)]
+            .into_iter()
+            .all(|(x, y)| self.has_place(x, y))
+    }
+
+    /// How [`Camera::direction`] changes from (x, y) to a pixel further to the right, and a pixel further down: the
+    /// derivatives.
+    pub(crate) fn direction_slopes(&self, x: f64, y: f64) -> [DVec3; 2] {
+        let step = self.plane.step;
+        match self.projection {
+            Projection::Perspective => [self.right * step, self.up * -step],
+            Projection::Orthographic => [DVec3::ZERO; 2],
+            Projection::Panoramic(panorama) => {
+                let (a, b) = self.panoramic_place(x, y);
+                let [along_a, along_b] = panorama.derivatives(a, b);
+                let pixel = step / self.distance;
+                [
+                    self.in_world(along_a) * pixel,
+                    self.in_world(along_b) * -pixel,
+                ]
+            }
         }
     }
 
@@ -88,25 +272,39 @@ impl Camera {
         self.right * across + self.up * along
     }
 
-    /// The direction through (x, y) before it is made unit length: linear in x and y.
+    /// The direction through (x, y) before it is made unit length: linear in x and y where the picture is a plane.
     ///
     /// Perspective: from the eye to the point on the plane through the target.
-    /// Orthographic: the view axis.
+    /// Orthographic: the view axis. Panoramic: that of [`Panorama::direction`], or zero.
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
         match self.projection {
             Projection::Perspective => self.on_plane(x, y) + self.forward * self.distance,
             Projection::Orthographic => self.forward,
+            Projection::Panoramic(panorama) => self.panoramic_direction(panorama, x, y),
         }
     }
 
-    /// Where a world point falls in the picture, in pixels; `None` at or behind the eye's plane.
+    /// Where a world point falls in the picture, in pixels; `None` at or behind the eye's plane, and where
+    /// [`Panorama::place`] has none.
     pub fn project(&self, point_in_world: DVec3) -> Option<(f64, f64)> {
         let relative = point_in_world - self.placement.eye;
+        if let Projection::Panoramic(panorama) = self.projection {
+            let in_camera = DVec3::new(
+                relative.dot(self.right),
+                relative.dot(self.up),
+                relative.dot(self.forward),
+            );
+            let (a, b) = panorama.place(in_camera)?;
+            let pixels = self.distance / self.plane.step;
+            let x = f64::from(self.plane.columns) * 0.5 + a * pixels;
+            let y = f64::from(self.plane.rows) * 0.5 - b * pixels;
+            return (x.is_finite() && y.is_finite()).then_some((x, y));
+        }
         let depth = relative.dot(self.forward);
         let scale = match self.projection {
             Projection::Perspective if depth > 0.0 => self.distance / depth,
             Projection::Orthographic => 1.0,
-            Projection::Perspective => return None,
+            Projection::Perspective | Projection::Panoramic(_) => return None,
         } / self.plane.step;
         let x = f64::from(self.plane.columns) * 0.5 + relative.dot(self.right) * scale;
         let y = f64::from(self.plane.rows) * 0.5 - relative.dot(self.up) * scale;
@@ -156,8 +354,8 @@ impl Camera {
 
     /// The vertical field of view in degrees; `None` for an orthographic camera.
     pub fn fov_degrees(&self) -> Option<f64> {
-        (self.projection == Projection::Perspective)
-            .then(|| frame_to_fov(self.plane.frame_height(), self.distance))
+        let fov = || (self.projection).fov_degrees(self.plane.frame_height(), self.distance);
+        (!self.projection.is_parallel()).then(fov)
     }
 
     /// The same camera with another image plane.

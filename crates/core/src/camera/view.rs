@@ -1,9 +1,6 @@
-use super::{Camera, ImagePlane, Orbit, PlaneError, Projection, fov_to_frame};
+use super::{Camera, DEFAULT_FOV, ImagePlane, Orbit, PlaneError, Projection, fov_to_frame};
 use crate::math;
 use crate::scene::Bounds;
-
-/// The vertical field of view in degrees where nobody says another.
-pub const DEFAULT_FOV: f64 = 45.0;
 
 /// Room left around a scene that fits the picture, as a share of the frame.
 const MARGIN: f64 = 1.06;
@@ -12,8 +9,8 @@ const MARGIN: f64 = 1.06;
 /// height there.
 ///
 /// `fov_degrees` is the vertical field of view (an orthographic frame follows from the distance by
-/// the same formula, so that switching the projection keeps the picture), `aspect` columns by rows.
-/// An empty scene, or a point, is looked at from one unit away.
+/// the same formula, so that switching the projection keeps the picture), `aspect` columns by rows. In a panorama
+/// the scene fills no more than what [`Projection::fitting_fov`] sees of it. An empty scene, or a point, is looked at from one unit away.
 pub fn fit_distance(
     bounds: &Bounds,
     orbit: &Orbit,
@@ -21,13 +18,14 @@ pub fn fit_distance(
     fov_degrees: f64,
     aspect: f64,
 ) -> f64 {
+    let fov_degrees = projection.fitting_fov(fov_degrees);
     let slope = math::tan(fov_degrees.to_radians() * 0.5) / MARGIN;
     let (right, up, back) = (orbit.right(), orbit.up(), orbit.back());
     let needed = |corner: glam::DVec3| {
         let relative = corner - orbit.pivot;
         let reach = (relative.dot(up).abs()).max(relative.dot(right).abs() / aspect) / slope;
         match projection {
-            Projection::Perspective => reach + relative.dot(back),
+            Projection::Perspective | Projection::Panoramic(_) => reach + relative.dot(back),
             // The image plane through the eye must have the scene in front of it.
             Projection::Orthographic => reach.max(relative.dot(back) * MARGIN),
         }

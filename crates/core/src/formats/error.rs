@@ -63,6 +63,18 @@ pub enum FormatError {
         /// How much it allows.
         most: u64,
     },
+    /// More memory than there is: see [`super::Budget::within_memory`].
+    #[error("{place}: {what}; {whose} leaves {leaves}")]
+    NoMemory {
+        /// Where.
+        place: FilePosition,
+        /// What there is no memory for.
+        what: String,
+        /// Who says how much there is.
+        whose: String,
+        /// How many bytes that is.
+        leaves: u64,
+    },
     /// The reading was cancelled by its caller.
     #[error("{place}: reading it was cancelled")]
     Cancelled {
@@ -111,6 +123,7 @@ impl FormatError {
         | Self::Unexpected { place, .. }
         | Self::Refused { place, .. }
         | Self::TooMuch { place, .. }
+        | Self::NoMemory { place, .. }
         | Self::Cancelled { place }) = self;
         let text = self.to_string();
         match text.strip_prefix(&format!("{place}: ")) {
@@ -135,7 +148,7 @@ impl FormatError {
     }
 }
 
-fn place(file: &Path, line: Option<usize>) -> FilePosition {
+pub(super) fn place(file: &Path, line: Option<usize>) -> FilePosition {
     FilePosition {
         file: file.to_owned(),
         line,

@@ -25,11 +25,11 @@ const OBJ_WORDS: [&str; 14] = [
     "v", "vt", "vn", "vp", "f", "l", "p", "o", "g", "s", "mtllib", "usemtl", "cstype", "mg",
 ];
 
-/// Whether a file is a scene: by its name, or by the table that it opens with.
+/// Whether a file is a scene: by its name, or by the version or table that it opens with.
 pub(super) fn is_scene(path: &Path, bytes: &[u8]) -> bool {
     has_extension(path, "toml")
         || first_lines(bytes).next().is_some_and(|line| {
-            ["[camera]", "[image]", "[shading]", "[[object]]"]
+            ["version", "[camera]", "[image]", "[shading]", "[[object]]"]
                 .iter()
                 .any(|table| line.starts_with(table))
         })

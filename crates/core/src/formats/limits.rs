@@ -1,4 +1,4 @@
-use super::error::FormatError;
+use super::error::{FormatError, place};
 use crate::render::Cancel;
 use crate::scene::UpAxis;
 use std::cell::Cell;
@@ -37,10 +37,18 @@ impl Default for Limits {
     }
 }
 
+/// Memory that may be taken beside what the process has, and who says so.
+#[derive(Clone, Debug)]
+struct Memory {
+    bytes: u64,
+    whose: String,
+}
+
 /// [`Limits`], and what is taken of them so far: one for all the files of a scene.
 #[derive(Debug, Default)]
 pub struct Budget {
     limits: Limits,
+    memory: Option<Memory>,
     bytes: Cell<u64>,
     triangles: Cell<u64>,
     cancel: Cancel,
@@ -64,6 +72,17 @@ impl Budget {
     #[must_use]
     pub fn cancelled_by(self, cancel: Cancel) -> Self {
         Self { cancel, ..self }
+    }
+
+    /// The same budget for a reading that ends in [`FormatError::NoMemory`] where it would hold more than so many
+    /// bytes, which `whose` (a process's limit, a machine) leaves beside what the process has by now.
+    #[must_use]
+    pub fn within_memory(self, bytes: u64, whose: impl Into<String>) -> Self {
+        let whose = whose.into();
+        Self {
+            memory: Some(Memory { bytes, whose }),
+            ..self
+        }
     }
 
     /// Whether to go on reading a file.
@@ -108,6 +127,7 @@ impl Budget {
     pub(super) fn allowance(&self) -> Allowance {
         Allowance {
             limits: self.limits,
+            memory: self.memory.clone(),
             bytes: self.bytes.get(),
             triangles: self.triangles.get(),
             held: AtomicU64::new(0),
@@ -122,7 +142,10 @@ impl Budget {
 
     /// How many more bytes there may be.
     pub(super) fn bytes_left(&self) -> u64 {
-        self.limits.bytes - self.bytes.get()
+        let memory = self.memory.as_ref().map_or(u64::MAX, |memory| memory.bytes);
+        memory
+            .min(self.limits.bytes)
+            .saturating_sub(self.bytes.get())
     }
 
     /// Holds an image's size against the limit.
@@ -150,6 +173,7 @@ impl Budget {
 #[derive(Debug)]
 pub(super) struct Allowance {
     limits: Limits,
+    memory: Option<Memory>,
     /// Taken of the budget when this was asked for.
     bytes: u64,
     triangles: u64,
@@ -175,10 +199,7 @@ impl Allowance {
             .fetch_add(more, Ordering::Relaxed)
             .saturating_add(more);
         let sum = self.bytes.saturating_add(held);
-        if sum > self.limits.bytes {
-            return Err(too_many_bytes(file, what, held, sum, self.limits.bytes));
-        }
-        Ok(())
+        check_bytes((&self.limits, &self.memory), file, what, (held, sum))
     }
 
     /// The error that there are `count` triangles, which are too many.
@@ -200,9 +221,26 @@ fn too_many_triangles(file: &Path, count: u64, most: u64) -> FormatError {
     FormatError::too_much(file, what, "triangles", most)
 }
 
-fn too_many_bytes(file: &Path, what: &str, bytes: u64, sum: u64, most: u64) -> FormatError {
-    let what = format!("{what} takes {bytes} bytes, {sum} with all else that is held");
-    FormatError::too_much(file, what, "bytes", most)
+/// Holds `bytes` for `what` of a file, and their `sum` with all else that is held, against what may be taken.
+fn check_bytes(
+    (limits, memory): (&Limits, &Option<Memory>),
+    file: &Path,
+    what: &str,
+    (bytes, sum): (u64, u64),
+) -> Result<(), FormatError> {
+    let told = || format!("{what} takes {bytes} bytes, {sum} with all else that is held");
+    if sum > limits.bytes {
+        return Err(FormatError::too_much(file, told(), "bytes", limits.bytes));
+    }
+    match memory {
+        Some(Memory { bytes, whose }) if sum > *bytes => Err(FormatError::NoMemory {
+            place: place(file, None),
+            what: told(),
+            whose: whose.clone(),
+            leaves: *bytes,
+        }),
+        _ => Ok(()),
+    }
 }
 
 /// Bytes taken of a [`Budget`], given back when this is dropped.
@@ -221,10 +259,8 @@ impl Share<'_> {
         self.budget.go_on(file)?;
         let more = bytes.saturating_sub(self.bytes);
         let sum = self.budget.bytes.get().saturating_add(more);
-        if sum > self.budget.limits.bytes {
-            let most = self.budget.limits.bytes;
-            return Err(too_many_bytes(file, what, bytes, sum, most));
-        }
+        let Budget { limits, memory, .. } = self.budget;
+        check_bytes((limits, memory), file, what, (bytes, sum))?;
         self.budget.bytes.set(sum);
         self.bytes += more;
         Ok(())
@@ -274,6 +310,25 @@ mod tests {
         drop(second);
         assert_eq!(budget.bytes_left(), 80);
         assert!(budget.share(file, "it", u64::MAX).is_err());
+    }
+
+    #[test]
+    fn memory_that_is_not_there_is_not_taken() {
+        let budget = Budget::default().within_memory(100, "the machine");
+        let file = Path::new("a.png");
+        assert_eq!(budget.bytes_left(), 100);
+        let share = budget.share(file, "it", 60).expect("there is room");
+        for refused in [
+            budget.share(file, "it", 50).map(drop),
+            budget.allowance().hold(file, "it", 50),
+        ] {
+            assert_eq!(
+                refused.expect_err("no room").to_string(),
+                "a.png: it takes 50 bytes, 110 with all else that is held; the machine leaves 100"
+            );
+        }
+        drop(share);
+        assert!(budget.share(file, "it", 100).is_ok());
     }
 
     #[test]

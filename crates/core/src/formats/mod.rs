@@ -27,6 +27,7 @@ mod scene_read_tests;
 mod scene_text;
 mod scene_toml;
 mod scene_write;
+mod section_drawing;
 mod stl;
 mod texture;
 mod threemf;
@@ -42,6 +43,7 @@ pub use limits::{Budget, Limits};
 pub use ray_file::{HIT_BYTES, RAY_BYTES, decode_ray, encode_hit};
 pub use scene_file::{CameraFile, FileKind, ImageSettings, SceneFile, ShadingFile};
 pub use scene_write::SaveError;
+pub use section_drawing::{DrawingFormat, write_section};
 pub use write::{MeshFormat, WriteError, Written, write_materials, write_meshes};
 
 use crate::scene::{Mesh, Scene, Texture};

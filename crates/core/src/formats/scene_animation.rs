@@ -10,8 +10,8 @@ pub(super) fn table(path: &CameraPath, projection: Projection) -> AnimationToml 
     let key = |key: &Keyframe| {
         let view = key.view.map(|view| Spanned::new(0..0, view));
         let (fov, frame) = match projection {
-            Projection::Perspective => (view, None),
             Projection::Orthographic => (None, view),
+            Projection::Perspective | Projection::Panoramic(_) => (view, None),
         };
         let key = KeyToml {
             at: key.frame,

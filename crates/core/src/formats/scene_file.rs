@@ -1,5 +1,5 @@
 use crate::camera::{CameraPath, Placement, Projection};
-use crate::scene::Scene;
+use crate::scene::{ClippingPlanes, Scene};
 use crate::shade::Shading;
 use std::collections::HashSet;
 use std::path::PathBuf;
@@ -57,6 +57,8 @@ pub struct SceneFile {
     pub image: ImageSettings,
     /// `[shading]`, with the background of `[image]`.
     pub shading: Option<ShadingFile>,
+    /// `[[clip]]`: what is cut away.
+    pub clip: ClippingPlanes,
     /// What was not as it should be, and did not matter enough to stop: a line each. Never saved.
     pub warnings: Vec<String>,
     /// What the files are, say of themselves, and hold that is not used: a line each. Never saved.
@@ -106,6 +108,9 @@ impl SceneFile {
         self.image.size = self.image.size.or(other.image.size);
         self.image.samples = self.image.samples.or(other.image.samples);
         self.shading = self.shading.or(other.shading);
+        if self.clip.all().is_empty() {
+            self.clip = other.clip;
+        }
         self.warnings.extend(other.warnings);
         self.notes.extend(other.notes);
         let known: HashSet<PathBuf> = self.opened.iter().cloned().collect();

@@ -4,11 +4,12 @@ use super::error::FormatError;
 use super::files::beside;
 use super::mesh_file::{self, MeshObject};
 use super::scene_text::Reader;
-use super::scene_toml::{ObjectToml, ShapeToml};
+use super::scene_toml::{ColorRuleToml, ObjectToml, ShapeToml};
 use super::{Progress, texture};
 use crate::quote::{self, quote};
 use crate::scene::{
-    Crop, Object, Projector, Shape, ShapeError, Texture, TextureMapping, Transform, UpAxis, Wrap,
+    ColorRule, Crop, Object, Projector, Quantity, Shape, ShapeError, Texture, TextureMapping,
+    Transform, UpAxis, Wrap,
 };
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use std::collections::HashMap;
@@ -117,8 +118,9 @@ impl Reader<'_> {
                     None => within(&transform, placed.world_from_object),
                 };
                 object.visible = table.visible.unwrap_or(true);
-                if let Some(color) = table.color {
-                    object.color = color.rule(table.seed);
+                if let Some(color) = &table.color {
+                    object.color = color.get_ref().rule(table.seed);
+                    self.check_scalar(color, &object)?;
                 }
                 if let Some((texture, source)) = &texture {
                     object.texture = Some(Arc::clone(texture));
@@ -145,6 +147,27 @@ impl Reader<'_> {
         }
         progress(1.0);
         Ok(objects)
+    }
+
+    /// A rule names a scalar that the mesh has.
+    fn check_scalar(
+        &self,
+        color: &Spanned<ColorRuleToml>,
+        object: &Object,
+    ) -> Result<(), FormatError> {
+        let ColorRule::Value(Quantity::Scalar(name)) = &object.color else {
+            return Ok(());
+        };
+        let mesh = &object.mesh;
+        if mesh.scalar(name).is_some() {
+            return Ok(());
+        }
+        let names: Vec<_> = mesh.scalars().iter().map(|s| quote(&s.name)).collect();
+        let expected = match names[..] {
+            [] => "another color: the mesh has no scalars".to_owned(),
+            _ => format!("one of the mesh's scalars, {}", names.join(", ")),
+        };
+        Err(self.fault(color, &expected, &quote(name)))
     }
 
     /// Those of a file's objects that a table stands for: the one that it names, else all.

@@ -7,14 +7,15 @@ use super::mesh_file;
 use super::scene_file::{CameraFile, FileKind, ImageSettings, SceneFile};
 use super::scene_text::{Reader, line_at};
 use super::scene_toml::{
-    AnimationToml, BackgroundToml, CameraToml, ImageToml, SceneToml, ShadingToml,
+    AnimationToml, BackgroundToml, CameraToml, ClipToml, ImageToml, ProjectionToml, SceneToml,
+    ShadingToml, VERSION, VersionToml,
 };
-use crate::camera::{
-    CameraPath, DEFAULT_FOV, ImagePlane, Keyframe, Placement, PlacementError, Projection,
-};
+use crate::camera::{CameraPath, ImagePlane, Keyframe, Placement, PlacementError, Projection};
 use crate::quote::{self, quote};
 use crate::ranges;
-use crate::scene::{Bounds, COORDINATE_LIMIT, Scene};
+use crate::scene::{
+    Bounds, COORDINATE_LIMIT, ClippingPlane, ClippingPlanes, ColorMap, ColorScale, Scene,
+};
 use crate::shade::{Background, Shading, Wireframe};
 use glam::DVec3;
 use std::path::Path;
@@ -34,9 +35,16 @@ pub(super) fn read(
     })?;
     let reader = Reader { path, text, files };
     let parsed: SceneToml = guarded(path, || toml::from_str(text))?.map_err(|error| {
+        // What a newer version holds this one need not know.
+        let newer = guarded(path, || toml::from_str::<VersionToml>(text));
+        let newer = newer.ok().and_then(Result::ok);
+        if let Some(fault) = newer.and_then(|newer| reader.version(newer.version.as_ref()).err()) {
+            return fault;
+        }
         let line = error.span().map(|span| line_at(bytes, span.start));
         FormatError::refused(path, line, &shorten(error.message()))
     })?;
+    reader.version(parsed.version.as_ref())?;
     let (mut warnings, mut notes) = (Vec::new(), Vec::new());
     let camera = parsed
         .camera
@@ -48,6 +56,7 @@ pub(super) fn read(
         .map(|animation| reader.animation(&animation, projection));
     let image = reader.image(&parsed.image)?;
     let shading = reader.shading(parsed.shading.as_ref(), &parsed.image)?;
+    let clip = reader.clip(&parsed.clip)?;
     let objects = reader.objects(&parsed.objects, progress, &mut warnings, &mut notes)?;
     let scene = Scene { objects };
     let mut unseen = unseen(path, &scene);
@@ -61,6 +70,7 @@ pub(super) fn read(
         animation: animation.transpose()?,
         image,
         shading,
+        clip,
         warnings,
         notes,
         opened: files.opened(),
@@ -111,6 +121,19 @@ fn unseen(path: &Path, scene: &Scene) -> Vec<String> {
 }
 
 impl Reader<'_> {
+    /// Whether this program knows a file of this version.
+    fn version(&self, version: Option<&Spanned<i64>>) -> Result<(), FormatError> {
+        match version {
+            Some(version) if !(1..=VERSION).contains(version.get_ref()) => {
+                let expected =
+                    format!("a scene file of version {VERSION}, which this program reads");
+                let found = format!("version {}", version.get_ref());
+                Err(self.fault(version, &expected, &found))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Keyframes, each a camera with the projection of the scene's.
     fn animation(
         &self,
@@ -133,7 +156,7 @@ impl Reader<'_> {
             let any = || Spanned::new(spanned.span(), 1.0);
             let frame = key.frame.clone().or_else(|| is_orthographic.then(any));
             let camera = CameraToml {
-                projection: projection.into(),
+                projection: ProjectionToml(projection),
                 eye: key.eye.clone(),
                 target: key.target.clone(),
                 up: key.up.clone(),
@@ -154,21 +177,23 @@ impl Reader<'_> {
     fn camera(&self, camera: &Spanned<CameraToml>) -> Result<CameraFile, FormatError> {
         let line = self.line(camera);
         let camera = camera.get_ref();
-        let projection = camera.projection.into();
+        let projection = camera.projection.0;
         let misplaced = |value: &Spanned<f64>, key, other| {
             let found = format!("`{key}`, which is for {other} cameras");
             self.fault(value, "another key", &found)
         };
         let frame = match (projection, &camera.fov, &camera.frame) {
-            (Projection::Perspective, _, Some(frame)) => {
+            (Projection::Perspective | Projection::Panoramic(_), _, Some(frame)) => {
                 return Err(misplaced(frame, "frame", "orthographic"));
             }
             (Projection::Orthographic, Some(fov), _) => {
                 return Err(misplaced(fov, "fov", "perspective"));
             }
-            (Projection::Perspective, None, None) => DEFAULT_FOV,
-            (Projection::Perspective, Some(fov), None) => {
-                self.in_range(fov, ranges::fov(*fov.get_ref()))?
+            (Projection::Perspective | Projection::Panoramic(_), None, None) => {
+                projection.default_fov()
+            }
+            (Projection::Perspective | Projection::Panoramic(_), Some(fov), None) => {
+                self.in_range(fov, projection.check_fov(*fov.get_ref()))?
             }
             (Projection::Orthographic, None, Some(frame)) => {
                 let height = *frame.get_ref();
@@ -227,6 +252,46 @@ impl Reader<'_> {
         })
     }
 
+    /// `[[clip]]`.
+    fn clip(&self, tables: &[Spanned<ClipToml>]) -> Result<ClippingPlanes, FormatError> {
+        let mut planes = ClippingPlanes::NONE;
+        for table in tables {
+            let ClipToml {
+                normal,
+                offset,
+                enabled,
+            } = table.get_ref();
+            planes
+                .push(ClippingPlane {
+                    normal: DVec3::from_array(*normal),
+                    offset: *offset,
+                    enabled: enabled.unwrap_or(true),
+                })
+                .map_err(|error| {
+                    FormatError::refused(self.path, self.line(table), &error.to_string())
+                })?;
+        }
+        Ok(planes)
+    }
+
+    /// How numbers become colours, where the file says any of it.
+    fn scale(&self, file: &ShadingToml) -> Result<Option<ColorScale>, FormatError> {
+        if file.color_map.is_none() && file.color_range.is_none() && file.legend.is_none() {
+            return Ok(None);
+        }
+        let range = file.color_range.as_ref().map(|range| {
+            let [low, high] = *range.get_ref();
+            ranges::color_range([low, high]).map_err(|error| {
+                FormatError::refused(self.path, self.line(range), &error.to_string())
+            })
+        });
+        Ok(Some(ColorScale {
+            map: file.color_map.map_or(ColorMap::default(), Into::into),
+            range: range.transpose()?,
+            legend: file.legend.unwrap_or(false),
+        }))
+    }
+
     /// `[shading]` and the background; `None` where the file has neither.
     fn shading(
         &self,
@@ -265,6 +330,7 @@ impl Reader<'_> {
             projection: file
                 .texture_projection
                 .map_or(defaults.projection, Into::into),
+            scale: self.scale(file)?,
         }))
     }
 }

@@ -89,6 +89,7 @@ fn reads_everything() {
         blend: 0.7,
         filter: Filter::Nearest,
         projection: TextureProjection::Triplanar,
+        scale: None,
     };
     assert_eq!(file.shading, Some(shading));
     let [moon, planet, plain] = &file.scene.objects[..] else {
@@ -125,6 +126,40 @@ fn an_object_says_what_is_up_in_its_file() {
         "{:?}",
         file.notes
     );
+}
+
+#[test]
+fn a_file_of_a_newer_version_is_refused_as_that_whatever_else_it_holds() {
+    let saved = parse(WHOLE).to_toml(Path::new("/nowhere"));
+    let saved = saved.expect("it can be saved");
+    assert!(saved.starts_with("version = 1\n"), "{saved}");
+    assert_eq!(parse(&saved).scene.content(), parse(WHOLE).scene.content());
+    assert!(super::kind::is_scene(Path::new("-"), saved.as_bytes()));
+    let of = |version: &str, more: &str| {
+        let text = format!("# A scene.\nversion = {version}\n{more}");
+        let read = read_scene_from(&text, &files);
+        read.map_err(|error| error.to_string())
+    };
+    assert!(of("1", "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\n").is_ok());
+    for version in ["2", "0", "-1"] {
+        for more in ["", "[weather]\nrain = true\n"] {
+            let told = format!(
+                "scene:2: expected a scene file of version 1, which this program reads, found version {version}"
+            );
+            assert_eq!(of(version, more).expect_err(version), told);
+        }
+    }
+    for (version, more, expected) in [
+        (
+            "1",
+            "[weather]\nrain = true\n",
+            "scene:3: unknown field `weather`",
+        ),
+        ("\"one\"", "", "scene:2: invalid type"),
+    ] {
+        let told = of(version, more).expect_err(version);
+        assert!(told.starts_with(expected), "{told}");
+    }
 }
 
 #[test]
@@ -574,4 +609,45 @@ fov = 20.0
     let none = "[animation]\nkey = []\n";
     let error = read(none).expect_err("no keyframes").to_string();
     assert!(error.contains("expected a keyframe"), "{error}");
+}
+
+#[test]
+fn clipping_planes_come_back_and_their_faults_are_named() {
+    let text = "[[clip]]\nnormal = [0.1, 0, -2]\noffset = 3.5\n\n[[clip]]\nnormal = [0, 1, 0]\nenabled = false\n";
+    let file = parse(text);
+    let [first, second] = file.clip.all() else {
+        panic!("two planes: {:?}", file.clip);
+    };
+    assert_eq!(
+        (first.normal, first.offset),
+        (DVec3::new(0.1, 0.0, -2.0), 3.5)
+    );
+    assert_eq!((second.offset, second.enabled), (0.0, false));
+    assert_eq!(file.clip.only_enabled().all(), [*first]);
+    let saved = file
+        .to_toml(Path::new("/nowhere"))
+        .expect("it can be saved");
+    assert_eq!(parse(&saved).clip, file.clip, "{saved}");
+    let plain = parse("")
+        .to_toml(Path::new("/nowhere"))
+        .expect("it can be saved");
+    assert!(!plain.contains("clip"), "{plain}");
+    for (bad, told) in [
+        (
+            "[[clip]]\nnormal = [0, 0, 0]",
+            "scene:1: a clipping plane's normal must not be zero",
+        ),
+        (
+            "[[clip]]\nnormal = [1, 0, 0]\noffset = nan",
+            "scene:1: a clipping plane's numbers must be finite",
+        ),
+        ("[[clip]]\noffset = 1", "normal"),
+        (
+            &"[[clip]]\nnormal = [1, 0, 0]\n".repeat(9),
+            "scene:17: there can be at most 8 clipping planes",
+        ),
+    ] {
+        let error = read_scene_from(bad, &files).expect_err(bad).to_string();
+        assert!(error.contains(told), "{error}");
+    }
 }

@@ -1,14 +1,26 @@
 //! The tables of a `.raycast.toml`, as they stand in the file.
 
 use crate::camera::{Curve, Ease, Projection};
-use crate::scene::{Color, ColorRule, Shape, TextureProjection, UpAxis, Wrap};
+use crate::scene::{Color, ColorMap, ColorRule, Shape, TextureProjection, UpAxis, Wrap};
 use crate::shade::{Filter, Mode};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 use toml::Spanned;
 
+/// The version of scene files that is written, and the newest that is read: one that says none is of it. It counts
+/// changes after which a program that does not know them would show something else.
+pub(super) const VERSION: i64 = 1;
+
+/// What a scene file of any version says.
+#[derive(Debug, Deserialize)]
+pub(super) struct VersionToml {
+    pub(super) version: Option<Spanned<i64>>,
+}
+
 #[derive(Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SceneToml {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) version: Option<Spanned<i64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) camera: Option<Spanned<CameraToml>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -17,6 +29,8 @@ pub(super) struct SceneToml {
     pub(super) image: ImageToml,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) shading: Option<ShadingToml>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) clip: Vec<Spanned<ClipToml>>,
     #[serde(default, rename = "object", skip_serializing_if = "Vec::is_empty")]
     pub(super) objects: Vec<Spanned<ObjectToml>>,
 }
@@ -112,6 +126,24 @@ pub(super) struct ShadingToml {
     pub(super) filter: Option<FilterToml>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) texture_projection: Option<TextureProjectionToml>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) color_map: Option<ColorMapToml>,
+    /// The numbers at the map's ends.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) color_range: Option<Spanned<[f64; 2]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) legend: Option<bool>,
+}
+
+/// A clipping plane.
+#[derive(Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ClipToml {
+    pub(super) normal: [f64; 3],
+    #[serde(default)]
+    pub(super) offset: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) enabled: Option<bool>,
 }
 
 #[derive(Debug, Deserialize, Serialize)]
@@ -130,7 +162,7 @@ pub(super) struct ObjectToml {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) up_axis: Option<UpAxisToml>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) color: Option<ColorRuleToml>,
+    pub(super) color: Option<Spanned<ColorRuleToml>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) seed: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -284,7 +316,7 @@ shapes! {
 macro_rules! displayed {
     ($(#[$about:meta])* $name:ident($of:ident)) => {
         $(#[$about])*
-        #[derive(Clone, Copy, Debug)]
+        #[derive(Clone, Debug)]
         pub(super) struct $name(pub(super) $of);
 
         impl<'de> Deserialize<'de> for $name {
@@ -303,64 +335,41 @@ macro_rules! displayed {
 }
 
 displayed! {
+    /// How rays leave the camera.
+    #[derive(Default)]
+    ProjectionToml(Projection)
+}
+displayed! {
     /// A colour as `#rrggbb`.
+    #[derive(Copy)]
     ColorToml(Color)
 }
 displayed! {
     /// What a texture shows beyond its image.
+    #[derive(Copy)]
     WrapToml(Wrap)
 }
 
-/// An object's colour rule; the seed stands beside it.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum ColorRuleToml {
-    File,
-    PerTriangle,
-    Uniform(Color),
-}
-
-impl<'de> Deserialize<'de> for ColorRuleToml {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let text = String::deserialize(deserializer)?;
-        match text.as_str() {
-            "file" => Ok(Self::File),
-            "per-triangle" => Ok(Self::PerTriangle),
-            color => color.parse().map(Self::Uniform).map_err(|_| {
-                D::Error::custom(format!(
-                    "expected a colour as \"file\", \"per-triangle\" or \"#rrggbb\", found {color:?}"
-                ))
-            }),
-        }
-    }
-}
-
-impl Serialize for ColorRuleToml {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::File => serializer.serialize_str("file"),
-            Self::PerTriangle => serializer.serialize_str("per-triangle"),
-            Self::Uniform(color) => serializer.collect_str(color),
-        }
-    }
+displayed! {
+    /// An object's colour rule; the seed stands beside it.
+    ColorRuleToml(ColorRule)
 }
 
 impl ColorRuleToml {
-    pub(super) fn rule(self, seed: Option<u32>) -> ColorRule {
-        match self {
-            Self::File => ColorRule::File,
-            Self::PerTriangle => ColorRule::PerTriangle {
-                seed: seed.unwrap_or(0),
-            },
-            Self::Uniform(color) => ColorRule::Uniform(color),
+    pub(super) fn rule(&self, seed: Option<u32>) -> ColorRule {
+        match (&self.0, seed) {
+            (ColorRule::PerTriangle { .. }, Some(seed)) => ColorRule::PerTriangle { seed },
+            (rule, _) => rule.clone(),
         }
     }
 
     /// The rule and the seed as the file has them.
-    pub(super) fn from_rule(rule: ColorRule) -> (Self, Option<u32>) {
+    pub(super) fn from_rule(rule: &ColorRule) -> (Self, Option<u32>) {
         match rule {
-            ColorRule::File => (Self::File, None),
-            ColorRule::PerTriangle { seed } => (Self::PerTriangle, Some(seed)),
-            ColorRule::Uniform(color) => (Self::Uniform(color), None),
+            ColorRule::PerTriangle { seed } => {
+                (Self(ColorRule::PerTriangle { seed: 0 }), Some(*seed))
+            }
+            rule => (Self(rule.clone()), None),
         }
     }
 }
@@ -386,7 +395,6 @@ macro_rules! words {
     };
 }
 
-words!(ProjectionToml for Projection { Perspective, Orthographic });
 words!(ModeToml for Mode {
     Color, Flat, Smooth, Normals, Depth, Barycentric, Uv, Texture, Wireframe
 });
@@ -394,6 +402,7 @@ words!(CurveToml for Curve { Linear, CatmullRom });
 words!(EaseToml for Ease { None, Smooth });
 words!(UpAxisToml for UpAxis { Y, Z });
 words!(FilterToml for Filter { Nearest, Bilinear, Trilinear, Ewa });
+words!(ColorMapToml for ColorMap { Viridis, Magma, Turbo, Cividis, Diverging });
 words!(TextureProjectionToml for TextureProjection {
     Uv, Triplanar, PerTriangle, Plane, Sphere, Cylinder
 });
@@ -407,11 +416,5 @@ impl Default for CurveToml {
 impl Default for EaseToml {
     fn default() -> Self {
         Ease::default().into()
-    }
-}
-
-impl Default for ProjectionToml {
-    fn default() -> Self {
-        Projection::default().into()
     }
 }

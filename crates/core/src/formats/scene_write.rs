@@ -2,12 +2,12 @@ use super::files::relative;
 use super::scene_animation;
 use super::scene_file::{CameraFile, SceneFile};
 use super::scene_toml::{
-    BackgroundToml, CameraToml, ColorRuleToml, ColorToml, ImageToml, ObjectToml, SceneToml,
-    ShadingToml, Transparent, WrapToml,
+    BackgroundToml, CameraToml, ClipToml, ColorRuleToml, ColorToml, ImageToml, ObjectToml,
+    ProjectionToml, SceneToml, ShadingToml, Transparent, VERSION, WrapToml,
 };
 use crate::camera::Projection;
 use crate::quote::shorten;
-use crate::scene::{Scene, SceneError, Transform, UpAxis, Wrap};
+use crate::scene::{ClippingPlane, Scene, SceneError, Transform, UpAxis, Wrap};
 use crate::shade::{Background, Shading};
 use glam::DAffine3;
 use std::path::Path;
@@ -60,6 +60,7 @@ impl SceneFile {
             .map(|index| Ok(spanned(object(&self.scene, index, &names, base_dir)?)))
             .collect::<Result<_, SaveError>>()?;
         let file = SceneToml {
+            version: Some(spanned(VERSION)),
             camera: self.camera.map(|camera| spanned(camera_table(&camera))),
             animation: self.animation.as_ref().map(|path| {
                 let projection = self.camera.map(|camera| camera.projection);
@@ -81,6 +82,7 @@ impl SceneFile {
                 }),
             },
             shading: self.shading.map(|shading| shading_table(&shading)),
+            clip: self.clip.all().iter().map(clip_table).collect(),
             objects,
         };
         toml::to_string(&file).map_err(|error| SaveError::Encode(error.to_string()))
@@ -95,17 +97,25 @@ fn spanned<T>(value: T) -> Spanned<T> {
 fn camera_table(camera: &CameraFile) -> CameraToml {
     let frame = Some(spanned(camera.frame));
     let (fov, frame) = match camera.projection {
-        Projection::Perspective => (frame, None),
         Projection::Orthographic => (None, frame),
+        Projection::Perspective | Projection::Panoramic(_) => (frame, None),
     };
     CameraToml {
-        projection: camera.projection.into(),
+        projection: ProjectionToml(camera.projection),
         eye: spanned(camera.placement.eye.to_array()),
         target: spanned(camera.placement.target.to_array()),
         up: Some(spanned(camera.placement.up.to_array())),
         fov,
         frame,
     }
+}
+
+fn clip_table(plane: &ClippingPlane) -> Spanned<ClipToml> {
+    spanned(ClipToml {
+        normal: plane.normal.to_array(),
+        offset: plane.offset,
+        enabled: (!plane.enabled).then_some(false),
+    })
 }
 
 fn shading_table(shading: &Shading) -> ShadingToml {
@@ -117,6 +127,9 @@ fn shading_table(shading: &Shading) -> ShadingToml {
         blend: Some(spanned(shading.blend)),
         filter: Some(shading.filter.into()),
         texture_projection: Some(shading.projection.into()),
+        color_map: shading.scale.map(|scale| scale.map.into()),
+        color_range: shading.scale.and_then(|scale| scale.range).map(spanned),
+        legend: shading.scale.filter(|scale| scale.legend).map(|_| true),
     }
 }
 
@@ -175,7 +188,7 @@ fn object(
         }
     };
     let (image, projector) = (object.texture.as_ref(), object.mapping.projector);
-    let (color, seed) = ColorRuleToml::from_rule(object.color);
+    let (color, seed) = ColorRuleToml::from_rule(&object.color);
     let Transform {
         translate,
         rotate,
@@ -192,7 +205,7 @@ fn object(
         mesh,
         up_axis: (object.up_axis != UpAxis::default()).then(|| object.up_axis.into()),
         node: object.node.map(spanned),
-        color: Some(color),
+        color: Some(spanned(color)),
         seed,
         texture,
         crop: image

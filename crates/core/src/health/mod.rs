@@ -10,7 +10,6 @@ mod edges;
 mod report;
 mod shells;
 mod size;
-mod weld;
 
 pub use report::{Health, check};
 pub use size::{Size, size};

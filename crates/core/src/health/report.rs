@@ -3,8 +3,7 @@
 use super::GoOn;
 use super::edges::{Face, Side, by_edge, sides};
 use super::shells::Sets;
-use super::weld::weld;
-use crate::scene::Mesh;
+use crate::scene::{Mesh, weld};
 use glam::{DVec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -73,7 +72,7 @@ impl Health {
 /// mesh without triangles has no face and is not closed.
 pub fn check(mesh: &Mesh, go_on: GoOn<'_>) -> Option<Health> {
     let triangles = mesh.triangles();
-    let place = weld(mesh);
+    let place = weld(mesh.positions());
     if !go_on(0.2) {
         return None;
     }

@@ -9,7 +9,8 @@ use crate::camera::Lattice;
 use crate::hit::{Cull, Detail, MISS, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::num::simd::{F32x8, Lanes, Mask8, Work, dispatch};
-use crate::single;
+use crate::single::{self, Clipped};
+use crate::triangle::clip::Clip;
 use crate::triangle::interpolate::{Corners, LANES, Places, RowHits, interpolate_row};
 use crate::triangle::linear::{LinearHit, Pencil, PencilRow};
 use crate::triangle::{Nearest, PreparedRay};
@@ -45,23 +46,54 @@ impl Accel {
         precision: Precision,
         primitives: &mut Vec<u32>,
     ) -> CastCounts {
+        self.find_kept(&Clip::NONE, lattice, cull, precision, primitives)
+    }
+
+    fn find_kept(
+        &self,
+        clip: &Clip,
+        lattice: &Lattice,
+        cull: Cull,
+        precision: Precision,
+        primitives: &mut Vec<u32>,
+    ) -> CastCounts {
         primitives.clear();
         primitives.resize(lattice.len(), MISS);
         let mut counts = CastCounts::default();
+        if lattice.camera.projection().panorama().is_some() {
+            return self.find_each(clip, lattice, cull, precision, primitives);
+        }
         if self.tree.root.is_some() {
-            dispatch(
-                self.simd,
-                Find {
-                    accel: self,
-                    lattice,
-                    cull,
-                    precision,
-                    primitives,
-                    counts: &mut counts,
-                },
-            );
+            if self.has_instances() {
+                self.find_in::<true>(clip, lattice, cull, precision, primitives, &mut counts);
+            } else {
+                self.find_in::<false>(clip, lattice, cull, precision, primitives, &mut counts);
+            }
         }
         counts
+    }
+
+    fn find_in<const INSTANCES: bool>(
+        &self,
+        clip: &Clip,
+        lattice: &Lattice,
+        cull: Cull,
+        precision: Precision,
+        primitives: &mut [u32],
+        counts: &mut CastCounts,
+    ) {
+        dispatch(
+            self.simd,
+            Find::<INSTANCES> {
+                accel: self,
+                clip,
+                lattice,
+                cull,
+                precision,
+                primitives,
+                counts,
+            },
+        );
     }
 
     /// Interpolates t, u and v where the rays of a lattice hit the triangles that [`Accel::find`] found, the
@@ -69,9 +101,27 @@ impl Accel {
     pub fn evaluate(&self, lattice: &Lattice, cull: Cull, precision: Precision, hits: &mut Hits) {
         hits.primitives.resize(lattice.len(), MISS);
         hits.make_places();
+        if lattice.camera.projection().panorama().is_some() {
+            self.evaluate_each(lattice, cull, precision, hits);
+            return;
+        }
+        if self.has_instances() {
+            self.evaluate_in::<true>(lattice, cull, precision, hits);
+        } else {
+            self.evaluate_in::<false>(lattice, cull, precision, hits);
+        }
+    }
+
+    fn evaluate_in<const INSTANCES: bool>(
+        &self,
+        lattice: &Lattice,
+        cull: Cull,
+        precision: Precision,
+        hits: &mut Hits,
+    ) {
         dispatch(
             self.simd,
-            Evaluate {
+            Evaluate::<INSTANCES> {
                 accel: self,
                 lattice,
                 cull,
@@ -82,8 +132,42 @@ impl Accel {
     }
 }
 
-pub(super) struct Find<'a> {
+impl Clipped<'_> {
+    /// Casts every ray of a lattice into `hits`, else as [`Accel::cast_lattice`].
+    pub fn cast_lattice(
+        &self,
+        lattice: &Lattice,
+        cull: Cull,
+        precision: Precision,
+        detail: Detail,
+        hits: &mut Vec<PrimitiveHit>,
+    ) {
+        let mut found = Hits::default();
+        self.find(lattice, cull, precision, &mut found.primitives);
+        if detail == Detail::Full {
+            self.accel.evaluate(lattice, cull, precision, &mut found);
+        }
+        hits.clear();
+        hits.extend(found.iter());
+    }
+
+    /// Finds the closest triangle that each ray of a lattice hits at a point that is kept, else as
+    /// [`Accel::find`]; [`Accel::evaluate`] tells where.
+    pub fn find(
+        &self,
+        lattice: &Lattice,
+        cull: Cull,
+        precision: Precision,
+        primitives: &mut Vec<u32>,
+    ) -> CastCounts {
+        self.accel
+            .find_kept(&self.clip, lattice, cull, precision, primitives)
+    }
+}
+
+pub(super) struct Find<'a, const INSTANCES: bool> {
     pub(super) accel: &'a Accel,
+    pub(super) clip: &'a Clip,
     pub(super) lattice: &'a Lattice,
     pub(super) cull: Cull,
     pub(super) precision: Precision,
@@ -91,7 +175,7 @@ pub(super) struct Find<'a> {
     pub(super) counts: &'a mut CastCounts,
 }
 
-impl Work for Find<'_> {
+impl<const INSTANCES: bool> Work for Find<'_, INSTANCES> {
     #[inline(always)]
     fn run(mut self, lanes: impl Lanes) {
         let whole = RayRect {
@@ -100,7 +184,8 @@ impl Work for Find<'_> {
             columns: self.lattice.columns,
             rows: self.lattice.rows,
         };
-        let mut traversal = Traversal::new(self.accel, self.lattice, self.precision);
+        let mut traversal =
+            Traversal::<INSTANCES>::new(self.accel, self.clip, self.lattice, self.precision);
         let mut zbuffer = IntervalZBuffer::new();
         for large in whole.split(LARGE_SIDE) {
             traversal.list(lanes, &large);
@@ -121,7 +206,7 @@ impl Work for Find<'_> {
     }
 }
 
-impl Find<'_> {
+impl<const INSTANCES: bool> Find<'_, INSTANCES> {
     /// Keeps what a packet found, and casts its undecided rays.
     #[inline(always)]
     pub(super) fn keep(&mut self, part: &RayRect, zbuffer: &mut IntervalZBuffer) {
@@ -173,12 +258,13 @@ impl Find<'_> {
             Some(rivals) if self.precision == Precision::Exact => {
                 let mut nearest = Nearest::NONE;
                 for &(_, primitive) in rivals {
-                    self.accel.meet(&ray, primitive, &mut nearest);
+                    self.accel
+                        .meet_kept(self.clip, &ray, primitive, &mut nearest);
                 }
                 nearest
             }
             // Double precision, which fast casting trusts, may see a triangle that no ray hits.
-            _ => single::nearest(self.accel, &ray),
+            _ => single::nearest(self.accel, self.clip, &ray),
         };
         let primitive = nearest.primitive;
         if ray.was_exact() {
@@ -190,7 +276,7 @@ impl Find<'_> {
     }
 }
 
-struct Evaluate<'a> {
+struct Evaluate<'a, const INSTANCES: bool> {
     accel: &'a Accel,
     lattice: &'a Lattice,
     cull: Cull,
@@ -206,7 +292,7 @@ struct Eight<'h> {
     v: &'h mut [f32; LANES],
 }
 
-impl Work for Evaluate<'_> {
+impl<const INSTANCES: bool> Work for Evaluate<'_, INSTANCES> {
     #[inline(always)]
     fn run(self, lanes: impl Lanes) {
         let columns = self.lattice.columns as usize;
@@ -220,7 +306,7 @@ impl Work for Evaluate<'_> {
             precision,
             hits,
         } = self;
-        let mut interpolate = Interpolate {
+        let mut interpolate = Interpolate::<INSTANCES> {
             accel,
             lattice,
             cull,
@@ -274,7 +360,7 @@ impl Work for Evaluate<'_> {
 /// them.
 const KNOWN: usize = 16;
 
-struct Interpolate<'a> {
+struct Interpolate<'a, const INSTANCES: bool> {
     accel: &'a Accel,
     lattice: &'a Lattice,
     cull: Cull,
@@ -284,7 +370,7 @@ struct Interpolate<'a> {
     known: [(u32, LinearHit); KNOWN],
 }
 
-impl Interpolate<'_> {
+impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
     /// Interpolates eight rays of a row, from a column on; those beyond the row's end are misses.
     #[inline(always)]
     fn eight(
@@ -374,7 +460,10 @@ impl Interpolate<'_> {
     fn known(&mut self, primitive: u32) -> Option<&LinearHit> {
         let (known, hit) = &mut self.known[primitive as usize % KNOWN];
         if *known != primitive {
-            *hit = LinearHit::new(self.pencil.as_ref()?, self.accel.corners(primitive));
+            *hit = LinearHit::new(
+                self.pencil.as_ref()?,
+                self.accel.corners_of::<INSTANCES>(primitive),
+            );
             *known = primitive;
         }
         Some(hit)
@@ -393,7 +482,7 @@ impl Interpolate<'_> {
                 lane += 1;
             }
             if primitive != MISS {
-                let [a, b, c] = self.accel.corners(primitive);
+                let [a, b, c] = self.accel.corners_of::<INSTANCES>(primitive);
                 let one = [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z];
                 for (all, one) in all.iter_mut().zip(one) {
                     *all = from.select(lanes.splat(one), *all);
@@ -412,7 +501,7 @@ impl Interpolate<'_> {
         let ray = self.lattice.ray(column, row);
         let ray = PreparedRay::new(&ray, self.accel.origin, self.cull, self.precision);
         ray.map_or(PrimitiveHit::NONE, |ray| {
-            ray.evaluate(primitive, self.accel.corners(primitive))
+            ray.evaluate(primitive, self.accel.corners_of::<INSTANCES>(primitive))
                 .to_primitive_hit()
         })
     }

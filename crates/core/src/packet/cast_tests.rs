@@ -25,7 +25,7 @@ fn build(meshes: impl IntoIterator<Item = Mesh>) -> Accel {
     Accel::build(&scene).expect("a valid scene")
 }
 
-fn waves_mesh(side: u32, size: f64, offset: DVec3) -> Mesh {
+pub(super) fn waves_mesh(side: u32, size: f64, offset: DVec3) -> Mesh {
     grid(side, |x, y| {
         let (x, y) = (x / f64::from(side) - 0.5, y / f64::from(side) - 0.5);
         DVec3::new(x, 0.1 * math::sin(x * 20.0) * math::cos(y * 17.0), y) * size + offset

@@ -21,15 +21,16 @@
 //! * **Depth.** The product of a corner and a vector is off by the vector's error by |P| + η, by ten roundings, and by η
 //!   times the vector. A·n is taken at the corner where that is least; where it is not clear, A·(B×C) is tried too.
 //!   The key's numerator is a function as above, of n; a quotient whose denominator is off by a quarter of itself at
-//!   most is off by 4/3 of what its parts are off by, relative to itself: we take 2.
+//!   most is off by 4/3 of what its parts are off by, relative to itself: we take 2. All this is of the whole key; it is
+//!   made relative to the packet's reference afterwards, as in `setup`.
 //!
 //! An edge function that is surely negative in all of a triangle's bounds ends the set-up: no ray hits the triangle.
 //!
 //! Numbers that are zero or within 2^±200 keep products of four in double precision's range.
 
-use super::ray_box::RayBox;
-use super::setup::{LINEAR_ERROR, Linear, PacketSpace, REACH, Span, TriangleSetup};
+use super::setup::{CornerLanes, LINEAR_ERROR, Linear, PacketSpace, REACH, Span, TriangleSetup};
 use crate::hit::Cull;
+use crate::num::simd::{LANES, Lanes, Work};
 use glam::{DVec3, Vec3, Vec3Swizzles};
 
 /// The unit roundoff of double precision.
@@ -115,21 +116,35 @@ fn is_clear((value, error): (f64, f64)) -> bool {
     value.abs() > 4.0 * error
 }
 
+/// Triangles that are set up again.
+pub(super) struct ComponentwiseSetup<'a> {
+    pub(super) space: &'a PacketSpace,
+    pub(super) corners: &'a CornerLanes,
+    /// Which of the eight, as bits.
+    pub(super) which: u32,
+    pub(super) out: &'a mut TriangleSetup,
+}
+
+impl Work for ComponentwiseSetup<'_> {
+    #[inline(always)]
+    fn run(self, _: impl Lanes) {
+        let mut which = self.which;
+        while which != 0 {
+            let l = which.trailing_zeros() as usize % LANES;
+            which &= which - 1;
+            self.space.set_up_componentwise(self.corners, l, self.out);
+        }
+    }
+}
+
 impl PacketSpace {
-    /// Sets up lane `l` again, a triangle with these corners. Its bounds of rays are emptied if none hits it.
-    #[inline(never)]
-    pub(super) fn set_up_componentwise(
-        &self,
-        corners: [Vec3; 3],
-        bounds: &RayBox,
-        l: usize,
-        out: &mut TriangleSetup,
-    ) {
-        let [a, b, c] = [
-            corners[0].as_dvec3(),
-            corners[1].as_dvec3(),
-            corners[2].as_dvec3(),
-        ];
+    /// Sets up lane `l` again. Its bounds of rays are emptied if none hits it.
+    #[inline(always)]
+    fn set_up_componentwise(&self, corners: &CornerLanes, l: usize, out: &mut TriangleSetup) {
+        let [ax, ay, az, bx, by, bz, cx, cy, cz] = corners;
+        let a = Vec3::new(ax[l], ay[l], az[l]).as_dvec3();
+        let b = Vec3::new(bx[l], by[l], bz[l]).as_dvec3();
+        let c = Vec3::new(cx[l], cy[l], cz[l]).as_dvec3();
         let (p, q, r) = (a - self.origin, b - self.origin, c - self.origin);
         let (ab, bc, ca) = (b - a, c - b, a - c);
         let mut in_range = true;
@@ -151,7 +166,7 @@ impl PacketSpace {
             out.boxes[l].right = -1;
             return;
         }
-        let span = Span::of(bounds);
+        let span = Span::of(&out.boxes[l]);
         let sign = if facing < 0.0 { -1.0 } else { 1.0 };
         let mut greatest_error: f64 = 0.0;
         let mut is_sound = true;
@@ -187,10 +202,13 @@ impl PacketSpace {
             y: key.y * inverse,
         };
         let key = key.moved(&span);
+        let greatest = key.size(&span);
+        let key = key.less(self.reference);
         let spread = key.size(&span);
         let relative = facing_error / facing.abs() + 4.0 * EPSILON;
-        let key_error =
-            spread * (LINEAR_ERROR + 2.0 * relative) + 2.0 * numerator_error * inverse.abs();
+        let key_error = spread * LINEAR_ERROR
+            + greatest * (2.0 * relative)
+            + 2.0 * numerator_error * inverse.abs();
         out.depth_key[0][l] = key.constant as f32;
         out.depth_key[1][l] = key.x as f32;
         out.depth_key[2][l] = key.y as f32;

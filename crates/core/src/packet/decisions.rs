@@ -3,14 +3,16 @@
 use crate::bvh::Accel;
 use crate::camera::Camera;
 use crate::hit::Precision;
+use crate::num::simd::Simd;
+use crate::triangle::clip::{AtCorners, Clip};
 use crate::triangle::coplanar::Coplanar;
 use crate::triangle::edge_on::EdgeOn;
-use glam::Vec3;
 
 /// Decisions about a tree's triangles, cached.
 #[derive(Debug)]
 pub(crate) struct Decisions<'a> {
     accel: &'a Accel,
+    clip: &'a Clip,
     edge_on: EdgeOn,
     coplanar: Coplanar,
     /// Fast casting orders triangles of one plane by their rounded distances.
@@ -18,18 +20,35 @@ pub(crate) struct Decisions<'a> {
 }
 
 impl<'a> Decisions<'a> {
-    pub(super) fn new(accel: &'a Accel, camera: &Camera, precision: Precision) -> Self {
+    pub(super) fn new(
+        accel: &'a Accel,
+        clip: &'a Clip,
+        camera: &Camera,
+        precision: Precision,
+    ) -> Self {
         Self {
             accel,
+            clip,
             edge_on: EdgeOn::new(camera, accel.origin),
             coplanar: Coplanar::new(),
             precision,
         }
     }
 
-    /// A triangle's corners.
-    pub(super) fn corners(&self, primitive: u32) -> [Vec3; 3] {
-        self.accel.corners(primitive)
+    /// The instruction set that work goes by.
+    pub(super) fn simd(&self) -> Simd {
+        self.accel.simd
+    }
+
+    /// The clipping planes.
+    #[inline(always)]
+    pub(super) fn clip(&self) -> &'a Clip {
+        self.clip
+    }
+
+    /// The clipping planes that cut a triangle.
+    pub(super) fn clipped(&self, primitive: u32) -> impl Iterator<Item = AtCorners> {
+        self.clip.through(self.accel.corners(primitive))
     }
 
     /// Whether casting is exact. Fast casting interpolates t, u and v in double precision alone: what only more
@@ -52,7 +71,7 @@ impl<'a> Decisions<'a> {
             && self
                 .coplanar
                 .are(a, b, |primitive| self.accel.corners(primitive));
-        let id = |primitive: u32| self.accel.triangles[primitive as usize].number;
+        let id = |primitive: u32| self.accel.id(primitive);
         is_one_plane.then(|| if id(a) < id(b) { a } else { b })
     }
 }

@@ -103,7 +103,7 @@ impl Viewpoint<'_> {
 
     fn through(&self, way: DVec3, place: f64) -> [Plane; 2] {
         let (normal, shift) = match self.camera.projection() {
-            Projection::Perspective => {
+            Projection::Perspective | Projection::Panoramic(_) => {
                 let normal = way * self.camera.distance() - self.camera.forward() * place;
                 (normal.normalize_or_zero(), DVec3::ZERO)
             }

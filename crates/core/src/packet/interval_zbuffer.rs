@@ -7,6 +7,9 @@
 //! (Abrash, "Rasterization on Larrabee", 2009; Greene, Kass, Miller, "Hierarchical Z-Buffer Visibility",
 //! 1993).
 
+mod cut_triangles;
+
+use super::componentwise_setup::ComponentwiseSetup;
 use super::decisions::Decisions;
 use super::params::{CELLS, ROW, SIDE};
 use super::ray_box::RayBox;
@@ -15,7 +18,7 @@ use super::setup::{CornerLanes, PacketSpace, TriangleSetup};
 use super::small_triangles::SmallCoverage;
 use crate::bvh::tree::TRIANGLE_LIMIT;
 use crate::hit::MISS;
-use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
+use crate::num::simd::{F32x8, LANES, Lanes, Mask8, dispatch};
 
 /// Rays in a packet.
 const RAYS: usize = SIDE * SIDE;
@@ -52,7 +55,7 @@ const UNDECIDED: u32 = MISS - 1;
 #[repr(C, align(64))]
 pub(crate) struct IntervalZBuffer {
     /// Lower bound of the depth key: inverse depth, or negated depth for orthographic packets, so that it
-    /// grows towards the eye. −∞ where nothing is surely hit.
+    /// grows towards the eye, relative to the packet's reference. −∞ where nothing is surely hit.
     low: [f32; RAYS],
     /// Upper bound of the depth key.
     high: [f32; RAYS],
@@ -87,6 +90,25 @@ struct EdgeFunctions {
     depth_key_error: f32,
 }
 
+impl EdgeFunctions {
+    /// Those of lane `l` of a set-up.
+    #[inline(always)]
+    fn of(set_up: &TriangleSetup, l: usize, primitive: u32) -> Self {
+        let linear = |f: &[[f32; LANES]; 3]| [f[0][l], f[1][l], f[2][l]];
+        Self {
+            primitive,
+            edges: [
+                linear(&set_up.edges[0]),
+                linear(&set_up.edges[1]),
+                linear(&set_up.edges[2]),
+            ],
+            edge_error: set_up.edge_error[l],
+            depth_key: linear(&set_up.depth_key),
+            depth_key_error: set_up.depth_key_error[l],
+        }
+    }
+}
+
 impl IntervalZBuffer {
     pub(crate) fn new() -> Self {
         Self {
@@ -100,17 +122,17 @@ impl IntervalZBuffer {
         }
     }
 
-    /// Clears it for a packet of `columns × rows` rays, at most [`SIDE`] each.
+    /// Clears it for a packet of `columns × rows` rays, at most [`SIDE`] each. `begin` is the depth key where
+    /// orthographic rays begin, infinite for perspective.
     #[inline(always)]
-    pub(crate) fn clear(&mut self, lanes: impl Lanes, columns: u32, rows: u32, perspective: bool) {
+    pub(crate) fn clear(&mut self, lanes: impl Lanes, columns: u32, rows: u32, begin: f32) {
         self.low = [f32::NEG_INFINITY; RAYS];
         self.high = [f32::NEG_INFINITY; RAYS];
         self.primitives = [MISS; RAYS];
         self.hi_z = [f32::NEG_INFINITY; CELLS * CELLS];
         self.dirty = 0;
         self.rivals.clear();
-        // Orthographic rays begin at the image plane, where the negated depth is zero.
-        self.begin = if perspective { f32::INFINITY } else { 0.0 };
+        self.begin = begin;
         let (columns, rows) = (columns as usize, rows as usize);
         if columns < SIDE || rows < SIDE {
             // Rays outside the packet accept nothing: they are infinitely near.
@@ -339,20 +361,31 @@ impl IntervalZBuffer {
         &self,
         space: &PacketSpace,
         set_up: &mut TriangleSetup,
-        boxes: &[RayBox; LANES],
+        corners: &CornerLanes,
         primitives: &[u32],
         decisions: &mut Decisions<'_>,
     ) -> u32 {
+        let mut which = 0;
+        if decisions.are_exact() {
+            for l in 0..primitives.len().min(LANES) {
+                which |= u32::from(set_up.is_rough[l] && set_up.boxes[l].right >= 0) << l;
+            }
+        }
+        if which != 0 {
+            let work = ComponentwiseSetup {
+                space,
+                corners,
+                which,
+                out: set_up,
+            };
+            dispatch(decisions.simd(), work);
+        }
         let mut never_hit = 0;
         for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
-            let mut is_doubtful = set_up.ill_conditioned[l];
-            if decisions.are_exact() && !(is_doubtful && decisions.is_never_hit(primitive)) {
-                if set_up.is_rough[l] && set_up.boxes[l].right >= 0 {
-                    let corners = decisions.corners(primitive);
-                    space.set_up_componentwise(corners, &boxes[l], l, set_up);
-                }
-                is_doubtful = self.begin != f32::INFINITY && set_up.may_touch(l, self.begin);
-            }
+            let begins = decisions.are_exact()
+                && self.begin != f32::INFINITY
+                && set_up.may_touch(l, self.begin);
+            let is_doubtful = set_up.boxes[l].right >= 0 && (set_up.ill_conditioned[l] || begins);
             never_hit |= u32::from(is_doubtful && decisions.is_never_hit(primitive)) << l;
         }
         never_hit
@@ -373,12 +406,15 @@ impl IntervalZBuffer {
         let mut set_up = space.set_up(corners, boxes);
         let any_rough = set_up.is_rough.iter().fold(false, |any, &is| any | is);
         let never_hit = if any_rough || self.begin != f32::INFINITY {
-            self.refine(space, &mut set_up, boxes, primitives, decisions)
+            self.refine(space, &mut set_up, corners, primitives, decisions)
         } else {
             0
         };
         for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
-            if never_hit >> l & 1 == 0 {
+            if never_hit >> l & 1 == 0
+                && (decisions.clip().is_empty()
+                    || !self.rasterize_cut(lanes, &set_up, l, primitive, decisions))
+            {
                 self.rasterize_one(lanes, &set_up, l, primitive, decisions);
             }
         }
@@ -394,18 +430,7 @@ impl IntervalZBuffer {
         primitive: u32,
         decisions: &mut Decisions<'_>,
     ) {
-        let linear = |f: &[[f32; LANES]; 3]| [f[0][l], f[1][l], f[2][l]];
-        let functions = EdgeFunctions {
-            primitive,
-            edges: [
-                linear(&set_up.edges[0]),
-                linear(&set_up.edges[1]),
-                linear(&set_up.edges[2]),
-            ],
-            edge_error: set_up.edge_error[l],
-            depth_key: linear(&set_up.depth_key),
-            depth_key_error: set_up.depth_key_error[l],
-        };
+        let functions = EdgeFunctions::of(set_up, l, primitive);
         let RayBox {
             left,
             right,
@@ -600,8 +625,8 @@ impl IntervalZBuffer {
         ))
     }
 
-    /// Marks open rays of eight from `first` on undecided between what they hold and a triangle, except those that
-    /// are surely inside of it and hold another of its plane: there the lower primitive id wins.
+    /// Marks open rays of eight from `first` on undecided between their triangle so far and another, except those that
+    /// are surely inside of it and have one of its plane: there the lower primitive id wins.
     #[inline(never)]
     fn leave_undecided(
         &mut self,
@@ -610,28 +635,37 @@ impl IntervalZBuffer {
         first: usize,
         decisions: &mut Decisions<'_>,
     ) {
-        // Neighbouring rays mostly hold the same triangle.
-        let mut last = (MISS, None);
-        for_each_bit(u64::from(open.rays), |lane| {
-            let ray = first + lane;
-            let rival = held_primitive(self.primitives[ray]);
-            if let Some(rival) = rival
-                && open.inside >> lane & 1 != 0
-            {
-                if last.0 != rival {
-                    last = (rival, decisions.first_in_one_plane(rival, primitive));
-                }
-                // Both hits have one depth, which either's bounds hold.
-                if let Some(first) = last.1 {
-                    if first == primitive {
-                        self.primitives[ray] = primitive;
-                    }
-                    return;
-                }
+        let Some((_, _, primitives)) = self.rays(first) else {
+            return;
+        };
+        let (before, mut rest) = (*primitives, open.rays);
+        // Neighbouring rays mostly have the same triangle.
+        while rest != 0 {
+            let stored = before[rest.trailing_zeros() as usize % ROW];
+            let mut same = 0;
+            for (lane, &other) in before.iter().enumerate() {
+                same |= u32::from(other == stored) << lane;
             }
-            self.rivals.push_both(ray, rival, primitive);
-            self.primitives[ray] = UNDECIDED;
-        });
+            same &= rest;
+            rest &= !same;
+            let rival = held_primitive(stored);
+            if let Some(rival) = rival
+                && same & open.inside != 0
+                && let Some(nearer) = decisions.first_in_one_plane(rival, primitive)
+            {
+                // Both hits have one depth, which either's bounds hold.
+                if nearer == primitive {
+                    for_each_bit(u64::from(same & open.inside), |lane| {
+                        self.primitives[first + lane] = primitive;
+                    });
+                }
+                same &= !open.inside;
+            }
+            for_each_bit(u64::from(same), |lane| {
+                self.rivals.push_both(first + lane, rival, primitive);
+                self.primitives[first + lane] = UNDECIDED;
+            });
+        }
     }
 
     /// Marks every ray undecided that an ill-conditioned triangle may hit: those in its bounds where the
@@ -772,4 +806,41 @@ fn for_each_bit(mut bits: u64, mut of: impl FnMut(usize)) {
 #[inline(always)]
 fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::num::simd::Plain;
+
+    /// Intervals that share a number leave the order open, and so does a depth where rays may begin.
+    #[test]
+    fn intervals_that_touch_are_undecided() {
+        let functions = EdgeFunctions {
+            primitive: 7,
+            edges: [[0.0; 3]; 3],
+            edge_error: 0.0,
+            depth_key: [0.0; 3],
+            depth_key_error: 0.25,
+        };
+        let merge = DepthMerge::new(Plain, &functions, 8.0);
+        let near = [2.25, 2.5, 0.75, 0.5, 1.5, 7.75, 8.25, 8.5];
+        let (mut low, mut high) = ([1.0; ROW], [2.0; ROW]);
+        let mut primitives = [3; ROW];
+        let open = merge.row(
+            Plain,
+            Plain.load(&near),
+            None,
+            &mut low,
+            &mut high,
+            &mut primitives,
+        );
+        // Touches from before, is before, touches from behind, is behind, lies within; touches the beginning from
+        // both sides, and is behind it.
+        assert_eq!(open.rays, 0b0111_0101);
+        assert_eq!(open.inside, 0b0001_1111);
+        assert_eq!(primitives, [3, 7, 3, 3, 3, 3, 3, 3]);
+        assert_eq!(low, [2.0, 2.25, 1.0, 1.0, 1.25, 1.0, 1.0, 1.0]);
+        assert_eq!(high, [2.5, 2.75, 2.0, 2.0, 2.0, 8.0, 8.5, 2.0]);
+    }
 }

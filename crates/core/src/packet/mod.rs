@@ -12,10 +12,14 @@
 //!    thin ones have their bounds shrunk to what their rows span.
 //! 4. `setup`: what is left is set up as linear functions of a ray's place: three edge functions and an
 //!    inverse depth, with bounds on their errors (Pineda 1988; Olano and Greer 1997). Where the bounds say little,
-//!    `componentwise_setup` does it again with bounds of its own.
+//!    `componentwise_setup` does it again with bounds of its own. Of what is thin beside its distance, depths are
+//!    relative to a `depth_reference`.
 //! 5. `interval_zbuffer`: triangles are rasterised into an interval of depth a ray, in single precision.
 //!    What the intervals cannot decide is marked undecided, its rivals are recorded, and `cast` lets the single
 //!    ray decide between them. What is the same for all rays is decided once (`decisions`).
+//!
+//! Where there are clipping planes, boxes and triangles of which they keep nothing are skipped on the way, and those
+//! that they cut get an edge more (`interval_zbuffer::cut_triangles`).
 //!
 //! `observer` and `trace` record the way for pictures and tables. No decision here is final unless a
 //! derived bound says so: the answers are those of exact arithmetic.
@@ -23,10 +27,16 @@
 mod cast;
 #[cfg(test)]
 mod cast_tests;
+#[cfg(test)]
+mod clip_tests;
 mod componentwise_setup;
 mod counts;
 mod decisions;
+mod depth_reference;
+mod each;
 mod frustum;
+#[cfg(test)]
+mod instance_tests;
 mod interval_zbuffer;
 mod lane_math;
 mod observer;

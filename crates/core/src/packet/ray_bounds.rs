@@ -42,6 +42,7 @@
 //! r·S < 10³⁰ and Z ≥ 10⁻³⁰ keep products and inverses finite; r is at least 10⁻³⁰, which keeps what underflow
 //! loses, 10⁻⁴⁴, far below the bounds.
 
+use super::depth_reference::DepthReference;
 use super::lane_math::{ROUNDER, Three, least, most, round};
 use super::params::{SIDE, SMALL_SIDE};
 use super::ray_box::RayBox;
@@ -401,6 +402,13 @@ impl ProjectedTriangles {
         small: 0,
         coverage: SmallCoverage::NONE,
     };
+
+    /// Makes depth keys relative. Those of small triangles are too coarse to be of use then: they are set up.
+    #[inline(never)]
+    pub(super) fn relate_to(&mut self, reference: DepthReference) {
+        self.small = 0;
+        self.nearest = self.nearest.map(|key| reference.relative_above(key));
+    }
 
     /// Bounds of a triangle that is seen.
     #[inline(always)]

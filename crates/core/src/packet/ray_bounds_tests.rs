@@ -37,7 +37,7 @@ fn check(projection: Projection, pitch: f64, frame: DVec3, depth: f32, tally: &m
             let ray = Ray {
                 // Where orthographic rays begin is another matter.
                 t_min: match projection {
-                    Projection::Perspective => 0.0,
+                    Projection::Perspective | Projection::Panoramic(_) => 0.0,
                     Projection::Orthographic => -1e9,
                 },
                 ..camera.ray(x as f64 + 0.5, y as f64 + 0.5)
@@ -50,7 +50,7 @@ fn check(projection: Projection, pitch: f64, frame: DVec3, depth: f32, tally: &m
             let key = truth.map(|hit| {
                 let depth = hit.t * ray.direction.dot(camera.forward());
                 match projection {
-                    Projection::Perspective => 1.0 / depth,
+                    Projection::Perspective | Projection::Panoramic(_) => 1.0 / depth,
                     Projection::Orthographic => -depth,
                 }
             });

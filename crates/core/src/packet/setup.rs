@@ -33,7 +33,12 @@
 //! * **Plane.** With L and M the greatest differences of corners in X or Y, and in Z: (i, j, 1)·n is off by
 //!   N = (L + hM)·(8(K + h)δ + 16εL), and A·n by F = (A·M + Z·L)·(16(K + h)δ + 24εL) + 12δ·A·L. Orthographic
 //!   depths are (A·n − n₁i − n₂j)/n₃, whose numerator is off by F with A + h for A, and n₃ by 8KδL + 8εL².
+//! * **Depth key.** A quotient whose denominator is off by a quarter of itself at most is off by 4/3 of what its parts
+//!   are off by, relative to itself: we take 2. Inverse and product round by 2ε of the key. The key is made relative
+//!   to the packet's reference (`depth_reference`) after that: these errors are as large as the whole key makes
+//!   them, and only [`LINEAR_ERROR`], with the difference's rounding in it, goes by what is left.
 
+use super::depth_reference::DepthReference;
 use super::params::{ROW, SIDE};
 use super::ray_box::RayBox;
 use crate::camera::{Camera, Projection};
@@ -81,6 +86,8 @@ pub(crate) struct PacketSpace {
     /// B/D; one for orthographic packets.
     pub(super) obliqueness: f64,
     pub(super) rays: PacketRays,
+    /// What depth keys are relative to.
+    pub(super) reference: f64,
 }
 
 /// The rays of a packet in world space.
@@ -110,7 +117,7 @@ pub(crate) struct TriangleSetup {
     /// Bounds on the error of the edge functions.
     pub(crate) edge_error: [f32; LANES],
     /// Depth key: inverse depth, or negated depth for orthographic packets, so that it grows towards the
-    /// eye.
+    /// eye, relative to the packet's reference.
     pub(crate) depth_key: [[f32; LANES]; 3],
     /// Bounds on its error.
     pub(crate) depth_key_error: [f32; LANES],
@@ -216,6 +223,15 @@ impl PacketSpace {
                     0.0
                 },
             },
+            reference: 0.0,
+        }
+    }
+
+    /// The same packet, with depth keys relative to a reference.
+    pub(super) fn relative_to(self, reference: DepthReference) -> Self {
+        Self {
+            reference: reference.key().into(),
+            ..self
         }
     }
 
@@ -289,9 +305,12 @@ impl PacketSpace {
 
             let inverse = 1.0 / plane.facing;
             let key = self.depth_key(&triangle, &span, inverse);
+            let greatest = key.size(&span);
+            let key = key.less(self.reference);
             let spread = key.size(&span);
-            let relative = plane.facing_error * inverse.abs();
-            let key_error = spread * (LINEAR_ERROR + 2.0 * relative)
+            let relative = plane.facing_error * inverse.abs() + 4.0 * EPSILON;
+            let key_error = spread * LINEAR_ERROR
+                + greatest * (2.0 * relative)
                 + 2.0 * plane.numerator_error * inverse.abs();
             out.depth_key[0][l] = key.constant as f32;
             out.depth_key[1][l] = key.x as f32;
@@ -510,6 +529,15 @@ impl Linear {
     pub(super) fn moved(self, span: &Span) -> Self {
         Self {
             constant: self.constant + self.x * span.i + self.y * span.j,
+            ..self
+        }
+    }
+
+    /// The same function less a constant.
+    #[inline(always)]
+    pub(super) fn less(self, constant: f64) -> Self {
+        Self {
+            constant: self.constant - constant,
             ..self
         }
     }

@@ -1,17 +1,21 @@
 //! Triangles as functions of a ray's place, against exact arithmetic: what they leave no doubt about is
 //! so, over pitches from a scene's size to next to a double's, and they leave little in doubt.
 
+use super::componentwise_setup::ComponentwiseSetup;
+use super::depth_reference::DepthReference;
 use super::params::SIDE;
 use super::ray_box::RayBox;
 use super::setup::{CornerLanes, PacketSpace, TriangleSetup};
+use crate::bvh::tree::Box32;
 use crate::camera::{Camera, ImagePlane, Placement, Projection};
 use crate::hit::Cull;
-use crate::num::simd::LANES;
+use crate::num::simd::{LANES, Plain, Work};
 use crate::random::Random;
 use crate::ray::Ray;
 use crate::triangle::Nearest;
 use crate::triangle::exact::{self, Placed};
 use glam::{DVec3, Vec3};
+use std::cmp::Ordering;
 
 const ALL: RayBox = RayBox {
     left: 0,
@@ -238,10 +242,14 @@ fn check_all(
         });
         let mut set_up = space.set_up(&corners, &boxes);
         if !matches!(kind, Kind::Plain | Kind::AtRay) {
-            for (l, &(corners, _)) in triangles.iter().enumerate() {
-                set_up.boxes[l] = ALL;
-                space.set_up_componentwise(corners, &ALL, l, &mut set_up);
-            }
+            set_up.boxes = [ALL; LANES];
+            let work = ComponentwiseSetup {
+                space: &space,
+                corners: &corners,
+                which: (1 << LANES) - 1,
+                out: &mut set_up,
+            };
+            work.run(Plain);
         }
         for (l, &(corners, ray)) in triangles.iter().enumerate() {
             let placed = Placed {
@@ -326,6 +334,101 @@ fn what_componentwise_bounds_are_sure_of_is_so() {
                 let is_enough = share >= least || frame != DVec3::ZERO;
                 assert!(is_enough, "{projection:?} {pitch}: {share} in a hundred");
             }
+        }
+    }
+}
+
+/// Depth keys relative to a reference order two triangles only as exact arithmetic does: of triangles whose distances
+/// differ by 1e-11 to 1e-16 of themselves, seen from everywhere, at rays that hit both.
+#[test]
+fn relative_depth_keys_order_only_what_is_sure() {
+    let mut random = Random(53);
+    let far = DVec3::new(148_376.0, 1234.5, -223_423.25);
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        let perspective = projection == Projection::Perspective;
+        // The least share of pairs that are ordered.
+        for (pitch, apart, frame, least) in [
+            (1e-3, 1e-9, DVec3::ZERO, 60),
+            (1e-11, 1e-10, DVec3::ZERO, 40),
+            (1e-11, 1e-12, DVec3::ZERO, 10),
+            (1e-12, 1e-14, DVec3::ZERO, 0),
+            (1e-12, 1e-15, DVec3::ZERO, 0),
+            (1e-6, 1e-9, far, 0),
+        ] {
+            let (mut both, mut ordered) = (0, 0);
+            for round in 0..400 {
+                let camera = camera(&mut random, frame, projection, pitch);
+                let eye = camera.placement().eye - frame;
+                let boxes = [Box32 {
+                    min: Vec3::splat(-8.0 * pitch as f32),
+                    max: Vec3::splat(8.0 * pitch as f32),
+                }];
+                let reference = DepthReference::of(boxes.into_iter(), &camera, eye);
+                assert!(pitch > 1e-5 || !reference.is_zero());
+                let space = space(&camera, frame, Cull::None).relative_to(reference);
+                // Pairs: one a little behind the other, or tilted against it.
+                let mut triangles = [[Vec3::ZERO; 3]; LANES];
+                for l in (0..LANES).step_by(2) {
+                    let corners = [(); 3].map(|()| random.point() * (12.0 * pitch));
+                    triangles[l] = corners.map(DVec3::as_vec3);
+                    let off = camera.forward() * (5.0 * apart * random.signed());
+                    triangles[l + 1] = corners.map(|corner| {
+                        let tilt = camera.forward() * (apart * random.signed());
+                        (corner * 1.2 + off + tilt).as_vec3()
+                    });
+                }
+                let corners = lanes_of(triangles);
+                let mut set_up = space.set_up(&corners, &[ALL; LANES]);
+                if round % 2 == 0 {
+                    let work = ComponentwiseSetup {
+                        space: &space,
+                        corners: &corners,
+                        which: (1 << LANES) - 1,
+                        out: &mut set_up,
+                    };
+                    work.run(Plain);
+                }
+                for l in (0..LANES).step_by(2) {
+                    let sound = |l: usize| !set_up.ill_conditioned[l] && set_up.boxes[l].right >= 0;
+                    if !sound(l) || !sound(l + 1) {
+                        continue;
+                    }
+                    for at in (0..SIDE * SIDE).step_by(37) {
+                        let (x, y) = (at % SIDE, at / SIDE);
+                        let ray = camera.ray(x as f64 + 0.5, y as f64 + 0.5);
+                        let t_min = if perspective { 0.0 } else { -1e99 };
+                        let ray = Ray { t_min, ..ray };
+                        let placed = |l: usize| Placed {
+                            corners: triangles[l],
+                            origin: frame,
+                        };
+                        let order = exact::compare(&ray, &placed(l), &placed(l + 1), Cull::None);
+                        let Some(order) = order else { continue };
+                        both += 1;
+                        let key = |l: usize| {
+                            let [constant, across, along] = set_up.depth_key.map(|f| f[l]);
+                            let key = constant + across * x as f32 + along * y as f32;
+                            let error = set_up.depth_key_error[l];
+                            (key - error, key + error)
+                        };
+                        let (first, second) = (key(l), key(l + 1));
+                        if first.0 > second.1 {
+                            assert_eq!(order, Ordering::Less, "{projection:?} {pitch} {apart}");
+                        } else if second.0 > first.1 {
+                            assert_eq!(order, Ordering::Greater, "{projection:?} {pitch} {apart}");
+                        } else {
+                            continue;
+                        }
+                        ordered += 1;
+                    }
+                }
+            }
+            assert!(both > 300, "{both}");
+            let share = ordered * 100 / both;
+            assert!(
+                share >= least,
+                "{projection:?} {pitch} {apart}: {share} in a hundred"
+            );
         }
     }
 }

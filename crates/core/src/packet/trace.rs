@@ -13,6 +13,7 @@ use crate::camera::Lattice;
 use crate::hit::{Cull, MISS, Precision};
 use crate::num::simd::{Lanes, Plain, Work};
 use crate::scene::Bounds;
+use crate::triangle::clip::Clip;
 use std::ops::Range;
 
 /// A large packet of a lattice: its entry points, and the packets that start from them.
@@ -111,15 +112,17 @@ impl Work for RecordTrace<'_> {
             rows: lattice.rows,
         };
         let mut primitives = vec![MISS; lattice.len()];
-        let mut find = Find {
+        let clip = Clip::NONE;
+        let mut find = Find::<true> {
             accel,
+            clip: &clip,
             lattice,
             cull,
             precision: Precision::Exact,
             primitives: &mut primitives,
             counts: &mut CastCounts::default(),
         };
-        let mut traversal = Traversal::new(accel, lattice, Precision::Exact);
+        let mut traversal = Traversal::<true>::new(accel, &clip, lattice, Precision::Exact);
         let mut zbuffer = IntervalZBuffer::new();
         for large in whole.split(LARGE_SIDE) {
             let before = traversal.counts.nodes;
@@ -136,7 +139,7 @@ impl Work for RecordTrace<'_> {
                         min: accel.origin + bounds.min.as_dvec3(),
                         max: accel.origin + bounds.max.as_dvec3(),
                     },
-                    primitives: subtree.primitives().collect(),
+                    primitives: accel.primitives_below(subtree),
                 });
             }
             if !level.list.is_empty() {

@@ -6,6 +6,7 @@
 
 use super::counts::CastCounts;
 use super::decisions::Decisions;
+use super::depth_reference::DepthReference;
 use super::frustum::{CellFrusta, Frustum, Viewpoint, Window};
 use super::interval_zbuffer::{IntervalZBuffer, SmallOutcome};
 use super::observer::Observer;
@@ -18,6 +19,7 @@ use crate::bvh::tree::{Box32, BoxPair, DEPTH_LIMIT, Subtree};
 use crate::camera::{Lattice, Projection};
 use crate::hit::{Cull, Precision};
 use crate::num::simd::{F32x8, LANES, Lanes};
+use crate::triangle::clip::{Clip, Kept};
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
@@ -198,9 +200,10 @@ impl Descent {
     }
 }
 
-/// The traversal of a lattice's packets.
-pub(super) struct Traversal<'a> {
+/// The traversal of a lattice's packets, through one tree or through instances too ([`Accel::open`]).
+pub(super) struct Traversal<'a, const INSTANCES: bool> {
     accel: &'a Accel,
+    clip: &'a Clip,
     lattice: &'a Lattice,
     eye: DVec3,
     eye_error: f64,
@@ -211,16 +214,25 @@ pub(super) struct Traversal<'a> {
     next: Vec<(Subtree, Box32, f32)>,
     /// Primitive indices of the leaves reached.
     batch: Batch,
+    /// Those of them, as bits, that clipping planes leave a part of.
+    cut: u32,
     /// Those queued for set-up, with the bounds of their rays.
     queued: Batch,
     boxes: [RayBox; LANES],
     /// What is decided exactly, once for all packets.
     decisions: Decisions<'a>,
+    /// What the large packet's depth keys are relative to.
+    reference: DepthReference,
     pub(super) counts: CastCounts,
 }
 
-impl<'a> Traversal<'a> {
-    pub(super) fn new(accel: &'a Accel, lattice: &'a Lattice, precision: Precision) -> Self {
+impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
+    pub(super) fn new(
+        accel: &'a Accel,
+        clip: &'a Clip,
+        lattice: &'a Lattice,
+        precision: Precision,
+    ) -> Self {
         let eye_in_world = lattice.camera.placement().eye;
         let eye = eye_in_world - accel.origin;
         let off = accel.origin != DVec3::ZERO;
@@ -231,6 +243,7 @@ impl<'a> Traversal<'a> {
         };
         Self {
             accel,
+            clip,
             lattice,
             eye,
             eye_error,
@@ -238,9 +251,11 @@ impl<'a> Traversal<'a> {
             list: Vec::new(),
             next: Vec::new(),
             batch: Batch::default(),
+            cut: 0,
             queued: Batch::default(),
             boxes: [RayBox::default(); LANES],
-            decisions: Decisions::new(accel, &lattice.camera, precision),
+            decisions: Decisions::new(accel, clip, &lattice.camera, precision),
+            reference: DepthReference::default(),
             counts: CastCounts::default(),
         }
     }
@@ -307,17 +322,21 @@ impl<'a> Traversal<'a> {
                 };
                 deepened = true;
                 self.counts.nodes += 1;
-                let node = &tree.nodes[index as usize];
-                let children = node.children(index);
-                let entered = frustum.enter(lanes, &node.boxes);
+                let mut opened = None;
+                let (boxes, children) = self.accel.open::<INSTANCES>(index, &mut opened);
+                let entered = frustum.enter(lanes, boxes);
                 for (child, (near, inside)) in entered.into_iter().enumerate() {
-                    if inside {
-                        self.next
-                            .push((children[child], node.boxes.get(child), near));
+                    if inside && !self.removes(boxes, child) {
+                        self.next.push((children[child], boxes.get(child), near));
                     }
                 }
             }
             std::mem::swap(&mut self.list, &mut self.next);
+        }
+        // What more precision would decide otherwise, fast casting does not.
+        if self.decisions.are_exact() {
+            let boxes = self.list.iter().map(|entry| entry.1);
+            self.reference = DepthReference::of(boxes, &self.lattice.camera, self.eye);
         }
         self.list.sort_unstable_by(|a, b| a.2.total_cmp(&b.2));
         for pair in self.list.chunks(2) {
@@ -377,13 +396,18 @@ impl<'a> Traversal<'a> {
                 if self.batch.len == 0 {
                     break;
                 }
+                if !self.clip.is_empty() && !self.clip_batch() {
+                    continue;
+                }
                 if !begun {
                     begun = true;
-                    let perspective = self.lattice.camera.projection() == Projection::Perspective;
-                    zbuffer.clear(lanes, part.columns, part.rows, perspective);
+                    zbuffer.clear(lanes, part.columns, part.rows, self.begin());
                 }
                 let corners = self.corners(lanes, self.batch.primitives());
                 projector.project(lanes, &corners, self.batch.len, &mut projected);
+                if !self.reference.is_zero() {
+                    projected.relate_to(self.reference);
+                }
             }
             if self.queued.len == 0 {
                 return begun;
@@ -416,6 +440,7 @@ impl<'a> Traversal<'a> {
                 self.batch.take(&mut descent.leaf);
                 continue;
             }
+            let mut opened = None;
             let (boxes, children) = if descent.depth > 0 {
                 descent.depth -= 1;
                 let (subtree, near) = descent.stack[descent.depth];
@@ -427,8 +452,7 @@ impl<'a> Traversal<'a> {
                     observer.reached(descent.leaf.clone());
                     continue;
                 };
-                let node = &self.accel.tree.nodes[index as usize];
-                (&node.boxes, node.children(index))
+                self.accel.open::<INSTANCES>(index, &mut opened)
             } else if descent.pair < self.pairs.len()
                 && self.pairs[descent.pair].near <= descent.limits.furthest
             {
@@ -452,6 +476,10 @@ impl<'a> Traversal<'a> {
             let [(near_a, inside_a), (near_b, inside_b)] = descent.frustum.enter(lanes, boxes);
             let mut a_hit = inside_a & (near_a <= limits.furthest);
             let mut b_hit = inside_b & (near_b <= limits.furthest);
+            if !self.clip.is_empty() {
+                a_hit &= !self.removes(boxes, 0);
+                b_hit &= !self.removes(boxes, 1);
+            }
             // What begins behind hi-z of some cells may touch no others.
             if a_hit & (near_a > limits.nearest_cell) | b_hit & (near_b > limits.nearest_cell) {
                 descent.doubtful += 1;
@@ -490,7 +518,7 @@ impl<'a> Traversal<'a> {
         if zbuffer.occludes(&rays, projected.nearest[lane]) {
             return Outcome::Occluded;
         }
-        if projected.small >> lane & 1 == 0 {
+        if (projected.small & !self.cut) >> lane & 1 == 0 {
             if rays.is_narrow() && zbuffer.occludes_each(lanes, &rays, projected.nearest[lane]) {
                 return Outcome::Occluded;
             }
@@ -517,6 +545,34 @@ impl<'a> Traversal<'a> {
             self.queue(primitive, rays);
         }
         Outcome::NoRoom
+    }
+
+    /// Whether clipping planes keep nothing within a box.
+    #[inline(always)]
+    fn removes(&self, boxes: &BoxPair, which: usize) -> bool {
+        !self.clip.is_empty()
+            && self.clip.removes(
+                boxes.min.map(|least| least[which]),
+                boxes.max.map(|most| most[which]),
+            )
+    }
+
+    /// Drops triangles of which clipping planes keep nothing from the batch, and marks those that they cut. Whether
+    /// any is left.
+    #[inline(never)]
+    fn clip_batch(&mut self) -> bool {
+        let all = self.batch.primitives;
+        let count = std::mem::take(&mut self.batch.len);
+        self.cut = 0;
+        for &primitive in &all[..count] {
+            match self.clip.of(self.accel.corners(primitive)) {
+                Kept::Nothing => continue,
+                Kept::Some => self.cut |= 1 << self.batch.len,
+                Kept::All => {}
+            }
+            self.batch.push(primitive);
+        }
+        self.batch.len > 0
     }
 
     #[inline(always)]
@@ -554,20 +610,21 @@ impl<'a> Traversal<'a> {
         for (out, corners) in out.iter_mut().zip([ax, ay, az, bx, by, bz, cx, cy, cz]) {
             corners.store(out);
         }
+        self.accel.place::<INSTANCES>(primitives, &mut out);
         out
     }
 
-    /// A triangle's first eight coordinates.
+    /// A triangle's first eight coordinates, as they are stored.
     #[inline(always)]
     fn row<L: Lanes>(&self, lanes: L, primitive: u32) -> L::F32 {
-        let [a, b, c] = self.accel.triangles[primitive as usize].corners;
+        let [a, b, c] = self.accel.stored_corners::<INSTANCES>(primitive);
         lanes.load(&[a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y])
     }
 
     /// Its ninth coordinate.
     #[inline(always)]
     fn last(&self, primitive: u32) -> f32 {
-        self.accel.triangles[primitive as usize].corners[2].z
+        self.accel.stored_corners::<INSTANCES>(primitive)[2].z
     }
 
     /// Prefetches what a subtree on the stack will be read from: its triangles, or its first nodes.
@@ -585,7 +642,10 @@ impl<'a> Traversal<'a> {
             // Eight triangles take five cache lines.
             None => {
                 for line in 0..=subtree.count as usize * 5 / 8 {
-                    lanes.prefetch(&self.accel.triangles, subtree.first as usize + line * 8 / 5);
+                    lanes.prefetch(
+                        self.accel.triangles(),
+                        subtree.first as usize + line * 8 / 5,
+                    );
                 }
             }
         }
@@ -595,7 +655,7 @@ impl<'a> Traversal<'a> {
         let camera = &self.lattice.camera;
         let side = (SMALL * camera.plane().step * f64::from(self.lattice.stride)) as f32;
         match camera.projection() {
-            Projection::Perspective => SmallBoxes {
+            Projection::Perspective | Projection::Panoramic(_) => SmallBoxes {
                 slope: side / camera.distance() as f32,
                 constant: 0.0,
             },
@@ -616,6 +676,16 @@ impl<'a> Traversal<'a> {
             (part.columns, part.rows),
             cull,
         )
+        .relative_to(self.reference)
+    }
+
+    /// The relative depth key where rays begin; infinite for perspective.
+    fn begin(&self) -> f32 {
+        match self.lattice.camera.projection() {
+            Projection::Perspective | Projection::Panoramic(_) => f32::INFINITY,
+            // They begin at the image plane, where the negated depth is zero.
+            Projection::Orthographic => 0.0 - self.reference.key(),
+        }
     }
 
     /// Where boxes must begin to hold something that is not occluded.
@@ -628,24 +698,26 @@ impl<'a> Traversal<'a> {
         }
     }
 
-    /// Upper bound of the depth key of a box that begins here along the view axis.
+    /// Upper bound of the relative depth key of a box that begins here along the view axis.
     #[inline(always)]
     fn depth_key(&self, near: f32) -> f32 {
-        match self.lattice.camera.projection() {
-            Projection::Perspective if near > 0.0 => BEYOND / near,
-            Projection::Perspective => f32::INFINITY,
+        let key = match self.lattice.camera.projection() {
             Projection::Orthographic => near.abs() * (BEYOND - 1.0) - near,
-        }
+            _ if near > 0.0 => BEYOND / near,
+            _ => f32::INFINITY,
+        };
+        self.reference.relative_above(key)
     }
 
     /// How far along the view axis a box may begin and still hold something nearer than `hi_z`.
     #[inline(always)]
     fn limit(&self, hi_z: f32) -> f32 {
+        let hi_z = self.reference.absolute(hi_z);
         match self.lattice.camera.projection() {
-            // The depth key is the inverse depth.
-            Projection::Perspective if hi_z > 0.0 => BEYOND / hi_z,
-            Projection::Perspective => f32::INFINITY,
             Projection::Orthographic => -hi_z + hi_z.abs() * (BEYOND - 1.0),
+            // The depth key is the inverse depth.
+            _ if hi_z > 0.0 => BEYOND / hi_z,
+            _ => f32::INFINITY,
         }
     }
 }

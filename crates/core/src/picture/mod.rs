@@ -23,6 +23,7 @@ mod ppm;
 mod recipe;
 mod rows;
 mod tiff;
+mod xmp;
 
 pub use animated_png::AnimatedPng;
 pub use band::{Band, BandSizes};

@@ -4,7 +4,7 @@ use super::buffers::reserved;
 use super::file::Tags;
 use super::image::DECODED_LIMIT;
 use super::place::Place;
-use super::{ImageError, ImageFile, Picture, Recipe};
+use super::{ImageError, ImageFile, Picture, Recipe, xmp};
 use ::png::{BitDepth, ColorType, Compression, Decoder, Encoder, Limits, SrgbRenderingIntent};
 use std::io::{BufRead, Cursor, Seek};
 
@@ -34,6 +34,13 @@ pub(super) fn encoder<'a>(
     encoder.set_depth(BitDepth::Eight);
     encoder.set_compression(Compression::Fast);
     encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+    if let (Some(recipe), None) = (tags.recipe, tags.place)
+        && let Some(packet) = xmp::packet(recipe)
+    {
+        encoder
+            .add_itxt_chunk(xmp::KEYWORD.to_owned(), packet)
+            .map_err(failed)?;
+    }
     let texts = [
         (RECIPE, tags.recipe.map(Recipe::to_string)),
         (FRAGMENT, tags.place.map(Place::to_string)),

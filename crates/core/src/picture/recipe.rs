@@ -4,7 +4,7 @@ use super::ImageError;
 use crate::camera::{Camera, ImagePlane, Placement, Projection};
 use crate::digest::Digest;
 use crate::hit::{Cull, Precision};
-use crate::scene::Color;
+use crate::scene::{ClippingPlane, ClippingPlanes, Color, ColorMap, ColorScale};
 use crate::shade::{Background, Filter, Mode, Shading, TextureProjection, Wireframe};
 use glam::DVec3;
 use std::fmt::{self, LowerExp};
@@ -30,6 +30,8 @@ pub struct Recipe {
     pub samples: u32,
     /// Which faces they met.
     pub cull: Cull,
+    /// What was cut away: planes that are enabled.
+    pub clip: ClippingPlanes,
     /// How sure the triangles are.
     pub precision: Precision,
     /// In which colours.
@@ -44,7 +46,7 @@ impl Recipe {
 
     /// Whether every pixel covers what lies behind the picture.
     pub fn is_opaque(&self) -> bool {
-        self.shading.background != Background::Transparent
+        self.shading.background != Background::Transparent && self.camera.is_filled()
     }
 
     /// In what another recipe differs, in words: the first that does of scene, size, camera and
@@ -52,6 +54,9 @@ impl Recipe {
     pub fn difference(&self, other: &Self) -> Option<String> {
         if self.scene != other.scene {
             return Some("it was made from another scene".to_owned());
+        }
+        if self.clip != other.clip {
+            return Some("it was made with other clipping planes".to_owned());
         }
         let (mine, theirs) = (self.lines(), other.lines());
         let (mine, theirs) = mine
@@ -74,6 +79,7 @@ impl Recipe {
             camera,
             samples,
             cull,
+            clip,
             precision,
             shading,
         } = self;
@@ -90,6 +96,7 @@ impl Recipe {
             blend,
             filter,
             projection,
+            scale,
         } = shading;
         let lines = match wireframe {
             None => "\"none\"".to_owned(),
@@ -99,6 +106,18 @@ impl Recipe {
             Background::Transparent => "\"transparent\"".to_owned(),
             Background::Gradient(top, bottom) => format!("[\"{top}\", \"{bottom}\"]"),
         };
+        // Pictures without planes keep the text that they had before there were any.
+        let clip: String = (clip.all().iter())
+            .map(|ClippingPlane { normal, offset, .. }| {
+                let numbers = [normal.x, normal.y, normal.z, *offset].map(|number| float(&number));
+                format!("clip = [{}]\n", numbers.join(", "))
+            })
+            .collect();
+        // What few pictures have has a line where they do.
+        let mut more = String::new();
+        if let Some(scale) = scale {
+            more += &format!("color-scale = {}\n", scale_text(scale));
+        }
         format!(
             "raycast-recipe = {VERSION}\n\
              scene = \"{scene}\"\n\
@@ -110,15 +129,16 @@ impl Recipe {
              up = {}\n\
              samples = {samples}\n\
              cull = \"{}\"\n\
+             {clip}\
              precision = \"{}\"\n\
              mode = \"{}\"\n\
              wireframe = {lines}\n\
              background = {background}\n\
              blend = {}\n\
              filter = \"{}\"\n\
-             texture-projection = \"{}\"\n",
+             texture-projection = \"{}\"\n{more}",
             float(&step),
-            projection_word(camera.projection()),
+            camera.projection(),
             vector(eye),
             vector(target),
             vector(up),
@@ -160,7 +180,7 @@ fn read(text: &str) -> Result<Recipe, String> {
     let scene = lines.quoted("scene")?.parse()?;
     let [columns, rows] = lines.list("size", "two whole numbers")?;
     let step = lines.one("step", "a number")?;
-    let projection = lines.word("projection", projection_of)?;
+    let projection = lines.word("projection", |word| word.parse::<Projection>().ok())?;
     let [eye, target, up] = [
         lines.vector("eye")?,
         lines.vector("target")?,
@@ -168,6 +188,7 @@ fn read(text: &str) -> Result<Recipe, String> {
     ];
     let samples = lines.one("samples", "a whole number")?;
     let cull = lines.word("cull", cull_of)?;
+    let clip = lines.clip()?;
     let precision = lines.word("precision", precision_of)?;
     let mode = lines.word("mode", mode_of)?;
     let wireframe = lines.wireframe()?;
@@ -175,6 +196,7 @@ fn read(text: &str) -> Result<Recipe, String> {
     let blend = lines.one("blend", "a number")?;
     let filter = lines.word("filter", filter_of)?;
     let texture_projection = lines.word("texture-projection", texture_projection_of)?;
+    let scale = lines.scale()?;
     let digest: Digest = lines.quoted("digest")?.parse()?;
     let plane = ImagePlane::new(columns, rows, step).map_err(|error| error.to_string())?;
     let recipe = Recipe {
@@ -182,6 +204,7 @@ fn read(text: &str) -> Result<Recipe, String> {
         camera: Camera::new(Placement { eye, target, up }, projection, plane),
         samples,
         cull,
+        clip,
         precision,
         shading: Shading {
             mode,
@@ -190,6 +213,7 @@ fn read(text: &str) -> Result<Recipe, String> {
             blend,
             filter,
             projection: texture_projection,
+            scale,
         },
     };
     // Whatever was read must be written as it was: a damaged line is not believed.
@@ -261,6 +285,23 @@ impl<'t> Lines<'t> {
         self.list(key, "three numbers").map(DVec3::from_array)
     }
 
+    /// Clipping planes, a line each; none where there are no such lines.
+    fn clip(&mut self) -> Result<ClippingPlanes, String> {
+        let mut planes = ClippingPlanes::NONE;
+        while self
+            .lines
+            .clone()
+            .next()
+            .is_some_and(|line| line.starts_with("clip = "))
+        {
+            let [x, y, z, offset] = self.list("clip", "four numbers")?;
+            ClippingPlane::new(DVec3::new(x, y, z), offset)
+                .and_then(|plane| planes.push(plane))
+                .map_err(|error| format!("line {}: {error}", self.number))?;
+        }
+        Ok(planes)
+    }
+
     fn wireframe(&mut self) -> Result<Option<Wireframe>, String> {
         let value = self.value("wireframe")?;
         if value == "\"none\"" {
@@ -279,6 +320,35 @@ impl<'t> Lines<'t> {
             .ok_or_else(|| self.wrong("a width and a colour, or \"none\"", value))
     }
 
+    /// What stands behind the key, where that is the next line's.
+    fn optional(&mut self, key: &str) -> Option<&'t str> {
+        let line = self.lines.clone().next()?;
+        line.strip_prefix(key)?.strip_prefix(" = ")?;
+        self.value(key).ok()
+    }
+
+    fn scale(&mut self) -> Result<Option<ColorScale>, String> {
+        let Some(value) = self.optional("color-scale") else {
+            return Ok(None);
+        };
+        let read = || {
+            let mut items = items(value)?.peekable();
+            let map = color_map_of(unquoted(items.next()?)?)?;
+            let range = match items.next()? {
+                "\"fitted\"" => None,
+                low => Some([low.parse().ok()?, items.next()?.parse().ok()?]),
+            };
+            let legend = items.next().is_some();
+            Some(ColorScale { map, range, legend })
+        };
+        read().map(Some).ok_or_else(|| {
+            self.wrong(
+                "a color map, \"fitted\" or two numbers, and perhaps \"legend\"",
+                value,
+            )
+        })
+    }
+
     fn background(&mut self) -> Result<Background, String> {
         let value = self.value("background")?;
         if value == "\"transparent\"" {
@@ -290,6 +360,15 @@ impl<'t> Lines<'t> {
         };
         read().ok_or_else(|| self.wrong("two colours, or \"transparent\"", value))
     }
+}
+
+fn scale_text(ColorScale { map, range, legend }: &ColorScale) -> String {
+    let range = match range {
+        None => "\"fitted\"".to_owned(),
+        Some([low, high]) => format!("{}, {}", float(low), float(high)),
+    };
+    let legend = if *legend { ", \"legend\"" } else { "" };
+    format!("[\"{}\", {range}{legend}]", color_map_word(*map))
 }
 
 /// What stands between quotes.
@@ -325,9 +404,12 @@ macro_rules! words {
     };
 }
 
-words!(projection_word, projection_of: Projection {
-    Perspective = "perspective",
-    Orthographic = "orthographic",
+words!(color_map_word, color_map_of: ColorMap {
+    Viridis = "viridis",
+    Magma = "magma",
+    Turbo = "turbo",
+    Cividis = "cividis",
+    Diverging = "diverging",
 });
 words!(cull_word, cull_of: Cull { None = "none", Back = "back" });
 words!(precision_word, precision_of: Precision { Fast = "fast", Exact = "exact" });
@@ -375,6 +457,7 @@ pub(super) mod tests {
             camera: Camera::new(placement, Projection::Orthographic, plane),
             samples: 16,
             cull: Cull::Back,
+            clip: ClippingPlanes::NONE,
             precision: Precision::Fast,
             shading: Shading {
                 mode: Mode::Normals,
@@ -386,6 +469,11 @@ pub(super) mod tests {
                 blend: 1.0 / 3.0,
                 filter: Filter::Nearest,
                 projection: TextureProjection::Triplanar,
+                scale: Some(ColorScale {
+                    map: ColorMap::Turbo,
+                    range: Some([-1.5, 1e300]),
+                    legend: true,
+                }),
             },
         }
     }
@@ -407,7 +495,8 @@ pub(super) mod tests {
                  samples = 16\ncull = \"back\"\nprecision = \"fast\"\nmode = \"normals\"\n\
                  wireframe = [1e-1, \"#0102ab\"]\nbackground = \"transparent\"\n\
                  blend = 3.3333334e-1\nfilter = \"nearest\"\n\
-                 texture-projection = \"triplanar\"\ndigest = \"{digest}\"\n"
+                 texture-projection = \"triplanar\"\n\
+                 color-scale = [\"turbo\", -1.5e0, 1e300, \"legend\"]\ndigest = \"{digest}\"\n"
             )
         );
         let plain = Recipe {
@@ -415,6 +504,30 @@ pub(super) mod tests {
             ..recipe
         };
         assert_eq!(plain.to_string().parse::<Recipe>().expect("reads"), plain);
+    }
+
+    #[test]
+    fn clipping_planes_are_told_where_there_are_any() {
+        let mut recipe = sample_recipe(40, 30);
+        let plain = recipe;
+        for (normal, offset) in [(DVec3::X, -0.5), (DVec3::new(1.0 / 3.0, 0.0, -2.0), 1e9)] {
+            let plane = ClippingPlane::new(normal, offset).expect("a plane");
+            recipe.clip.push(plane).expect("room");
+        }
+        let text = recipe.to_string();
+        assert!(
+            text.contains("\nclip = [1e0, 0e0, 0e0, -5e-1]\nclip = [3.33"),
+            "{text}"
+        );
+        assert_eq!(text.parse::<Recipe>().expect("reads"), recipe);
+        let told = plain.difference(&recipe).expect("they differ");
+        assert_eq!(told, "it was made with other clipping planes");
+        let zero = text.replace("[1e0, 0e0, 0e0, -5e-1]", "[0e0, 0e0, 0e0, -5e-1]");
+        let told = zero.parse::<Recipe>().expect_err("refused").to_string();
+        assert!(
+            told.contains("line 11: a clipping plane's normal must not be zero"),
+            "{told}"
+        );
     }
 
     #[test]

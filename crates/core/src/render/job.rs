@@ -4,10 +4,10 @@ use super::sample::sample_offset;
 use super::view::{Clock, Settings, View};
 use super::{Pass, Tile, TileStats};
 use crate::camera::{Lattice, Rect, SubCamera};
-use crate::hit::Detail;
+use crate::hit::{Detail, MISS};
 use crate::hits::Hits;
 use crate::picture::{Layers, Strip};
-use crate::shade::{self, Shader, TileShader};
+use crate::shade::{self, Cut, Section, Shader, Shown, TileShader};
 use std::time::Duration;
 
 /// A tile as far as it has come.
@@ -145,12 +145,19 @@ impl Job {
         work.evaluate(lattice);
         let rect = self.sub_camera.rect;
         let pixels = &mut self.pixels;
+        let section = work.section();
         work.shade(|Buffers { shader, hits }| {
             for row in 0..lattice.rows {
                 for column in 0..lattice.columns {
                     let (x, y) = lattice.place(column, row);
                     let hit = hits.get((row * lattice.columns + column) as usize);
-                    let color = shader.pixel8(x, y, &hit);
+                    let cut = section.as_ref();
+                    let cut = cut
+                        .and_then(|s| s.color8(Section::shown(s.at(x, y, hit.primitive), false)));
+                    let color = match cut {
+                        Some(color) => color,
+                        None => shader.pixel8(x, y, &hit),
+                    };
                     let (left, top) = (
                         lattice.x - rect.x + column * lattice.stride,
                         lattice.y - rect.y + row * lattice.stride,
@@ -179,11 +186,13 @@ impl Job {
             work.find(&lattice);
             work.evaluate(&lattice);
             let sums = &mut self.sums;
+            let cut = work.cut(&lattice);
             work.shade(|Buffers { shader, hits }| {
                 for (at, (sum, hit)) in sums.iter_mut().zip(hits.iter()).enumerate() {
                     let (x, y) =
                         lattice.place(at as u32 % lattice.columns, at as u32 / lattice.columns);
-                    let [r, g, b, a] = shader.color(x, y, &hit);
+                    let cut = cut.as_ref().and_then(|(s, all)| s.color(all[at]));
+                    let [r, g, b, a] = cut.unwrap_or_else(|| shader.color(x, y, &hit));
                     *sum = [sum[0] + r * a, sum[1] + g * a, sum[2] + b * a, sum[3] + a];
                 }
             });
@@ -287,6 +296,107 @@ impl<'a, 's> Work<'a, 's> {
         rect: Rect,
         rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
     ) {
+        let Some((section, shown)) = self.cut(lattice) else {
+            return self.shade_uncut(lattice, rect, rows);
+        };
+        // What is behind a section is not shaded.
+        for (primitive, shown) in self.buffers.hits.primitives.iter_mut().zip(&shown) {
+            if *shown != Shown::NONE {
+                *primitive = MISS;
+            }
+        }
+        let mut rows: Vec<_> = rows.collect();
+        self.shade_uncut(lattice, rect, rows.iter_mut().map(|row| &mut **row));
+        for (row, shown) in rows.iter_mut().zip(shown.chunks(lattice.columns as usize)) {
+            for (pixel, shown) in row.iter_mut().zip(shown) {
+                if let Some(color) = section.color8(*shown) {
+                    *pixel = color;
+                }
+            }
+        }
+    }
+
+    /// What the rays of a lattice, which have just been cast, show of sections; `None` where none shows any.
+    fn cut(&mut self, lattice: &Lattice) -> Option<(Section<'a>, Vec<Shown>)> {
+        let section = self.section()?;
+        let begin = (self.clock)();
+        let cuts = |lattice: &Lattice, primitives: &[u32]| -> Vec<Cut> {
+            let place = |at: u32| lattice.place(at % lattice.columns, at / lattice.columns);
+            let all = (0..).zip(primitives);
+            all.map(|(at, &primitive)| section.at(place(at).0, place(at).1, primitive))
+                .collect()
+        };
+        let inner = cuts(lattice, &self.buffers.hits.primitives);
+        if inner.iter().all(Option::is_none) {
+            self.stats.shade += self.since(begin);
+            return None;
+        }
+        let (columns, rows) = (lattice.columns as usize, lattice.rows as usize);
+        let plane = self.view.camera.plane();
+        // The rays next to the lattice; beyond the picture there are none.
+        let View {
+            accel, settings, ..
+        } = self.view;
+        let accel = accel.clipped(&settings.clip);
+        let beside = |is_inside: bool, lattice: Lattice| {
+            let mut primitives = Vec::new();
+            if is_inside {
+                accel.find(&lattice, settings.cull, settings.precision, &mut primitives);
+            }
+            cuts(&lattice, &primitives)
+        };
+        let row = |y| Lattice {
+            y,
+            rows: 1,
+            ..*lattice
+        };
+        let column = |x| Lattice {
+            x,
+            columns: 1,
+            ..*lattice
+        };
+        let (right, bottom) = (lattice.x + lattice.columns, lattice.y + lattice.rows);
+        let above = beside(lattice.y > 0, row(lattice.y.saturating_sub(1)));
+        let below = beside(bottom < plane.rows, row(bottom.min(plane.rows - 1)));
+        let before = beside(lattice.x > 0, column(lattice.x.saturating_sub(1)));
+        let behind = beside(right < plane.columns, column(right.min(plane.columns - 1)));
+        let shown = inner.iter().enumerate().map(|(at, &cut)| {
+            let (x, y) = (at % columns, at / columns);
+            let next = |is_inside: bool, to: usize, outside: Option<&Cut>| match is_inside {
+                true => inner[to],
+                false => outside.copied().unwrap_or(cut),
+            };
+            let neighbours = [
+                next(x > 0, at.wrapping_sub(1), before.get(y)),
+                next(x + 1 < columns, at + 1, behind.get(y)),
+                next(y > 0, at.wrapping_sub(columns), above.get(x)),
+                next(y + 1 < rows, at + columns, below.get(x)),
+            ];
+            Section::shown(cut, neighbours.iter().any(|&next| next != cut))
+        });
+        let shown = shown.collect();
+        self.stats.shade += self.since(begin);
+        Some((section, shown))
+    }
+
+    /// The section that clipping planes make, if any is seen.
+    fn section(&self) -> Option<Section<'a>> {
+        let View {
+            accel,
+            camera,
+            settings,
+            ..
+        } = self.view;
+        Section::new(accel, camera, settings.shading.mode, &settings.clip)
+    }
+
+    /// The same, but for sections.
+    fn shade_uncut<'p>(
+        &mut self,
+        lattice: &Lattice,
+        rect: Rect,
+        rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
+    ) {
         if self.shader().detail() == Detail::Triangle {
             self.shade(|Buffers { shader, hits }| {
                 shader.shade_primitives(rect, &hits.primitives, rows)
@@ -300,11 +410,15 @@ impl<'a, 's> Work<'a, 's> {
     /// Visibility.
     fn find(&mut self, lattice: &Lattice) {
         let Settings {
-            cull, precision, ..
-        } = self.view.settings;
+            cull,
+            precision,
+            clip,
+            ..
+        } = &self.view.settings;
         let begin = (self.clock)();
         let primitives = &mut self.buffers.hits.primitives;
-        let counts = self.view.accel.find(lattice, cull, precision, primitives);
+        let accel = self.view.accel.clipped(clip);
+        let counts = accel.find(lattice, *cull, *precision, primitives);
         self.stats.cast += self.since(begin);
         self.stats.counts += counts;
         self.stats.rays += self.buffers.hits.len() as u64;

@@ -8,6 +8,8 @@ mod pass;
 mod pass_tests;
 mod recipe;
 mod sample;
+#[cfg(test)]
+mod section_tests;
 mod tile;
 mod view;
 

@@ -8,6 +8,7 @@ impl Recipe {
         let Settings {
             shading,
             cull,
+            clip,
             precision,
             samples,
             layers: _,
@@ -17,6 +18,7 @@ impl Recipe {
             camera: view.camera,
             samples: samples.max(1),
             cull,
+            clip: clip.only_enabled(),
             precision,
             shading,
         }

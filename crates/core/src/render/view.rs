@@ -1,7 +1,7 @@
 use crate::bvh::Accel;
 use crate::camera::Camera;
 use crate::hit::{Cull, Precision};
-use crate::scene::Scene;
+use crate::scene::{ClippingPlanes, Scene};
 use crate::shade::Shading;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,6 +14,8 @@ pub struct Settings {
     pub shading: Shading,
     /// Which faces rays meet.
     pub cull: Cull,
+    /// What is cut away.
+    pub clip: ClippingPlanes,
     /// How sure the triangles are.
     pub precision: Precision,
     /// Rays a pixel, at least 1. The first goes through the pixel's centre.

@@ -1,3 +1,4 @@
+use super::Quantity;
 use std::str::FromStr;
 
 /// A colour as people choose it: sRGB, 8 bits a channel.
@@ -38,7 +39,7 @@ impl std::fmt::Display for Color {
 }
 
 /// How an object's triangles get their colours.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum ColorRule {
     /// One colour for the whole object.
     Uniform(Color),
@@ -50,18 +51,82 @@ pub enum ColorRule {
     /// The file's materials; [`Color::DEFAULT`] where it names none, or, in unlit pictures of a file
     /// without any, a colour a triangle.
     File,
+    /// A colour an object, from its number.
+    ByObject,
+    /// The direction of the surface in the world: x red, y green, z blue, from the side from which the
+    /// triangles' corners turn left, or by the mesh's own normals.
+    Normal,
+    /// A number of each point, through the picture's [`ColorScale`](super::ColorScale).
+    Value(Quantity),
 }
 
-impl ColorRule {
-    /// The colour of `triangle` where the rule alone decides it; `None` asks the file.
-    pub fn color(self, triangle: u32) -> Option<Color> {
+impl std::fmt::Display for ColorRule {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Uniform(color) => Some(color),
-            Self::PerTriangle { seed } => Some(triangle_color(seed, triangle)),
-            Self::File => None,
+            Self::Uniform(color) => color.fmt(f),
+            Self::PerTriangle { seed: 0 } => f.write_str("per-triangle"),
+            Self::PerTriangle { seed } => write!(f, "per-triangle:{seed}"),
+            Self::File => f.write_str("file"),
+            Self::ByObject => f.write_str("object"),
+            Self::Normal => f.write_str("normal"),
+            Self::Value(quantity) => quantity.fmt(f),
         }
     }
 }
+
+impl FromStr for ColorRule {
+    type Err = String;
+
+    /// Reads what a rule is displayed as.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (kind, of) = match text.split_once(':') {
+            Some((kind, of)) => (kind, Some(of)),
+            None => (text, None),
+        };
+        match (kind, of) {
+            ("file", None) => Ok(Self::File),
+            ("object", None) => Ok(Self::ByObject),
+            ("normal", None) => Ok(Self::Normal),
+            ("per-triangle", None) => Ok(Self::PerTriangle { seed: 0 }),
+            ("per-triangle", Some(seed)) => match seed.parse() {
+                Ok(seed) => Ok(Self::PerTriangle { seed }),
+                Err(_) => Err(format!("expected a seed from 0 to {}, found {seed:?}", u32::MAX)),
+            },
+            ("area" | "distance" | "curvature" | "scalar", _) => text.parse().map(Self::Value),
+            _ => text.parse().map(Self::Uniform).map_err(|_| {
+                format!(
+                    "expected file, per-triangle, per-triangle:SEED, object, normal, area, distance, \
+                     distance:X,Y,Z, curvature, curvature:gaussian, scalar:NAME, #rrggbb or #rgb, found {text:?}"
+                )
+            }),
+        }
+    }
+}
+
+impl ColorRule {
+    /// The colour of `triangle` where the rule and its number alone decide it.
+    pub fn color(&self, triangle: u32) -> Option<Color> {
+        match *self {
+            Self::Uniform(color) => Some(color),
+            Self::PerTriangle { seed } => Some(triangle_color(seed, triangle)),
+            _ => None,
+        }
+    }
+
+    /// Whether the file decides.
+    #[inline]
+    pub fn is_file(&self) -> bool {
+        matches!(self, Self::File)
+    }
+
+    /// The colour of an object of this number by [`ColorRule::ByObject`].
+    pub fn of_object(number: u32) -> Color {
+        triangle_color(OBJECTS, number)
+    }
+}
+
+/// The set of colours that objects have by their numbers.
+const OBJECTS: u32 = 1;
 
 /// A lively colour from a seed and a number: any hue, never dark, never grey.
 fn triangle_color(seed: u32, triangle: u32) -> Color {
@@ -98,6 +163,44 @@ mod tests {
             "", "#12", "#1234", "#ggg", "+12", "#12345", "#1234567", "#gg0000", "+12345",
         ] {
             assert!(bad.parse::<Color>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn rules_read_what_they_are_displayed_as() {
+        for text in [
+            "file",
+            "per-triangle",
+            "per-triangle:7",
+            "object",
+            "normal",
+            "area",
+            "distance",
+            "distance:1,-2.5,3",
+            "curvature",
+            "curvature:gaussian",
+            "scalar:quality",
+            "scalar:a:b",
+            "#0102ff",
+        ] {
+            let rule: ColorRule = text.parse().expect(text);
+            assert_eq!(rule.to_string(), text);
+        }
+        for bad in [
+            "",
+            "per-triangle:",
+            "per-triangle:-1",
+            "file:1",
+            "#12345",
+            "area:2",
+            "distance:1,2",
+            "distance:1,2,inf",
+            "curvature:odd",
+            "scalar",
+            "scalar:",
+            "object:1",
+        ] {
+            assert!(bad.parse::<ColorRule>().is_err(), "{bad}");
         }
     }
 

@@ -1,7 +1,7 @@
 use super::mesh::Attribute;
 use super::{
-    Color, ColorRule, Material, Mesh, Object, Projector, Scene, Texture, TextureMapping,
-    TextureProjection, Transform, Wrap,
+    Color, ColorRule, Material, Mesh, Object, Projector, Quantity, Scalar, ScalarAt, Scene,
+    Texture, TextureMapping, TextureProjection, Transform, Wrap,
 };
 use crate::digest::{Digest, Digester};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
@@ -56,15 +56,39 @@ fn add_object(hash: &mut Digester, object: &Object) {
         hash.doubles(matrix.to_cols_array());
     }
     hash.number(parent.map_or(0, |parent| parent as u64 + 1));
-    match *color {
+    match color {
         ColorRule::File => hash.number(0),
         ColorRule::Uniform(color) => {
             hash.number(1);
-            add_color(hash, color);
+            add_color(hash, *color);
         }
         ColorRule::PerTriangle { seed } => {
             hash.number(2);
-            hash.number(seed.into());
+            hash.number((*seed).into());
+        }
+        ColorRule::ByObject => hash.number(3),
+        ColorRule::Normal => hash.number(4),
+        ColorRule::Value(quantity) => {
+            hash.number(5);
+            hash.bytes(quantity.to_string().as_bytes());
+            // Scalars count where they are shown.
+            let scalar = match quantity {
+                Quantity::Scalar(name) => mesh.scalar(name),
+                _ => None,
+            };
+            if let Some(Scalar {
+                name: _,
+                at,
+                values,
+            }) = scalar
+            {
+                hash.number(match at {
+                    ScalarAt::Vertices => 0,
+                    ScalarAt::Triangles => 1,
+                });
+                hash.number(values.len() as u64);
+                hash.words(values.iter().map(|value| value.to_bits()));
+            }
         }
     }
     add_mesh(hash, mesh);
@@ -227,6 +251,11 @@ mod tests {
             ],
             material_of_triangle: vec![0, 1],
             colors: vec![Some(Color([7, 8, 9])), None, None, None],
+            scalars: vec![Scalar {
+                name: "s".to_owned(),
+                at: ScalarAt::Triangles,
+                values: vec![1.0, 2.0],
+            }],
         }
     }
 
@@ -275,7 +304,7 @@ mod tests {
             change(&mut data);
             digests.push(scene(data, |_| ()).content());
         }
-        let changes: [fn(&mut Object); 17] = [
+        let changes: [fn(&mut Object); 24] = [
             |object| object.transform.translate.y = 1e-300,
             |object| object.transform.rotate.y = 1.0,
             |object| object.transform.scale.y = 2.0,
@@ -284,6 +313,18 @@ mod tests {
             |object| object.color = ColorRule::Uniform(Color([0; 3])),
             |object| object.color = ColorRule::PerTriangle { seed: 0 },
             |object| object.color = ColorRule::PerTriangle { seed: 1 },
+            |object| object.color = ColorRule::ByObject,
+            |object| object.color = ColorRule::Normal,
+            |object| object.color = ColorRule::Value(Quantity::Area),
+            |object| object.color = ColorRule::Value(Quantity::Distance(None)),
+            |object| object.color = ColorRule::Value(Quantity::Distance(Some(DVec3::X))),
+            |object| object.color = ColorRule::Value(Quantity::Scalar("s".into())),
+            |object| {
+                object.color = ColorRule::Value(Quantity::Scalar("s".into()));
+                let mut data = data();
+                data.scalars[0].values[1] = 3.0;
+                object.mesh = Arc::new(Mesh::new(data));
+            },
             |object| object.texture = texture(1),
             |object| object.texture = texture(2),
             |object| object.texture = wrapped(Wrap::Mirror),

@@ -1,4 +1,5 @@
-use super::{Bounds, Color, Texture};
+use super::measures::Measures;
+use super::{Bounds, Color, Scalar, Texture};
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use robust::{Coord, orient2d};
@@ -118,6 +119,8 @@ pub struct MeshData {
     pub material_of_triangle: Vec<u32>,
     /// A colour a vertex, as far as there are any: none behind the last.
     pub colors: Vec<Option<Color>>,
+    /// The file's numbers of vertices and triangles.
+    pub scalars: Vec<Scalar>,
 }
 
 impl MeshData {
@@ -151,6 +154,11 @@ impl MeshData {
             + self.uvs.as_ref().map_or(0, Attribute::bytes)
             + self.material_of_triangle.len() * size_of::<u32>()
             + self.colors.len() * size_of::<Option<Color>>()
+            + self
+                .scalars
+                .iter()
+                .map(|s| s.values.len() * size_of::<f32>())
+                .sum::<usize>()
     }
 
     fn corners(&self, triangle: [u32; 3]) -> Option<[DVec3; 3]> {
@@ -182,6 +190,7 @@ pub struct Mesh {
     colors: Vec<Option<Color>>,
     rounding: Rounding,
     bounds: OnceLock<Bounds>,
+    measures: Measures,
 }
 
 impl Mesh {
@@ -249,6 +258,7 @@ impl Mesh {
             colors: data.colors,
             rounding,
             bounds: OnceLock::new(),
+            measures: Measures::new(data.scalars),
         }
     }
 
@@ -350,6 +360,10 @@ impl Mesh {
     /// How far storing it has moved its corners.
     pub fn rounding(&self) -> Rounding {
         self.rounding
+    }
+
+    pub(super) fn measures(&self) -> &Measures {
+        &self.measures
     }
 
     /// The box around the kept triangles, in the file's coordinates. Worked out when it is first asked for.

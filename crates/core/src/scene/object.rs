@@ -62,7 +62,7 @@ impl Object {
     #[inline]
     pub fn texture_on(&self, triangle: u32) -> Option<&Texture> {
         let texture = match &self.texture {
-            None if self.color == ColorRule::File => self.mesh.material(triangle)?.texture.as_ref(),
+            None if self.color.is_file() => self.mesh.material(triangle)?.texture.as_ref(),
             texture => texture.as_ref(),
         };
         texture.map(|texture| &**texture)
@@ -71,27 +71,30 @@ impl Object {
     /// Whether any triangle may have an image.
     pub fn has_texture(&self) -> bool {
         let mut materials = self.mesh.materials().iter();
-        self.texture.is_some()
-            || (self.color == ColorRule::File && materials.any(|m| m.texture.is_some()))
+        self.texture.is_some() || (self.color.is_file() && materials.any(|m| m.texture.is_some()))
     }
 
     /// The sRGB colours that the file gives a triangle's corners, where they are its own: no rule
     /// and no material goes before them.
     pub fn corner_colors(&self, triangle: u32) -> Option<[Color; 3]> {
         let material = self.mesh.material(triangle);
-        if self.color != ColorRule::File || material.is_some_and(|m| !m.by_vertex) {
+        if !self.color.is_file() || material.is_some_and(|m| !m.by_vertex) {
             return None;
         }
         self.mesh.corner_colors(triangle)
     }
 
-    /// The sRGB colour of one of its triangles.
+    /// The sRGB colour of one of its triangles, where its rule gives triangles colours, or its file does;
+    /// else [`Color::DEFAULT`].
     pub fn triangle_color(&self, triangle: u32) -> Color {
-        self.color.color(triangle).unwrap_or_else(|| {
-            self.mesh
+        let by_file = || {
+            let material = self
+                .mesh
                 .material(triangle)
-                .map_or(Color::DEFAULT, |material| material.color)
-        })
+                .filter(|_| self.color.is_file());
+            material.map_or(Color::DEFAULT, |material| material.color)
+        };
+        self.color.color(triangle).unwrap_or_else(by_file)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Lines along a triangle's edges, as wide in pixels near as far.
 
-use crate::camera::{Camera, Projection};
+use crate::camera::Camera;
 use glam::DVec3;
 
 /// Triangles this many line widths high, or lower, would be all line: there lines begin to fade.
@@ -24,15 +24,60 @@ pub(super) struct EdgeLines {
     height: f64,
 }
 
+/// A picture whose rays are linear in the pixel's place.
+struct LinearView {
+    /// From the view axis to the place (0, 0): what a pixel to the right and down adds to it.
+    first: DVec3,
+    across: DVec3,
+    down: DVec3,
+    forward: DVec3,
+    distance: f64,
+    is_parallel: bool,
+}
+
 impl EdgeLines {
     /// The edges of a triangle with corners relative to the eye.
     pub(super) fn new(camera: &Camera, corners: [DVec3; 3]) -> Self {
         let plane = camera.plane();
-        let (right, up, forward) = (camera.right(), camera.up(), camera.forward());
-        let across = right * plane.step;
-        let down = up * -plane.step;
-        let first =
-            across * (-0.5 * f64::from(plane.columns)) + down * (-0.5 * f64::from(plane.rows));
+        let (columns, rows) = (f64::from(plane.columns), f64::from(plane.rows));
+        let across = camera.right() * plane.step;
+        let down = camera.up() * -plane.step;
+        let view = LinearView {
+            first: across * (-0.5 * columns) + down * (-0.5 * rows),
+            across,
+            down,
+            forward: camera.forward(),
+            distance: camera.distance(),
+            is_parallel: camera.projection().is_parallel(),
+        };
+        Self::seen(&view, corners)
+    }
+
+    /// The edges as they are seen near a place of a picture that need not be a plane: on the plane that touches it there.
+    pub(super) fn at(camera: &Camera, corners: [DVec3; 3], (x, y): (f64, f64)) -> Self {
+        let direction = camera.direction(x, y);
+        let [across, down] = camera.direction_slopes(x, y);
+        let distance = direction.length();
+        let view = LinearView {
+            first: across * -x + down * -y,
+            across,
+            down,
+            forward: direction / distance,
+            distance,
+            is_parallel: false,
+        };
+        Self::seen(&view, corners)
+    }
+
+    fn seen(view: &LinearView, corners: [DVec3; 3]) -> Self {
+        let LinearView {
+            first,
+            across,
+            down,
+            forward,
+            distance,
+            is_parallel,
+        } = *view;
         // Distances in the picture do not change with the scene's scale; products stay in range.
         let scale = corners
             .iter()
@@ -42,24 +87,21 @@ impl EdgeLines {
         let edge = |from: DVec3, to: DVec3, opposite: DVec3| {
             // A linear function of the pixel's place, zero on the edge, and its value at the
             // opposite corner.
-            let (normal, constant, at_opposite) = match camera.projection() {
-                Projection::Perspective => {
-                    let normal = (to - from).cross(from + to);
-                    let reach = opposite.dot(forward) / camera.distance();
-                    let at_opposite = if reach > 0.0 {
-                        normal.dot(opposite) / reach
-                    } else {
-                        // Behind the eye: the triangle has no end in the picture.
-                        f64::INFINITY
-                    };
-                    let constant = normal.dot(first + forward * camera.distance());
-                    (normal, constant, at_opposite)
-                }
-                Projection::Orthographic => {
-                    let normal = (to - from).cross(forward);
-                    let constant = normal.dot(first / scale - from);
-                    (normal / scale, constant, normal.dot(opposite - from))
-                }
+            let (normal, constant, at_opposite) = if is_parallel {
+                let normal = (to - from).cross(forward);
+                let constant = normal.dot(first / scale - from);
+                (normal / scale, constant, normal.dot(opposite - from))
+            } else {
+                let normal = (to - from).cross(from + to);
+                let reach = opposite.dot(forward) / distance;
+                let at_opposite = if reach > 0.0 {
+                    normal.dot(opposite) / reach
+                } else {
+                    // Behind the eye: the triangle has no end in the picture.
+                    f64::INFINITY
+                };
+                let constant = normal.dot(first + forward * distance);
+                (normal, constant, at_opposite)
             };
             let (x, y) = (normal.dot(across), normal.dot(down));
             let gradient = (x * x + y * y).sqrt();
@@ -104,7 +146,7 @@ impl EdgeLines {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{ImagePlane, Placement};
+    use crate::camera::{ImagePlane, Placement, Projection};
 
     fn camera(projection: Projection, eye: DVec3) -> Camera {
         let plane = ImagePlane::new(200, 100, 0.02).expect("a good plane");

@@ -14,8 +14,8 @@ pub(super) struct Needs {
     pub(super) smooth: bool,
     /// The triangle's colour.
     pub(super) color: bool,
-    /// The file's colours at its corners.
-    pub(super) corner_colors: bool,
+    /// How colours change within it.
+    pub(super) varied: bool,
     /// The texture.
     pub(super) texture: bool,
     /// Texture coordinates themselves.
@@ -36,8 +36,8 @@ pub(super) struct Facet {
     pub(super) normals: Option<[Vec3; 3]>,
     /// The triangle's colour, linear light.
     pub(super) color: Vec3,
-    /// The file's colours at its corners, where they are its own; linear light.
-    pub(super) corner_colors: Option<[Vec3; 3]>,
+    /// How its colours change within it.
+    pub(super) varied: Varied,
     /// From its middle to the eye, unit length.
     pub(super) to_eye: Vec3,
     /// How its texture lies on it.
@@ -45,6 +45,19 @@ pub(super) struct Facet {
     /// Texture coordinates at the corners.
     pub(super) uvs: Option<[Vec2; 3]>,
     pub(super) edges: Option<EdgeLines>,
+}
+
+/// How colours change within a triangle.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Varied {
+    /// They do not.
+    No,
+    /// They are blended in linear light from those at the corners.
+    Colors([Vec3; 3]),
+    /// A ramp shows shares of its span, blended from those at the corners.
+    Shares([f32; 3]),
+    /// A ramp shows how far the point between these corners is from zero.
+    Distances([Vec3; 3]),
 }
 
 /// How a texture lies on a triangle.
@@ -66,20 +79,12 @@ impl Facet {
         normal: Vec3::ZERO,
         normals: None,
         color: Vec3::ZERO,
-        corner_colors: None,
+        varied: Varied::No,
         to_eye: Vec3::ZERO,
         texture: None,
         uvs: None,
         edges: None,
     };
-
-    /// Its own colour at barycentrics (u, v): linear light.
-    pub(super) fn color_at(&self, u: f32, v: f32) -> Vec3 {
-        match self.corner_colors {
-            Some(colors) => blend(colors, u, v),
-            None => self.color,
-        }
-    }
 
     /// The unit normal at barycentrics (u, v): the mesh's own where it has them, on the side that
     /// the triangle shows.

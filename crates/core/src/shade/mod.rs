@@ -3,13 +3,19 @@
 mod edges;
 mod facet;
 mod footprint;
+mod legend;
 mod light;
 mod mapping;
 mod mipmap;
 mod mode;
+mod own_color;
+#[cfg(test)]
+mod own_color_tests;
 mod per_triangle;
 mod placed;
+mod ramp;
 mod sample;
+mod section;
 mod shader;
 mod slopes;
 mod smooth;
@@ -26,8 +32,11 @@ mod triplanar;
 mod vertex_color_tests;
 
 pub use crate::scene::TextureProjection;
+pub(crate) use legend::DrawnLegend;
+pub use legend::Legend;
 pub use mapping::texture_corners;
 pub use mode::{Background, Filter, Mode, Shading, Wireframe};
+pub(crate) use section::{Cut, Section, Shown};
 pub use shader::Shader;
 pub(crate) use srgb::{encode_premultiplied, over_black};
 pub use texture_map::TextureMap;

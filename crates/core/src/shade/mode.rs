@@ -1,4 +1,4 @@
-use crate::scene::{Color, TextureProjection};
+use crate::scene::{Color, ColorScale, TextureProjection};
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -104,6 +104,10 @@ pub struct Shading {
     pub filter: Filter,
     /// How surfaces find their place in textures, where their object does not say it.
     pub projection: TextureProjection,
+    /// How numbers become colours: those of [`ColorRule::Value`](crate::scene::ColorRule::Value), which have
+    /// the default scale where this is `None`, and distances in [`Mode::Depth`], which are then greys over the
+    /// scene's box. Fitted, depth is over what is seen.
+    pub scale: Option<ColorScale>,
 }
 
 impl Default for Shading {
@@ -115,6 +119,7 @@ impl Default for Shading {
             blend: 1.0,
             filter: Filter::default(),
             projection: TextureProjection::default(),
+            scale: None,
         }
     }
 }

@@ -1,6 +1,9 @@
 use super::edges::EdgeLines;
-use super::facet::{Facet, Mapping, Needs, blend, facing_normal, unit};
+use super::facet::{Facet, Mapping, Needs, Varied, blend, facing_normal, unit};
+use super::legend::Legend;
 use super::light::Lights;
+use super::own_color::{OwnColors, Placed, distance_range};
+use super::ramp::{Ramp, Span};
 use super::slopes::slopes;
 use super::smooth::{self, Facets, Row, Vectors};
 use super::srgb::{self, Tables};
@@ -11,7 +14,7 @@ use crate::camera::{Camera, Projection, Rect};
 use crate::hit::{Detail, MISS, PrimitiveHit};
 use crate::num::simd::Lanes;
 use crate::num::simd::Simd;
-use crate::scene::{Color, ColorRule, Object, Scene, Texture};
+use crate::scene::{ColorScale, Object, Scene, Texture};
 use glam::{DAffine3, DMat3, DVec3, Mat3, Vec2, Vec3};
 
 /// Gives hits their colours: everything about a picture that does not change from pixel to pixel,
@@ -33,10 +36,11 @@ pub struct Shader<'a> {
     lights: Lights,
     /// For each object, world-space normals from its own; `None` for one that is squashed flat.
     world_normals: Vec<Option<Mat3>>,
+    own_colors: OwnColors,
     texturing: Texturing,
     /// Of a pixel's width, how much a sample stands for.
     sample_width: f64,
-    depth: DepthRange,
+    depth: DepthColors,
     background: Option<[Vec3; 2]>,
     /// The background at the middle of each row.
     backdrops: Vec<[u8; 4]>,
@@ -45,61 +49,67 @@ pub struct Shader<'a> {
     pub(super) tables: &'static Tables,
 }
 
-/// Distances that the depth mode spreads its greys over.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct DepthRange {
-    near: f32,
-    /// One over the range's length; zero if it has none.
-    per_unit: f32,
+/// How the depth mode shows distances.
+#[derive(Debug)]
+enum DepthColors {
+    /// In greys: distances below this are lightest, and one over how far the greys reach; zero if it has no
+    /// length.
+    Greys { near: f32, per_unit: f32 },
+    /// Through a colour map.
+    Map(Box<Ramp>, Span),
 }
 
-impl DepthRange {
+impl DepthColors {
     /// sRGB grey at the near and the far end.
     const NEAR_GREY: f32 = 0.96;
     const FAR_GREY: f32 = 0.08;
 
-    /// Over no distance at all.
-    const NONE: Self = Self {
+    /// Greys over no distance at all.
+    const NONE: Self = Self::Greys {
         near: 0.0,
         per_unit: 0.0,
     };
 
-    /// From the box's nearest point to its farthest corner.
-    fn over(scene: &Scene, camera: &Camera) -> Self {
-        let bounds = scene.bounds();
-        if bounds.is_empty() {
-            return Self::NONE;
-        }
-        let eye = camera.placement().eye;
-        let distances = bounds.corners().map(|corner| match camera.projection() {
-            Projection::Perspective => corner.distance(eye),
-            Projection::Orthographic => (corner - eye).dot(camera.forward()),
-        });
-        let far = distances.into_iter().fold(0.0, f64::max);
-        let near = match camera.projection() {
-            Projection::Perspective => eye.clamp(bounds.min, bounds.max).distance(eye),
-            Projection::Orthographic => distances.into_iter().fold(far, f64::min).max(0.0),
-        };
-        Self {
-            near: near as f32,
-            per_unit: if far > near {
-                (1.0 / (far - near)) as f32
-            } else {
-                0.0
+    fn new(scene: &Scene, camera: &Camera, scale: Option<ColorScale>) -> Self {
+        let range = distance_range(&scene.bounds(), camera, None);
+        match scale {
+            Some(scale) => Self::Map(
+                Box::new(Ramp::new(scale.map)),
+                Span::of(scale.range.or(range)),
+            ),
+            None => match range {
+                None => Self::NONE,
+                Some([near, far]) => Self::Greys {
+                    near: near as f32,
+                    per_unit: if far > near {
+                        (1.0 / (far - near)) as f32
+                    } else {
+                        0.0
+                    },
+                },
             },
         }
     }
 
-    fn grey(&self, t: f32) -> f32 {
-        let share = ((t - self.near) * self.per_unit).clamp(0.0, 1.0);
-        Self::NEAR_GREY + (Self::FAR_GREY - Self::NEAR_GREY) * share
+    /// Linear light.
+    fn at(&self, t: f32, tables: &Tables) -> Vec3 {
+        match self {
+            Self::Greys { near, per_unit } => {
+                let share = ((t - near) * per_unit).clamp(0.0, 1.0);
+                let grey = Self::NEAR_GREY + (Self::FAR_GREY - Self::NEAR_GREY) * share;
+                Vec3::splat(tables.display(grey))
+            }
+            Self::Map(ramp, span) => ramp.at(span.share(t.into())),
+        }
     }
 }
 
 impl<'a> Shader<'a> {
     /// A shader for one picture. `accel` must have been built over this `scene`.
     pub fn new(scene: &'a Scene, accel: &'a Accel, camera: Camera, shading: Shading) -> Self {
-        let needs = needs(scene, &shading);
+        let colored = is_colored(shading.mode);
+        let own_colors = OwnColors::new(scene, &camera, &shading, colored);
+        let needs = needs(scene, &shading, &own_colors);
         let lines = shading.wireframe.unwrap_or(Wireframe::ALONE);
         let width = if lines.width.is_finite() {
             lines.width.max(0.0)
@@ -116,12 +126,13 @@ impl<'a> Shader<'a> {
             to_eye: to_eye(&camera),
             lights: Lights::new(&camera),
             world_normals: world_normals(scene),
+            own_colors,
             texturing: Texturing::new(scene, shading, needs.texture),
             sample_width: 1.0,
             depth: if shading.mode == Mode::Depth {
-                DepthRange::over(scene, &camera)
+                DepthColors::new(scene, &camera, shading.scale)
             } else {
-                DepthRange::NONE
+                DepthColors::NONE
             },
             background: match shading.background {
                 Background::Gradient(top, bottom) => {
@@ -146,10 +157,47 @@ impl<'a> Shader<'a> {
         }
     }
 
+    /// Whether distances are shown through a colour map whose range is to be fitted to what is seen.
+    pub(crate) fn fits_depth(&self) -> bool {
+        let is_fitted = |scale: &ColorScale| scale.range.is_none();
+        self.shading.mode == Mode::Depth && self.shading.scale.as_ref().is_some_and(is_fitted)
+    }
+
+    /// With the depth mode's colours over the distances that were seen, the nearest and the farthest.
+    pub(crate) fn with_depths(mut self, seen: [f32; 2]) -> Self {
+        if let (DepthColors::Map(_, span), Some(scale)) = (&mut self.depth, &mut self.shading.scale)
+        {
+            let range = seen.map(f64::from);
+            *span = Span::of(Some(range));
+            scale.range = Some(range);
+        }
+        self
+    }
+
+    /// What the picture's colour scale shows; `None` where it shows no numbers as colours.
+    pub fn legend(&self) -> Option<Legend> {
+        match (&self.depth, self.shading.scale) {
+            (DepthColors::Map(..), Some(scale)) => Some(Legend {
+                title: "distance".to_owned(),
+                scale: ColorScale {
+                    range: match scale.range {
+                        None => distance_range(&self.scene.bounds(), &self.camera, None),
+                        range => range,
+                    },
+                    ..scale
+                },
+            }),
+            _ if is_colored(self.shading.mode) => {
+                Legend::of_objects(self.scene, &self.camera, &self.shading)
+            }
+            _ => None,
+        }
+    }
+
     /// How much the picture asks of hits: colours of triangles alone need no weights.
     pub fn detail(&self) -> Detail {
         let needs = self.needs;
-        let weighs = needs.smooth || needs.texture || needs.uvs || needs.corner_colors;
+        let weighs = needs.smooth || needs.texture || needs.uvs || needs.varied;
         if weighs || matches!(self.shading.mode, Mode::Barycentric | Mode::Depth) {
             Detail::Full
         } else {
@@ -161,7 +209,7 @@ impl<'a> Shader<'a> {
     /// linear light, alpha not multiplied in.
     pub fn color(&self, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
         if hit.primitive == MISS {
-            self.backdrop(y)
+            self.behind(x, y)
         } else {
             self.color_on(&self.facet(hit.primitive, self.needs), x, y, hit)
         }
@@ -204,6 +252,7 @@ impl<'a> Shader<'a> {
     pub fn shade_nothing<'p>(&self, rect: Rect, rows: impl Iterator<Item = &'p mut [[u8; 4]]>) {
         for (y, row) in (rect.y..rect.bottom()).zip(rows) {
             row.fill(self.backdrop8(y));
+            self.clear_beyond(rect.x, y, row);
         }
     }
 
@@ -226,7 +275,7 @@ impl<'a> Shader<'a> {
     pub(super) fn is_constant(&self) -> bool {
         matches!(self.shading.mode, Mode::Color | Mode::Flat)
             && !self.needs.texture
-            && !self.needs.corner_colors
+            && !self.needs.varied
             && !self.needs.edges
     }
 
@@ -237,7 +286,7 @@ impl<'a> Shader<'a> {
 
     /// Whether pixels are shaded by the mesh's normals, with no lines over them.
     pub(super) fn is_smooth(&self) -> bool {
-        self.shading.mode == Mode::Smooth && !self.needs.edges
+        self.shading.mode == Mode::Smooth && !self.needs.edges && !self.is_panoramic()
     }
 
     /// The light on eight pixels of a row whose triangles and weights are known.
@@ -255,6 +304,32 @@ impl<'a> Shader<'a> {
     /// What the mode asks of each triangle.
     pub(super) fn needs(&self) -> Needs {
         self.needs
+    }
+
+    /// Whether the picture is no plane.
+    pub(super) fn is_panoramic(&self) -> bool {
+        self.camera.projection().panorama().is_some()
+    }
+
+    /// Makes the pixels of a row that the picture has no place for transparent; the first is in column `left`.
+    pub(super) fn clear_beyond(&self, left: u32, y: u32, pixels: &mut [[u8; 4]]) {
+        if !self.is_panoramic() {
+            return;
+        }
+        for (x, pixel) in (left..).zip(pixels) {
+            if !(self.camera).has_place(f64::from(x) + 0.5, f64::from(y) + 0.5) {
+                *pixel = [0; 4];
+            }
+        }
+    }
+
+    /// What lies behind everything at a place of the picture; nothing where it has no such place.
+    pub(super) fn behind(&self, x: f64, y: f64) -> [f32; 4] {
+        if self.camera.has_place(x, y) {
+            self.backdrop(y)
+        } else {
+            [0.0; 4]
+        }
     }
 
     /// What lies behind everything at a height in the picture.
@@ -288,6 +363,7 @@ impl<'a> Shader<'a> {
                 facet.to_eye = self.middle_to_eye(corners);
             }
             if needs.edges {
+                // Where the picture is no plane, `color_on` has them at each place.
                 facet.edges = Some(EdgeLines::new(&self.camera, corners));
             }
         }
@@ -295,11 +371,12 @@ impl<'a> Shader<'a> {
             facet.normals = self.smooth_normals(number, object, triangle);
         }
         if needs.color {
-            facet.color = srgb::linear(self.triangle_color(object, triangle));
+            let place = || self.placed(number, primitive);
+            facet.color = self.own_colors.of_triangle(number, object, triangle, place);
         }
-        if needs.corner_colors {
-            let colors = object.corner_colors(triangle);
-            facet.corner_colors = colors.map(|colors| colors.map(srgb::linear));
+        if needs.varied {
+            let place = || self.placed(number, primitive);
+            facet.varied = self.own_colors.within(number, object, triangle, place);
         }
         if needs.texture {
             facet.triangle = triangle;
@@ -319,19 +396,12 @@ impl<'a> Shader<'a> {
         [from_eye(a), from_eye(b), from_eye(c)]
     }
 
-    /// A triangle's own colour. Unlit, a file without materials would be one flat patch: there
-    /// each triangle has its own.
-    fn triangle_color(&self, object: &Object, triangle: u32) -> Color {
-        let mesh = &object.mesh;
-        let colorless = object.color == ColorRule::File
-            && mesh.materials().is_empty()
-            && mesh.vertex_colors().is_empty();
-        if colorless && self.shading.mode == Mode::Color {
-            ColorRule::PerTriangle { seed: 0 }
-                .color(triangle)
-                .unwrap_or(Color::DEFAULT)
-        } else {
-            object.triangle_color(triangle)
+    /// A triangle in its place, for rules that ask for it.
+    fn placed(&self, number: u32, primitive: u32) -> Placed<'_> {
+        Placed {
+            corners: self.corners(primitive),
+            camera: &self.camera,
+            world_normals: self.world_normals.get(number as usize).copied().flatten(),
         }
     }
 
@@ -340,7 +410,7 @@ impl<'a> Shader<'a> {
     #[inline(always)]
     fn normal(&self, corners: [DVec3; 3]) -> Vec3 {
         let forward = self.camera.forward();
-        let orthographic = self.camera.projection() == Projection::Orthographic;
+        let orthographic = self.camera.projection().is_parallel();
         let normal = facing_normal(corners, orthographic.then_some(forward));
         if normal == Vec3::ZERO {
             -forward.as_vec3()
@@ -354,7 +424,9 @@ impl<'a> Shader<'a> {
     fn middle_to_eye(&self, [a, b, c]: [DVec3; 3]) -> Vec3 {
         match self.camera.projection() {
             Projection::Orthographic => -self.camera.forward().as_vec3(),
-            Projection::Perspective => -unit((a + b + c) / 3.0).as_vec3(),
+            Projection::Perspective | Projection::Panoramic(_) => {
+                -unit((a + b + c) / 3.0).as_vec3()
+            }
         }
     }
 
@@ -363,7 +435,8 @@ impl<'a> Shader<'a> {
     pub(super) fn constant_color(&self, primitive: u32) -> [f32; 4] {
         let (number, triangle) = self.accel.identify(primitive);
         let object = &self.scene.objects[number as usize];
-        let color = srgb::linear(self.triangle_color(object, triangle));
+        let place = || self.placed(number, primitive);
+        let color = self.own_colors.of_triangle(number, object, triangle, place);
         if self.shading.mode == Mode::Color {
             return opaque(color);
         }
@@ -387,7 +460,12 @@ impl<'a> Shader<'a> {
         let Some(edges) = &facet.edges else {
             return inside;
         };
-        let coverage = edges.coverage(x, y, self.line_width);
+        let coverage = if self.is_panoramic() {
+            let edges = EdgeLines::at(&self.camera, self.corners(hit.primitive), (x, y));
+            edges.coverage(x, y, self.line_width)
+        } else {
+            edges.coverage(x, y, self.line_width)
+        };
         over(self.line_color, coverage, inside)
     }
 
@@ -395,7 +473,7 @@ impl<'a> Shader<'a> {
     fn inside(&self, facet: &Facet, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
         let display = |value: Vec3| opaque(value.to_array().map(|v| self.tables.display(v)).into());
         match self.shading.mode {
-            Mode::Color => opaque(facet.color_at(hit.u, hit.v)),
+            Mode::Color => opaque(self.own_color(facet, hit.u, hit.v)),
             Mode::Texture => opaque(self.surface_color(facet, || (x, y), hit)),
             Mode::Flat => {
                 let light = self.lights.on(facet.normal, facet.to_eye);
@@ -407,7 +485,7 @@ impl<'a> Shader<'a> {
                 opaque(self.surface_color(facet, || (x, y), hit) * light)
             }
             Mode::Normals => display(facet.normal_at(hit.u, hit.v) * 0.5 + 0.5),
-            Mode::Depth => display(Vec3::splat(self.depth.grey(hit.t))),
+            Mode::Depth => opaque(self.depth.at(hit.t, self.tables)),
             Mode::Barycentric => display(Vec3::new(1.0 - hit.u - hit.v, hit.u, hit.v)),
             Mode::Uv => {
                 let uv = facet.uvs.map_or(Vec2::ZERO, |uvs| blend(uvs, hit.u, hit.v));
@@ -420,9 +498,22 @@ impl<'a> Shader<'a> {
 
     /// The unit vector from a sample to the eye.
     fn to_eye_at(&self, x: f64, y: f64) -> Vec3 {
+        if self.is_panoramic() {
+            return -unit(self.camera.direction(x, y)).as_vec3();
+        }
         let [corner, right, down] = self.to_eye;
         let to_eye = corner + right * x as f32 + down * y as f32;
         to_eye * (1.0 / to_eye.length())
+    }
+
+    /// The triangle's own colour at barycentrics (u, v): linear light.
+    #[inline(always)]
+    fn own_color(&self, facet: &Facet, u: f32, v: f32) -> Vec3 {
+        match &facet.varied {
+            Varied::No => facet.color,
+            Varied::Colors(colors) => blend(*colors, u, v),
+            varied => self.own_colors.of_number(facet.object, varied, u, v),
+        }
     }
 
     /// The triangle's colour and its texture, mixed in linear light, at the sample that `place` gives.
@@ -433,7 +524,7 @@ impl<'a> Shader<'a> {
         place: impl FnOnce() -> (f64, f64),
         hit: &PrimitiveHit,
     ) -> Vec3 {
-        let color = facet.color_at(hit.u, hit.v);
+        let color = self.own_color(facet, hit.u, hit.v);
         let Some(mapping) = &facet.texture else {
             return color;
         };
@@ -467,16 +558,17 @@ impl<'a> Shader<'a> {
     }
 }
 
-/// What a picture's mode asks of triangles.
-fn needs(scene: &Scene, shading: &Shading) -> Needs {
-    let colored = matches!(
-        shading.mode,
+/// Whether a mode shows the objects' own colours.
+fn is_colored(mode: Mode) -> bool {
+    matches!(
+        mode,
         Mode::Color | Mode::Flat | Mode::Smooth | Mode::Texture
-    );
-    let has_corner_colors = || {
-        let mut objects = scene.objects.iter();
-        objects.any(|o| o.color == ColorRule::File && !o.mesh.vertex_colors().is_empty())
-    };
+    )
+}
+
+/// What a picture's mode asks of triangles.
+fn needs(scene: &Scene, shading: &Shading, own_colors: &OwnColors) -> Needs {
+    let colored = is_colored(shading.mode);
     let has_normals = || scene.objects.iter().any(|object| object.mesh.has_normals());
     let has_texture = || scene.objects.iter().any(Object::has_texture);
     Needs {
@@ -484,7 +576,7 @@ fn needs(scene: &Scene, shading: &Shading) -> Needs {
         middle: shading.mode == Mode::Flat,
         smooth: matches!(shading.mode, Mode::Smooth | Mode::Normals) && has_normals(),
         color: colored,
-        corner_colors: colored && has_corner_colors(),
+        varied: colored && own_colors.vary,
         texture: colored && shading.mode != Mode::Color && shading.blend > 0.0 && has_texture(),
         uvs: shading.mode == Mode::Uv,
         edges: shading.wireframe.is_some() || shading.mode == Mode::Wireframe,
@@ -512,19 +604,21 @@ fn world_normals(scene: &Scene) -> Vec<Option<Mat3>> {
         .collect()
 }
 
-/// From hits to the eye: through the picture's corner, and what a pixel to the right and down adds.
+/// From hits to the eye: through the picture's corner, and what a pixel to the right and down adds. Nothing where the
+/// picture is no plane.
 fn to_eye(camera: &Camera) -> [Vec3; 3] {
     let direction = |x, y| -camera.direction(x, y) / camera.distance();
     let corner = match camera.projection() {
         Projection::Perspective => direction(0.0, 0.0),
         Projection::Orthographic => -camera.forward(),
+        Projection::Panoramic(_) => DVec3::ZERO,
     };
     let (right, down) = match camera.projection() {
         Projection::Perspective => {
             let pixel = camera.plane().step / camera.distance();
             (camera.right() * -pixel, camera.up() * pixel)
         }
-        Projection::Orthographic => (DVec3::ZERO, DVec3::ZERO),
+        Projection::Orthographic | Projection::Panoramic(_) => (DVec3::ZERO, DVec3::ZERO),
     };
     [corner, right, down].map(|vector| vector.as_vec3())
 }

@@ -7,21 +7,21 @@ use glam::{DVec2, DVec3};
 /// picture's own lattice of rays; `corners` are relative to the eye, (x, y) is in pixels.
 ///
 /// Through an eye, u = d · (c × a) / d · n and v = d · (a × b) / d · n with n = (b − a) × (c − a), where the
-/// ray's direction d, before it is made unit length, is linear in the pixel's place; parallel rays have u and
-/// v themselves linear in it (Igehy, "Tracing Ray Differentials", 1999, for one bounce of none). Where a ray
-/// lies in the triangle's plane they are infinite or no numbers.
+/// ray's direction d, before it is made unit length, is linear in the place on a planar picture, and has
+/// derivatives on others; parallel rays have u and v themselves linear in it (Igehy, "Tracing Ray
+/// Differentials", 1999, for one bounce of none). Where a ray lies in the triangle's plane they are infinite or
+/// no numbers.
 pub(super) fn slopes(
     camera: &Camera,
     corners: [DVec3; 3],
     (x, y): (f64, f64),
     (u, v): (f32, f32),
 ) -> [DVec2; 2] {
-    let step = camera.plane().step;
-    let steps = [camera.right() * step, camera.up() * -step];
     let [a, b, c] = corners;
     let (ab, ac) = (b - a, c - a);
     match camera.projection() {
-        Projection::Perspective => {
+        Projection::Perspective | Projection::Panoramic(_) => {
+            let steps = camera.direction_slopes(x, y);
             let normal = ab.cross(ac);
             // From edges, which keep their digits where corners are far away.
             let (for_u, for_v) = (ac.cross(a), a.cross(ab));
@@ -35,6 +35,8 @@ pub(super) fn slopes(
             })
         }
         Projection::Orthographic => {
+            let step = camera.plane().step;
+            let steps = [camera.right() * step, camera.up() * -step];
             let forward = camera.forward();
             let (for_u, for_v) = (ac.cross(forward), forward.cross(ab));
             let area = ab.dot(for_u);
@@ -46,14 +48,14 @@ pub(super) fn slopes(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{ImagePlane, Placement};
+    use crate::camera::{ImagePlane, Panorama, Placement};
 
     /// Barycentrics of the place where the plane of a triangle is met, in doubles.
     fn weights(camera: &Camera, [a, b, c]: [DVec3; 3], (x, y): (f64, f64)) -> DVec2 {
         let direction = camera.direction(x, y);
         let plane = camera.plane();
         let origin = match camera.projection() {
-            Projection::Perspective => DVec3::ZERO,
+            Projection::Perspective | Projection::Panoramic(_) => DVec3::ZERO,
             Projection::Orthographic => {
                 camera.right() * ((x - f64::from(plane.columns) * 0.5) * plane.step)
                     - camera.up() * ((y - f64::from(plane.rows) * 0.5) * plane.step)
@@ -77,7 +79,13 @@ mod tests {
             DVec3::new(0.7, -0.1, -0.4),
             DVec3::new(0.2, 0.6, 0.5),
         ];
-        for projection in [Projection::Perspective, Projection::Orthographic] {
+        let panoramas = [Panorama::Equirectangular, Panorama::Stereographic];
+        let planar = [Projection::Perspective, Projection::Orthographic];
+        for projection in panoramas
+            .map(Projection::Panoramic)
+            .into_iter()
+            .chain(planar)
+        {
             for eye in [DVec3::new(3.0, 2.0, 4.0), DVec3::new(-1.0, 0.5, 1.5)] {
                 let plane = ImagePlane::new(200, 100, 0.02).expect("a good plane");
                 let placement = Placement {

@@ -169,6 +169,12 @@ pub(crate) fn encode_premultiplied([r, g, b, a]: [f32; 4]) -> [u8; 4] {
     [r, g, b, alpha]
 }
 
+/// Linear light with alpha multiplied in, from sRGB bytes with alpha apart.
+pub(crate) fn decode_premultiplied([r, g, b, a]: [u8; 4]) -> [f32; 4] {
+    let [r, g, b] = [r, g, b].map(|byte| TABLES.decode(byte));
+    premultiply([r, g, b, f32::from(a) / 255.0])
+}
+
 /// sRGB bytes from linear light, alpha apart in both: the same bytes as by way of
 /// [`premultiply`], so that a picture's bytes follow from its layers.
 #[inline]

@@ -53,7 +53,7 @@ impl<'s> TileShader<'s> {
     /// As [`Shader::color`].
     pub fn color(&mut self, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
         if hit.primitive == MISS {
-            return self.shader.backdrop(y);
+            return self.shader.behind(x, y);
         }
         let shader = self.shader;
         shader.color_on(self.facet(hit.primitive), x, y, hit)
@@ -62,7 +62,7 @@ impl<'s> TileShader<'s> {
     /// As [`Shader::shade_pixel8`].
     pub fn pixel8(&mut self, x: f64, y: f64, hit: &PrimitiveHit) -> [u8; 4] {
         if hit.primitive == MISS {
-            srgb::encode(self.shader.backdrop(y))
+            srgb::encode(self.shader.behind(x, y))
         } else {
             srgb::encode(self.color(x, y, hit))
         }
@@ -92,7 +92,9 @@ impl<'s> TileShader<'s> {
         let columns = rect.width as usize;
         for (y, pixels) in rows.enumerate().take(rect.height as usize) {
             let pixels = within(pixels, columns);
-            self.shade_hits(rect.x, rect.y + y as u32, hits, y * columns, pixels);
+            let row = rect.y + y as u32;
+            self.shade_hits(rect.x, row, hits, y * columns, pixels);
+            self.shader.clear_beyond(rect.x, row, pixels);
         }
     }
 
@@ -140,7 +142,7 @@ impl<'s> TileShader<'s> {
         let mut colors = Vectors::splat(lanes, Vec3::ZERO);
         let mut each = Rows::ZERO;
         let needs = shader.needs();
-        let varied = needs.texture || needs.corner_colors;
+        let varied = needs.texture || needs.varied;
         let mut lane = 0;
         while lane < LANES {
             let primitive = primitives[lane];
@@ -391,6 +393,7 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadePrimitives<'_, '_,
             } else {
                 shader.shade_row::<false>(left, y, primitives, pixels);
             }
+            shader.shader.clear_beyond(left, y, within(pixels, columns));
         }
     }
 }

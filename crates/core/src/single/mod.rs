@@ -1,5 +1,6 @@
 //! The single ray: the reference that packets agree with.
 
+mod clipped;
 mod slab;
 #[cfg(test)]
 mod tie_tests;
@@ -8,7 +9,9 @@ mod traversal;
 use crate::bvh::Accel;
 use crate::hit::{Cull, Hit, Precision, PrimitiveHit};
 use crate::ray::Ray;
+use crate::triangle::clip::Clip;
 use crate::triangle::{Nearest, PreparedRay};
+pub use clipped::Clipped;
 pub(crate) use traversal::nearest;
 
 impl Accel {
@@ -28,7 +31,7 @@ impl Accel {
     pub fn cast_brute_force(&self, ray: &Ray, cull: Cull) -> Option<Hit> {
         let ray = PreparedRay::new(ray, self.origin, cull, Precision::Exact)?;
         let mut nearest = Nearest::NONE;
-        for primitive in 0..self.triangles.len() as u32 {
+        for primitive in self.primitives() {
             self.meet(&ray, primitive, &mut nearest);
         }
         self.to_hit(nearest)
@@ -36,7 +39,7 @@ impl Accel {
 
     fn nearest(&self, ray: &Ray, cull: Cull, precision: Precision) -> Nearest {
         match PreparedRay::new(ray, self.origin, cull, precision) {
-            Some(ray) => traversal::nearest(self, &ray),
+            Some(ray) => traversal::nearest(self, &Clip::NONE, &ray),
             None => Nearest::NONE,
         }
     }
@@ -44,8 +47,8 @@ impl Accel {
     pub(crate) fn meet(&self, ray: &PreparedRay, primitive: u32, nearest: &mut Nearest) {
         ray.meet(
             primitive,
-            |primitive| self.triangles[primitive as usize].corners,
-            |primitive| self.triangles[primitive as usize].number,
+            |primitive| self.corners(primitive),
+            |primitive| self.id(primitive),
             nearest,
         );
     }

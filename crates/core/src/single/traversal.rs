@@ -3,10 +3,11 @@
 use super::slab::SlabRay;
 use crate::bvh::Accel;
 use crate::bvh::tree::{DEPTH_LIMIT, Subtree};
+use crate::triangle::clip::Clip;
 use crate::triangle::{Nearest, PreparedRay};
 
-/// The closest hit. Children are visited near to far; those beyond the nearest hit so far are skipped.
-pub(crate) fn nearest(accel: &Accel, ray: &PreparedRay) -> Nearest {
+/// The closest hit that `clip` keeps. Children are visited near to far; those beyond the nearest hit so far are skipped.
+pub(crate) fn nearest(accel: &Accel, clip: &Clip, ray: &PreparedRay) -> Nearest {
     let mut nearest = Nearest::NONE;
     let tree = &accel.tree;
     let Some(mut subtree) = tree.root else {
@@ -18,9 +19,9 @@ pub(crate) fn nearest(accel: &Accel, ray: &PreparedRay) -> Nearest {
     let mut depth = 0;
     loop {
         if let Some(index) = subtree.node() {
-            let node = &tree.nodes[index as usize];
-            let [(near_a, meets_a), (near_b, meets_b)] = slab.enter(&node.boxes, limit);
-            let [a, b] = node.children(index);
+            let mut opened = None;
+            let (boxes, [a, b]) = accel.open::<true>(index, &mut opened);
+            let [(near_a, meets_a), (near_b, meets_b)] = slab.enter(boxes, limit);
             match (meets_a, meets_b) {
                 (true, true) => {
                     let (first, second) = if near_b < near_a {
@@ -45,7 +46,7 @@ pub(crate) fn nearest(accel: &Accel, ray: &PreparedRay) -> Nearest {
             }
         } else {
             for primitive in subtree.primitives() {
-                accel.meet(ray, primitive, &mut nearest);
+                accel.meet_kept(clip, ray, primitive, &mut nearest);
             }
             if !nearest.is_miss() {
                 limit = slab.limit(nearest.t, nearest.t_error);

@@ -80,7 +80,9 @@ pub(crate) struct EdgeOn {
 impl EdgeOn {
     pub(crate) fn new(camera: &Camera, frame: DVec3) -> Self {
         let shared = match camera.projection() {
-            Projection::Perspective => Shared::Eye(camera.placement().eye),
+            Projection::Perspective | Projection::Panoramic(_) => {
+                Shared::Eye(camera.placement().eye)
+            }
             Projection::Orthographic => Shared::Direction(camera.forward(), Level::of(camera)),
         };
         Self {
@@ -172,6 +174,21 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// The eye relative to the frame is rounded out of a plane that holds it.
+    #[test]
+    fn an_eye_that_rounding_moves_off_a_plane_is_in_it() {
+        let (frame, eye) = (DVec3::X * 4096.0, DVec3::new(0.1, 0.1, 0.25));
+        // In world space, all have x = y.
+        let corners = [[0.0, -3.0], [4.0, -2.0], [1.0, 5.0]];
+        let corners = corners.map(|[y, z]: [f32; 2]| Vec3::new(y - 4096.0, y, z));
+        let rounded = eye - frame;
+        assert_ne!(rounded.x + 4096.0, rounded.y);
+        let doubles = corners.map(Vec3::as_dvec3);
+        assert_eq!(plane_misses(doubles, rounded, 0.0), Some(true));
+        let camera = camera(eye, DVec3::ZERO, Projection::Perspective);
+        assert!(EdgeOn::new(&camera, frame).is(0, corners));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! One triangle and rays: which meet it, where, and which of two triangles is nearer, decided exactly.
 
+pub(crate) mod clip;
 mod componentwise;
 pub(crate) mod coplanar;
 pub(crate) mod edge_on;

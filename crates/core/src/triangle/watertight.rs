@@ -509,6 +509,29 @@ mod tests {
     use super::*;
     use crate::random::Random;
 
+    #[test]
+    fn what_the_weights_are_off_by_moves_the_hit() {
+        let ray = Ray::new(DVec3::ZERO, DVec3::Z);
+        let prepared = PreparedRay::new(&ray, DVec3::ZERO, Cull::None, Precision::Exact);
+        let prepared = prepared.expect("a valid ray");
+        let weight = Determinant {
+            value: 1.0,
+            error: 1e-10,
+        };
+        let numerator = Determinant {
+            value: 3.0,
+            error: 0.0,
+        };
+        let weights = [weight; 3];
+        let verdict = prepared.judge_by(0, Some(Determinants { weights, numerator }));
+        let Verdict::Hit(hit) = verdict else {
+            panic!("a hit");
+        };
+        // The sum may be as small as this.
+        let furthest = 3.0 / (3.0 * (1.0 - 1e-10));
+        assert!(hit.t + hit.t_error >= furthest, "{}", hit.t_error);
+    }
+
     /// What doubles are sure of is so, of rays at edges and corners but for roundings: next to the eye
     /// and far from it, and with an eye that is rounded itself. The truth is integer arithmetic.
     #[test]

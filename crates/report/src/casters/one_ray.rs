@@ -119,8 +119,11 @@ impl<V: Vector> RowOfRays<V> {
     pub(super) fn ray(&self, column: u32) -> OwnRay<V> {
         let along = self.step * V::number(f64::from(column));
         let (origin, direction) = match self.projection {
-            Projection::Perspective => (self.origin, (self.direction + along).normalized()),
             Projection::Orthographic => (self.origin + along, self.direction),
+            // Lattices of panoramas are not measured.
+            Projection::Perspective | Projection::Panoramic(_) => {
+                (self.origin, (self.direction + along).normalized())
+            }
         };
         OwnRay {
             origin,

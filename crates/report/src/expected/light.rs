@@ -48,7 +48,7 @@ impl Lights {
 /// The unit vector from a pixel of the picture to the eye.
 ///
 /// It is said to be worked out in single precision from the picture's corner, and what a pixel to the
-/// right and down adds: with the place in the picture in pixels, not from the ray.
+/// right and down adds: with the place in the picture in pixels, not from the ray; of a panorama from the direction there.
 pub(super) fn to_eye(camera: &Camera, x: f64, y: f64) -> Vector<24> {
     use raycast_core::camera::Projection;
     let to_single = |vector: raycast_core::glam::DVec3| {
@@ -60,6 +60,9 @@ pub(super) fn to_eye(camera: &Camera, x: f64, y: f64) -> Vector<24> {
     if camera.projection() == Projection::Orthographic {
         // Made unit length once more, as every other is.
         return super::range::unit(exactly_single((-camera.forward()).as_vec3()));
+    }
+    if camera.projection().panorama().is_some() {
+        return super::range::unit(to_single(-camera.direction(x, y).normalize_or_zero()));
     }
     let corner = to_single(-camera.direction(0.0, 0.0) / camera.distance());
     let pixel = camera.plane().step / camera.distance();

@@ -6,7 +6,9 @@
 
 mod light;
 mod normal;
+mod own_color;
 mod range;
+mod section;
 mod srgb;
 mod texture;
 
@@ -16,11 +18,15 @@ use crate::fault::{Fault, GRAZING, T_BOUND, UV_BOUND, ulp};
 use crate::stage::Stage;
 use light::Lights;
 use normal::ToWorld;
+use own_color::Numbers;
 use range::{Double, Vector, exactly, minus, plus};
-use raycast_core::camera::{Camera, Projection};
-use raycast_core::scene::{Color, ColorRule, Object, Wrap};
-use raycast_core::shade::{Background, Filter, Mode, Shading, TextureProjection};
+use raycast_core::Cull;
+use raycast_core::camera::{Camera, Projection, Rect};
+use raycast_core::glam::DVec3;
+use raycast_core::scene::{Object, Wrap};
+use raycast_core::shade::{Background, Filter, Legend, Mode, Shading, TextureProjection};
 use raycast_oracle::Truth;
+use rayon::prelude::*;
 use texture::Repeat;
 
 /// sRGB grey at the near and the far end of the depth mode.
@@ -39,6 +45,12 @@ pub(crate) struct Expected<'a> {
     repeats: Vec<Option<Repeat>>,
     /// The distance at which the depth mode begins, and one over how far it reaches.
     depth: [Single; 2],
+    /// The range of the depth mode's colours, where it is through a map.
+    depth_map: Option<[Double; 2]>,
+    /// The colours of numbers.
+    numbers: Numbers,
+    /// What the legend covers, of which nothing is known.
+    legend: Option<Rect>,
 }
 
 /// The direction of a surface, and its texture coordinates.
@@ -56,7 +68,7 @@ struct Hit<'a> {
 }
 
 impl<'a> Expected<'a> {
-    pub(crate) fn new(stage: &'a Stage, camera: Camera, shading: Shading) -> Self {
+    pub(crate) fn new(stage: &'a Stage, camera: Camera, shading: Shading, cull: Cull) -> Self {
         let to_world = match stage.scene.world_from_objects() {
             Ok(transforms) => transforms.iter().map(ToWorld::new).collect(),
             Err(_) => Vec::new(),
@@ -66,6 +78,17 @@ impl<'a> Expected<'a> {
         } else {
             [Single::UNKNOWN; 2]
         };
+        let numbers = Numbers::new(stage, &camera, &shading);
+        let is_mapped = shading.mode == Mode::Depth && shading.scale.is_some();
+        let seen = || depths_seen(stage, &camera, cull);
+        let depth_map = is_mapped
+            .then(|| numbers.given_range().or_else(seen))
+            .flatten();
+        let plane = camera.plane();
+        let has_legend = shading.scale.is_some_and(|scale| scale.legend);
+        let legend = has_legend
+            .then(|| Legend::place(plane.columns, plane.rows))
+            .flatten();
         let repeat = |object: &Object| object.has_texture().then(|| Repeat::of(&object.mesh));
         Self {
             stage,
@@ -75,6 +98,9 @@ impl<'a> Expected<'a> {
             to_world,
             repeats: stage.scene.objects.iter().map(repeat).collect(),
             depth,
+            depth_map,
+            numbers,
+            legend,
         }
     }
 
@@ -94,13 +120,24 @@ impl<'a> Expected<'a> {
     /// ray hits `truth`: linear light, alpha not multiplied in. Unknown where it is undecided.
     pub(crate) fn color(&self, x: f64, y: f64, truth: Option<&Truth>) -> [Single; 4] {
         let opaque = |[r, g, b]: Vector<24>| [r, g, b, Single::exactly(1.0)];
+        if self.legend.is_some_and(|legend| is_in(legend, x, y)) {
+            return [Single::UNKNOWN; 4];
+        }
         let Some(truth) = truth else {
+            if !self.camera.has_place(x, y) {
+                return [Single::exactly(0.0); 4];
+            }
             return self.backdrop(y);
         };
         let lines = self.shading.wireframe.is_some() || self.shading.mode == Mode::Wireframe;
         let Some(hit) = self.hit(truth).filter(|_| !lines) else {
             return [Single::UNKNOWN; 4];
         };
+        if let Some(cut) =
+            section::color(self.stage, &self.camera, self.shading.mode, (x, y), truth)
+        {
+            return opaque(cut);
+        }
         let lit = |light: Vector<24>| {
             let color = self.surface_color(&hit);
             std::array::from_fn(|i| color[i] * light[i])
@@ -122,7 +159,11 @@ impl<'a> Expected<'a> {
                 let half = number(0.5);
                 self.normal(&hit).map(|n| srgb::displayed(n * half + half))
             }
-            Mode::Depth => [srgb::displayed(self.grey(hit.t)); 3],
+            Mode::Depth => match (self.depth_map, self.shading.scale) {
+                (Some(range), _) => self.numbers.color(hit.t.to(), range),
+                (None, Some(_)) => [Single::UNKNOWN; 3],
+                (None, None) => [srgb::displayed(self.grey(hit.t)); 3],
+            },
             Mode::Barycentric => hit.weights.map(srgb::displayed),
             Mode::Uv => {
                 let uv = match hit.object.mesh.corner_uvs(hit.triangle) {
@@ -187,26 +228,16 @@ impl<'a> Expected<'a> {
         }
     }
 
-    /// The object's colour at a hit: its corners' mixed in linear light where the file has them, else the
-    /// triangle's.
+    /// The object's colour at a hit, by its rule.
     fn own_color(&self, hit: &Hit<'_>) -> Vector<24> {
-        match hit.object.corner_colors(hit.triangle) {
-            Some(colors) => normal::blend(colors.map(srgb::linear), hit.weights),
-            None => srgb::linear(self.triangle_color(hit)),
-        }
-    }
-
-    /// A triangle's own colour. Unlit, the triangles of a file without materials have one each.
-    fn triangle_color(&self, hit: &Hit<'_>) -> Color {
-        let object = hit.object;
-        let colorless = object.color == ColorRule::File
-            && object.mesh.materials().is_empty()
-            && object.mesh.vertex_colors().is_empty();
-        let own = ColorRule::PerTriangle { seed: 0 };
-        match own.color(hit.triangle) {
-            Some(color) if colorless && self.shading.mode == Mode::Color => color,
-            _ => object.triangle_color(hit.triangle),
-        }
+        let to_world = self.to_world.get(hit.number as usize);
+        own_color::own_color(
+            hit,
+            &self.numbers,
+            &self.camera,
+            self.shading.mode,
+            to_world.and_then(Option::as_ref),
+        )
     }
 
     /// The triangle's colour and the texture, mixed in linear light.
@@ -262,28 +293,64 @@ impl<'a> Expected<'a> {
     }
 }
 
-/// From the scene's box's nearest point to its farthest corner: where the depth mode's greys begin, and
-/// one over how far they reach; zero where they reach nowhere.
+/// Where the depth mode's greys begin, and one over how far they reach: over the scene's box; zero where they
+/// reach nowhere.
 fn depth_range(stage: &Stage, camera: &Camera) -> [Single; 2] {
+    match distances(stage, camera, camera.placement().eye, true) {
+        Some([near, far]) if far.low > near.high => {
+            [near.to(), (Double::exactly(1.0) / (far - near)).to()]
+        }
+        _ => [Single::exactly(0.0); 2],
+    }
+}
+
+/// From the scene's box's nearest point to its farthest corner, seen from a point; from the eye of an orthographic
+/// camera along its rays. `None` without a box.
+fn distances(stage: &Stage, camera: &Camera, from: DVec3, is_eye: bool) -> Option<[Double; 2]> {
     let bounds = stage.scene.bounds();
-    let (eye, forward) = (camera.placement().eye, camera.forward());
-    let distances = bounds.corners().map(|corner| match camera.projection() {
-        Projection::Orthographic => (corner - eye).dot(forward),
-        _ => corner.distance(eye),
+    if bounds.is_empty() {
+        return None;
+    }
+    let along_rays = is_eye && camera.projection() == Projection::Orthographic;
+    let distances = bounds.corners().map(|corner| match along_rays {
+        true => (corner - from).dot(camera.forward()),
+        false => corner.distance(from),
     });
     let far = distances.into_iter().fold(0.0, f64::max);
-    let near = match camera.projection() {
-        Projection::Orthographic => distances.into_iter().fold(far, f64::min).max(0.0),
-        _ => eye.clamp(bounds.min, bounds.max).distance(eye),
+    let near = match along_rays {
+        true => distances.into_iter().fold(far, f64::min).max(0.0),
+        false => from.clamp(bounds.min, bounds.max).distance(from),
     };
-    if bounds.is_empty() || far <= near {
-        return [Single::exactly(0.0); 2];
-    }
     // Both distances are rounded a few times, each by 2⁻⁵³ of the numbers that went into them.
-    let size = eye.abs().max_element() + bounds.min.abs().max(bounds.max.abs()).max_element();
+    let size = from.abs().max_element() + bounds.min.abs().max(bounds.max.abs()).max_element();
     let slack = size * 2f64.powi(-49);
-    let [near, far] = [near, far].map(|distance| Double::around(distance, slack));
-    [near.to(), (Double::exactly(1.0) / (far - near)).to()]
+    Some([near, far].map(|distance| Double::around(distance, slack)))
+}
+
+/// The nearest and the farthest hit of every 16th ray of the whole picture, both ways: what the depth mode's colours
+/// are fitted to.
+fn depths_seen(stage: &Stage, camera: &Camera, cull: Cull) -> Option<[Double; 2]> {
+    let plane = camera.plane();
+    let places: Vec<(u32, u32)> = (0..plane.rows)
+        .step_by(16)
+        .flat_map(|y| (0..plane.columns).step_by(16).map(move |x| (x, y)))
+        .collect();
+    let truths: Vec<f64> = places
+        .into_par_iter()
+        .filter_map(|(x, y)| {
+            let ray = camera.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            stage.truth(&ray, cull).map(|truth| truth.t)
+        })
+        .collect();
+    let near = truths.iter().copied().reduce(f64::min)?;
+    let far = truths.into_iter().reduce(f64::max)?;
+    Some([near, far].map(|t| Double::around(t, T_BOUND * ulp(t))))
+}
+
+/// Whether a place of the picture lies in a rectangle.
+fn is_in(rect: Rect, x: f64, y: f64) -> bool {
+    let within = |place: f64, from: u32, to: u32| (f64::from(from)..f64::from(to)).contains(&place);
+    within(x, rect.x, rect.right()) && within(y, rect.y, rect.bottom())
 }
 
 /// What is left of numbers after whole ones: all of 0 to 1 where there is a whole number among them.

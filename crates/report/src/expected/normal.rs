@@ -62,6 +62,11 @@ impl ToWorld {
         Some(Self(columns.map(|column| column.to_array().map(entry))))
     }
 
+    /// A mesh's normal in the world, of unit length; its sign is that of the mesh's.
+    pub(super) fn direction(&self, normal: Vec3) -> Vector<24> {
+        unit(self.apply(normal))
+    }
+
     fn apply(&self, normal: Vec3) -> Vector<24> {
         let [x, y, z] = exactly_single(normal);
         let [a, b, c] = self.0;

@@ -219,6 +219,7 @@ impl App {
         for batch in self.renderer.outbox().fetch(now, |size| fits(size, shown)) {
             turns |= batch.complete || batch.generation > self.canvas.generation();
             self.canvas.take_in(batch);
+            self.state.legend = self.canvas.legend().cloned();
         }
         turns
     }
@@ -257,7 +258,8 @@ impl App {
             Some(Effect::CancelLoad) => self.files.cancel_load(),
             Some(Effect::Build) => {
                 if let Some(document) = &self.state.document {
-                    self.files.build(Arc::clone(&document.scene));
+                    let (scene, accel) = (&document.scene, &document.accel);
+                    self.files.build(Arc::clone(scene), Arc::clone(accel));
                 }
             }
             Some(Effect::LoadTexture(path, which)) => self.files.load_texture(path, which),

@@ -11,7 +11,8 @@ the same bytes, and its output is there whole or not at all. What follows `--` i
 PLAN.stitch has a line a picture, to be run once all of PLAN is done: it stitches the picture, if it is in
 tiles, and verifies it. Beside them lie PLAN.slurm, which submits both as job arrays (`sh PLAN.slurm`), and
 PLAN.yaml and PLAN.stitch.yaml, Indexed Jobs for Kubernetes whose volume and image are to be filled in.
-Fragments are in the folder PLAN.parts. Folders and files are named as they are on this machine.
+Fragments are in the folder PLAN.parts. Folders and files are named as they are on this machine. A plan that is
+there is replaced with all of these; where it is not, none of them may be there.
 
 Examples:
   raycast plan bunny.obj --turntable 100 -o turn -- --size 1920x1080 --samples 16

@@ -1,6 +1,6 @@
 use super::values;
 use clap::Args;
-use raycast_core::formats::{Budget, Limits};
+use raycast_core::formats::Limits;
 use raycast_core::scene::UpAxis;
 use std::str::FromStr;
 
@@ -39,11 +39,6 @@ impl ReadingArgs {
             *place = limit.most;
         }
         limits
-    }
-
-    /// A budget of these limits, of which nothing is taken.
-    pub fn budget(&self) -> Budget {
-        Budget::new(self.limits())
     }
 }
 

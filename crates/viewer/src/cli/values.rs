@@ -2,11 +2,11 @@
 
 use clap::builder::{PossibleValuesParser, RangedI64ValueParser, TypedValueParser};
 use raycast_core::Cull;
-use raycast_core::camera::{ImagePlane, Projection, check_step};
+use raycast_core::camera::{ImagePlane, Panorama, Projection, check_step};
 use raycast_core::glam::{DVec2, DVec3};
 use raycast_core::ranges;
 use raycast_core::render::Precision;
-use raycast_core::scene::{Color, ColorRule, Crop, TextureProjection, UpAxis, Wrap};
+use raycast_core::scene::{Color, ColorMap, ColorRule, Crop, TextureProjection, UpAxis, Wrap};
 use raycast_core::shade::{Background, Filter, Mode};
 use std::str::FromStr;
 
@@ -30,7 +30,26 @@ pub(super) type Names<T> = &'static [(&'static str, T)];
 pub(super) const PROJECTIONS: Names<Projection> = &[
     ("perspective", Projection::Perspective),
     ("orthographic", Projection::Orthographic),
+    (
+        "equirectangular",
+        Projection::Panoramic(Panorama::Equirectangular),
+    ),
+    ("cylindrical", Projection::Panoramic(Panorama::Cylindrical)),
+    ("fisheye", Projection::Panoramic(Panorama::Equidistant)),
+    (
+        "fisheye:equisolid",
+        Projection::Panoramic(Panorama::Equisolid),
+    ),
+    (
+        "fisheye:stereographic",
+        Projection::Panoramic(Panorama::Stereographic),
+    ),
+    ("cubemap", Projection::Panoramic(Panorama::CubeStrip)),
+    ("cubemap:cross", Projection::Panoramic(Panorama::CubeCross)),
 ];
+
+/// Those whose pictures are planes.
+pub(super) const PLANAR: Names<Projection> = PROJECTIONS.split_at(2).0;
 
 pub(super) const MODES: Names<Mode> = &[
     ("color", Mode::Color),
@@ -58,6 +77,14 @@ pub(super) const FILTERS: Names<Filter> = &[
     ("bilinear", Filter::Bilinear),
     ("trilinear", Filter::Trilinear),
     ("ewa", Filter::Ewa),
+];
+
+pub(super) const COLOR_MAPS: Names<ColorMap> = &[
+    ("viridis", ColorMap::Viridis),
+    ("magma", ColorMap::Magma),
+    ("turbo", ColorMap::Turbo),
+    ("cividis", ColorMap::Cividis),
+    ("diverging", ColorMap::Diverging),
 ];
 
 pub(super) const PRECISIONS: Names<Precision> =
@@ -123,9 +150,13 @@ pub(super) fn step(text: &str) -> Result<f64, String> {
     Ok(step)
 }
 
-/// Reads a field of view in degrees.
+/// Reads a field of view in degrees: one that some projection can have.
 pub(super) fn fov(text: &str) -> Result<f64, String> {
-    ranges::fov(number(text)?).map_err(|error| error.to_string())
+    let degrees = number(text)?;
+    if (ranges::FOV_END..=360.0).contains(&degrees) {
+        return Ok(degrees);
+    }
+    ranges::fov(degrees).map_err(|error| error.to_string())
 }
 
 /// Reads a count of samples.
@@ -134,7 +165,7 @@ pub(super) fn samples(text: &str) -> Result<u32, String> {
 }
 
 /// Reads a number of any size.
-fn number<T: FromStr>(text: &str) -> Result<T, String> {
+pub(super) fn number<T: FromStr>(text: &str) -> Result<T, String> {
     text.parse().map_err(|_| "expected a number".to_owned())
 }
 
@@ -162,6 +193,25 @@ pub(super) fn orbit(text: &str) -> Result<OrbitArg, String> {
         pitch,
         distance,
     })
+}
+
+/// `--wireframe`: lines over the mode, or none although a scene file has them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WireframeArg {
+    /// None.
+    None,
+    /// So many pixels wide.
+    Width(f32),
+}
+
+/// Reads a line's width in pixels, or `none`.
+pub(super) fn wireframe(text: &str) -> Result<WireframeArg, String> {
+    if text == "none" {
+        return Ok(WireframeArg::None);
+    }
+    line_width(text)
+        .map(WireframeArg::Width)
+        .map_err(|error| format!("{error}, or none"))
 }
 
 /// Reads a line's width in pixels.
@@ -206,19 +256,12 @@ pub(super) fn extent(text: &str) -> Result<DVec2, String> {
 
 /// Reads a colour rule.
 pub(super) fn scene_color(text: &str) -> Result<SceneColor, String> {
-    const EXPECTED: &str = "expected file, per-triangle, per-triangle:SEED, #rrggbb or #rgb";
-    match text.split_once(':') {
-        None if text == "file" => Ok(ColorRule::File),
-        None if text == "per-triangle" => Ok(ColorRule::PerTriangle { seed: 0 }),
-        Some(("per-triangle", seed)) => match seed.parse() {
-            Ok(seed) => Ok(ColorRule::PerTriangle { seed }),
-            Err(_) => Err(format!("{EXPECTED}, a seed being 0 to {}", u32::MAX)),
-        },
-        _ => text
-            .parse()
-            .map(ColorRule::Uniform)
-            .map_err(|_| EXPECTED.to_owned()),
-    }
+    text.parse()
+}
+
+/// Reads the ends of a colour scale.
+pub(super) fn color_range(text: &str) -> Result<[f64; 2], String> {
+    ranges::color_range(list(text, "two numbers as LOW,HIGH")?).map_err(|error| error.to_string())
 }
 
 /// Reads what lies behind everything.
@@ -242,7 +285,10 @@ fn by(text: &str, expected: &str) -> Result<(u32, u32), String> {
 }
 
 /// Reads `N` values with commas between them.
-fn list<T: FromStr, const N: usize>(text: &str, expected: &str) -> Result<[T; N], String> {
+pub(super) fn list<T: FromStr, const N: usize>(
+    text: &str,
+    expected: &str,
+) -> Result<[T; N], String> {
     text.split(',')
         .map(|part| part.trim().parse().ok())
         .collect::<Option<Vec<T>>>()
@@ -303,6 +349,10 @@ mod tests {
             Ok(ColorRule::Uniform(Color([1, 2, 255])))
         );
         assert_eq!(scene_color("#0af"), scene_color("#00aaff"));
+        assert_eq!(color_range("-1,2.5"), Ok([-1.0, 2.5]));
+        for bad in ["", "1", "2,1", "1,1", "0,inf", "a,b"] {
+            assert!(color_range(bad).is_err(), "{bad}");
+        }
         for bad in ["", "per-triangle:", "per-triangle:-1", "file:1", "#12345"] {
             assert!(scene_color(bad).is_err(), "{bad}");
         }

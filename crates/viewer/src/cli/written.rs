@@ -1,18 +1,21 @@
 //! A command line that makes a picture: written so that it reads back as the same.
 
+use super::clip;
+use super::shell::quoted;
 use super::values::{
-    self, CULLS, FILTERS, MODES, Names, PRECISIONS, PROJECTIONS, TEXTURE_PROJECTIONS,
+    self, COLOR_MAPS, CULLS, FILTERS, MODES, Names, PRECISIONS, PROJECTIONS, TEXTURE_PROJECTIONS,
 };
-use raycast_core::camera::{Placement, Projection, fov_to_frame, frame_to_fov};
+use raycast_core::camera::{Placement, Projection, frame_to_fov};
 use raycast_core::formats::{CameraFile, Limits};
 use raycast_core::glam::DVec3;
 use raycast_core::render::View;
-use raycast_core::scene::UpAxis;
+use raycast_core::scene::{Scene, UpAxis};
 use raycast_core::shade::Background;
 use std::path::PathBuf;
 
-/// `raycast render` with all that decides the picture's bytes: whatever a scene file among `files` says of camera
-/// and shading, but for lines along edges, which an option switches on and none switches off.
+/// `raycast render` with all that decides the picture's bytes, whatever a scene file among `files` says of camera
+/// and shading; but for how textures are projected where an object has a projection of its own, since the option is
+/// for all objects: the files' shading must then say it.
 ///
 /// Numbers have the fewest digits that read back as the same, and words are quoted for a shell where they
 /// need to be. `None` where a path is no text.
@@ -49,26 +52,49 @@ pub fn render_command(
     );
     option("--blend", shading.blend.to_string());
     option("--filter", word(FILTERS, shading.filter));
-    // The option would be for all objects, those too that have a projection of their own.
-    if view
-        .scene
-        .objects
-        .iter()
-        .all(|object| object.mapping.projection.is_none())
-    {
+    if !has_own_projection(&view.scene) {
         let projection = word(TEXTURE_PROJECTIONS, shading.projection);
         option("--texture-projection", projection);
+    }
+    if let Some(scale) = shading.scale {
+        option("--color-map", word(COLOR_MAPS, scale.map));
+        if let Some([low, high]) = scale.range {
+            option("--color-range", format!("{low},{high}"));
+        }
     }
     option("--samples", settings.samples.max(1).to_string());
     option("--cull", word(CULLS, settings.cull));
     option("--precision", word(PRECISIONS, settings.precision));
-    if let Some(lines) = shading.wireframe {
-        option("--wireframe-color", lines.color.to_string());
-        words.push(format!("--wireframe={}", lines.width));
+    let planes = clip::words(&settings.clip);
+    // A scene file may have planes that are not these; a mesh has none.
+    let may_have_planes = files
+        .iter()
+        .any(|file| file.extension().is_some_and(|e| e == "toml"));
+    if planes.is_empty() && may_have_planes {
+        option("--clip", "none".to_owned());
+    }
+    for plane in planes {
+        option("--clip", plane);
+    }
+    match shading.wireframe {
+        Some(lines) => {
+            option("--wireframe-color", lines.color.to_string());
+            words.push(format!("--wireframe={}", lines.width));
+        }
+        None => words.push("--wireframe=none".to_owned()),
+    }
+    if shading.scale.is_some_and(|scale| scale.legend) {
+        words.push("--legend".to_owned());
     }
     words.extend(reading(limits));
     let words: Vec<_> = words.iter().map(|word| quoted(word)).collect();
     Some(words.join(" "))
+}
+
+/// Whether an object has a texture projection of its own.
+pub fn has_own_projection(scene: &Scene) -> bool {
+    let mut objects = scene.objects.iter();
+    objects.any(|object| object.mapping.projection.is_some())
 }
 
 /// A camera as options of `raycast render`, which [`camera_of`] reads. An orthographic frame is told by the field
@@ -80,8 +106,8 @@ pub fn camera_options(camera: &CameraFile) -> String {
         frame,
     } = camera;
     let fov = match projection {
-        Projection::Perspective => *frame,
         Projection::Orthographic => frame_to_fov(*frame, placement.eye.distance(placement.target)),
+        Projection::Perspective | Projection::Panoramic(_) => *frame,
     };
     format!(
         "--eye {} --target {} --up {} --fov {fov} --projection {}",
@@ -116,18 +142,19 @@ pub fn camera_of(text: &str) -> Option<CameraFile> {
     let fov = told("--fov").map(values::fov).transpose().ok()?;
     let rows = told("--size").map(values::size).transpose().ok()?;
     let step = told("--step").map(values::step).transpose().ok()?;
+    let fov = fov.map(|fov| projection.check_fov(fov)).transpose().ok()?;
     let frame = match (fov, step.zip(rows)) {
-        (Some(fov), _) => fov_to_frame(fov, distance),
+        (Some(fov), _) => projection.frame(fov, distance),
         (None, Some((step, (_, rows)))) => step * f64::from(rows),
-        (None, None) => fov_to_frame(45.0, distance),
+        (None, None) => projection.frame(projection.default_fov(), distance),
     };
     Some(CameraFile {
         placement,
         projection,
-        frame: match (projection, fov) {
-            (Projection::Perspective, Some(fov)) => fov,
-            (Projection::Perspective, None) => frame_to_fov(frame, distance),
-            (Projection::Orthographic, _) => frame,
+        frame: match fov {
+            _ if projection.is_parallel() => frame,
+            Some(fov) => fov,
+            None => projection.fov_degrees(frame, distance),
         },
     })
 }
@@ -163,33 +190,9 @@ fn point(point: DVec3) -> String {
     format!("{},{},{}", point.x, point.y, point.z)
 }
 
-/// A word as a shell takes it: in single quotes (on Windows in double ones) unless it is plain.
-fn quoted(word: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-./:,=+@%".contains(c);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        return word.to_owned();
-    }
-    if cfg!(windows) {
-        format!("\"{word}\"")
-    } else {
-        format!("'{}'", word.replace('\'', r"'\''"))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn words_are_quoted_where_a_shell_would_split_or_change_them() {
-        assert_eq!(quoted("/a/b-1.obj"), "/a/b-1.obj");
-        assert_eq!(quoted("--wireframe=1.5"), "--wireframe=1.5");
-        if !cfg!(windows) {
-            assert_eq!(quoted("a b"), "'a b'");
-            assert_eq!(quoted("it's $HOME"), r"'it'\''s $HOME'");
-            assert_eq!(quoted("#102030"), "'#102030'");
-        }
-    }
 
     #[test]
     fn a_camera_reads_back_as_it_was_written_and_nonsense_is_none() {
@@ -213,7 +216,7 @@ mod tests {
         let line =
             "raycast render a.obj -o a.png --size 40x30 --step 0.1 --eye 0,0,9 --target 0,0,0";
         let read = camera_of(line).expect("a camera");
-        assert!((fov_to_frame(read.frame, 9.0) - 3.0).abs() < 1e-12);
+        assert!((raycast_core::camera::fov_to_frame(read.frame, 9.0) - 3.0).abs() < 1e-12);
         for text in [
             "",
             "hello",

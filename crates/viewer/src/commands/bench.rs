@@ -2,13 +2,13 @@ use super::{Failure, warn, workers};
 use crate::cli::BenchArgs;
 use crate::output::print;
 use crate::progress::TerminalProgress;
-use crate::setup;
 use crate::stats::{self, json, milliseconds};
+use crate::{memory, setup};
 use raycast_core::camera::{Camera, Grid, Lattice, Placement, PlaneRequest, fov_to_frame};
 use raycast_core::formats;
 use raycast_core::picture::Picture;
 use raycast_core::render::{Cancel, Precision, Settings, TileStats, View};
-use raycast_core::scene::Scene;
+use raycast_core::scene::{ClippingPlanes, Scene};
 use raycast_core::shade::Shading;
 use raycast_core::{Accel, Detail};
 use raycast_report::casters::{self, Caster};
@@ -107,7 +107,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<(), Failure> {
     for file in &args.files {
         let progress = TerminalProgress::new();
         progress.loading();
-        let budget = args.reading.budget();
+        let budget = memory::budget(args.reading.limits());
         let scene =
             formats::read_scene_within(file, &budget, &|share| progress.loaded(share))?.scene;
         let cameras = cameras(args, &scene)?;
@@ -115,6 +115,8 @@ pub(super) fn run(args: &BenchArgs) -> Result<(), Failure> {
         figures.push(measure(args, name, scene, cameras, &pool, &progress)?);
     }
     for made in &args.made {
+        let (Made::Ball(triangles) | Made::Interior(triangles)) = *made;
+        memory::check_tree(&made.to_string(), triangles as usize)?;
         let scene = made.scene();
         let cameras = match made {
             // From outside it would show walls.
@@ -143,6 +145,7 @@ fn measure(
     progress: &TerminalProgress,
 ) -> Result<FileFigures, Failure> {
     progress.building();
+    memory::check_tree(&name, scene.triangle_count())?;
     let building = Instant::now();
     let accel = Arc::new(pool.install(|| setup::tree(&scene))?);
     let build_time = building.elapsed();
@@ -172,6 +175,7 @@ fn measure(
                     ..Shading::default()
                 },
                 cull: args.casting.cull,
+                clip: args.casting.clip.planes(ClippingPlanes::NONE)?,
                 precision: args.casting.precision,
                 samples: 1,
                 layers: false,

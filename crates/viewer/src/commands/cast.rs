@@ -2,10 +2,10 @@ use super::{Failure, warn, warn_of_reading, workers};
 use crate::cli::CastArgs;
 use crate::output::Output;
 use crate::progress::TerminalProgress;
-use crate::setup;
 use crate::stats::{self, Stats, StatsTarget, milliseconds};
+use crate::{memory, setup};
 use raycast_core::formats::{HIT_BYTES, RAY_BYTES, SceneFile, decode_ray, encode_hit};
-use raycast_core::{Accel, Cull};
+use raycast_core::{Clipped, Cull};
 use rayon::prelude::*;
 use std::fs::File;
 use std::io::{Read, Write};
@@ -55,17 +55,21 @@ pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
         scene,
         warnings,
         opened,
+        clip,
         ..
     } = setup::load(&args.files, &args.reading, &|share| progress.loaded(share))?;
     output.check_against(&opened)?;
     stats_target.check_against(&opened)?;
     let load_time = started.elapsed();
+    let planes = args.clip.planes(clip)?;
     progress.building();
     let building = Instant::now();
     let name = setup::name_of(&args.files);
+    memory::check_tree(&name, scene.triangle_count())?;
     let accel = pool.install(|| setup::visible_tree(&name, &scene))?;
     let build_time = building.elapsed();
 
+    let kept = accel.clipped(&planes);
     progress.counting("casting", bytes / RAY_BYTES as u64);
     let mut hits_file = output.create()?;
     let (counts, cast_time) = answer(
@@ -79,7 +83,7 @@ pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
                 ))
             })
         },
-        |rays| pool.install(|| cast_all(&accel, args.cull, rays, &progress)),
+        |rays| pool.install(|| cast_all(&kept, args.cull, rays, &progress)),
     )?;
     progress.clear();
     let answered = counts.rays * RAY_BYTES as u64;
@@ -176,7 +180,7 @@ fn answer(
 
 /// The hits of whole rays, in parallel on the current pool.
 fn cast_all(
-    accel: &Accel,
+    kept: &Clipped<'_>,
     cull: Cull,
     rays: &[u8],
     progress: &TerminalProgress,
@@ -195,7 +199,7 @@ fn cast_all(
             {
                 let ray = decode_ray(ray);
                 let met = if ray.is_valid() {
-                    accel.cast(&ray, cull)
+                    kept.cast(&ray, cull)
                 } else {
                     counts.invalid += 1;
                     None

@@ -36,7 +36,7 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
     output.check_against(&opened)?;
     let library = match &library {
         Some(path) if has_materials(&scene) => {
-            let place = Output::at(path, &inputs)?;
+            let place = output.beside(path, &inputs)?;
             place.check_against(&opened)?;
             Some((path, place))
         }

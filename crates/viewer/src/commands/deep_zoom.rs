@@ -16,10 +16,11 @@ const TILE: u32 = 256;
 /// The page, with places for the picture's name and sizes.
 const PAGE: &str = include_str!("deep_zoom.html");
 
-/// A pyramid's files: `NAME.dzi`, `NAME.html`, and the tiles in `NAME_files`, which must not be there.
+/// A pyramid's files: `NAME.dzi`, and the page `NAME.html` and the tiles in `NAME_files`, which must not be there.
 pub(super) struct DeepZoom {
     dzi: Output,
     page: Output,
+    page_path: PathBuf,
     folder: PathBuf,
     name: PathBuf,
 }
@@ -31,21 +32,35 @@ pub(super) fn is_deep_zoom(path: &Path) -> bool {
 }
 
 impl DeepZoom {
-    /// Places for the files of the pyramid that is called `path`.
+    /// Places for the files of the pyramid that is called `path`, where its `dzi` goes.
     ///
     /// # Errors
-    /// As [`Output::at`]; tiles that are there.
-    pub(super) fn at(path: &Path, inputs: &[&Path]) -> Result<Self, Failure> {
+    /// As [`Output::at`]; a page or tiles that are there.
+    pub(super) fn at(path: &Path, dzi: Output, inputs: &[&Path]) -> Result<Self, Failure> {
+        let page_path = path.with_extension("html");
+        let page = Output::at(&page_path, inputs)?;
+        if page.is_taken() {
+            return Err(Failure::could_not(format!(
+                "{}: cannot be made: it is there already",
+                page_path.display()
+            )));
+        }
         let mut folder = path.with_extension("").into_os_string();
         folder.push("_files");
         // Made and removed again: better now than after the work.
         drop(FolderUnderWay::create(Path::new(&folder))?);
         Ok(Self {
-            dzi: Output::at(path, inputs)?,
-            page: Output::at(&path.with_extension("html"), inputs)?,
+            dzi,
+            page,
+            page_path,
             folder: folder.into(),
             name: path.to_owned(),
         })
+    }
+
+    /// The page's path: no other output may go there.
+    pub(super) fn page(&self) -> &Path {
+        &self.page_path
     }
 
     /// Writes the pyramid of a picture, which `make` gives in rectangles as wide as it is, from the top.

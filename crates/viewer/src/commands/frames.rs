@@ -27,6 +27,11 @@ pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
     let started = Instant::now();
     let name = args.output.to_string_lossy().into_owned();
     let is_each = frame_path(&args.output, 0).is_some();
+    if !is_each && name.contains('%') {
+        return Err(Failure::usage(format!(
+            "{name}: expected one place for the frame's number, as %d or %05d"
+        )));
+    }
     let format = match (is_each, args.output.extension()) {
         (false, Some(extension)) if extension.eq_ignore_ascii_case("apng") => Format::Png,
         _ => Format::from_name(&name)?,
@@ -34,6 +39,11 @@ pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
     if !is_each && (format != Format::Png || args.tiles.sub_camera.is_some()) {
         return Err(Failure::usage(format!(
             "{name}: several frames are written to a file each (out-%05d.png), or to one .png or .apng"
+        )));
+    }
+    if args.resume && !is_each {
+        return Err(Failure::usage(format!(
+            "{name}: a file of several frames is written in one piece: leave out --resume"
         )));
     }
     if args.tiles.unfinished.is_some() || args.tiles.show_sub_cameras {
@@ -44,18 +54,22 @@ pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
     let mut inputs: Vec<&Path> = args.files.iter().map(AsRef::as_ref).collect();
     inputs.extend(args.shading.texture.as_deref());
     let path = |frame| frame_path(&args.output, frame).unwrap_or_else(|| args.output.clone());
-    // Each is checked when it is begun: the first and the last tell what is wrong before the work.
-    let ends = [path(range.first), path(range.last)];
-    for end in &ends {
-        Output::at(end, &inputs)?;
+    // Whether each can be written is seen when it is begun: the first and the last tell what is wrong before the work.
+    for end in [range.first, range.last] {
+        Output::at(&path(end), &inputs)?;
     }
-    inputs.extend(ends.iter().map(PathBuf::as_path));
+    let outputs: Vec<PathBuf> = match is_each {
+        true => range.numbers().map(path).collect(),
+        false => vec![args.output.clone()],
+    };
+    inputs.extend(outputs.iter().map(PathBuf::as_path));
     let stats_target = StatsTarget::at(args.stats.as_deref(), &inputs)?;
     let pool = workers(args.casting.threads)?;
     let progress = TerminalProgress::new();
     let opened = open(args, format, &pool, &progress, &|opened| {
         stats_target.check_against(opened)
     })?;
+    Output::check_all(&outputs, &opened.opened)?;
     let frames = Frames::new(args, range, &opened)?;
 
     let rendering = Instant::now();
@@ -70,9 +84,7 @@ pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
         Ok::<Picture, Failure>(picture)
     };
     if is_each {
-        write_each(
-            args, &opened, &frames, format, &pool, &progress, &mut sum, make,
-        )?;
+        write_each(args, &frames, format, &pool, &progress, &mut sum, make)?;
     } else {
         write_one(args, &opened, &frames, &progress, &mut sum, make)?;
     }
@@ -171,13 +183,8 @@ struct Cast {
 }
 
 /// A file each, but for those that are there.
-#[allow(
-    clippy::too_many_arguments,
-    reason = "what a command has, handed on once"
-)]
 fn write_each(
     args: &RenderArgs,
-    opened: &Opened,
     frames: &Frames<'_>,
     format: Format,
     pool: &rayon::ThreadPool,
@@ -226,7 +233,6 @@ fn write_each(
                     continue;
                 }
                 let output = Output::at(&path, &[])?;
-                output.check_against(&opened.opened)?;
                 let banded = match is_part {
                     true => None,
                     false => Banded::of(&path, format, &recipe, &output, args.resume)?,
@@ -309,7 +315,6 @@ fn write_one(
     make: impl Fn(&View, Rect, &mut TileStats) -> Result<Picture, Failure>,
 ) -> Result<(), Failure> {
     let output = Output::at(&args.output, &[])?;
-    output.check_against(&opened.opened)?;
     let camera = opened.view.camera;
     let size = (camera.plane().columns, camera.plane().rows);
     let memory_for = |columns, rows| 2 * Format::Png.memory_for(columns, rows);

@@ -2,12 +2,12 @@ use super::Failure;
 use crate::cli::{CameraArgs, InfoArgs, ReadingArgs};
 use crate::output::print;
 use crate::progress::TerminalProgress;
-use crate::setup;
 use crate::stats::{json, milliseconds};
+use crate::{memory, setup};
 use raycast_core::formats::{self, SceneFile};
 use raycast_core::glam::DAffine3;
 use raycast_core::health;
-use raycast_core::scene::{Bounds, Dropped, Mesh, Object};
+use raycast_core::scene::{Bounds, Dropped, Mesh, Object, Scalar, ScalarAt};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
@@ -50,9 +50,45 @@ struct ObjectInfo {
     offset: [f64; 3],
     rounding: RoundingInfo,
     vertex_colors: bool,
+    /// Numbers that `--color scalar:NAME` shows.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    scalars: Vec<ScalarInfo>,
     /// Only where it was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     health: Option<HealthInfo>,
+}
+
+/// A number that the file gives vertices or triangles.
+#[derive(Debug, Serialize)]
+struct ScalarInfo {
+    name: String,
+    /// `vertices` or `triangles`.
+    at: &'static str,
+    /// The least and the greatest; `null` where there is no number.
+    range: Option<[f32; 2]>,
+}
+
+impl From<&Scalar> for ScalarInfo {
+    fn from(scalar: &Scalar) -> Self {
+        Self {
+            name: scalar.name.clone(),
+            at: match scalar.at {
+                ScalarAt::Vertices => "vertices",
+                ScalarAt::Triangles => "triangles",
+            },
+            range: scalar.range(),
+        }
+    }
+}
+
+impl ScalarInfo {
+    fn told(&self) -> String {
+        let Self { name, at, range } = self;
+        match range {
+            Some([low, high]) => format!("{name} of {at}, {low} to {high}"),
+            None => format!("{name} of {at}, no numbers"),
+        }
+    }
 }
 
 /// How the triangles of a mesh join, and how much there is of it.
@@ -197,6 +233,7 @@ impl From<&Object> for ObjectInfo {
                 bent: rounding.bent,
             },
             vertex_colors: !mesh.vertex_colors().is_empty(),
+            scalars: mesh.scalars().iter().map(ScalarInfo::from).collect(),
             health: None,
         }
     }
@@ -220,7 +257,7 @@ fn inspect(path: &Path, reading: &ReadingArgs, looks: bool) -> Result<FileInfo, 
     let progress = TerminalProgress::new();
     progress.loading();
     let loading = Instant::now();
-    let budget = reading.budget();
+    let budget = memory::budget(reading.limits());
     let SceneFile {
         kind,
         scene,
@@ -307,6 +344,9 @@ fn describe(info: &FileInfo) -> String {
         line("uvs", yes_no(object.uvs));
         if object.vertex_colors {
             line("colors", "at vertices".to_owned());
+        }
+        for scalar in &object.scalars {
+            line("scalar", scalar.told());
         }
         if !object.materials.is_empty() {
             line("materials", some_of(&object.materials));

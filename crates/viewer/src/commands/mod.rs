@@ -10,6 +10,7 @@ mod info;
 mod plan;
 mod render;
 mod report;
+mod section;
 mod stitch;
 mod sub_cameras;
 mod texture_map;
@@ -62,6 +63,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Plan(args) => plan::run(&args),
         Command::Convert(args) => convert::run(&args),
         Command::TextureMap(args) => texture_map::run(&args),
+        Command::Section(args) => section::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Report(args) => report::run(&args),

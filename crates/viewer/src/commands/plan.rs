@@ -1,7 +1,7 @@
 //! Pictures and fragments as command lines, for engines that run many jobs.
 
 use super::Failure;
-use crate::cli::{Cli, Command, FrameRange, PlanArgs, frame_path};
+use crate::cli::{Cli, Command, FrameRange, PlanArgs, frame_path, quoted_for_posix};
 use crate::output::Output;
 use clap::Parser;
 use raycast_core::picture::Format;
@@ -24,6 +24,9 @@ const CAMERA: [&str; 8] = [
     "--up",
     "--orbit",
 ];
+
+/// The option of `raycast render` that names a file to read.
+const FILE_OPTION: &str = "--texture";
 
 /// Options that a plan has itself.
 const OWN: [&str; 9] = [
@@ -59,9 +62,14 @@ pub(super) fn run(args: &PlanArgs) -> Result<(), Failure> {
             plan.kubernetes(".stitch", stitching.len())?,
         ),
     ];
+    let own = Output::at(&plan.path, &inputs)?;
     let mut outputs = Vec::new();
     for (path, text) in &files {
-        outputs.push((Output::at(path, &inputs)?, text));
+        let output = match *path == plan.path {
+            true => own.clone(),
+            false => own.beside(path, &inputs)?,
+        };
+        outputs.push((output, text));
     }
     if plan.args.tiles.is_some() {
         let parts = plan.parts();
@@ -128,7 +136,9 @@ impl<'a> Plan<'a> {
             )));
         }
         let program = match &args.program {
-            Some(program) => program.clone(),
+            // A bare name is looked up where the job runs.
+            Some(program) if program.components().count() < 2 => program.clone(),
+            Some(program) => absolute(program)?,
             None => std::env::current_exe()
                 .map_err(|error| Failure::could_not(format!("this program: {error}")))?,
         };
@@ -137,7 +147,7 @@ impl<'a> Plan<'a> {
             .iter()
             .map(|file| absolute(file))
             .collect::<Result<_, _>>()?;
-        let options = args.render.clone();
+        let options = with_absolute_files(&args.render, absolute)?;
         let plan = Self {
             args,
             path,
@@ -163,11 +173,17 @@ impl<'a> Plan<'a> {
                 let told = told.lines().next().unwrap_or_default().to_owned();
                 Failure::usage(told.strip_prefix("error: ").unwrap_or(&told).to_owned())
             })?;
-            if !matches!(
-                parsed.command,
-                Some(Command::Render(_) | Command::Verify(_))
-            ) {
-                return Err(Failure::usage("these options are none of `raycast render`"));
+            let files = match parsed.command {
+                Some(Command::Render(args)) => args.files.len(),
+                Some(Command::Verify(args)) => args.files.len() - 1,
+                _ => {
+                    return Err(Failure::usage("these options are none of `raycast render`"));
+                }
+            };
+            if files != self.files.len() {
+                return Err(Failure::usage(
+                    "files are named before `--`, and options of `raycast render` behind it",
+                ));
             }
         }
         Ok(())
@@ -278,8 +294,11 @@ impl<'a> Plan<'a> {
             if can_verify {
                 commands.push(line(&self.verify(&picture))?);
             }
-            if !commands.is_empty() {
-                lines.push(commands.join(" && "));
+            match commands.as_slice() {
+                [] => {}
+                [one] => lines.push(one.clone()),
+                // In a subshell: what fails in a list before its `&&` does not end a shell with -e.
+                both => lines.push(format!("({})", both.join(" && "))),
             }
         }
         Ok(lines)
@@ -293,10 +312,11 @@ impl<'a> Plan<'a> {
             quote(&path)
         };
         let run = |suffix: &str, tasks: usize| {
-            Ok::<_, Failure>(format!(
-                "#!/bin/sh\nawk -v i=\"$SLURM_ARRAY_TASK_ID\" 'NR % {tasks} == i % {tasks}' {} | sh -e",
+            let pick = format!(
+                "awk -v i=\"$SLURM_ARRAY_TASK_ID\" 'NR % {tasks} == i % {tasks}' {}",
                 quoted(suffix)?
-            ))
+            );
+            Ok::<_, Failure>(format!("#!/bin/sh\n{}", run_lines(&pick)))
         };
         let (tasks, last) = (jobs.clamp(1, MOST_TASKS), stitching.min(MOST_TASKS));
         let log = quoted(".%A-%a.log")?;
@@ -324,10 +344,10 @@ impl<'a> Plan<'a> {
     fn kubernetes(&self, suffix: &str, lines: usize) -> Result<String, Failure> {
         let mut path = self.path.clone().into_os_string();
         path.push(suffix);
-        let script = format!(
-            "sed -n \"$((JOB_COMPLETION_INDEX + 1))p\" {} | sh -e",
+        let script = run_lines(&format!(
+            "sed -n \"$((JOB_COMPLETION_INDEX + 1))p\" {}",
             quote(&path)?
-        );
+        ));
         // JSON's strings are YAML's, too.
         let script = serde_json::to_string(&script)
             .map_err(|error| Failure::could_not(format!("no YAML can be made: {error}")))?;
@@ -363,6 +383,43 @@ impl<'a> Plan<'a> {
             lines.clamp(1, 64)
         ))
     }
+}
+
+/// Runs the lines that a command picks out of a plan. A pipe alone would have the status of its end: a plan that
+/// cannot be read would be done.
+fn run_lines(pick: &str) -> String {
+    format!("lines=$({pick}) && printf '%s\\n' \"$lines\" | sh -e")
+}
+
+/// Options with the files that they name as `absolute` gives them.
+fn with_absolute_files(
+    options: &[OsString],
+    absolute: impl Fn(&Path) -> Result<PathBuf, Failure>,
+) -> Result<Vec<OsString>, Failure> {
+    let mut made = Vec::new();
+    let mut words = options.iter();
+    while let Some(word) = words.next() {
+        if word == FILE_OPTION {
+            made.push(word.clone());
+            if let Some(file) = words.next() {
+                made.push(absolute(Path::new(file))?.into());
+            }
+            continue;
+        }
+        // A plan's words are Unicode: others are refused where they are quoted.
+        let file = word
+            .to_str()
+            .and_then(|word| word.strip_prefix(FILE_OPTION)?.strip_prefix('='));
+        made.push(match file {
+            Some(file) => {
+                let mut word = OsString::from(format!("{FILE_OPTION}="));
+                word.push(absolute(Path::new(file))?);
+                word
+            }
+            None => word.clone(),
+        });
+    }
+    Ok(made)
 }
 
 /// Options without those that say where the camera is, and without `--resume`.
@@ -404,11 +461,7 @@ fn quote(word: &OsStr) -> Result<String, Failure> {
                 word.display()
             ))
         })?;
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
-    if !text.is_empty() && text.chars().all(is_plain) {
-        return Ok(text.to_owned());
-    }
-    Ok(format!("'{}'", text.replace('\'', "'\\''")))
+    Ok(quoted_for_posix(text))
 }
 
 #[cfg(test)]
@@ -441,8 +494,8 @@ mod tests {
         );
         assert_eq!(
             lines[7],
-            "/r stitch /p.parts/00001-0-0.png /p.parts/00001-1-0.png -o /p-00001.png && \
-             /r verify /p-00001.png /a.obj --up-axis z --mode=flat"
+            "(/r stitch /p.parts/00001-0-0.png /p.parts/00001-1-0.png -o /p-00001.png && \
+             /r verify /p-00001.png /a.obj --up-axis z --mode=flat)"
         );
         let one = plan("plan /a.obj -o /p --program /r --pictures /x.tif").expect("a plan");
         assert_eq!(one, ["/r render /a.obj -o /x.tif"]);
@@ -458,18 +511,34 @@ mod tests {
             "plan /a.obj -o /p --pictures /x-%05d.png",
             "plan /a.obj -o /p --frames 0..3 --pictures /x.png",
             "plan /a.obj -o /p --pictures /x.gif",
+            "plan /a.obj -o /p -- /b.obj",
         ] {
             assert!(matches!(plan(bad), Err(Failure::Usage(_))), "{bad}");
         }
     }
 
     #[test]
-    fn words_are_quoted_as_a_shell_reads_them() {
-        let quoted = |text: &str| quote(OsStr::new(text)).expect("it is Unicode");
-        assert_eq!(quoted("a-b_c.png"), "a-b_c.png");
-        assert_eq!(quoted("it's $HOME"), "'it'\\''s $HOME'");
-        assert_eq!(quoted(""), "''");
-        assert_eq!(quoted("#fff"), "'#fff'");
+    fn files_are_named_from_the_root_wherever_they_are_named() {
+        let here = std::env::current_dir().expect("a folder");
+        let at = |name: &str| here.join(name).display().to_string();
+        for texture in ["--texture ../a.png", "--texture=../a.png"] {
+            let line = format!("plan a.obj -o p --program bin/r -- {texture} --mode texture");
+            let lines = plan(&line).expect("a plan");
+            let words: Vec<&str> = lines[0].split([' ', '=']).collect();
+            assert_eq!(words[0], at("bin/r"));
+            assert!(words.contains(&at("a.obj").as_str()), "{words:?}");
+            assert!(words.contains(&at("../a.png").as_str()), "{words:?}");
+        }
+        let bare = plan("plan a.obj -o p --program raycast").expect("a plan");
+        assert!(bare[0].starts_with("raycast render /"), "{}", bare[0]);
+    }
+
+    #[test]
+    fn a_name_of_two_lines_is_refused() {
         assert!(quote(OsStr::new("two\nlines")).is_err());
+        assert_eq!(
+            quote(OsStr::new("it's")).expect("it is Unicode"),
+            "'it'\\''s'"
+        );
     }
 }

@@ -1,7 +1,7 @@
 use super::banded::{Banded, Written};
 use super::deep_zoom::{DeepZoom, is_deep_zoom};
 use super::sub_cameras::from_outside;
-use super::{Failure, warn_of_reading, workers};
+use super::{Failure, warn, warn_of_reading, workers};
 use crate::cli::{RenderArgs, TileArgs};
 use crate::output::Output;
 use crate::progress::TerminalProgress;
@@ -43,10 +43,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     inputs.extend(args.shading.texture.as_deref());
     let output = Output::at(&args.output, &inputs)?;
     let deep_zoom = match deep_zoom {
-        true => Some(DeepZoom::at(&args.output, &inputs)?),
+        true => Some(DeepZoom::at(&args.output, output.clone(), &inputs)?),
         false => None,
     };
     inputs.push(&args.output);
+    inputs.extend(deep_zoom.as_ref().map(DeepZoom::page));
     let stats_target = StatsTarget::at(args.stats.as_deref(), &inputs)?;
     let pool = workers(args.casting.threads)?;
 
@@ -99,6 +100,13 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         (None, None) => Banded::of(&args.output, format, &recipe, &output, args.resume)?,
         _ => None,
     };
+    if args.resume && banded.is_none() {
+        let (columns, rows) = size;
+        warn(&format!(
+            "{}: --resume has no effect: a picture of {columns}x{rows} is written in one piece",
+            args.output.display()
+        ));
+    }
     if banded.is_none() {
         let memory_for = |columns, rows| format.memory_for(columns, rows);
         memory::check_picture(&args.output, size, memory_for, otherwise)?;
@@ -180,6 +188,7 @@ pub(super) fn open(
     let settings = Settings {
         shading: setup::shading(&args.shading, file.shading),
         cull: args.casting.cull,
+        clip: args.casting.clip.planes(file.clip)?,
         precision: args.casting.precision,
         samples: args.samples.or(file.image.samples).unwrap_or(1).max(1),
         layers: format == Format::Exr,

@@ -2,8 +2,8 @@ use super::{Failure, warn_of_reading, workers};
 use crate::cli::ReportArgs;
 use crate::output::Folder;
 use crate::progress::TerminalProgress;
-use crate::setup;
 use crate::worker::demo;
+use crate::{memory, setup};
 use raycast_core::formats;
 use raycast_core::scene::Scene;
 use raycast_report::{Input, ReportBudget, ReportError, ReportProgress, scenes, stage};
@@ -88,9 +88,10 @@ fn read_scenes(
     let read = |path: &PathBuf| {
         progress.loading();
         let started = Instant::now();
-        let file = formats::read_scene_within(path, &args.reading.budget(), &|share| {
-            progress.loaded(share)
-        })?;
+        let file =
+            formats::read_scene_within(path, &memory::budget(args.reading.limits()), &|share| {
+                progress.loaded(share)
+            })?;
         let parsing = started.elapsed();
         let accel = setup::visible_tree(&path.display().to_string(), &file.scene)?;
         warn_of_reading(&file.warnings, &file.scene, &accel);

@@ -62,7 +62,7 @@ pub(super) fn from_outside(view: &View, grid: Grid) -> Result<View, Failure> {
         let mut object = Object::new(name, Arc::new(Mesh::new(bars)));
         object.color = lively
             .color(index as u32)
-            .map_or(lively, ColorRule::Uniform);
+            .map_or_else(|| lively.clone(), ColorRule::Uniform);
         scene.objects.push(object);
     }
     let from = Orbit::from_placement(&camera.placement());
@@ -148,7 +148,9 @@ mod tests {
                 "{right}"
             );
             match projection {
-                Projection::Perspective => assert_eq!(from, placement.eye),
+                Projection::Perspective | Projection::Panoramic(_) => {
+                    assert_eq!(from, placement.eye)
+                }
                 Projection::Orthographic => assert!(from.distance(to + DVec3::Z * 4.0) < 1e-12),
             }
         }

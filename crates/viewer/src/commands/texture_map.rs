@@ -2,7 +2,7 @@ use super::{Failure, warn};
 use crate::cli::TextureMapArgs;
 use crate::output::Output;
 use crate::progress::TerminalProgress;
-use crate::setup;
+use crate::{memory, setup};
 use raycast_core::formats;
 use raycast_core::picture::{Format, Picture};
 use raycast_core::scene::{Color, Object};
@@ -31,7 +31,8 @@ pub(super) fn run(args: &TextureMapArgs) -> Result<(), Failure> {
     inputs.push(&args.texture);
     let output = Output::at(&args.output, &inputs)?;
 
-    let mut texture = formats::read_texture_within(&args.texture, &args.reading.budget())?;
+    let mut texture =
+        formats::read_texture_within(&args.texture, &memory::budget(args.reading.limits()))?;
     if let Some(wrap) = args.wrap {
         texture = texture.wrapped(wrap);
     }

@@ -7,7 +7,7 @@ use raycast_core::Cull;
 use raycast_core::camera::{Camera, Grid, Rect};
 use raycast_core::formats::SceneFile;
 use raycast_core::picture::{self, ImageError, ImageFile, Picture, Recipe, RowReader};
-use raycast_core::scene::Scene;
+use raycast_core::scene::{ClippingPlanes, Scene};
 use raycast_core::shade::Shading;
 use raycast_report::verify::{Channels, Claim, Verification, WrongPixel, verify};
 use raycast_report::{Fault, Stage};
@@ -25,6 +25,7 @@ struct Ways {
     shading: Shading,
     samples: u32,
     cull: Cull,
+    clip: ClippingPlanes,
 }
 
 /// Holds a picture's pixels against the truth.
@@ -41,7 +42,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let name = setup::name_of(files);
     let scene = std::mem::take(&mut file.scene);
     memory::check_tree(&name, scene.triangle_count())?;
-    let stage = pool.install(|| stage(&name, scene))?;
+    let mut stage = pool.install(|| stage(&name, scene))?;
     let asked = Asked {
         args,
         file: &file,
@@ -52,6 +53,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
         (Some(path), Some(image)) => asked.ways_of(path, image.full_size(), image.recipe())?,
         _ => asked.ways(None, None)?,
     };
+    stage = stage.clipped(ways.clip);
     let rect = match &image {
         Some(image) => image.rect(),
         None => ways.camera.whole().rect,
@@ -163,6 +165,7 @@ impl Asked<'_> {
             camera: ways.camera,
             samples: ways.samples,
             cull: ways.cull,
+            clip: ways.clip.only_enabled(),
             precision: recipe.precision,
             shading: ways.shading,
         };
@@ -201,6 +204,7 @@ impl Asked<'_> {
                 Some(recipe) if args.casting.cull == Cull::default() => recipe.cull,
                 _ => args.casting.cull,
             },
+            clip: (args.casting.clip).planes(recipe.map_or(file.clip, |recipe| recipe.clip))?,
         })
     }
 }
@@ -348,7 +352,8 @@ fn told(found: &Verification) -> String {
         let _ = writeln!(
             text,
             "not checked: what hangs on the place in a triangle that its ray grazes, colours under lines, textures that are \
-             filtered by trilinear or ewa, do not repeat, or lie by triangle, plane, sphere or cylinder, what rounding leaves open"
+             filtered by trilinear or ewa, do not repeat, or lie by triangle, plane, sphere or cylinder, colours by curvature, \
+             what a legend covers, what rounding leaves open"
         );
     }
     let _ = match (wrong, checked == pixels) {

@@ -119,10 +119,24 @@ impl PartFile {
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
                 made => made?,
             }
+            // Until it is locked another process may take it for abandoned, and remove it: then the next name is
+            // tried.
+            let lock = match File::create(path.join(LOCK)) {
+                Ok(lock) => lock,
+                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+                Err(error) => {
+                    // Nothing is in it. Nobody is there to be told.
+                    let _ = fs::remove_dir(&path);
+                    return Err(error);
+                }
+            };
+            match lock.try_lock() {
+                Err(TryLockError::WouldBlock) => continue,
+                Ok(()) if !is_at(&lock, &path.join(LOCK)) => continue,
+                // A file system without locks: there nobody takes it for abandoned.
+                Ok(()) | Err(TryLockError::Error(_)) => {}
+            }
             paths.push(path.clone());
-            // One that is taken for abandoned before it is locked is gone, and the first file fails.
-            let lock = File::create(path.join(LOCK))?;
-            let _ = lock.try_lock();
             return Ok((path, lock));
         }
         Err(io::Error::other("there are too many part files"))
@@ -188,9 +202,15 @@ fn remove_if_abandoned(path: &Path) {
         return;
     };
     if found.is_dir() {
-        let lock = File::options().read(true).write(true).open(path.join(LOCK));
-        if lock.is_ok_and(|lock| lock.try_lock().is_ok()) {
-            let _ = fs::remove_dir_all(path);
+        match File::options().read(true).write(true).open(path.join(LOCK)) {
+            // Held until the folder is gone: its maker then makes another.
+            Ok(lock) if lock.try_lock().is_ok() && is_at(&lock, &path.join(LOCK)) => {
+                let _ = fs::remove_dir_all(path);
+            }
+            // One whose process was killed before there was a lock in it: refused where there is anything.
+            _ => {
+                let _ = fs::remove_dir(path);
+            }
         }
         return;
     }
@@ -282,8 +302,10 @@ mod tests {
             fs::write(folder.path().join(name), b"half").expect("a file of a process that is gone");
         }
         fs::write(folder.path().join(".raycast-mine.part"), b"").expect("a file of somebody's own");
-        fs::create_dir(folder.path().join(".raycast-2-0.part")).expect("a folder");
-        assert_eq!(count(folder.path()), 6);
+        fs::create_dir(folder.path().join(".raycast-2-0.part")).expect("an empty folder");
+        fs::create_dir(folder.path().join(".raycast-3-0.part")).expect("a folder");
+        fs::write(folder.path().join(".raycast-3-0.part/notes"), b"").expect("somebody's own");
+        assert_eq!(count(folder.path()), 7);
         sweep(folder.path());
         assert_eq!(count(folder.path()), 4);
         assert!(held.path.is_file() && other.path.is_file());
@@ -307,9 +329,9 @@ mod tests {
         assert_eq!(count(folder.path()), 1, "what cannot be put is removed");
     }
 
-    /// Makers and sweepers in one folder: whoever has a part file keeps it.
+    /// Makers and sweepers in one folder: whoever has a part file, or a part folder, keeps it.
     #[test]
-    fn a_sweep_takes_no_file_from_its_maker() {
+    fn a_sweep_takes_no_file_and_no_folder_from_its_maker() {
         let folder = tempfile::tempdir().expect("a folder");
         let is_done = std::sync::atomic::AtomicBool::new(false);
         let order = std::sync::atomic::Ordering::Relaxed;
@@ -326,20 +348,25 @@ mod tests {
                     let place = folder.path().join(format!("file {maker}"));
                     let folder = folder.path();
                     scope.spawn(move || {
-                        for round in 0..100u32 {
+                        for round in 0..50u32 {
                             let mut part = PartFile::create_in(folder, false).expect("a part file");
                             part.file()
                                 .write_all(&round.to_le_bytes())
                                 .expect("written");
                             part.put(&place, None).expect("put");
+                            let (path, lock) = PartFile::folder_in(folder).expect("a part folder");
+                            fs::write(path.join("tile"), b"all").expect("it is still there");
+                            // Once its lock is gone a sweep may remove it as well.
+                            let _ = fs::remove_dir_all(&path);
+                            unfinished().retain(|other| *other != path);
+                            drop(lock);
                         }
                     })
                 })
                 .collect();
-            for maker in makers {
-                maker.join().expect("no maker lost its file");
-            }
+            let made: Vec<_> = makers.into_iter().map(|maker| maker.join()).collect();
             is_done.store(true, order);
+            assert!(made.iter().all(Result::is_ok), "a maker lost its file");
         });
         assert_eq!(count(folder.path()), 2);
     }

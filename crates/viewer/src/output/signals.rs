@@ -1,6 +1,8 @@
 //! Signals that end a command: no part file is left, and the exit status says which it was.
 
 use super::part_file::unfinished;
+use std::io::ErrorKind;
+use std::path::Path;
 
 /// From now on SIGINT, SIGTERM and SIGHUP remove this process's part files and end it with 128 and
 /// the signal's number: 130, 143, 129. SIGHUP stays ignored where it is (`nohup`). A file that grows
@@ -52,7 +54,7 @@ fn remove_and_exit(status: i32) -> ! {
     let paths = unfinished();
     for path in paths.iter() {
         if std::fs::remove_file(path).is_err() {
-            let _ = std::fs::remove_dir_all(path);
+            remove_folder(path);
         }
     }
     #[cfg(unix)]
@@ -60,6 +62,18 @@ fn remove_and_exit(status: i32) -> ! {
     signal_hook::low_level::exit(status);
     #[cfg(not(unix))]
     std::process::exit(status);
+}
+
+/// Removes a folder that other threads still write files into. What they make between its listing and its end is
+/// removed at the next try; they make few in the time of one, and none once their folder in it is gone.
+fn remove_folder(path: &Path) {
+    const TRIES: usize = 1000;
+    for _ in 0..TRIES {
+        match std::fs::remove_dir_all(path) {
+            Err(error) if error.kind() != ErrorKind::NotFound => {}
+            _ => return,
+        }
+    }
 }
 
 /// Whether the process was started with this signal ignored; told on Linux alone.
@@ -81,7 +95,38 @@ fn ignored(status: &str, signal: i32) -> bool {
 
 #[cfg(all(test, unix))]
 mod tests {
-    use super::ignored;
+    use super::*;
+
+    #[test]
+    fn a_folder_is_removed_although_threads_write_into_it() {
+        use std::sync::atomic::{AtomicBool, Ordering};
+        let folder = tempfile::tempdir().expect("a folder");
+        for round in 0..20 {
+            let part = folder.path().join(round.to_string());
+            let tiles = part.join("tiles");
+            std::fs::create_dir_all(&tiles).expect("a folder");
+            let is_removed = AtomicBool::new(false);
+            std::thread::scope(|scope| {
+                for thread in 0..2 {
+                    let (tiles, is_removed) = (&tiles, &is_removed);
+                    scope.spawn(move || {
+                        for tile in 0..100_000 {
+                            // Fails once the folder is gone.
+                            let written =
+                                std::fs::write(tiles.join(format!("{thread}-{tile}")), b"");
+                            if written.is_err() || is_removed.load(Ordering::Relaxed) {
+                                break;
+                            }
+                        }
+                    });
+                }
+                while std::fs::read_dir(&tiles).map_or(0, Iterator::count) < 10 {}
+                remove_folder(&part);
+                is_removed.store(true, Ordering::Relaxed);
+                assert!(!part.exists());
+            });
+        }
+    }
 
     #[test]
     fn ignored_signals_are_told_by_the_mask() {

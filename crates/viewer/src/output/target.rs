@@ -57,6 +57,23 @@ impl Output {
         Ok(output)
     }
 
+    /// A file that goes with this one and is named after it, as [`Output::at`]: it is replaced only where this
+    /// one is there too. Else it is somebody's own, of which the command line says nothing.
+    ///
+    /// # Errors
+    /// As [`Output::at`]; a file that is there without this one.
+    pub fn beside(&self, name: &Path, inputs: &[&Path]) -> Result<Self, Failure> {
+        let output = Self::at(name, inputs)?;
+        if output.is_taken() && !self.is_taken() {
+            let own = self.name.display();
+            return Err(cannot_write(
+                name,
+                &format!("it is there already, and {own}, which it would go with, is not"),
+            ));
+        }
+        Ok(output)
+    }
+
     /// Checks that the place is none of `inputs`, under whatever name. Devices may be both.
     ///
     /// # Errors
@@ -71,15 +88,25 @@ impl Output {
         for input in inputs {
             let input = input.as_ref();
             if Identity::of(input).as_ref() == Some(&place) {
-                let is = if input == self.name {
-                    String::new()
-                } else {
-                    format!("it is {}, and ", input.display())
-                };
-                return Err(Failure::usage(format!(
-                    "{}: cannot be written: {is}this command reads or writes that already",
-                    self.name.display()
-                )));
+                return Err(used_already(&self.name, input));
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that none of many places is one of `inputs`, before the first is written.
+    ///
+    /// # Errors
+    /// The first that is.
+    pub fn check_all(names: &[PathBuf], inputs: &[PathBuf]) -> Result<(), Failure> {
+        let inputs: Vec<_> = inputs
+            .iter()
+            .filter_map(|input| Some((input, Identity::of(input)?)))
+            .collect();
+        for name in names {
+            let place = Identity::of(name);
+            if let Some((input, _)) = inputs.iter().find(|(_, id)| Some(id) == place.as_ref()) {
+                return Err(used_already(name, input));
             }
         }
         Ok(())
@@ -196,6 +223,18 @@ impl Output {
     fn cannot(&self, reason: &dyn Display) -> Failure {
         cannot_write(&self.name, reason)
     }
+}
+
+fn used_already(name: &Path, input: &Path) -> Failure {
+    let is = if input == name {
+        String::new()
+    } else {
+        format!("it is {}, and ", input.display())
+    };
+    let name = name.display();
+    Failure::usage(format!(
+        "{name}: cannot be written: {is}this command reads or writes that already"
+    ))
 }
 
 fn cannot_write(name: &Path, reason: &dyn Display) -> Failure {
@@ -388,6 +427,19 @@ mod tests {
             Err(Failure::CouldNot(_))
         ));
         assert_eq!(names(directory.path()), ["mesh.obj"]);
+    }
+
+    #[test]
+    fn a_file_that_is_named_after_another_is_replaced_with_that_alone() {
+        let directory = tempfile::tempdir().expect("a directory");
+        let at = |name: &str| directory.path().join(name);
+        let own = Output::at(&at("a"), &[]).expect("a place");
+        assert!(own.beside(&at("a.b"), &[]).is_ok());
+        fs::write(at("a.b"), b"somebody's own").expect("written");
+        let refused = own.beside(&at("a.b"), &[]);
+        assert!(refused.is_err_and(|error| error.to_string().contains("it is there already")));
+        fs::write(at("a"), b"").expect("written");
+        assert!(own.beside(&at("a.b"), &[]).is_ok());
     }
 
     #[test]

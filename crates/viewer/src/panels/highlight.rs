@@ -3,7 +3,7 @@
 use crate::state::State;
 use crate::ui::theme;
 use egui::{Color32, Painter, Pos2, Shape, Stroke};
-use raycast_core::camera::{Camera, Projection};
+use raycast_core::camera::Camera;
 use raycast_core::glam::DVec3;
 
 /// Draws it. `place` maps a point of the picture to the window.
@@ -109,10 +109,30 @@ fn bounded(point: Pos2) -> Pos2 {
     point.clamp(Pos2::new(-1e5, -1e5), Pos2::new(1e5, 1e5))
 }
 
+/// Whether the sides of a polygon are short enough in a panorama to be drawn straight, and none goes round its seam: a radian
+/// at the most.
+fn is_short(camera: &Camera, corners: &[DVec3]) -> bool {
+    let radian = camera.distance() / camera.plane().step;
+    let places: Option<Vec<_>> = corners.iter().map(|&c| camera.project(c)).collect();
+    places.is_some_and(|places| {
+        (0..places.len()).all(|i| {
+            let (a, b) = (places[i], places[(i + 1) % places.len()]);
+            (a.0 - b.0).abs().max((a.1 - b.1).abs()) <= radian
+        })
+    })
+}
+
 /// The part of a polygon that lies before the eye (Sutherland and Hodgman, "Reentrant polygon clipping", 1974).
 pub(super) fn before(camera: &Camera, corners: &[DVec3]) -> Vec<DVec3> {
-    if camera.projection() == Projection::Orthographic {
+    if camera.projection().is_parallel() {
         return corners.to_vec();
+    }
+    if camera.projection().panorama().is_some() {
+        return if is_short(camera, corners) {
+            corners.to_vec()
+        } else {
+            Vec::new()
+        };
     }
     // A thousandth of the way to the target: what is nearer lies far outside of the picture, or fills it.
     let near = camera.distance() * 1e-3;

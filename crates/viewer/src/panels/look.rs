@@ -1,21 +1,20 @@
 //! What is changed daily of how things look: the mode, lines, colours, texture, background.
 
-use super::Commands;
-use super::widgets::{Number, choice, color, row, section, tick};
+use super::widgets::{Number, color, row, section, tick};
+use super::{Commands, colors};
 use crate::state::PromptKind;
 use crate::state::State;
 use crate::state::command::Command;
 use crate::ui::modes::MODES;
 use egui::{Button, Ui, vec2};
 use raycast_core::ranges::WIDEST_LINE;
-use raycast_core::scene::{Color, ColorRule};
 use raycast_core::shade::{Background, Mode};
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     section(ui, "Look", true, |ui| {
         modes(ui, state, out);
         lines(ui, state, out);
-        colors(ui, state, out);
+        colors::show(ui, state, out);
         texture(ui, state, out);
         background(ui, state, out);
     });
@@ -85,86 +84,6 @@ fn lines(ui: &mut Ui, state: &State, out: &mut Commands) {
             }
         },
     );
-}
-
-fn colors(ui: &mut Ui, state: &State, out: &mut Commands) {
-    let Some(document) = &state.document else {
-        return;
-    };
-    let objects = &document.scene.objects;
-    let Some(first) = objects.first().map(|object| object.color) else {
-        return;
-    };
-    // Where no file has colors an unlit picture has one a triangle: that is what is shown.
-    let shows_random = state.settings.shading.mode == Mode::Color
-        && objects.iter().all(|object| {
-            let mesh = &object.mesh;
-            object.color == ColorRule::File
-                && mesh.materials().is_empty()
-                && mesh.vertex_colors().is_empty()
-        });
-    let kind = objects
-        .iter()
-        .all(|object| std::mem::discriminant(&object.color) == std::mem::discriminant(&first))
-        .then_some(first)
-        .map(|rule| match rule {
-            ColorRule::File if shows_random => ColorRule::PerTriangle { seed: 0 },
-            rule => rule,
-        });
-    row(ui, "Colors", "How triangles get their colors", |ui, _| {
-        let current = kind.map(|rule| match rule {
-            ColorRule::File => 0,
-            ColorRule::Uniform(_) => 1,
-            ColorRule::PerTriangle { .. } => 2,
-        });
-        let options = [
-            (Some(0), "File", "The file's own materials"),
-            (Some(1), "One", "One color for every object"),
-            (
-                Some(2),
-                "Triangle",
-                "A color a triangle, from its number and a seed",
-            ),
-        ];
-        let rule = choice(ui, current, &options)
-            .flatten()
-            .map(|kind| match kind {
-                0 => ColorRule::File,
-                1 => ColorRule::Uniform(Color::DEFAULT),
-                _ => ColorRule::PerTriangle { seed: 0 },
-            });
-        out.extend(rule.map(|rule| Command::SetColorRule(None, rule)));
-    });
-    match kind {
-        Some(ColorRule::Uniform(current)) => row(ui, "", "", |ui, label| {
-            let picked = color(ui, current, label, "The color of every object");
-            out.extend(picked.map(|c| Command::SetColorRule(None, ColorRule::Uniform(c))));
-            ui.weak(current.to_string());
-        }),
-        Some(ColorRule::PerTriangle { seed }) => row(
-            ui,
-            "Seed",
-            "Picks one of 2³² sets of colors",
-            |ui, label| {
-                let number = Number {
-                    value: f64::from(seed),
-                    range: 0.0..=f64::from(u32::MAX),
-                    speed: 0.1,
-                    decimals: Some(0),
-                    suffix: "",
-                    width: 58.0,
-                    hint: "The same seed gives the same colors",
-                };
-                let rule = |seed: f64| ColorRule::PerTriangle { seed: seed as u32 };
-                out.extend(
-                    number
-                        .show(ui, label)
-                        .map(|n| Command::SetColorRule(None, rule(n))),
-                );
-            },
-        ),
-        _ => {}
-    }
 }
 
 fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {

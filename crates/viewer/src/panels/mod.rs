@@ -2,10 +2,13 @@
 
 mod banner;
 mod camera;
+mod colors;
+mod cut;
 mod gizmo;
 mod health;
 mod help;
 mod highlight;
+mod legend;
 mod look;
 mod marks;
 mod measure;

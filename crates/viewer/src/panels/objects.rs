@@ -221,6 +221,8 @@ fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut 
                 ColorRule::File => 0,
                 ColorRule::Uniform(_) => 1,
                 ColorRule::PerTriangle { .. } => 2,
+                // Those of the look panel.
+                _ => 3,
             };
             if let ColorRule::Uniform(one) = object.color {
                 let picked = color(ui, one, label, "The object's color");

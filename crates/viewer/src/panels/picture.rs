@@ -1,13 +1,13 @@
 //! Size, step and field of view, and what of these follows.
 
 use super::Commands;
-use super::widgets::{Number, choice, row, section};
+use super::widgets::{Number, choice, row, section, select};
 use crate::state::command::Command;
-use crate::state::viewpoint::FOV_RANGE;
+use crate::state::viewpoint::fov_range;
 use crate::state::{Resolution, SAMPLES_LIMIT, State};
 use crate::ui::format;
 use egui::Ui;
-use raycast_core::camera::{FrameLock, Projection};
+use raycast_core::camera::{FrameLock, Panorama, Projection};
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     section(ui, "Picture", false, |ui| {
@@ -34,23 +34,21 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
                 out.extend(choice(ui, state.lock, &options).map(Command::SetLock));
             },
         );
-        row(ui, "Projection", "How rays leave the camera", |ui, _| {
-            let options = [
-                (
-                    Projection::Perspective,
-                    "Perspective",
-                    "All rays from the eye (5 switches)",
-                ),
-                (
-                    Projection::Orthographic,
-                    "Orthographic",
-                    "Rays side by side (5 switches)",
-                ),
-            ];
-            out.extend(
-                choice(ui, state.viewpoint.projection, &options).map(Command::SetProjection),
-            );
-        });
+        row(
+            ui,
+            "Projection",
+            "How rays leave the camera",
+            |ui, label| {
+                let projection = select(
+                    ui,
+                    "projection",
+                    label,
+                    state.viewpoint.projection,
+                    &PROJECTIONS,
+                );
+                out.extend(projection.map(Command::SetProjection));
+            },
+        );
         row(
             ui,
             "Samples",
@@ -165,22 +163,74 @@ fn step(ui: &mut Ui, state: &State, out: &mut Commands) {
     );
 }
 
+/// Projections, their names, and what they are.
+const PROJECTIONS: [(Projection, &str, &str); 9] = [
+    (
+        Projection::Perspective,
+        "Perspective",
+        "All rays from the eye (5 switches)",
+    ),
+    (
+        Projection::Orthographic,
+        "Orthographic",
+        "Rays side by side (5 switches)",
+    ),
+    (
+        Projection::Panoramic(Panorama::Equirectangular),
+        "Equirectangular",
+        "All around: longitude to the right, latitude up",
+    ),
+    (
+        Projection::Panoramic(Panorama::Cylindrical),
+        "Cylindrical",
+        "All around, on a cylinder: upright lines stay straight",
+    ),
+    (
+        Projection::Panoramic(Panorama::Equidistant),
+        "Fisheye",
+        "By the angle from the middle",
+    ),
+    (
+        Projection::Panoramic(Panorama::Equisolid),
+        "Fisheye, equisolid",
+        "True to area, as most lenses are",
+    ),
+    (
+        Projection::Panoramic(Panorama::Stereographic),
+        "Fisheye, stereographic",
+        "True to shape",
+    ),
+    (
+        Projection::Panoramic(Panorama::CubeStrip),
+        "Cube map, strip",
+        "Right, left, up, down, front and back side by side",
+    ),
+    (
+        Projection::Panoramic(Panorama::CubeCross),
+        "Cube map, cross",
+        "Six faces around the front one",
+    ),
+];
+
 fn frame(ui: &mut Ui, state: &State, out: &mut Commands) {
     match state.viewpoint.projection {
-        Projection::Perspective => row(ui, "FOV", "The vertical field of view", |ui, label| {
-            let number = Number {
-                value: state.viewpoint.fov,
-                range: FOV_RANGE.0..=FOV_RANGE.1,
-                speed: 0.2,
-                decimals: Some(2),
-                suffix: "°",
-                width: 70.0,
-                hint: "The vertical field of view, in degrees",
-            };
-            out.extend(number.show(ui, label).map(Command::SetFov));
-            ui.weak(format!("frame {}", format::length(state.frame_height())))
-                .on_hover_text("The frame's height at the target, in scene units: rows × step");
-        }),
+        projection @ (Projection::Perspective | Projection::Panoramic(_)) => {
+            row(ui, "FOV", "The vertical field of view", |ui, label| {
+                let (narrowest, widest) = fov_range(projection);
+                let number = Number {
+                    value: state.viewpoint.fov,
+                    range: narrowest..=widest,
+                    speed: 0.2,
+                    decimals: Some(2),
+                    suffix: "°",
+                    width: 70.0,
+                    hint: "The vertical field of view, in degrees",
+                };
+                out.extend(number.show(ui, label).map(Command::SetFov));
+                ui.weak(format!("frame {}", format::length(state.frame_height())))
+                    .on_hover_text("The frame's height at the target, in scene units: rows × step");
+            })
+        }
         Projection::Orthographic => {
             let height = state.frame_height();
             row(

@@ -1,7 +1,8 @@
 //! The side panel: what is done daily first, what is for experts closed.
 
 use super::{
-    Commands, Status, camera, health, look, measure, objects, pick, picture, render, surface, tiles,
+    Commands, Status, camera, cut, health, look, measure, objects, pick, picture, render, surface,
+    tiles,
 };
 use crate::state::State;
 use egui::{ScrollArea, Ui};
@@ -18,6 +19,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Comman
             pick::show(ui, state, out);
             look::show(ui, state, out);
             measure::show(ui, state, out);
+            cut::show(ui, state, out);
             health::show(ui, state, out);
             surface::show(ui, state, out);
             camera::show(ui, state, out);

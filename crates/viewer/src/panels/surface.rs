@@ -1,7 +1,7 @@
 //! How rays meet surfaces, and how textures lie on them: what is seldom changed.
 
 use super::Commands;
-use super::widgets::{choice, row, section};
+use super::widgets::{choice, row, section, select};
 use crate::state::State;
 use crate::state::command::Command;
 use egui::Ui;
@@ -31,7 +31,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
 
 fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
     let shading = &state.settings.shading;
-    row(ui, "Filter", "What is between texels", |ui, _| {
+    row(ui, "Filter", "What is between texels", |ui, label| {
         let options = [
             (Filter::Nearest, "Nearest", "The nearest texel: blocks"),
             (
@@ -50,13 +50,13 @@ fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
                 "All texels that a pixel sees: no shimmer, and sharp at a slant",
             ),
         ];
-        out.extend(select(ui, "filter", shading.filter, &options).map(Command::SetFilter));
+        out.extend(select(ui, "filter", label, shading.filter, &options).map(Command::SetFilter));
     });
     row(
         ui,
         "Mapping",
         "How surfaces find their place in the texture",
-        |ui, _| {
+        |ui, label| {
             let options = [
                 (
                     TextureProjection::Uv,
@@ -90,7 +90,7 @@ fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
                 ),
             ];
             out.extend(
-                select(ui, "mapping", shading.projection, &options)
+                select(ui, "mapping", label, shading.projection, &options)
                     .map(Command::SetTextureProjection),
             );
         },
@@ -114,29 +114,4 @@ fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
             }
         },
     );
-}
-
-/// Some choices in a list that opens; the one that was clicked.
-fn select<T: PartialEq + Copy>(
-    ui: &mut Ui,
-    id: &str,
-    current: T,
-    options: &[(T, &str, &str)],
-) -> Option<T> {
-    let name = options.iter().find(|(value, ..)| *value == current);
-    let mut chosen = None;
-    egui::ComboBox::from_id_salt(id)
-        .width(ui.available_width())
-        .selected_text(name.map_or("", |(_, name, _)| name))
-        .show_ui(ui, |ui| {
-            for &(value, name, hint) in options {
-                let entry = ui
-                    .selectable_label(value == current, name)
-                    .on_hover_text(hint);
-                if entry.clicked() && value != current {
-                    chosen = Some(value);
-                }
-            }
-        });
-    chosen
 }

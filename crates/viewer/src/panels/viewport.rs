@@ -1,7 +1,7 @@
 //! The picture, and the mouse over it.
 
 use super::overlay::TileOverlay;
-use super::{Commands, gizmo, highlight, marks};
+use super::{Commands, cut, gizmo, highlight, legend, marks};
 use crate::state::{Resolution, State};
 use crate::ui::canvas::Canvas;
 use crate::ui::input;
@@ -73,7 +73,9 @@ pub fn show(
         scale,
         at,
     ));
+    legend::show(&painter, state, rect);
     gizmo::show(ui, room, state, out);
+    cut::handles(ui, room, state, place, out);
     if response.dragged()
         && let Some(camera) = state.camera()
         && let Some(pivot) = camera.project(state.viewpoint.orbit.pivot)

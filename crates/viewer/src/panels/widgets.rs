@@ -79,6 +79,33 @@ pub(super) fn fact(ui: &mut Ui, name: &str, hint: &str, value: &str) {
     });
 }
 
+/// Some choices in a list that opens, named by a label; the one that was clicked.
+pub(super) fn select<T: PartialEq + Copy>(
+    ui: &mut Ui,
+    id: &str,
+    label: Id,
+    current: T,
+    options: &[(T, &str, &str)],
+) -> Option<T> {
+    let name = options.iter().find(|(value, ..)| *value == current);
+    let mut chosen = None;
+    let list = egui::ComboBox::from_id_salt(id)
+        .width(ui.available_width())
+        .selected_text(name.map_or("", |(_, name, _)| name))
+        .show_ui(ui, |ui| {
+            for &(value, name, hint) in options {
+                let entry = ui
+                    .selectable_label(value == current, name)
+                    .on_hover_text(hint);
+                if entry.clicked() && value != current {
+                    chosen = Some(value);
+                }
+            }
+        });
+    list.response.labelled_by(label);
+    chosen
+}
+
 /// How a number is dragged and shown.
 pub(super) struct Number<'a> {
     pub(super) value: f64,

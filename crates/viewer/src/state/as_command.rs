@@ -1,29 +1,28 @@
 //! The picture as a command line.
 
+use super::document::Document;
 use super::effect::Effect;
 use super::names::suggested_name;
 use super::{Pending, PromptKind, State};
-use crate::cli::render_command;
-use raycast_core::scene::{Object, Scene};
-use raycast_core::shade::Shading;
+use crate::cli::{has_own_projection, render_command};
 use std::sync::Arc;
 
-/// Whether textures are projected in a way that was chosen for some objects and is not for others: no option says
-/// so, a scene file does.
-fn is_mixed(state: &State, scene: &Scene) -> bool {
-    let has_own = |object: &Object| object.mapping.projection.is_some();
-    let is_chosen = state.settings.shading.projection != Shading::default().projection;
-    is_chosen && scene.objects.iter().any(has_own)
+/// Whether textures are projected as no option says, and as no file does: in one way that was chosen in the window
+/// for some objects, and in their own ways for others.
+fn is_mixed(state: &State, document: &Document) -> bool {
+    let files = document.shading.unwrap_or_default();
+    has_own_projection(&document.scene) && state.settings.shading.projection != files.projection
 }
 
 /// Copies the command that makes the picture which would be saved, byte for byte. Where no file has the scene as
 /// it is, asks whether it is to be saved first.
 pub(super) fn copy(state: &mut State) -> Option<Effect> {
     let document = state.document.as_ref()?;
-    let is_on_disk = match document.file {
+    let has_objects = match document.file {
         Some(_) => !state.history.is_changed(),
-        None => Arc::ptr_eq(&document.scene, &document.read) && !is_mixed(state, &document.scene),
+        None => Arc::ptr_eq(&document.scene, &document.read),
     };
+    let is_on_disk = has_objects && !is_mixed(state, document);
     if !is_on_disk && document.can_be_saved() {
         state.question = Some(Pending::CopyCommand);
         return None;

@@ -1,5 +1,6 @@
 //! What a person can ask for. Panels and keys make commands; `update` carries them out.
 
+use super::cut::PlaneBy;
 use super::inspection::Shown;
 use super::measure::Kind;
 use super::preferences::{Mouse, Theme};
@@ -9,7 +10,7 @@ use super::{Answer, PromptKind, Tint};
 use raycast_core::Cull;
 use raycast_core::camera::{FrameLock, Grid, Projection};
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{Color, ColorRule, Transform};
+use raycast_core::scene::{ClippingPlane, Color, ColorRule, ColorScale, Transform};
 use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
 use std::path::PathBuf;
 
@@ -144,6 +145,8 @@ pub enum Command {
     SetCull(Cull),
     /// What lies behind everything.
     SetBackground(Background),
+    /// How numbers become colours; `None` for the usual way, and depth in greys.
+    SetColorScale(Option<ColorScale>),
     /// How an object's triangles get their colours; all objects' for `None`.
     SetColorRule(Option<usize>, ColorRule),
     /// Take the texture off an object; off all, for `None`.
@@ -173,6 +176,15 @@ pub enum Command {
     Turn(usize, usize),
     /// How objects are turned and scaled.
     SetTurning(Turning),
+
+    /// Cut away what is before a new plane.
+    AddPlane(PlaneBy),
+    /// Put another clipping plane in the place of one, by its place in the list.
+    SetPlane(usize, ClippingPlane),
+    /// Take a clipping plane away.
+    RemovePlane(usize),
+    /// Take clicks as the points of a clipping plane, or stop.
+    SetCutting(bool),
 
     /// What clicks on the picture measure; nothing, if they pick.
     SetTool(Option<Kind>),
@@ -309,6 +321,7 @@ impl Command {
             Self::SetTextureProjection(_) => ("Change of mapping", false),
             Self::SetCull(_) => ("Change of faces", false),
             Self::SetBackground(_) => ("Change of background", true),
+            Self::SetColorScale(_) => ("Change of color scale", true),
             Self::SetColorRule(..) => ("Change of color", true),
             Self::RemoveTexture(None) => ("Remove textures", false),
             Self::RemoveTexture(Some(_)) => ("Remove texture", false),
@@ -322,6 +335,9 @@ impl Command {
             Self::SetLocked(_, false) => ("Unlock", false),
             Self::SetTransform(..) => ("Move", true),
             Self::Turn(..) => ("Turn", false),
+            Self::AddPlane(_) => ("Cut", false),
+            Self::SetPlane(..) => ("Change of clipping plane", true),
+            Self::RemovePlane(_) => ("Remove clipping plane", false),
             _ => return None,
         };
         Some((name, goes_on))
@@ -332,6 +348,8 @@ impl Command {
         match self {
             Self::SetColorRule(object, _) => *object,
             Self::SetTransform(object, _) => Some(*object),
+            // Or the one plane.
+            Self::SetPlane(plane, _) => Some(*plane),
             _ => None,
         }
     }

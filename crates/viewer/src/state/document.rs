@@ -3,6 +3,7 @@
 use raycast_core::Accel;
 use raycast_core::camera::CameraPath;
 use raycast_core::scene::{Bounds, Scene};
+use raycast_core::shade::Shading;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -22,6 +23,8 @@ pub struct Document {
     pub file: Option<PathBuf>,
     /// The camera's keyframes, which are saved as they were read.
     pub animation: Option<CameraPath>,
+    /// The shading that its files tell.
+    pub shading: Option<Shading>,
     /// The objects, as a person has them.
     pub scene: Arc<Scene>,
     /// The objects as they were read.
@@ -41,21 +44,47 @@ pub struct Document {
 }
 
 impl Document {
+    /// A scene of no file, and the tree over it.
+    pub fn new(number: u64, name: impl Into<String>, scene: Arc<Scene>, tree: Tree) -> Self {
+        Self {
+            number,
+            name: name.into(),
+            paths: Vec::new(),
+            opened: Vec::new(),
+            file: None,
+            animation: None,
+            shading: None,
+            read: Arc::clone(&scene),
+            built: Arc::clone(&scene),
+            scene,
+            edits: 0,
+            accel: tree.accel,
+            bounds: tree.bounds,
+            load_time: Duration::ZERO,
+            build_time: tree.build_time,
+        }
+    }
+
     /// Whether the tree is over the objects as they are.
     pub fn is_built(&self) -> bool {
         Arc::ptr_eq(&self.scene, &self.built)
     }
 
-    /// Takes new objects. Where the tree holds for them they are shown at once; else it must be built
-    /// again (`false`), and what was shown stays until then.
+    /// Takes new objects. Where the tree holds for them, or one over them is made at once, they are shown at once;
+    /// else it must be built (`false`), and what was shown stays until then.
     pub fn set_scene(&mut self, scene: Arc<Scene>) -> bool {
         self.scene = scene;
         let holds = has_same_triangles(&self.scene, &self.built);
-        if holds {
-            self.built = Arc::clone(&self.scene);
-            self.edits += 1;
+        if !holds {
+            let Some(accel) = self.accel.updated_at_once(&self.scene) else {
+                return false;
+            };
+            self.bounds = accel.bounds();
+            self.accel = Arc::new(accel);
         }
-        holds
+        self.built = Arc::clone(&self.scene);
+        self.edits += 1;
+        true
     }
 
     /// Takes the tree over `scene`, unless the objects have changed since it was asked for.

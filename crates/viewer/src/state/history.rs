@@ -1,7 +1,7 @@
 //! What can be undone: the document as it was before each change.
 //!
 //! Nothing large is copied: a step holds the list of objects, whose meshes and textures are shared with the
-//! document as long as that has them. Trees are not held; they are built again where triangles come or go.
+//! document as long as that has them. Trees are not held; those of meshes that still are here are taken over.
 
 use super::Resolution;
 use raycast_core::render::Settings;

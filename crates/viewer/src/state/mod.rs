@@ -7,6 +7,7 @@
 mod as_command;
 mod bookmarks;
 pub mod command;
+pub mod cut;
 pub mod document;
 pub mod effect;
 mod files;
@@ -43,6 +44,7 @@ use raycast_core::formats::{ImageSettings, Limits, SceneFile};
 use raycast_core::glam::DVec3;
 use raycast_core::render::{Settings, View};
 use raycast_core::scene::Bounds;
+use raycast_core::shade::Legend;
 use std::sync::Arc;
 use std::time::Duration;
 use turn::Turning;
@@ -136,8 +138,12 @@ pub struct State {
     pub naming: Option<usize>,
     /// What is being measured, and what was.
     pub measuring: Measuring,
+    /// The points so far of a clipping plane through three, while they are clicked.
+    pub cutting: Option<Vec<DVec3>>,
     /// What was found out about meshes.
     pub inspection: Inspection,
+    /// What the colours of the picture on screen stand for.
+    pub legend: Option<Arc<Legend>>,
     /// What was clicked on.
     pub pinned: Option<Pinned>,
     /// Whether the keys are shown.
@@ -201,7 +207,9 @@ impl Default for State {
             turning: Turning::default(),
             naming: None,
             measuring: Measuring::default(),
+            cutting: None,
             inspection: Inspection::default(),
+            legend: None,
             pinned: None,
             help: false,
             palette: None,
@@ -421,6 +429,7 @@ impl State {
                 samples: self.samples,
             },
             shading: Some(self.settings.shading),
+            clip: self.settings.clip,
             ..SceneFile::default()
         })
     }
@@ -439,6 +448,7 @@ impl State {
             .document
             .as_ref()?
             .accel
+            .clipped(&self.settings.clip)
             .cast(&ray, self.settings.cull)?;
         Some(Pick {
             hit,

@@ -2,10 +2,9 @@
 
 use super::State;
 use super::motion::Motion;
-use super::viewpoint::{FOV_RANGE, StandardView, Viewpoint};
+use super::viewpoint::{StandardView, Viewpoint};
 use raycast_core::camera::{Orbit, Placement, Projection, Ray};
 use raycast_core::glam::DVec3;
-use raycast_core::math;
 
 /// The camera looks from further away than this many times the scene's size only where a file has it so: a
 /// scene should not be lost from view.
@@ -86,6 +85,16 @@ pub(super) fn place(state: &mut State, eye: DVec3, target: DVec3) {
     }
 }
 
+/// Shows the scene in another projection, from where it is seen. Planar pictures keep what they show at the pivot; a
+/// panorama begins with all that it usually has.
+pub(super) fn set_projection(state: &mut State, projection: Projection) {
+    let viewpoint = &mut state.viewpoint;
+    if viewpoint.projection.panorama() != projection.panorama() {
+        viewpoint.fov = projection.default_fov();
+    }
+    viewpoint.projection = projection;
+}
+
 /// How fast one walks at first, in sizes of the scene a second; and the slowest and the fastest.
 const WALK: f64 = 0.25;
 const WALK_RANGE: (f64, f64) = (1e-3, 10.0);
@@ -95,7 +104,9 @@ pub(super) fn set_walk(state: &mut State, on: bool) {
     state.walk = on.then_some(WALK);
     if on {
         leave(state);
-        state.viewpoint.projection = Projection::Perspective;
+        if state.viewpoint.projection.is_parallel() {
+            state.viewpoint.projection = Projection::Perspective;
+        }
     }
 }
 
@@ -159,7 +170,13 @@ pub(super) fn grab(state: &mut State, at: (f64, f64)) {
         return;
     };
     state.grabbed_depth = match state.pick(at.0, at.1) {
-        Some(pick) => (pick.point - camera.placement().eye).dot(camera.forward()),
+        Some(pick) => {
+            let sight = pick.point - camera.placement().eye;
+            match camera.projection() {
+                Projection::Panoramic(_) => sight.length(),
+                _ => sight.dot(camera.forward()),
+            }
+        }
         None => camera.distance(),
     };
 }
@@ -169,9 +186,9 @@ pub(super) fn pan(state: &mut State, dx: f64, dy: f64) {
         return;
     };
     let scale = match camera.projection() {
-        // The step is measured at the target; what was grabbed may be nearer or farther.
-        Projection::Perspective => state.grabbed_depth / camera.distance(),
         Projection::Orthographic => 1.0,
+        // The step is measured at the target; what was grabbed may be nearer or farther.
+        _ => state.grabbed_depth / camera.distance(),
     } * camera.plane().step;
     if scale.is_finite() && dx.is_finite() && dy.is_finite() {
         let viewpoint = &mut state.viewpoint;
@@ -186,14 +203,7 @@ pub(super) fn zoom(state: &mut State, at: (f64, f64), factor: f64) {
     };
     let extent = state.extent();
     let distance = state.viewpoint.orbit.distance;
-    let slope = math::tan(
-        state
-            .viewpoint
-            .fov
-            .clamp(FOV_RANGE.0, FOV_RANGE.1)
-            .to_radians()
-            * 0.5,
-    );
+    let slope = state.viewpoint.slope();
     // The frame's height is what counts: through a narrow lens one is far away.
     let furthest = (FURTHEST * extent / (2.0 * slope)).max(distance);
     let factor = (distance * factor).clamp((extent * 1e-5).min(furthest), furthest) / distance;
@@ -206,7 +216,8 @@ pub(super) fn zoom(state: &mut State, at: (f64, f64), factor: f64) {
         ray.at(depth / ray.direction.dot(camera.forward()))
     };
     let anchor = match (camera.projection(), state.pick(at.0, at.1)) {
-        (Projection::Perspective, Some(pick)) => pick.point,
+        (Projection::Perspective | Projection::Panoramic(_), Some(pick)) => pick.point,
+        (Projection::Panoramic(_), None) => state.viewpoint.orbit.pivot,
         _ => on_target_plane(&ray),
     };
     state.viewpoint.orbit.dolly(factor, anchor);
@@ -217,7 +228,7 @@ pub(super) fn set_pivot(state: &mut State, at: (f64, f64)) {
         return;
     };
     state.viewpoint.orbit.pivot = pick.point;
-    if camera.projection() == Projection::Perspective {
+    if !camera.projection().is_parallel() {
         // The eye keeps its depth from the point, so that it does not grow or shrink.
         let depth = (pick.point - camera.placement().eye).dot(camera.forward());
         if depth.is_normal() && depth > 0.0 {

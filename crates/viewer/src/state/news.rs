@@ -13,12 +13,13 @@ use super::pick::Pinned;
 use super::plane;
 use super::viewpoint::{DEFAULT_FOV, Viewpoint};
 use super::{Pending, PromptKind, Replacing, Resolution, SAMPLES_LIMIT, State};
-use raycast_core::camera::{Orbit, Projection, frame_to_fov};
+use raycast_core::camera::{Orbit, Projection};
 use raycast_core::formats::CameraFile;
 use raycast_core::picture::Recipe;
 use raycast_core::render::Settings;
-use raycast_core::scene::{Object, Scene, Texture};
-use raycast_core::shade::{Mode, Shading};
+use raycast_core::scene::{ClippingPlanes, Object, Scene, Texture};
+use raycast_core::shade::Mode;
+use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -93,12 +94,27 @@ pub struct Loaded {
     pub camera: Option<CameraFile>,
     /// The file's samples a pixel.
     pub samples: Option<u32>,
-    /// The file's shading.
-    pub shading: Option<Shading>,
+    /// The file's clipping planes.
+    pub clip: ClippingPlanes,
     /// What could be read only in part, to be told.
     pub notes: Vec<String>,
     /// Files that could not be read at all, while others could.
     pub errors: Vec<String>,
+}
+
+impl Loaded {
+    /// A scene that was read whole, whose files say nothing about showing it.
+    pub fn new(document: Document) -> Self {
+        Self {
+            document,
+            keep: Keep::Nothing,
+            camera: None,
+            samples: None,
+            clip: ClippingPlanes::NONE,
+            notes: Vec::new(),
+            errors: Vec::new(),
+        }
+    }
 }
 
 /// Takes in news from another thread; `now` is the window's clock.
@@ -136,8 +152,9 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
         }
         News::Sized(sized) => state.inspection.sized = Some(sized),
         News::Checked(checked) => {
-            let is_new = |old: &Checked| checked.iter().all(|new| new.object != old.object);
-            state.inspection.checked.retain(is_new);
+            let again: HashSet<usize> = checked.iter().map(|new| new.object).collect();
+            let kept = |old: &Checked| !again.contains(&old.object);
+            state.inspection.checked.retain(kept);
             state.inspection.checked.extend(checked);
         }
         News::Recipe(recipe) => {
@@ -184,6 +201,7 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
                 // Each time: the watch is told anew, and knows the file as it is now.
                 document.opened.push(path.clone());
                 document.file = Some(path.clone());
+                document.shading = Some(state.settings.shading);
             }
             files::remember(state, &[path]);
             let pending = state.after_saving.take()?;
@@ -259,7 +277,7 @@ fn show(state: &mut State, loaded: Loaded) {
         keep,
         camera,
         samples,
-        shading,
+        clip,
         notes,
         errors,
     } = loaded;
@@ -270,6 +288,7 @@ fn show(state: &mut State, loaded: Loaded) {
         renewed = keep_looks(&mut document, last);
     }
     let paths = document.paths.clone();
+    let shading = document.shading;
     state.document = Some(document);
     match renewed {
         Some(meshes) => state.history.renew(&meshes),
@@ -293,6 +312,7 @@ fn show(state: &mut State, loaded: Loaded) {
     state.trail = Default::default();
     bookmarks::recall(state);
     state.locked = Arc::default();
+    state.cutting = None;
     state.measuring = Measuring {
         snaps: state.measuring.snaps,
         ..Measuring::default()
@@ -302,6 +322,7 @@ fn show(state: &mut State, loaded: Loaded) {
         None if keep == Keep::Nothing => state.settings = Settings::default(),
         None => {}
     }
+    state.settings.clip = clip;
     if keep == Keep::Nothing {
         state.resolution = Resolution::Window { density: 1.0 };
     }
@@ -360,8 +381,8 @@ fn apply(state: &mut State, recipe: &Recipe) {
     let plane = recipe.camera.plane();
     let projection = recipe.camera.projection();
     let frame = match projection {
-        Projection::Perspective => frame_to_fov(plane.frame_height(), recipe.camera.distance()),
         Projection::Orthographic => plane.frame_height(),
+        _ => projection.fov_degrees(plane.frame_height(), recipe.camera.distance()),
     };
     let camera = CameraFile {
         placement: recipe.camera.placement(),
@@ -373,6 +394,7 @@ fn apply(state: &mut State, recipe: &Recipe) {
     }
     state.settings.shading = recipe.shading;
     state.settings.cull = recipe.cull;
+    state.settings.clip = recipe.clip;
     navigate::go(state, Viewpoint::of(&camera));
     state.tell("Shown as that picture was made");
 }

@@ -3,6 +3,7 @@
 use super::State;
 use super::effect::Effect;
 use super::history::Snapshot;
+use super::pick::Pinned;
 use super::turn::{Turning, axis_in, turned};
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{Object, Scene, Transform};
@@ -125,7 +126,17 @@ fn set_scene(state: &mut State, scene: Arc<Scene>) -> Option<Effect> {
         state.naming = None;
     }
     state.selected = state.selected.filter(|&selected| selected < count);
-    (!document.set_scene(scene)).then_some(Effect::Build)
+    let before = Arc::clone(&document.accel);
+    if !document.set_scene(scene) {
+        return Some(Effect::Build);
+    }
+    if Arc::ptr_eq(&before, &document.accel) {
+        return None;
+    }
+    if let Some(pinned) = &state.pinned {
+        state.pinned = Pinned::of(document, pinned.pick);
+    }
+    state.selected.map(Effect::Weigh)
 }
 
 /// Puts the document back to what it was.

@@ -1,8 +1,8 @@
 //! Size, step and frame: two of three, and what follows.
 
-use super::viewpoint::FOV_RANGE;
+use super::viewpoint::fov_range;
 use super::{Resolution, State, TILES_LIMIT, WINDOW_PIXELS};
-use raycast_core::camera::{FrameLock, Grid, ImagePlane, Projection, frame_to_fov};
+use raycast_core::camera::{FrameLock, Grid, ImagePlane, Projection};
 
 /// Another step: the lock says whether resolution or frame follows.
 pub(super) fn set_step(state: &mut State, step: f64) {
@@ -54,9 +54,11 @@ pub(super) fn set_frame(state: &mut State, height: f64) {
         return;
     }
     match state.viewpoint.projection {
-        Projection::Perspective => {
-            state.viewpoint.fov = frame_to_fov(height, state.viewpoint.orbit.distance)
-                .clamp(FOV_RANGE.0, FOV_RANGE.1);
+        projection @ (Projection::Perspective | Projection::Panoramic(_)) => {
+            let (narrowest, widest) = fov_range(projection);
+            state.viewpoint.fov = projection
+                .fov_degrees(height, state.viewpoint.orbit.distance)
+                .clamp(narrowest, widest);
         }
         Projection::Orthographic => {
             let now = state.frame_height();

@@ -4,13 +4,13 @@ use super::command::Command;
 use super::effect::Effect;
 use super::measure::Kind;
 use super::pick::Pinned;
-use super::viewpoint::FOV_RANGE;
+use super::viewpoint::fov_range;
 use super::{Palette, Pending, PromptKind, Resolution, SAMPLES_LIMIT, State};
 use super::{
-    as_command, bookmarks, files, history, inspect, navigate, objects, plane, preferences,
+    as_command, bookmarks, cut, files, history, inspect, navigate, objects, plane, preferences,
 };
 use raycast_core::ranges::WIDEST_LINE;
-use raycast_core::shade::Wireframe;
+use raycast_core::shade::{Mode, Wireframe};
 
 pub use super::names::suggested_name;
 
@@ -81,7 +81,8 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::FitWindow => state.resolution = Resolution::Window { density: 1.0 },
         Command::SetFov(fov) if fov.is_finite() => {
             navigate::leave(state);
-            state.viewpoint.fov = fov.clamp(FOV_RANGE.0, FOV_RANGE.1);
+            let (narrowest, widest) = fov_range(state.viewpoint.projection);
+            state.viewpoint.fov = fov.clamp(narrowest, widest);
         }
         Command::SetFov(_) => {}
         Command::SetFrame(height) => {
@@ -91,7 +92,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::SetLock(lock) => state.lock = lock,
         Command::SetProjection(projection) => {
             navigate::leave(state);
-            state.viewpoint.projection = projection;
+            navigate::set_projection(state, projection);
         }
         Command::SetSamples(samples) => {
             state.samples = samples.map(|samples| samples.clamp(1, SAMPLES_LIMIT));
@@ -102,7 +103,15 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::SetOrder(on) => state.overlay.order = on,
         Command::SetTint(tint) => state.overlay.tint = tint,
 
-        Command::SetMode(mode) => state.settings.shading.mode = mode,
+        Command::SetMode(mode) => {
+            let shading = &mut state.settings.shading;
+            // Grey on grey tells little: depth begins in colors.
+            if mode == Mode::Depth && shading.mode != Mode::Depth {
+                shading.scale.get_or_insert_default();
+            }
+            shading.mode = mode;
+        }
+        Command::SetColorScale(scale) => state.settings.shading.scale = scale,
         Command::SetWireframe(on) => {
             state.settings.shading.wireframe = on.then(Wireframe::default);
         }
@@ -118,7 +127,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::SetCull(cull) => state.settings.cull = cull,
         Command::SetBackground(background) => state.settings.shading.background = background,
         Command::SetColorRule(which, rule) => {
-            return objects::change(state, which, |object| object.color = rule);
+            return objects::change(state, which, |object| object.color = rule.clone());
         }
         Command::RemoveTexture(which) => {
             return objects::change(state, which, |object| {
@@ -160,7 +169,16 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::Duplicate(which) => return objects::duplicate(state, which),
         Command::Delete(which) => return objects::delete(state, which),
 
+        Command::AddPlane(by) => cut::add(state, by),
+        Command::SetPlane(index, plane) => cut::set(state, index, plane),
+        Command::RemovePlane(index) => cut::remove(state, index),
+        Command::SetCutting(on) => {
+            state.cutting = on.then(Vec::new);
+            state.measuring.tool = None;
+        }
+
         Command::SetTool(tool) => {
+            state.cutting = None;
             state.measuring.points.clear();
             state.measuring.tool = tool;
         }
@@ -178,6 +196,11 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::Check => return inspect::check(state),
         Command::ShowFault(shown) => inspect::show(state, shown),
 
+        Command::Pin { at: (x, y) } if state.cutting.is_some() => {
+            let point = state.pick(x, y)?.point;
+            let points = cut::take(state, point)?;
+            return update(state, Command::AddPlane(cut::PlaneBy::Points(points)));
+        }
         Command::Pin { at: (x, y) } if state.measuring.tool.is_some() => {
             if let Some(target) = state.target(x, y) {
                 state.measuring.add(target.point);
@@ -341,6 +364,8 @@ fn dismiss(state: &mut State) {
     } else if state.errors.pop().is_some() {
     } else if state.walk.is_some() {
         state.walk = None;
+    } else if state.cutting.is_some() {
+        state.cutting = None;
     } else if !state.measuring.points.is_empty() {
         state.measuring.points.clear();
     } else if state.measuring.tool.is_some() {

@@ -1,13 +1,15 @@
 //! Where a scene is seen from.
 
 pub use raycast_core::camera::DEFAULT_FOV;
-use raycast_core::camera::{Orbit, Placement, Projection, fov_to_frame, frame_to_fov};
+use raycast_core::camera::{Orbit, Panorama, Placement, Projection, fov_to_frame, frame_to_fov};
 use raycast_core::formats::CameraFile;
 use raycast_core::glam::DVec3;
 use raycast_core::math;
 
-/// The narrowest and the widest field of view, in degrees.
-pub const FOV_RANGE: (f64, f64) = (0.1, 170.0);
+/// The narrowest and the widest field of view of a projection, in degrees.
+pub fn fov_range(projection: Projection) -> (f64, f64) {
+    (0.1, projection.panorama().map_or(170.0, Panorama::most_fov))
+}
 
 /// Room left around a scene that fits the picture, as a share of the frame.
 const MARGIN: f64 = 1.05;
@@ -85,9 +87,10 @@ impl Viewpoint {
         let up = camera.placement.up;
         let roll = math::atan2(up.dot(orbit.right()), up.dot(orbit.up())).to_degrees();
         let fov = match camera.projection {
-            Projection::Perspective => camera.frame,
+            Projection::Perspective | Projection::Panoramic(_) => camera.frame,
             Projection::Orthographic => frame_to_fov(camera.frame, orbit.distance),
         };
+        let (narrowest, widest) = fov_range(camera.projection);
         let mut viewpoint = Self {
             orbit,
             // What rounding makes of an upright camera is no roll.
@@ -97,7 +100,7 @@ impl Viewpoint {
                 roll
             },
             projection: camera.projection,
-            fov: fov.clamp(FOV_RANGE.0, FOV_RANGE.1),
+            fov: fov.clamp(narrowest, widest),
         };
         if camera.projection == Projection::Orthographic {
             // A frame that no field of view in range makes from there: from elsewhere one does.
@@ -113,7 +116,7 @@ impl Viewpoint {
             placement: self.placement(),
             projection: self.projection,
             frame: match self.projection {
-                Projection::Perspective => self.fov,
+                Projection::Perspective | Projection::Panoramic(_) => self.fov,
                 Projection::Orthographic => self.frame_height(),
             },
         }
@@ -143,7 +146,13 @@ impl Viewpoint {
 
     /// The frame's height at the target, in scene units.
     pub fn frame_height(&self) -> f64 {
-        fov_to_frame(self.fov, self.orbit.distance)
+        self.projection.frame(self.fov, self.orbit.distance)
+    }
+
+    /// Half the height of the part of the frame that a scene is to fill, one unit before the eye.
+    pub fn slope(&self) -> f64 {
+        let fov = self.projection.fitting_fov(self.fov);
+        math::tan(fov.to_radians() * 0.5)
     }
 
     /// This, turned to a direction and upright.
@@ -166,14 +175,14 @@ impl Viewpoint {
         support: impl Fn(DVec3) -> Option<f64>,
     ) -> Self {
         let (right, up, back) = (self.right(), self.up(), self.orbit.back());
-        let slope = math::tan(self.fov.to_radians() * 0.5) / MARGIN;
+        let slope = self.slope() / MARGIN;
         // How far the eye must be for one side of the frame. Perspective: a point is within the side where
         // x ≤ slope · depth, depth being how far it lies before the eye; that is x + slope · z ≤ slope · distance,
         // x and z counted from the centre. Orthographic: x alone must be within the frame.
         let needed = |side: DVec3, slope: f64| {
             let normal = match self.projection {
-                Projection::Perspective => side + back * slope,
                 Projection::Orthographic => side,
+                Projection::Perspective | Projection::Panoramic(_) => side + back * slope,
             };
             Some((support(normal)? - center.dot(normal)) / slope)
         };

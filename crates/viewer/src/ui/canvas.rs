@@ -7,7 +7,7 @@ use crate::worker::outbox::{Arrival, Batch, Layout, PassReport};
 use egui::{Color32, ColorImage, TextureHandle, TextureOptions};
 use raycast_core::camera::Rect;
 use raycast_core::render::{Pass, TileStats};
-use raycast_core::shade::Background;
+use raycast_core::shade::{Background, Legend};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -76,6 +76,7 @@ pub struct Canvas {
     layout: Arc<Layout>,
     notes: Vec<Option<TileNote>>,
     progress: PictureProgress,
+    legend: Option<Arc<Legend>>,
     /// Counts changes of the notes, for who draws them.
     pub notes_version: u64,
 }
@@ -97,6 +98,11 @@ impl Canvas {
     /// Which request the picture is of.
     pub fn generation(&self) -> u64 {
         self.generation
+    }
+
+    /// What its colours stand for.
+    pub fn legend(&self) -> Option<&Arc<Legend>> {
+        self.legend.as_ref()
     }
 
     /// How far it is.
@@ -138,11 +144,20 @@ impl Canvas {
             self.notes = vec![None; batch.layout.tiles.len()];
             self.layout = Arc::clone(&batch.layout);
         }
+        self.legend = batch.legend;
         for arrival in batch.tiles {
             let Some(note) = self.notes.get_mut(arrival.place) else {
                 continue;
             };
-            let new = TileNote::new(&arrival, batch.background);
+            let mut new = TileNote::new(&arrival, batch.background);
+            // A legend may lie over what lies behind everything.
+            if self
+                .legend
+                .as_ref()
+                .is_some_and(|legend| legend.scale.legend)
+            {
+                new.empty = None;
+            }
             let empty = note.and_then(|note| note.empty);
             // A moving camera sees much of nothing, which stays as it is.
             if empty.is_none() || empty != new.empty {
@@ -323,6 +338,7 @@ mod tests {
             generation,
             layout,
             background: Background::default(),
+            legend: None,
             tiles,
             reports: Vec::new(),
             complete: false,

@@ -7,11 +7,13 @@ use super::load::{Load, scene_name, tree};
 use super::save::{save, save_scene, save_text};
 use super::tasks::{ANY, LoadStage, Progress, Shared, lock};
 use super::{Wake, case, neighbors, panic_text};
+use crate::memory;
 use crate::state::effect::Keep;
 use crate::state::inspection::Sized;
 use crate::state::news::News;
 use crate::state::{PromptKind, Replacing};
-use raycast_core::formats::{self, Budget, Limits, SceneFile};
+use raycast_core::Accel;
+use raycast_core::formats::{self, Limits, SceneFile};
 use raycast_core::glam::DAffine3;
 use raycast_core::health;
 use raycast_core::scene::{Mesh, Scene};
@@ -203,8 +205,8 @@ impl Files {
         });
     }
 
-    /// Builds the tree over a scene's visible objects. The newest call wins.
-    pub fn build(&self, scene: Arc<Scene>) {
+    /// Builds the tree over a scene's visible objects, which was `before`. The newest call wins.
+    pub fn build(&self, scene: Arc<Scene>, before: Arc<Accel>) {
         let ticket = self.shared.newest_tree.fetch_add(1, Ordering::Relaxed) + 1;
         self.shared.building.fetch_add(1, Ordering::Relaxed);
         self.shared.spawn("raycast-tree", ANY, move |shared| {
@@ -213,7 +215,7 @@ impl Files {
                 let _turn = lock(&shared.building_turn);
                 let is_newest = shared.newest_tree.load(Ordering::Relaxed) == ticket;
                 is_newest.then(|| {
-                    let build = || tree(&scene);
+                    let build = || tree(&scene, &before);
                     std::panic::catch_unwind(std::panic::AssertUnwindSafe(build))
                 })
             };
@@ -239,7 +241,7 @@ impl Files {
 
     /// Reads an image as a texture of an object, or of all.
     pub fn load_texture(&self, path: PathBuf, which: Option<usize>) {
-        let budget = Budget::new(self.limits);
+        let budget = memory::budget(self.limits);
         self.shared.spawn("raycast-texture", ANY, move |shared| {
             lock(&shared.opened).push(path.clone());
             let texture = formats::read_texture_within(&path, &budget);
@@ -323,14 +325,19 @@ impl Files {
         let progress = Arc::new(Progress::default());
         *lock(&self.shared.check) = Some((ticket, name, Arc::clone(&progress)));
         self.shared.spawn("raycast-check", ANY, move |shared| {
-            let checked = check(&meshes, &progress, &|| {
+            let goes_on = || {
                 (shared.wake)();
                 shared.newest_check.load(Ordering::Relaxed) == ticket
-            });
+            };
+            let checked = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+                check(&meshes, &progress, &goes_on)
+            }));
             let mut under_way = lock(&shared.check);
             if under_way.as_ref().is_some_and(|(own, ..)| *own == ticket) {
                 *under_way = None;
             }
+            drop(under_way);
+            let checked = checked.map_err(|panic| panic_text(&*panic))?;
             Ok(checked.map_or(News::Nothing, News::Checked))
         });
     }
@@ -371,6 +378,19 @@ mod tests {
         let files = files();
         files.shared.spawn("test", ANY, |_| panic!("on purpose"));
         assert!(matches!(wait(&files), News::Failed(text) if text.contains("on purpose")));
+    }
+
+    #[test]
+    fn a_check_that_panics_is_told_and_no_longer_under_way() {
+        let is_first = std::sync::atomic::AtomicBool::new(true);
+        let files = Files::new(Arc::new(move || {
+            assert!(!is_first.swap(false, Ordering::Relaxed), "on purpose");
+        }));
+        let file = demo::scene().expect("the demo scene");
+        let mesh = Arc::clone(&file.scene.objects[0].mesh);
+        files.check("a mesh".to_owned(), vec![(0, mesh)]);
+        assert!(matches!(wait(&files), News::Failed(text) if text.contains("on purpose")));
+        assert_eq!(files.activity(), None);
     }
 
     #[test]

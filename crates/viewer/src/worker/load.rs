@@ -3,11 +3,12 @@
 use super::demo;
 use super::tasks::{Progress, Shared, lock};
 use crate::failure::Failure;
-use crate::setup;
 use crate::state::document::{Document, Tree};
 use crate::state::effect::Keep;
 use crate::state::news::{Loaded, News};
-use raycast_core::formats::{self, Budget, Limits, SceneFile};
+use crate::{memory, setup};
+use raycast_core::Accel;
+use raycast_core::formats::{self, Limits, SceneFile};
 use raycast_core::picture::{ImageFile, Recipe};
 use raycast_core::render::Cancel;
 use raycast_core::scene::Scene;
@@ -80,7 +81,7 @@ impl Load<'_> {
         among: Vec<PathBuf>,
         limits: Limits,
     ) -> Result<News, String> {
-        let budget = Budget::new(limits);
+        let budget = memory::budget(limits);
         let Some(recipe) = recipe(path)? else {
             lock(&self.shared.opened).push(path.to_owned());
             let texture = formats::read_texture_within(path, &budget);
@@ -98,7 +99,7 @@ impl Load<'_> {
             }
             self.progress.read(index as f32 / count as f32);
             (self.shared.wake)();
-            let read = formats::read_scene_within(&file, &Budget::new(limits), &|_| {});
+            let read = formats::read_scene_within(&file, &memory::budget(limits), &|_| {});
             let Ok(read) = read else {
                 continue;
             };
@@ -142,7 +143,7 @@ impl Load<'_> {
             file = demo::scene().map_err(|error| error.to_string())?;
         }
         let cancel = Cancel::default();
-        let budget = Budget::new(limits).cancelled_by(cancel.clone());
+        let budget = memory::budget(limits).cancelled_by(cancel.clone());
         let count = paths.len();
         for (index, path) in paths.into_iter().enumerate() {
             if self.is_over() {
@@ -205,14 +206,19 @@ impl Load<'_> {
         scene.objects.iter().for_each(|object| {
             object.mesh.bounds();
         });
+        memory::check_tree(&called, scene.triangle_count()).map_err(|error| error.to_string())?;
         let has_hidden = scene.objects.iter().any(|object| !object.visible);
-        let accel = match has_hidden {
+        let accel = setup::tree_to_edit(&scene).and_then(|accel| match has_hidden {
             // It may be that nothing is to be seen, on purpose.
-            true => setup::tree(&scene),
-            false => setup::visible_tree(&called, &scene),
-        };
+            true => Ok(accel),
+            false => setup::visible(&called, &scene, accel),
+        });
         let accel = accel.map_err(|error| error.to_string())?;
-        let build_time = started.elapsed();
+        let tree = Tree {
+            bounds: setup::bounds(&scene, &accel),
+            accel: Arc::new(accel),
+            build_time: started.elapsed(),
+        };
         let objects = scene.objects.iter();
         let dropped: u64 = objects.map(|o| u64::from(o.mesh.dropped().total())).sum();
         let mut notes = file.warnings;
@@ -228,29 +234,22 @@ impl Load<'_> {
             [path] => Some(path).filter(is_scene).cloned(),
             _ => None,
         };
+        let number = self.shared.documents.fetch_add(1, Ordering::Relaxed) + 1;
+        let document = Document {
+            paths,
+            opened: file.opened,
+            animation: file.animation,
+            shading: file.shading,
+            file: own,
+            load_time,
+            ..Document::new(number, name, scene, tree)
+        };
         Ok(Loaded {
-            document: Document {
-                number: self.shared.documents.fetch_add(1, Ordering::Relaxed) + 1,
-                name,
-                paths,
-                opened: file.opened,
-                animation: file.animation,
-                file: own,
-                bounds: setup::bounds(&scene, &accel),
-                read: Arc::clone(&scene),
-                built: Arc::clone(&scene),
-                scene,
-                edits: 0,
-                accel: Arc::new(accel),
-                load_time,
-                build_time,
-            },
-            keep: Keep::Nothing,
             camera: file.camera,
             samples: file.image.samples,
-            shading: file.shading,
+            clip: file.clip,
             notes,
-            errors: Vec::new(),
+            ..Loaded::new(document)
         })
     }
 
@@ -274,10 +273,10 @@ fn recipe(path: &Path) -> Result<Option<Recipe>, String> {
     Ok(file.recipe)
 }
 
-/// The tree over a scene, and the box around what can be seen of it.
-pub(super) fn tree(scene: &Scene) -> Result<Tree, Failure> {
+/// The tree over a scene after `before`, and the box around what can be seen of it.
+pub(super) fn tree(scene: &Scene, before: &Accel) -> Result<Tree, Failure> {
     let started = Instant::now();
-    let accel = setup::tree(scene)?;
+    let accel = before.updated(scene)?;
     Ok(Tree {
         bounds: setup::bounds(scene, &accel),
         accel: Arc::new(accel),

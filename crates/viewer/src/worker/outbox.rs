@@ -6,7 +6,7 @@
 
 use raycast_core::camera::Rect;
 use raycast_core::render::{Pass, Tile, TileStats};
-use raycast_core::shade::Background;
+use raycast_core::shade::{Background, Legend};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -72,6 +72,8 @@ pub struct Batch {
     pub layout: Arc<Layout>,
     /// What lies behind everything in it.
     pub background: Background,
+    /// What its colours stand for.
+    pub legend: Option<Arc<Legend>>,
     /// Place in the layout, place in its pass's order of arrival, pass, and the tile.
     pub tiles: Vec<Arrival>,
     /// Passes that were finished.
@@ -115,6 +117,7 @@ struct Current {
     generation: u64,
     layout: Arc<Layout>,
     background: Background,
+    legend: Option<Arc<Legend>>,
     slots: Vec<Option<Arrival>>,
     waiting: Vec<usize>,
     reports: Vec<PassReport>,
@@ -168,6 +171,13 @@ impl Outbox {
                 .any(is_new)
     }
 
+    /// Tells what the colours of the picture that was started stand for.
+    pub fn tell_legend(&self, legend: Option<Legend>) {
+        if let Some(current) = &mut self.lock().current {
+            current.legend = legend.map(Arc::new);
+        }
+    }
+
     /// Starts a picture. What waits of the last one stays only if its first pass is whole.
     pub fn begin(
         &self,
@@ -188,6 +198,7 @@ impl Outbox {
             slots: layout.tiles.iter().map(|_| None).collect(),
             layout,
             background,
+            legend: None,
             waiting: Vec::new(),
             reports: Vec::new(),
             started: now,
@@ -326,6 +337,7 @@ impl Current {
             generation: self.generation,
             layout: Arc::clone(&self.layout),
             background: self.background,
+            legend: self.legend.clone(),
             tiles,
             reports: std::mem::take(&mut self.reports),
             complete: self.complete,

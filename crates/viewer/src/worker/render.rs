@@ -144,6 +144,11 @@ impl Worker {
         let (generation, now) = (request.generation, (self.clock)());
         self.outbox
             .begin(generation, Arc::clone(&layout), background, now);
+        let legend = match &self.pool {
+            Some((_, pool)) => pool.install(|| request.view.legend()),
+            None => request.view.legend(),
+        };
+        self.outbox.tell_legend(legend);
         let sink = |pass, tile| self.take_in(&sum, pass, tile);
         let view = &request.view;
         let passes_of = |passes: &[Pass]| {

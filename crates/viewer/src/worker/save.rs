@@ -62,12 +62,9 @@ pub(super) fn save(
         threads,
     } = saving;
     let format = Format::from_name(&path.to_string_lossy())?;
-    let opened = || lock(&shared.opened).clone();
-    let output = Output::at(path, &[])?;
-    output.check_against(opened())?;
-    if output.is_taken() && !replace {
+    let Some(output) = place(path, replace, shared)? else {
         return Ok(false);
-    }
+    };
     view.settings.layers = format == Format::Exr;
     let plane = view.camera.plane();
     let memory_for = |columns, rows| format.memory_for(columns, rows);
@@ -85,7 +82,7 @@ pub(super) fn save(
     let recipe = Recipe::of(&view);
     let file = output.write(&picture.encode_with(format, Some(&recipe))?)?;
     // Another scene may have been opened meanwhile.
-    output.check_against(opened())?;
+    output.check_against(lock(&shared.opened).clone())?;
     file.finish()?;
     Ok(true)
 }
@@ -97,11 +94,17 @@ pub(super) fn save_text(
     replace: bool,
     shared: &Shared,
 ) -> Result<bool, Failure> {
-    let output = Output::at(path, &[])?;
-    output.check_against(lock(&shared.opened).clone())?;
-    if output.is_taken() && !replace {
+    let Some(output) = place(path, replace, shared)? else {
         return Ok(false);
-    }
+    };
     output.write(text.as_bytes())?.finish()?;
     Ok(true)
+}
+
+/// A place that no opened file has; `None` where a file is there that may not be replaced.
+fn place(path: &Path, replace: bool, shared: &Shared) -> Result<Option<Output>, Failure> {
+    let output = Output::at(path, &[])?;
+    output.check_against(lock(&shared.opened).clone())?;
+    let may_write = replace || !output.is_taken();
+    Ok(may_write.then_some(output))
 }

@@ -73,6 +73,7 @@ pub(super) fn read(
         colors: text.colors,
         material_of_triangle,
         materials: Vec::new(),
+        scalars: Vec::new(),
     };
     progress(0.95);
     let uncut = polygon::cut(&mut mesh, &text.polygons);

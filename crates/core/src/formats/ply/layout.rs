@@ -19,6 +19,8 @@ pub(super) const COLOR: Slot = 6;
 pub(super) const UV: Slot = 9;
 /// All that is not used.
 pub(super) const UNUSED: Slot = 11;
+/// Scalars, one after the other: they have columns of their own, and no place in a [`Row`].
+pub(super) const SCALAR: Slot = 12;
 
 /// A vertex's or a face's properties, and what each of them is.
 pub(super) struct Layout {
@@ -80,6 +82,19 @@ impl Layout {
         Color([byte(0), byte(1), byte(2)])
     }
 
+    /// Makes scalars of the numbers that are not used otherwise: their names.
+    pub(super) fn take_scalars(&mut self) -> Vec<String> {
+        let mut names: Vec<String> = Vec::new();
+        for (property, slot) in &mut self.properties {
+            let is_number = property.length.is_none() && *slot == UNUSED;
+            if is_number && !names.contains(&property.name) {
+                *slot = SCALAR + names.len();
+                names.push(property.name.clone());
+            }
+        }
+        names
+    }
+
     /// The names of what is not used.
     pub(super) fn unused(&self) -> Vec<String> {
         let unused = self.properties.iter().filter(|(_, slot)| *slot == UNUSED);
@@ -93,6 +108,7 @@ pub(super) struct Columns<'a> {
     pub(super) normals: &'a mut [Vec3],
     pub(super) colors: &'a mut [Option<Color>],
     pub(super) uvs: &'a mut [Vec2],
+    pub(super) scalars: Vec<&'a mut [f32]>,
 }
 
 impl<'a> Columns<'a> {
@@ -106,19 +122,31 @@ impl<'a> Columns<'a> {
         let (normals, more_normals) = self.normals.split_at_mut(count.min(self.normals.len()));
         let (colors, more_colors) = self.colors.split_at_mut(count.min(self.colors.len()));
         let (uvs, more_uvs) = self.uvs.split_at_mut(count.min(self.uvs.len()));
+        let split = |scalar: &'a mut [f32]| scalar.split_at_mut(count);
+        let (scalars, more_scalars) = self.scalars.into_iter().map(split).unzip();
         let first = Self {
             positions,
             normals,
             colors,
             uvs,
+            scalars,
         };
         let others = Self {
             positions: more_positions,
             normals: more_normals,
             colors: more_colors,
             uvs: more_uvs,
+            scalars: more_scalars,
         };
         (first, others)
+    }
+
+    /// Keeps a number of a vertex that has no place in a row: a scalar's.
+    #[inline]
+    pub(super) fn set_scalar(&mut self, index: usize, slot: Slot, value: f64) {
+        if let Some(scalar) = self.scalars.get_mut(slot - SCALAR) {
+            scalar[index] = value as f32;
+        }
     }
 
     #[inline]

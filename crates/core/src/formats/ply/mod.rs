@@ -3,7 +3,8 @@
 //! Vertices: `x y z`, normals `nx ny nz`, colours `red green blue`, texture coordinates `s t`, `u v` or
 //! `texture_u texture_v`. Faces: the list `vertex_indices` or `vertex_index`, colours, and texture
 //! coordinates at corners as the list `texcoord`. Triangle strips: the list `vertex_indices` of the
-//! element `tristrips`. All else is passed over and named.
+//! element `tristrips`. Other numbers of vertices and faces are scalars, which colours can show. All else is
+//! passed over and named.
 
 mod header;
 mod layout;
@@ -19,11 +20,11 @@ use crate::formats::parsed::Parsed;
 use crate::formats::polygon::{self, Polygon};
 use crate::formats::tokens::Found;
 use crate::quote;
-use crate::scene::{Attribute, Color, MeshData};
+use crate::scene::{Attribute, Color, MeshData, Scalar, ScalarAt};
 use glam::{DVec3, Vec2, Vec3};
 pub(super) use header::is_ply;
-use header::{Element, Encoding, Header, Scalar};
-use layout::{COLOR, Columns, Layout, NONE, NORMAL, POSITION, Row, UNUSED, UV, index};
+use header::{Element, Encoding, Header, Scalar as Kind};
+use layout::{COLOR, Columns, Layout, NONE, NORMAL, POSITION, Row, SCALAR, UNUSED, UV, index};
 use std::mem::size_of;
 use std::path::Path;
 use values::{Ascii, Binary, Values};
@@ -91,6 +92,7 @@ fn body<V: Values>(
         corner_uvs: Vec::new(),
         uv_triangles: Vec::new(),
         face_colors: Vec::new(),
+        face_scalars: Vec::new(),
         small: 0,
         notes: Vec::new(),
     };
@@ -121,6 +123,7 @@ fn body<V: Values>(
         corner_uvs,
         uv_triangles,
         face_colors,
+        face_scalars,
         small,
         notes,
         ..
@@ -142,6 +145,10 @@ fn body<V: Values>(
     }
     if !face_colors.is_empty() {
         face_colors::set(&mut mesh, face_colors);
+    }
+    for mut scalar in face_scalars {
+        scalar.values.resize(mesh.triangles.len(), f32::NAN);
+        mesh.scalars.push(scalar);
     }
     let uncut = polygon::cut(&mut mesh, &polygons);
     mesh.normals = at_vertices(normals, &mesh.triangles, |normal| *normal != Vec3::ZERO);
@@ -185,6 +192,8 @@ struct Reader<'a, V> {
     uv_triangles: Vec<[u32; 3]>,
     /// A colour a triangle, where faces have colours.
     face_colors: Vec<Option<Color>>,
+    /// What else faces have: a value a triangle.
+    face_scalars: Vec<Scalar>,
     /// Faces of fewer than three corners.
     small: usize,
     notes: Vec<String>,
@@ -223,7 +232,7 @@ impl<V: Values> Reader<'_, V> {
     }
 
     fn vertices(&mut self, element: &Element, step: &dyn Fn(f32)) -> Result<(), FormatError> {
-        let layout = Layout::of(
+        let mut layout = Layout::of(
             element,
             &[
                 (&["x", "y", "z"], POSITION),
@@ -241,6 +250,8 @@ impl<V: Values> Reader<'_, V> {
             let expected = "vertices with properties `x`, `y` and `z`";
             return Err(self.other_properties(element, expected));
         }
+        let scalars = layout.take_scalars();
+        self.note_scalars("vertices", &scalars);
         self.note_unused("vertices", layout.unused());
         let count = self.count(element)?;
         let of = |slot| if layout.has(slot) { count } else { 0 };
@@ -248,21 +259,42 @@ impl<V: Values> Reader<'_, V> {
         let bytes = count * size_of::<DVec3>()
             + normals * size_of::<Vec3>()
             + colors * size_of::<Option<Color>>()
-            + uvs * size_of::<Vec2>();
+            + uvs * size_of::<Vec2>()
+            + scalars.len() * count * size_of::<f32>();
         // What is read is counted again as a mesh once all is there.
         drop(self.budget.share(self.path, "the mesh", bytes as u64)?);
         self.mesh.positions = vec![DVec3::ZERO; count];
         self.mesh.colors = vec![None; colors];
         self.normals = vec![Vec3::ZERO; normals];
         self.uvs = vec![Vec2::ZERO; uvs];
+        let scalar = |name| Scalar {
+            name,
+            at: ScalarAt::Vertices,
+            values: vec![0.0; count],
+        };
+        self.mesh.scalars = scalars.into_iter().map(scalar).collect();
         let columns = Columns {
             positions: &mut self.mesh.positions,
             normals: &mut self.normals,
             colors: &mut self.mesh.colors,
             uvs: &mut self.uvs,
+            scalars: self
+                .mesh
+                .scalars
+                .iter_mut()
+                .map(|s| &mut *s.values)
+                .collect(),
         };
         let read = self.values.vertices(&layout, columns, step);
         read.map_err(|found| self.fault(element, &found))
+    }
+
+    fn note_scalars(&mut self, of: &str, names: &[String]) {
+        if !names.is_empty() {
+            let names: Vec<_> = names.iter().map(|name| plain(name)).collect();
+            let names = quote::shorten(&names.join(", "));
+            self.notes.push(format!("scalars of {of}: {names}"));
+        }
     }
 
     fn note_unused(&mut self, of: &str, unused: Vec<String>) {
@@ -296,18 +328,24 @@ impl<V: Values> Reader<'_, V> {
         for place in [Some(indices), texcoords].into_iter().flatten() {
             layout.properties[place].1 = POSITION;
         }
+        let scalars = layout.take_scalars();
+        self.note_scalars("faces", &scalars);
         self.note_unused("faces", layout.unused());
         let first = self.mesh.triangles.len();
         if texcoords.is_none() && !has_colors && first == 0 {
             // At first as if all were triangles, which most files have.
-            let bytes = count as u64 * size_of::<[u32; 3]>() as u64;
+            let each = size_of::<[u32; 3]>() + scalars.len() * size_of::<f32>();
+            let bytes = count as u64 * each as u64;
             if count as u64 <= self.budget.triangles_left() {
                 drop(self.budget.share(self.path, "the mesh", bytes)?);
+                let mut values = vec![Vec::new(); scalars.len()];
+                let vertices = self.vertices;
                 let read = self
                     .values
-                    .triangles(&layout, indices, count, self.vertices);
+                    .triangles(&layout, indices, count, vertices, &mut values);
                 if let Some(triangles) = read {
                     self.mesh.triangles = triangles;
+                    self.face_scalars = named(scalars, values);
                     return Ok(());
                 }
             }
@@ -315,16 +353,22 @@ impl<V: Values> Reader<'_, V> {
         let mut share = self.budget.share(self.path, "the mesh", 0)?;
         let mut corners = Vec::new();
         let mut uvs = Vec::new();
+        let mut values = vec![vec![f32::NAN; first]; scalars.len()];
+        let mut of_face = vec![0.0; scalars.len()];
         for number in 0..count {
             let mut row: Row = [0.0; UNUSED + 1];
             corners.clear();
             uvs.clear();
             for (place, (property, slot)) in layout.properties.iter().enumerate() {
                 let read = match property.length {
-                    None => self
-                        .values
-                        .value(property.kind)
-                        .map(|value| row[*slot] = value),
+                    None => {
+                        self.values
+                            .value(property.kind)
+                            .map(|value| match row.get_mut(*slot) {
+                                Some(place) => *place = value,
+                                None => of_face[*slot - SCALAR] = value as f32,
+                            })
+                    }
                     Some(length) if place == indices => {
                         self.corners(length, property.kind, &mut corners)?;
                         Ok(())
@@ -340,6 +384,9 @@ impl<V: Values> Reader<'_, V> {
             let before = self.mesh.triangles.len();
             self.face(&corners)?;
             let after = self.mesh.triangles.len();
+            for (values, value) in values.iter_mut().zip(&of_face) {
+                values.resize(after, *value);
+            }
             if has_colors {
                 self.face_colors.resize(before, None);
                 self.face_colors.resize(after, Some(layout.color(&row)));
@@ -361,12 +408,14 @@ impl<V: Values> Reader<'_, V> {
                     + self.polygons.len() * size_of::<Polygon>()
                     + self.corner_uvs.len() * size_of::<Vec2>()
                     + self.uv_triangles.len() * size_of::<[u32; 3]>()
-                    + self.face_colors.len() * size_of::<Option<Color>>();
+                    + self.face_colors.len() * size_of::<Option<Color>>()
+                    + values.len() * after * size_of::<f32>();
                 // A list that is full doubles, and the old one stays until the new one is filled.
                 share.grow(self.path, "the mesh", 3 * held as u64)?;
                 step(number as f32 / count as f32);
             }
         }
+        self.face_scalars = named(scalars, values);
         if !self.uv_triangles.is_empty() {
             let triangles = self.mesh.triangles.len();
             self.uv_triangles.resize(triangles, [NONE; 3]);
@@ -377,8 +426,8 @@ impl<V: Values> Reader<'_, V> {
     /// The indices of a list, each of a vertex that is there.
     fn corners(
         &mut self,
-        length: Scalar,
-        kind: Scalar,
+        length: Kind,
+        kind: Kind,
         corners: &mut Vec<u32>,
     ) -> Result<(), FormatError> {
         let read = self
@@ -491,6 +540,15 @@ impl<V: Values> Reader<'_, V> {
         }
         Ok(())
     }
+}
+
+/// Scalars of faces.
+fn named(names: Vec<String>, values: Vec<Vec<f32>>) -> Vec<Scalar> {
+    let at = ScalarAt::Triangles;
+    let scalars = names.into_iter().zip(values);
+    scalars
+        .map(|(name, values)| Scalar { name, at, values })
+        .collect()
 }
 
 /// A name of the file as it is, or quoted where it is unlike names.

@@ -90,12 +90,18 @@ fn all_encodings_are_one_mesh() {
         let uvs = mesh.uvs.expect("texture coordinates");
         assert_eq!((uvs.values[4], uvs.indices), (Vec2::splat(0.5), None));
         assert_eq!(texture.as_deref(), Some(Path::new("a/skin.png")));
+        let alpha = &mesh.scalars[0];
+        assert_eq!((&*alpha.name, alpha.at), ("alpha", ScalarAt::Vertices));
+        assert_eq!(alpha.values, [7.0; 5]);
+        let flag = &mesh.scalars[1];
+        assert_eq!((&*flag.name, flag.at), ("flag", ScalarAt::Triangles));
+        assert_eq!(flag.values, [3.0; 3]);
         assert_eq!(warnings, [""; 0]);
         let expected = [
             encoding,
-            "not used: properties of vertices: alpha",
+            "scalars of vertices: alpha",
             "not used: 1 of element edge",
-            "not used: properties of faces: flag",
+            "scalars of faces: flag",
         ];
         assert_eq!(notes, expected);
     }
@@ -114,6 +120,34 @@ fn binary_triangle(face: &[u8]) -> Vec<u8> {
     }
     bytes.extend(face);
     bytes
+}
+
+#[test]
+fn scalars_of_triangles_alone_are_those_of_any_faces() {
+    let header = "element face 2\nproperty float before\n\
+        property list uchar int vertex_indices\nproperty double after";
+    let with = |format: &str| {
+        let (head, _) = TRIANGLE.split_once("0 0 0").expect("a body");
+        let list = "element face 1\nproperty list uchar int vertex_indices";
+        head.replace(list, header).replace("ascii", format)
+    };
+    let text = with("ascii") + "0 0 0\n1 0 0\n0 1 0\n1.5 3 0 1 2 -4\n2.5 3 0 2 1 7\n";
+    let mut bytes = with("binary_little_endian").into_bytes();
+    for float in [0f32, 0., 0., 1., 0., 0., 0., 1., 0.] {
+        bytes.extend(float.to_le_bytes());
+    }
+    for (before, list, after) in [(1.5f32, [0, 1, 2], -4f64), (2.5, [0, 2, 1], 7.0)] {
+        bytes.extend(before.to_le_bytes());
+        bytes.push(3);
+        bytes.extend(list.map(i32::to_le_bytes).as_flattened());
+        bytes.extend(after.to_le_bytes());
+    }
+    for bytes in [text.into_bytes(), bytes] {
+        let scalars = parse(&bytes).expect("a good file").mesh.scalars;
+        let found: Vec<_> = scalars.iter().map(|s| (&*s.name, &*s.values)).collect();
+        let expected = [("before", &[1.5f32, 2.5][..]), ("after", &[-4.0, 7.0])];
+        assert_eq!(found, expected);
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The numbers of a PLY's body, one after the other.
 
 use super::header::Scalar;
-use super::layout::{Columns, Layout, Row, index};
+use super::layout::{Columns, Layout, Row, SCALAR, index};
 use crate::formats::error::FormatError;
 use crate::formats::tokens::{Found, Tokens};
 use rayon::prelude::*;
@@ -53,14 +53,15 @@ pub(super) trait Values {
         in_order(self, layout, columns, step)
     }
 
-    /// `count` faces whose list at the place `indices` has three vertices of `vertices`; `None`, and
-    /// nothing is read, where they are others, or cannot be read at once.
+    /// `count` faces whose list at the place `indices` has three vertices of `vertices`, and into `scalars`
+    /// their numbers; `None`, and nothing is read, where they are others, or cannot be read at once.
     fn triangles(
         &mut self,
         _layout: &Layout,
         _indices: usize,
         _count: usize,
         _vertices: u32,
+        _scalars: &mut [Vec<f32>],
     ) -> Option<Vec<[u32; 3]>> {
         None
     }
@@ -78,7 +79,13 @@ fn in_order<V: Values>(
         let mut row = Row::default();
         for (property, slot) in &layout.properties {
             match property.length {
-                None => row[*slot] = values.value(property.kind)?,
+                None => {
+                    let value = values.value(property.kind)?;
+                    match row.get_mut(*slot) {
+                        Some(place) => *place = value,
+                        None => columns.set_scalar(vertex, *slot, value),
+                    }
+                }
                 Some(length) => values.list(length, property.kind, |_| ())?,
             }
         }
@@ -219,6 +226,7 @@ impl<const BIG: bool> Values for Binary<'_, BIG> {
         indices: usize,
         count: usize,
         vertices: u32,
+        scalars: &mut [Vec<f32>],
     ) -> Option<Vec<[u32; 3]>> {
         let (property, _) = layout.properties.get(indices)?;
         let (kind, length) = (property.kind, property.length?);
@@ -250,9 +258,27 @@ impl<const BIG: bool> Values for Binary<'_, BIG> {
                 let mut all = triangles.iter_mut().zip(records);
                 all.all(|(triangle, record)| read(triangle, record).is_some())
             });
-        are_triangles.then(|| {
-            self.at += bytes.len();
-            triangles
-        })
+        if !are_triangles {
+            return None;
+        }
+        let list = length.bytes() + 3 * kind.bytes();
+        let mut offset = 0;
+        for (place, (property, slot)) in layout.properties.iter().enumerate() {
+            if let Some(scalar) = slot.checked_sub(SCALAR).and_then(|i| scalars.get_mut(i)) {
+                let value = |record| {
+                    let value = Self::new(record, offset).value(property.kind);
+                    // The record is as long as all of its numbers.
+                    value.map_or(f32::NAN, |value| value as f32)
+                };
+                let records = bytes.par_chunks_exact(stride).with_min_len(TASK);
+                *scalar = records.map(value).collect();
+            }
+            offset += match place == indices {
+                true => list,
+                false => property.kind.bytes(),
+            };
+        }
+        self.at += bytes.len();
+        Some(triangles)
     }
 }

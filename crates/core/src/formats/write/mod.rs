@@ -81,6 +81,15 @@ pub fn write_meshes(
     if textures > 0 {
         written.lost.push(format!("textures of {textures} objects"));
     }
+    if scene
+        .objects
+        .iter()
+        .any(|object| !object.mesh.scalars().is_empty())
+    {
+        written
+            .lost
+            .push("scalars of vertices and triangles".to_owned());
+    }
     Ok(written)
 }
 

@@ -90,6 +90,7 @@ fn rich() -> MeshData {
         ],
         material_of_triangle: vec![0, 1, u32::MAX, 0],
         colors: Vec::new(),
+        scalars: Vec::new(),
     }
 }
 

@@ -261,7 +261,7 @@ fn a_file_read_again_keeps_the_camera_and_what_a_person_changed() {
     update(&mut state, Command::SetMode(Mode::Normals));
     let before = state.viewpoint;
     let rule = ColorRule::Uniform(Color([1, 2, 3]));
-    update(&mut state, Command::SetColorRule(Some(1), rule));
+    update(&mut state, Command::SetColorRule(Some(1), rule.clone()));
     let reads = Some(Effect::Open(vec!["mesh.obj".into()], Keep::All));
     let changed = || News::Changed("mesh.obj".into());
     assert_eq!(receive(&mut state, changed(), Duration::ZERO), reads);

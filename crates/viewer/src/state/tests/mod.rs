@@ -1,6 +1,7 @@
 //! Tests of the one place that carries commands out, and of the news.
 
 mod camera_tests;
+mod cut_tests;
 mod file_tests;
 mod object_tests;
 mod picture_tests;
@@ -56,30 +57,32 @@ fn loaded(count: usize, camera: Option<CameraFile>) -> News {
     let scene = Arc::new(Scene {
         objects: (0..count).map(object).collect(),
     });
+    let document = Document {
+        paths: vec!["mesh.obj".into()],
+        ..Document::new(1, "mesh.obj", Arc::clone(&scene), tree(&scene))
+    };
     News::Loaded(Box::new(Loaded {
-        document: Document {
-            number: 1,
-            name: "mesh.obj".to_owned(),
-            paths: vec!["mesh.obj".into()],
-            opened: Vec::new(),
-            animation: None,
-            file: None,
-            read: Arc::clone(&scene),
-            built: Arc::clone(&scene),
-            edits: 0,
-            accel: Arc::new(Accel::build(&scene).expect("a valid scene")),
-            bounds: scene.bounds(),
-            scene,
-            load_time: Duration::ZERO,
-            build_time: Duration::ZERO,
-        },
-        keep: Keep::Nothing,
         camera,
-        samples: None,
-        shading: None,
-        notes: Vec::new(),
-        errors: Vec::new(),
+        ..Loaded::new(document)
     }))
+}
+
+fn tree(scene: &Scene) -> Tree {
+    Tree {
+        accel: Arc::new(Accel::build(scene).expect("a valid scene")),
+        bounds: scene.bounds(),
+        build_time: Duration::ZERO,
+    }
+}
+
+/// The same over a tree a mesh, as the window builds it for several objects.
+fn opened_to_edit(count: usize) -> State {
+    let mut state = opened(count);
+    if let Some(document) = &mut state.document {
+        let accel = Accel::build_instances(&document.scene).expect("a valid scene");
+        document.accel = Arc::new(accel);
+    }
+    state
 }
 
 fn document(state: &State) -> &Document {
@@ -99,10 +102,6 @@ fn visible(state: &State) -> Vec<bool> {
 /// Does what the worker does.
 fn build(state: &mut State) {
     let scene = Arc::clone(&document(state).scene);
-    let tree = Tree {
-        accel: Arc::new(Accel::build(&scene).expect("a valid scene")),
-        bounds: scene.bounds(),
-        build_time: Duration::ZERO,
-    };
+    let tree = tree(&scene);
     receive(state, News::Built(scene, tree), Duration::ZERO);
 }

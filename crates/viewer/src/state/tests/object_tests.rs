@@ -34,6 +34,92 @@ fn hiding_asks_for_a_tree_and_the_last_picture_stays_until_it_is_there() {
 }
 
 #[test]
+fn objects_of_many_are_hidden_moved_copied_and_brought_back_at_once() {
+    let mut state = opened_to_edit(1000);
+    do_all(
+        &mut state,
+        [Command::Look(StandardView::Front), Command::Fit],
+    );
+    let over = |state: &State, x: f64| {
+        let ray = raycast_core::Ray::new(DVec3::new(x + 0.25, 0.25, 5.0), DVec3::NEG_Z);
+        let hit = document(state).accel.cast(&ray, Default::default());
+        hit.map(|hit| hit.object)
+    };
+    let bounds = document(&state).bounds;
+    let at_once = |state: &mut State, command: Command| {
+        let edits = document(state).edits;
+        let effect = update(state, command);
+        assert!(!matches!(effect, Some(Effect::Build)), "{effect:?}");
+        assert!(document(state).is_built() && document(state).edits == edits + 1);
+    };
+    assert_eq!(over(&state, 1998.0), Some(999));
+    at_once(&mut state, Command::SetVisible(999, false));
+    assert_eq!(over(&state, 1998.0), None);
+    assert_eq!(document(&state).bounds.max.x, 1997.0);
+    at_once(&mut state, Command::Undo);
+    assert_eq!(over(&state, 1998.0), Some(999));
+
+    // As a drag does.
+    let start = document(&state).scene.objects[7].transform;
+    for step in 1..=3 {
+        let transform = Transform {
+            translate: start.translate + DVec3::Y * 10.0 * f64::from(step),
+            ..start
+        };
+        at_once(&mut state, Command::SetTransform(7, transform));
+    }
+    assert_eq!((over(&state, 14.0), over(&state, 12.0)), (None, Some(6)));
+    assert_eq!(document(&state).bounds.max.y, 31.0);
+    at_once(&mut state, Command::Undo);
+    assert_eq!(over(&state, 14.0), Some(7));
+    at_once(&mut state, Command::Redo);
+    assert_eq!(over(&state, 14.0), None);
+    at_once(&mut state, Command::Undo);
+
+    at_once(&mut state, Command::Isolate(3));
+    assert_eq!((over(&state, 6.0), over(&state, 8.0)), (Some(3), None));
+    at_once(&mut state, Command::Duplicate(3));
+    assert_eq!(over(&state, 7.1), Some(4), "beside it");
+    at_once(&mut state, Command::Delete(4));
+    at_once(&mut state, Command::ShowAll);
+    assert_eq!(document(&state).bounds, bounds);
+    // A new mesh takes a tree, on another thread.
+    let added = News::Added {
+        objects: vec![Object::new("new", Arc::new(Mesh::new(MeshData::default())))],
+        opened: Vec::new(),
+        paths: Vec::new(),
+        notes: Vec::new(),
+        errors: Vec::new(),
+    };
+    let effect = receive(&mut state, added, Duration::ZERO);
+    assert_eq!(effect, Some(Effect::Build));
+}
+
+#[test]
+fn what_is_pinned_moves_with_its_object_at_once() {
+    let mut state = opened_to_edit(2);
+    do_all(
+        &mut state,
+        [Command::Look(StandardView::Front), Command::Fit],
+    );
+    let camera = state.camera().expect("a camera");
+    let at = camera
+        .project(DVec3::new(2.25, 0.5, 0.0))
+        .expect("in front");
+    update(&mut state, Command::Pin { at });
+    let pinned = |state: &State| state.pinned.as_ref().map(|pinned| pinned.corners[0]);
+    assert_eq!(pinned(&state), Some(DVec3::X * 2.0));
+    let moved = Transform {
+        translate: DVec3::X * 5.0,
+        ..Transform::IDENTITY
+    };
+    // Its size is another one.
+    let effect = update(&mut state, Command::SetTransform(1, moved));
+    assert_eq!(effect, Some(Effect::Weigh(1)));
+    assert_eq!(pinned(&state), Some(DVec3::X * 5.0));
+}
+
+#[test]
 fn objects_are_renamed_duplicated_and_deleted_and_all_of_it_is_undone() {
     let mut state = opened(3);
     // The last one moves with the second.
@@ -153,7 +239,7 @@ fn a_locked_object_stays_as_it_is_and_the_lock_goes_with_it() {
     );
     let after = &document(&state).scene.objects;
     assert_eq!(after.len(), 3);
-    let of = |object: &Object| (object.name.clone(), object.transform, object.color);
+    let of = |object: &Object| (object.name.clone(), object.transform, object.color.clone());
     assert_eq!(of(&after[1]), of(&before));
     assert_ne!(after[0].color, before.color, "the others are free");
     assert!(

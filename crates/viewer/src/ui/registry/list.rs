@@ -3,6 +3,7 @@
 use super::action::{Action, Menu};
 use super::chord::{alt, ctrl, ctrl_shift, plain, shift};
 use crate::state::command::Command;
+use crate::state::cut::{PlaneBy, has_room};
 use crate::state::measure::Kind;
 use crate::state::preferences::{Mouse, Theme};
 use crate::state::update::middle;
@@ -88,6 +89,15 @@ macro_rules! tool {
         })
         .when(has_scene)
         .on(|state| state.measuring.tool == Some(Kind::$kind))
+    };
+}
+
+macro_rules! cut {
+    ($id:literal, $name:literal, $does:literal, $by:expr) => {
+        Action::of(Menu::Tools, $id, $name, $does, &[], |_| {
+            Command::AddPlane($by)
+        })
+        .when(has_room)
     };
 }
 
@@ -423,7 +433,7 @@ pub static ACTIONS: &[Action] = &[
         |state| {
             Command::SetProjection(match state.viewpoint.projection {
                 Projection::Perspective => Projection::Orthographic,
-                Projection::Orthographic => Projection::Perspective,
+                Projection::Orthographic | Projection::Panoramic(_) => Projection::Perspective,
             })
         },
     )
@@ -645,6 +655,41 @@ pub static ACTIONS: &[Action] = &[
         |_| Command::ClearMeasurements,
     )
     .when(|state| !state.measuring.list.is_empty()),
+    cut!(
+        "cut.x",
+        "Cut across X",
+        "Cut away what is before a plane across the X axis",
+        PlaneBy::Axis(0)
+    )
+    .apart(),
+    cut!(
+        "cut.y",
+        "Cut across Y",
+        "Cut away what is before a plane across the Y axis",
+        PlaneBy::Axis(1)
+    ),
+    cut!(
+        "cut.z",
+        "Cut across Z",
+        "Cut away what is before a plane across the Z axis",
+        PlaneBy::Axis(2)
+    ),
+    cut!(
+        "cut.view",
+        "Cut across the view",
+        "Cut away what is before the point that one turns about",
+        PlaneBy::View
+    ),
+    Action::of(
+        Menu::Tools,
+        "cut.points",
+        "Cut through three points",
+        "Click three points: what is before their plane is cut away",
+        &[],
+        |state| Command::SetCutting(state.cutting.is_none()),
+    )
+    .when(has_room)
+    .on(|state| state.cutting.is_some()),
     Action::of(
         Menu::Tools,
         "tools.check",

@@ -1,13 +1,12 @@
 //! Vertices that are at one place.
 
-use crate::scene::Mesh;
+use glam::Vec3;
 use rayon::prelude::*;
 
 /// For each vertex the lowest one at its place. Places are the same where all three coordinates are; zero has
 /// no sign. A vertex that is not finite is a place of its own.
-pub(super) fn weld(mesh: &Mesh) -> Vec<u32> {
-    let mut sorted: Vec<([u32; 3], u32)> = mesh
-        .positions()
+pub(crate) fn weld(positions: &[Vec3]) -> Vec<u32> {
+    let mut sorted: Vec<([u32; 3], u32)> = positions
         .par_iter()
         .enumerate()
         // Adding zero takes the sign off a zero.

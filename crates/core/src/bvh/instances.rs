@@ -1,0 +1,358 @@
+//! Objects as instances: a mesh's tree is stored once, and looked at through the placement of each object that
+//! has it, below a top-level tree over the objects.
+//!
+//! Node and primitive indices go on beyond those of the arrays in [`Accel`](super::Accel), which are empty where
+//! there are instances. Each instance has a run of whole pages of them, as many as its mesh's tree has triangles;
+//! the run before the first holds the top-level nodes. So every traversal walks from the top-level tree into the
+//! trees of meshes, and a primitive index still names one triangle of one object.
+
+use super::Triangle;
+use super::placement::{BoxPlacement, Placement};
+use super::tree::{Box32, BoxPair, Node, Subtree, Tree};
+use crate::num::simd::LANES;
+use glam::Vec3;
+use std::sync::Arc;
+
+/// Indices in a page, as a power of two. A larger page wastes more of the 2³¹ indices on small meshes; a smaller
+/// one makes the table of pages long: ten million triangles have ten thousand pages, which stay in a cache.
+const PAGE_BITS: u32 = 10;
+
+/// Stands for a triangle that no instance has.
+static NOWHERE: Triangle = Triangle {
+    corners: [Vec3::NAN; 3],
+    number: u32::MAX,
+};
+
+/// The indices from `first` on that so many need: the first after them. `None` beyond 32 bits.
+pub(super) fn pages_after(first: u32, count: u32) -> Option<u32> {
+    first.checked_add(count.checked_next_multiple_of(1 << PAGE_BITS)?)
+}
+
+/// Two children of a node with their boxes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Opened {
+    pub(crate) boxes: BoxPair,
+    pub(crate) children: [Subtree; 2],
+}
+
+/// The triangles of a mesh and the tree over them.
+#[derive(Clone, Debug)]
+pub(super) struct MeshTree {
+    /// Corners as the mesh has them, or placed where no instance is to place them; numbers as in the mesh.
+    pub(super) triangles: Vec<Triangle>,
+    pub(super) tree: Tree,
+    /// Triangles that are not in it because their placement moved them out of range.
+    pub(super) out_of_range: u32,
+    /// Whether it is over what is within range in one place; then it serves for no other.
+    pub(super) is_for_one_place: bool,
+}
+
+impl MeshTree {
+    /// How many indices its nodes and primitives need: each needs those from zero on.
+    pub(super) fn indices(&self) -> u32 {
+        self.triangles.len().max(self.tree.nodes.len()) as u32
+    }
+
+    /// The same tree with other corners for its triangles.
+    pub(super) fn refitted(&self, corners: impl Fn(&Triangle) -> [Vec3; 3]) -> Self {
+        let refit = |triangle: &Triangle| Triangle {
+            corners: corners(triangle),
+            ..*triangle
+        };
+        let triangles: Vec<Triangle> = self.triangles.iter().map(refit).collect();
+        let around = |nodes: &[Node], subtree: Subtree| match subtree.node() {
+            Some(node) => {
+                let boxes = nodes[node as usize].boxes;
+                boxes.get(0).union(boxes.get(1))
+            }
+            None => {
+                let primitives = subtree.primitives();
+                let all = primitives.map(|p| Box32::around(&triangles[p as usize].corners));
+                all.fold(Box32::EMPTY, Box32::union)
+            }
+        };
+        let mut tree = self.tree.clone();
+        // Children come behind their parents.
+        for index in (0..tree.nodes.len()).rev() {
+            let children = tree.nodes[index].children(index as u32);
+            let boxes = children.map(|child| around(&tree.nodes, child));
+            tree.nodes[index].boxes = BoxPair::of(boxes);
+        }
+        let root = tree.root.map(|root| around(&tree.nodes, root));
+        tree.bounds = root.unwrap_or(Box32::EMPTY);
+        Self {
+            triangles,
+            tree,
+            out_of_range: self.out_of_range,
+            is_for_one_place: self.is_for_one_place,
+        }
+    }
+
+    pub(super) fn retained_bytes(&self) -> usize {
+        self.triangles.capacity() * size_of::<Triangle>() + self.tree.retained_bytes()
+    }
+}
+
+/// A mesh's tree in its place.
+#[derive(Clone, Debug)]
+pub(super) struct Placed {
+    pub(super) tree: Arc<MeshTree>,
+    /// `None` where corners as the tree has them are in place.
+    pub(super) placement: Option<(Placement, BoxPlacement)>,
+    /// The box around the placed corners.
+    pub(super) bounds: Box32,
+}
+
+impl Placed {
+    /// A tree in its place. `None` where a corner may be out of the range in which rays can hit it.
+    pub(super) fn new(tree: Arc<MeshTree>, placement: Option<Placement>) -> Option<Self> {
+        let around = tree.tree.bounds;
+        let placement = placement.map(|placement| {
+            let boxes = BoxPlacement::new(&placement, &around);
+            (placement, boxes)
+        });
+        let mut placed = Self {
+            tree,
+            placement,
+            bounds: around,
+        };
+        if let (Some(root), Some((_, boxes))) = (placed.tree.tree.root, &placed.placement) {
+            let loose = boxes.one(around);
+            if !super::flatten::in_range(&[loose.min, loose.max, loose.min]) {
+                return None;
+            }
+            placed.bounds = Box32::EMPTY;
+            placed.extend_bounds(root, loose);
+        }
+        Some(placed)
+    }
+
+    /// The same with a tree of its own whose corners are in place.
+    pub(super) fn with_tree_in_place(self) -> Self {
+        let Some((placement, _)) = &self.placement else {
+            return self;
+        };
+        let in_place = |own: &Triangle| own.corners.map(|corner| placement.corner(corner));
+        Self {
+            tree: Arc::new(self.tree.refitted(in_place)),
+            placement: None,
+            bounds: self.bounds,
+        }
+    }
+
+    /// Widens `bounds` to hold a subtree that lies within `around`: branches and bounds, the larger child first.
+    fn extend_bounds(&mut self, subtree: Subtree, around: Box32) {
+        let holds = self.bounds.min.cmple(around.min) & self.bounds.max.cmpge(around.max);
+        if holds.all() {
+            return;
+        }
+        let Some(index) = subtree.node() else {
+            for primitive in subtree.primitives() {
+                let corners = self.corners(primitive);
+                self.bounds = self.bounds.union(Box32::around(&corners));
+            }
+            return;
+        };
+        let Opened { boxes, children } = self.open(index);
+        let [a, b] = [0, 1].map(|which| boxes.get(which));
+        let excess = |around: &Box32| {
+            let below = (self.bounds.min - around.min).max_element();
+            below.max((around.max - self.bounds.max).max_element())
+        };
+        let [first, second] = children;
+        if excess(&a) >= excess(&b) {
+            self.extend_bounds(first, a);
+            self.extend_bounds(second, b);
+        } else {
+            self.extend_bounds(second, b);
+            self.extend_bounds(first, a);
+        }
+    }
+
+    /// A node of the mesh's tree, with placed boxes.
+    pub(super) fn open(&self, index: u32) -> Opened {
+        let node = &self.tree.tree.nodes[index as usize];
+        Opened {
+            boxes: match &self.placement {
+                None => node.boxes,
+                Some((_, placement)) => placement.boxes(&node.boxes),
+            },
+            children: node.children(index),
+        }
+    }
+
+    /// The placed corners of a triangle.
+    fn corners(&self, primitive: u32) -> [Vec3; 3] {
+        let corners = self.tree.triangles[primitive as usize].corners;
+        match &self.placement {
+            None => corners,
+            Some((placement, _)) => corners.map(|corner| placement.corner(corner)),
+        }
+    }
+}
+
+/// An object that rays can hit.
+#[derive(Clone, Debug)]
+pub(super) struct Instance {
+    pub(super) object: u32,
+    /// The number among all triangles of the scene that the mesh's first one has.
+    pub(super) first_number: u32,
+    /// Its first index.
+    pub(super) first: u32,
+    pub(super) placed: Placed,
+}
+
+/// All instances and the top-level tree over them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Instances {
+    /// Top-level nodes, by index.
+    pub(super) top: Vec<Opened>,
+    pub(super) all: Vec<Instance>,
+    /// The instance of each page.
+    pages: Vec<u32>,
+}
+
+impl Instances {
+    /// Instances by ascending first index, which lie in `first..end` of all indices.
+    pub(super) fn new(top: Vec<Opened>, all: Vec<Instance>) -> Self {
+        let mut pages = Vec::new();
+        for (number, instance) in all.iter().enumerate() {
+            let end = pages_after(instance.first, instance.placed.tree.indices());
+            let end = end.unwrap_or(u32::MAX) >> PAGE_BITS;
+            // The pages before the first instance are the top-level nodes'.
+            pages.resize(end as usize, number as u32);
+        }
+        Self { top, all, pages }
+    }
+
+    /// Whether there are none: then the arrays have all nodes and triangles.
+    #[inline(always)]
+    pub(crate) fn is_empty(&self) -> bool {
+        self.all.is_empty()
+    }
+
+    fn number_of(&self, index: u32) -> Option<u32> {
+        self.pages.get((index >> PAGE_BITS) as usize).copied()
+    }
+
+    /// The instance that has an index, and which of its own that is.
+    fn of(&self, index: u32) -> Option<(&Instance, u32)> {
+        let instance = &self.all[self.number_of(index)? as usize];
+        Some((instance, index.checked_sub(instance.first)?))
+    }
+
+    /// A node's children, with their boxes in the scene's space.
+    #[inline(never)]
+    pub(crate) fn open(&self, index: u32) -> Opened {
+        if let Some(opened) = self.top.get(index as usize) {
+            return *opened;
+        }
+        let Some((instance, own)) = self.of(index) else {
+            return Opened::default();
+        };
+        let Opened { boxes, children } = instance.placed.open(own);
+        Opened {
+            boxes,
+            children: children.map(|child| child.shifted(instance.first)),
+        }
+    }
+
+    /// The children of a top-level node; `None` for the subtrees of one instance.
+    pub(super) fn top_children(&self, subtree: Subtree) -> Option<[Subtree; 2]> {
+        let node = self.top.get(subtree.node()? as usize)?;
+        Some(node.children)
+    }
+
+    /// A triangle as the mesh's tree has it.
+    #[inline(never)]
+    pub(crate) fn stored(&self, primitive: u32) -> &Triangle {
+        self.of(primitive)
+            .and_then(|(instance, own)| instance.placed.tree.triangles.get(own as usize))
+            .unwrap_or(&NOWHERE)
+    }
+
+    /// A triangle's corners in the scene's space.
+    #[inline(never)]
+    pub(crate) fn corners(&self, primitive: u32) -> [Vec3; 3] {
+        let corners = self.stored(primitive).corners;
+        match self.of(primitive) {
+            Some((instance, _)) => match &instance.placed.placement {
+                Some((placement, _)) => corners.map(|corner| placement.corner(corner)),
+                None => corners,
+            },
+            None => corners,
+        }
+    }
+
+    /// Places the stored corners of eight triangles, each as [`Instances::corners`] does. A lane that no instance
+    /// has gets any numbers.
+    #[inline(never)]
+    pub(crate) fn place(&self, primitives: &[u32; LANES], corners: &mut [[f32; LANES]; 9]) {
+        let numbers = primitives.map(|primitive| self.number_of(primitive).unwrap_or(0));
+        let stored = *corners;
+        let mut done = 0u32;
+        while done != (1 << LANES) - 1 {
+            let number = numbers[done.trailing_ones() as usize & (LANES - 1)];
+            let mut same = 0;
+            for (lane, &other) in numbers.iter().enumerate() {
+                same |= u32::from(other == number) << lane;
+            }
+            done |= same;
+            let Some((placement, _)) = &self.all[number as usize].placed.placement else {
+                continue;
+            };
+            let placed = placement.corners(&stored);
+            if same == (1 << LANES) - 1 {
+                *corners = placed;
+                return;
+            }
+            for (corners, placed) in corners.iter_mut().zip(&placed) {
+                for lane in 0..LANES {
+                    if same >> lane & 1 != 0 {
+                        corners[lane] = placed[lane];
+                    }
+                }
+            }
+        }
+    }
+
+    /// A triangle's primitive id.
+    #[inline(never)]
+    pub(crate) fn id(&self, primitive: u32) -> u32 {
+        let first = self.of(primitive).map_or(0, |(i, _)| i.first_number);
+        first.wrapping_add(self.stored(primitive).number)
+    }
+
+    /// The object and the triangle number of a primitive index.
+    #[inline(never)]
+    pub(super) fn identify(&self, primitive: u32) -> (u32, u32) {
+        let object = self.of(primitive).map_or(u32::MAX, |(i, _)| i.object);
+        (object, self.stored(primitive).number)
+    }
+
+    /// The primitive indices of all triangles.
+    pub(super) fn primitives(&self) -> impl Iterator<Item = u32> {
+        self.all.iter().flat_map(|instance| {
+            instance.first..instance.first + instance.placed.tree.triangles.len() as u32
+        })
+    }
+
+    pub(super) fn triangle_count(&self) -> usize {
+        let triangles = |instance: &Instance| instance.placed.tree.triangles.len();
+        self.all.iter().map(triangles).sum()
+    }
+
+    /// Bytes kept; a tree that several instances have counts once.
+    pub(super) fn retained_bytes(&self) -> usize {
+        let mut trees: Vec<_> = self.all.iter().map(|i| &i.placed.tree).collect();
+        trees.sort_unstable_by_key(|tree| Arc::as_ptr(tree));
+        trees.dedup_by_key(|tree| Arc::as_ptr(tree));
+        trees
+            .iter()
+            .map(|tree| tree.retained_bytes())
+            .sum::<usize>()
+            + self.top.capacity() * size_of::<Opened>()
+            + self.all.capacity() * size_of::<Instance>()
+            + self.pages.capacity() * size_of::<u32>()
+    }
+}

@@ -1,0 +1,135 @@
+//! Clipped tiles against clipped single rays, brute force and each other.
+
+use super::cast_tests::{cameras, waves};
+use crate::bvh::Accel;
+use crate::camera::Rect;
+use crate::hit::{Cull, Detail, Precision};
+use crate::num::simd::Simd;
+use crate::random::Random;
+use crate::scene::{ClippingPlane, ClippingPlanes};
+use glam::DVec3;
+
+fn corners(accel: &Accel, primitive: u32) -> [DVec3; 3] {
+    accel
+        .corners(primitive)
+        .map(|corner| accel.origin() + corner.as_dvec3())
+}
+
+/// A plane of a kind that goes wrong: through a corner, an edge, a triangle, an eye, or any.
+fn plane(random: &mut Random, accel: &Accel, eye: DVec3) -> ClippingPlane {
+    let any = (random.unit() * accel.len() as f64) as u32;
+    let [a, b, c] = corners(accel, any.min(accel.len() as u32 - 1));
+    let axis = [DVec3::X, DVec3::NEG_Y, DVec3::Z][(random.unit() * 3.0) as usize % 3];
+    let plane = match (random.unit() * 7.0) as usize {
+        0 => ClippingPlane::through(a, axis),
+        1 => ClippingPlane::through(a, (b - a).cross(random.point())),
+        2 => ClippingPlane::through(a, (b - a).cross(c - a)),
+        3 => ClippingPlane::through(eye, random.point()),
+        4 => ClippingPlane::through(accel.origin(), axis),
+        5 => ClippingPlane::through((a + b) * 0.5, random.point() * 1e-9),
+        _ => ClippingPlane::through(b, random.point()),
+    };
+    plane.expect("a plane")
+}
+
+fn planes(random: &mut Random, accel: &Accel, eye: DVec3, count: usize) -> ClippingPlanes {
+    let planes: Vec<_> = (0..count).map(|_| plane(random, accel, eye)).collect();
+    ClippingPlanes::new(&planes).expect("few planes")
+}
+
+#[test]
+fn clipped_tiles_give_what_clipped_single_rays_give() {
+    let mut random = Random(17);
+    let (mut kept, mut cut) = (0, 0);
+    for (side, size, offset) in [
+        (3, 1.0, DVec3::ZERO),
+        (40, 1.0, DVec3::ZERO),
+        (24, 30.0, DVec3::new(148_376.0, 1234.0, -223_423.0)),
+    ] {
+        let accel = waves(side, size, offset);
+        for camera in cameras(size, offset) {
+            let rect = Rect {
+                x: 3,
+                y: 1,
+                width: 90,
+                height: 70,
+            };
+            let lattice = camera.sub_camera(rect).lattice();
+            for count in [1, 2, 3] {
+                let planes = planes(&mut random, &accel, camera.placement().eye, count);
+                for cull in [Cull::None, Cull::Back] {
+                    let mut all = Vec::new();
+                    accel.cast_lattice(&lattice, cull, Precision::Exact, Detail::Full, &mut all);
+                    let single = accel.clipped(&planes);
+                    for simd in [Simd::Plain, Simd::best()] {
+                        let accel = accel.clone().with_simd(simd);
+                        let mut hits = Vec::new();
+                        accel.clipped(&planes).cast_lattice(
+                            &lattice,
+                            cull,
+                            Precision::Exact,
+                            Detail::Full,
+                            &mut hits,
+                        );
+                        for (at, hit) in hits.iter().enumerate() {
+                            let at = at as u32;
+                            let ray = lattice.ray(at % rect.width, at / rect.width);
+                            let expected = single.cast_primitive(&ray, cull, Precision::Exact);
+                            assert_eq!(*hit, expected, "{at} {planes:?} {camera:?}");
+                            kept += usize::from(!hit.is_miss());
+                            cut += usize::from(*hit != all[at as usize]);
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(kept > 50_000 && cut > 50_000, "{kept} {cut}");
+}
+
+#[test]
+fn the_clipped_tree_answers_as_brute_force_does() {
+    let mut random = Random(18);
+    let (mut kept, mut cut) = (0, 0);
+    for offset in [DVec3::ZERO, DVec3::new(148_376.0, 1234.0, -223_423.0)] {
+        let accel = waves(6, 1.0, offset);
+        for camera in cameras(1.0, offset) {
+            let planes = planes(&mut random, &accel, camera.placement().eye, 2);
+            let clipped = accel.clipped(&planes);
+            for _ in 0..400 {
+                let (x, y) = (random.unit() * 101.0, random.unit() * 75.0);
+                let ray = camera.ray(x, y);
+                let hit = clipped.cast(&ray, Cull::None);
+                assert_eq!(hit, clipped.cast_brute_force(&ray, Cull::None), "{ray:?}");
+                kept += usize::from(hit.is_some());
+                cut += usize::from(hit != accel.cast(&ray, Cull::None));
+            }
+        }
+    }
+    assert!(kept > 500 && cut > 500, "{kept} {cut}");
+}
+
+/// A cube of whole coordinates, its face in the plane: what lies on a plane is kept, whichever way that faces.
+#[test]
+fn what_lies_on_a_plane_is_kept_and_what_lies_next_to_it_is_not() {
+    let accel = waves(4, 1.0, DVec3::ZERO);
+    let ray = crate::Ray::new(DVec3::new(0.125, 5.0, 0.0625), DVec3::NEG_Y);
+    let hit = accel.cast(&ray, Cull::None).expect("a hit");
+    // The ray's own x: exact, whatever its t is rounded to.
+    for (offset, is_kept) in [
+        (0.125, true),
+        (0.125f64.next_down(), true),
+        (0.125f64.next_up(), false),
+    ] {
+        for (normal, offset, is_kept) in [
+            (DVec3::X, offset, is_kept),
+            (DVec3::NEG_X, -offset, offset >= 0.125),
+            (DVec3::X * 3.0, offset * 3.0, is_kept),
+        ] {
+            let plane = ClippingPlane::new(normal, offset).expect("a plane");
+            let planes = ClippingPlanes::new(&[plane]).expect("one");
+            let found = accel.clipped(&planes).cast(&ray, Cull::None);
+            assert_eq!(found, is_kept.then_some(hit), "{plane:?}");
+        }
+    }
+}

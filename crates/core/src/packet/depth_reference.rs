@@ -1,0 +1,133 @@
+//! What depth keys are relative to, so that single precision tells apart what is far away and close together.
+//!
+//! A depth key has 24 digits. Where a scene is thin beside its distance, as a distant mesh through a long lens is, all
+//! its triangles have the same ones. So set-up takes a number next to all of their keys off each, in double precision,
+//! and the interval z-buffer orders what is left. All rays of a packet have one reference: a constant taken off both
+//! keys moves no order.
+
+use crate::bvh::tree::Box32;
+use crate::camera::{Camera, Projection};
+use glam::DVec3;
+
+/// The greatest thickness, as a share of the distance, of what has a reference: 2⁻¹⁴.
+///
+/// Above it single precision tells depths apart well enough, and small triangles, whose keys are worked out in single
+/// precision from the start, are merged without set-up. Below it their keys, good to 2⁻¹⁹, decide little: with a smaller
+/// share many of them would be tested twice, with a greater one ordinary distant meshes would be set up triangle by
+/// triangle.
+const THIN: f64 = 1.0 / (1 << 14) as f64;
+
+/// The depth key that others are relative to; zero where they are as they are.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct DepthReference(f32);
+
+impl DepthReference {
+    /// For what boxes hold, relative to the same as `eye`. No bound needs it to be near them.
+    pub(super) fn of(boxes: impl Iterator<Item = Box32>, camera: &Camera, eye: DVec3) -> Self {
+        let forward = camera.forward();
+        let (mut near, mut far) = (f64::INFINITY, f64::NEG_INFINITY);
+        for bounds in boxes {
+            let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+            let middle = ((min + max) * 0.5 - eye).dot(forward);
+            let half = ((max - min) * 0.5).dot(forward.abs());
+            near = near.min(middle - half);
+            far = far.max(middle + half);
+        }
+        let middle = (near + far) * 0.5;
+        // NaN, too, has no reference.
+        if !(near > 0.0 && far - near < THIN * middle) {
+            return Self::default();
+        }
+        let key = match camera.projection() {
+            Projection::Perspective | Projection::Panoramic(_) => 1.0 / middle,
+            Projection::Orthographic => -middle,
+        } as f32;
+        Self(if key.is_normal() { key } else { 0.0 })
+    }
+
+    /// Whether keys are as they are.
+    #[inline(always)]
+    pub(super) fn is_zero(self) -> bool {
+        self.0 == 0.0
+    }
+
+    /// The reference, exactly.
+    #[inline(always)]
+    pub(super) fn key(self) -> f32 {
+        self.0
+    }
+
+    /// A relative key as it is: one rounding.
+    #[inline(always)]
+    pub(super) fn absolute(self, key: f32) -> f32 {
+        key + self.0
+    }
+
+    /// An upper bound of a key, relative: the difference is off by half a unit in the last place, and moved up by four.
+    #[inline(always)]
+    pub(super) fn relative_above(self, key: f32) -> f32 {
+        if self.is_zero() {
+            return key;
+        }
+        let relative = key - self.0;
+        relative + relative.abs() * (4.0 * f32::EPSILON)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{ImagePlane, Placement};
+    use glam::Vec3;
+
+    fn reference(side: f32, eye: DVec3, projection: Projection) -> DepthReference {
+        let plane = ImagePlane::new(8, 8, 0.1).expect("a good plane");
+        let placement = Placement {
+            eye,
+            target: DVec3::ZERO,
+            up: DVec3::Y,
+        };
+        let camera = Camera::new(placement, projection, plane);
+        let bounds = Box32 {
+            min: Vec3::splat(-side),
+            max: Vec3::splat(side),
+        };
+        DepthReference::of([bounds].into_iter(), &camera, eye)
+    }
+
+    #[test]
+    fn what_is_thin_beside_its_distance_has_a_reference_next_to_its_keys() {
+        let eye = DVec3::new(0.0, 0.0, 8.0);
+        let thin = |projection| reference(1e-5, eye, projection).key();
+        assert_eq!(thin(Projection::Perspective), 0.125);
+        assert_eq!(thin(Projection::Orthographic), -8.0);
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            assert!(reference(1e-2, eye, projection).is_zero());
+            // It holds the eye.
+            assert!(reference(1e-5, DVec3::Z * 1e-6, projection).is_zero());
+            assert!(reference(f32::NAN, eye, projection).is_zero());
+            // No number of single precision is that small, or that large.
+            assert!(reference(1.0, DVec3::Z * 1e40, projection).is_zero());
+        }
+    }
+
+    #[test]
+    fn relative_upper_bounds_are_not_below() {
+        let reference = DepthReference(0.3);
+        for key in [
+            0.3f32,
+            0.3f32.next_up(),
+            0.1,
+            7.0,
+            1e-30,
+            0.0,
+            3e9,
+            f32::INFINITY,
+        ] {
+            let exact = f64::from(key) - f64::from(reference.key());
+            assert!(f64::from(reference.relative_above(key)) >= exact, "{key}");
+        }
+        let none = DepthReference::default();
+        assert_eq!(none.relative_above(0.7), 0.7);
+    }
+}

@@ -1,0 +1,144 @@
+//! Triangles that clipping planes cut.
+//!
+//! Where a ray hits a triangle, a plane's function n·p − c is the mean of its values at the corners, weighted by the
+//! edge functions: inside the triangle, where these are all positive, it has the sign of f₀e₀ + f₁e₁ + f₂e₂, with fₖ
+//! the value at the corner opposite to the edge k. That is one more linear function of the ray's place, and the part
+//! of the triangle that is kept has one more edge.
+//!
+//! # Error bound
+//! u = 2⁻²⁴. Edge functions of a triangle have one scale, on which they are at most 1, and are off by E < 1. Values
+//! fₖ are off by η and by u of themselves, F is the sum of their magnitudes. Three products and two sums round no term
+//! more than three times: F·E + (3η + u·F)(1 + E) + 3u·F(1 + 2E) < F·(E + 11u) + 6η.
+
+use super::{CELLS, COLUMNS, DepthMerge, EdgeFunctions, IntervalZBuffer, ROW, SIDE};
+use crate::num::simd::{F32x8, Lanes};
+use crate::packet::decisions::Decisions;
+use crate::packet::setup::TriangleSetup;
+use crate::scene::CLIPPING_PLANES;
+use crate::triangle::clip::AtCorners;
+
+/// The unit roundoff of single precision.
+const U: f32 = f32::EPSILON / 2.0;
+
+/// One more edge: values at the corners, and the bound on the error of their weighted sum.
+#[derive(Clone, Copy)]
+struct Cut {
+    values: [f32; 3],
+    error: f32,
+}
+
+impl Cut {
+    fn new(at: &AtCorners, edge_error: f32) -> Self {
+        let sum: f32 = at.values.iter().map(|value| value.abs()).sum();
+        // A hundredth covers the rounding of the bound itself.
+        let error = 1.01 * (sum * (edge_error + 12.0 * U) + 6.0 * at.error) + f32::MIN_POSITIVE;
+        Self {
+            values: at.values,
+            error,
+        }
+    }
+}
+
+impl IntervalZBuffer {
+    /// Rasterises a triangle that clipping planes cut; `false`, and nothing done, where none does.
+    #[inline(always)]
+    pub(super) fn rasterize_cut(
+        &mut self,
+        lanes: impl Lanes,
+        set_up: &TriangleSetup,
+        l: usize,
+        primitive: u32,
+        decisions: &mut Decisions<'_>,
+    ) -> bool {
+        let none = Cut {
+            values: [0.0; 3],
+            error: 0.0,
+        };
+        let (mut cuts, mut count) = ([none; CLIPPING_PLANES], 0);
+        for at in decisions.clipped(primitive) {
+            cuts[count % CLIPPING_PLANES] = Cut::new(&at, set_up.edge_error[l]);
+            count += 1;
+        }
+        if count == 0 {
+            return false;
+        }
+        let functions = EdgeFunctions::of(set_up, l, primitive);
+        let rays = &set_up.boxes[l];
+        if rays.right < rays.left {
+            return true;
+        }
+        let (column, row) = (set_up.column[l] as usize, set_up.row[l] as usize);
+        let [left, right, top, bottom] =
+            [rays.left, rays.right, rays.top, rays.bottom].map(|edge| edge as usize);
+        // What was set up by component has a scale for each edge.
+        if set_up.ill_conditioned[l] || set_up.is_rough[l] {
+            self.mark_undecided(&functions, (column, row), (left, right), (top, bottom));
+            return true;
+        }
+        for x in (0..=right - column).step_by(ROW) {
+            let moved = |f: [f32; 3]| [f[0] + f[1] * x as f32, f[1], f[2]];
+            let [e, f, g] = functions.edges;
+            let here = EdgeFunctions {
+                edges: [moved(e), moved(f), moved(g)],
+                depth_key: moved(functions.depth_key),
+                ..functions
+            };
+            let first = row * SIDE + column + x;
+            self.rasterize_cut_rows(lanes, &here, &cuts[..count], first, bottom - row, decisions);
+        }
+        let (first, last) = (column / ROW, right.max(column + ROW - 1) / ROW);
+        let columns = (1u32 << (last + 1)) - (1 << first);
+        for cell_row in row / ROW..=bottom / ROW {
+            self.dirty |= columns << (CELLS * cell_row);
+        }
+        true
+    }
+
+    /// Rasterises rows of eight rays, from the one of ray `first` to the `last` after it.
+    #[inline(always)]
+    fn rasterize_cut_rows(
+        &mut self,
+        lanes: impl Lanes,
+        functions: &EdgeFunctions,
+        cuts: &[Cut],
+        first: usize,
+        last: usize,
+        decisions: &mut Decisions<'_>,
+    ) {
+        let [e, f, g] = functions.edges;
+        let n = functions.depth_key;
+        let x = lanes.load(&COLUMNS);
+        let mut a = lanes.splat(e[0]) + lanes.splat(e[1]) * x;
+        let mut b = lanes.splat(f[0]) + lanes.splat(f[1]) * x;
+        let mut c = lanes.splat(g[0]) + lanes.splat(g[1]) * x;
+        let mut near = lanes.splat(n[0]) + lanes.splat(n[1]) * x;
+        let (step_a, step_b, step_c) = (lanes.splat(e[2]), lanes.splat(f[2]), lanes.splat(g[2]));
+        let step_near = lanes.splat(n[2]);
+        let error = lanes.splat(functions.edge_error);
+        let minus_error = lanes.splat(-functions.edge_error);
+        let merge = DepthMerge::new(lanes, functions, self.begin);
+        for row in 0..=last {
+            let first = first + row * SIDE;
+            let Some((low, high, primitives)) = self.rays(first) else {
+                return;
+            };
+            let least = a.min(b).min(c);
+            let mut outside = least.lt(minus_error);
+            let mut inside = error.lt(least);
+            for cut in cuts {
+                let [p, q, r] = cut.values;
+                let value = lanes.splat(p) * a + lanes.splat(q) * b + lanes.splat(r) * c;
+                outside = outside | value.lt(lanes.splat(-cut.error));
+                inside = inside & lanes.splat(cut.error).lt(value);
+            }
+            let open = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
+            if open.rays != 0 {
+                self.leave_undecided(merge.primitive, open, first, decisions);
+            }
+            a = a + step_a;
+            b = b + step_b;
+            c = c + step_c;
+            near = near + step_near;
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! What tells viewers of panoramas that a picture is one: Google's "Photo Sphere XMP Metadata" (GPano).
+
+use super::Recipe;
+use crate::camera::{Panorama, Projection};
+use std::f64::consts::PI;
+
+/// The keyword of XMP in a PNG ("XMP Specification Part 3", Adobe, 2020).
+pub(super) const KEYWORD: &str = "XML:com.adobe.xmp";
+
+/// The packet of an equirectangular picture that is not wider than all around, or higher; `None` for any other.
+pub(super) fn packet(recipe: &Recipe) -> Option<String> {
+    let camera = &recipe.camera;
+    let plane = camera.plane();
+    let pixel = plane.step / camera.distance();
+    let (width, height) = ((2.0 * PI / pixel).round(), (PI / pixel).round());
+    let (columns, rows) = (f64::from(plane.columns), f64::from(plane.rows));
+    let is_one = camera.projection() == Projection::Panoramic(Panorama::Equirectangular);
+    if !is_one || columns > width || rows > height {
+        return None;
+    }
+    // A picture's middle is that of the whole panorama.
+    let left = ((width - columns) * 0.5).floor();
+    let top = ((height - rows) * 0.5).floor();
+    Some(format!(
+        "<?xpacket begin=\"\u{feff}\" id=\"W5M0MpCehiHzreSzNTczkc9d\"?>\
+         <x:xmpmeta xmlns:x=\"adobe:ns:meta/\">\
+         <rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\">\
+         <rdf:Description rdf:about=\"\" xmlns:GPano=\"http://ns.google.com/photos/1.0/panorama/\" \
+         GPano:ProjectionType=\"equirectangular\" GPano:UsePanoramaViewer=\"True\" \
+         GPano:CroppedAreaImageWidthPixels=\"{columns}\" \
+         GPano:CroppedAreaImageHeightPixels=\"{rows}\" \
+         GPano:FullPanoWidthPixels=\"{width}\" GPano:FullPanoHeightPixels=\"{height}\" \
+         GPano:CroppedAreaLeftPixels=\"{left}\" GPano:CroppedAreaTopPixels=\"{top}\"/>\
+         </rdf:RDF></x:xmpmeta><?xpacket end=\"r\"?>"
+    ))
+}

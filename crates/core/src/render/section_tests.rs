@@ -1,0 +1,135 @@
+//! Sections of solids that are cut open: filled and outlined, the same for any split.
+
+use super::{Cancel, Settings, View};
+use crate::bvh::Accel;
+use crate::camera::{Camera, Grid, ImagePlane, Placement, Projection};
+use crate::scene::{ClippingPlane, ClippingPlanes, Mesh, Object, Scene, Shape};
+use crate::shade::{Mode, Shading};
+use glam::DVec3;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// A ball in a torus, the half of them that is nearer cut away, in a picture of 131 × 97.
+fn view(projection: Projection, samples: u32) -> View {
+    let object = |name: &str, shape: Shape| {
+        let mesh = Mesh::new(shape.mesh().expect("a shape"));
+        Object::new(name, Arc::new(mesh))
+    };
+    let torus = Shape::Torus {
+        radius: 1.0,
+        tube: 0.3,
+        segments: 48,
+        rings: 24,
+    };
+    let ball = Shape::Sphere {
+        radius: 0.5,
+        segments: 32,
+        rings: 16,
+    };
+    let scene = Arc::new(Scene {
+        objects: vec![object("torus", torus), object("ball", ball)],
+    });
+    let placement = Placement {
+        eye: DVec3::new(1.0, 2.0, 4.0),
+        target: DVec3::ZERO,
+        up: DVec3::Y,
+    };
+    let plane = ClippingPlane::new(DVec3::new(-0.1, 0.0, -1.0), 0.0).expect("a plane");
+    View {
+        accel: Arc::new(Accel::build(&scene).expect("a valid scene")),
+        scene,
+        camera: Camera::new(
+            placement,
+            projection,
+            ImagePlane::new(131, 97, 0.025).expect("a good plane"),
+        ),
+        settings: Settings {
+            shading: Shading {
+                mode: Mode::Flat,
+                ..Shading::default()
+            },
+            clip: ClippingPlanes::new(&[plane]).expect("one plane"),
+            samples,
+            ..Settings::default()
+        },
+    }
+}
+
+fn render(view: &View, grid: Grid) -> Vec<[u8; 4]> {
+    let clock = &|| Duration::ZERO;
+    let picture = view.render(grid, clock, &Cancel::default(), &|_| ());
+    picture.expect("nothing cancels it").pixels
+}
+
+#[test]
+fn sections_are_the_same_for_any_split() {
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        for samples in [1, 3] {
+            let view = view(projection, samples);
+            let whole = render(&view, Grid::Size(256));
+            for grid in [
+                Grid::Size(64),
+                Grid::Size(7),
+                Grid::Size(1),
+                Grid::Count {
+                    columns: 3,
+                    rows: 2,
+                },
+            ] {
+                assert_eq!(
+                    render(&view, grid),
+                    whole,
+                    "{grid:?} {projection:?} {samples}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_section_is_one_colour_with_an_outline_around_and_backs_elsewhere_stay_what_they_are() {
+    let view = view(Projection::Perspective, 1);
+    let cut = render(&view, Grid::default());
+    let orange = |p: &&[u8; 4]| p[0] > 150 && p[0] > p[1] + 50 && p[1] > p[2] + 30;
+    let fill: Vec<[u8; 4]> = cut.iter().filter(orange).copied().collect();
+    assert!(fill.len() > 300, "{}", fill.len());
+    assert!(fill.iter().all(|color| *color == fill[0]), "one colour");
+    let dark = cut
+        .iter()
+        .filter(|p| **p == [0x2b, 0x15, 0x08, 255])
+        .count();
+    // Two discs of the torus and one of the ball have some 20 pixels' width each.
+    assert!((100..400).contains(&dark), "{dark}");
+    // Without planes there are neither, though the same backs are there from within.
+    let whole = View {
+        settings: Settings {
+            clip: ClippingPlanes::NONE,
+            ..view.settings
+        },
+        ..view.clone()
+    };
+    assert_eq!(
+        render(&whole, Grid::default())
+            .iter()
+            .filter(orange)
+            .count(),
+        0
+    );
+    let depth = View {
+        settings: Settings {
+            shading: Shading {
+                mode: Mode::Depth,
+                ..view.settings.shading
+            },
+            ..view.settings
+        },
+        ..view
+    };
+    assert_eq!(
+        render(&depth, Grid::default())
+            .iter()
+            .filter(orange)
+            .count(),
+        0
+    );
+}

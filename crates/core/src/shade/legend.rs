@@ -1,0 +1,316 @@
+//! What a picture's colours stand for, as values and drawn into the picture.
+
+use super::own_color::fitted_range;
+use super::{Shading, srgb};
+use crate::camera::{Camera, Rect};
+use crate::scene::{COLOR_MAP_STEPS, ColorRule, ColorScale, Curvature, Quantity, Scene};
+use ab_glyph::{Font, FontRef, GlyphId, PxScale, ScaleFont, point};
+use glam::Vec3;
+
+/// What a picture's scale shows: which numbers, in which colours, over which range.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Legend {
+    /// What the numbers are: `distance`, `area`, a scalar's name.
+    pub title: String,
+    /// The scale's colours and its range, which is known.
+    pub scale: ColorScale,
+}
+
+/// The most marks along a legend.
+const MARKS: f64 = 5.0;
+
+/// At 720 rows, in pixels; it grows with the picture, and shrinks as far as its numbers can be read.
+const WIDTH: f32 = 150.0;
+const HEIGHT: f32 = 252.0;
+const MARGIN: f32 = 16.0;
+const PADDING: f32 = 12.0;
+const BAR: f32 = 18.0;
+const TEXT: f32 = 15.0;
+
+/// Light text on dark glass can be read over anything.
+const GLASS: f32 = 0.72;
+const GLASS_LIGHT: Vec3 = Vec3::new(0.010, 0.012, 0.015);
+const INK: Vec3 = Vec3::new(0.84, 0.86, 0.88);
+
+impl Legend {
+    /// That of the first visible object whose rule shows numbers.
+    pub(super) fn of_objects(scene: &Scene, camera: &Camera, shading: &Shading) -> Option<Self> {
+        let mut objects = scene.objects.iter().filter(|object| object.visible);
+        let quantity = objects.find_map(|object| match &object.color {
+            ColorRule::Value(quantity) => Some(quantity),
+            _ => None,
+        })?;
+        let scale = shading.scale.unwrap_or_default();
+        let fitted = || fitted_range(scene, camera, quantity);
+        Some(Self {
+            title: match quantity {
+                Quantity::Distance(_) => "distance".to_owned(),
+                Quantity::Scalar(name) => name.to_string(),
+                Quantity::Area => "area".to_owned(),
+                Quantity::Curvature(Curvature::Mean) => "mean curvature".to_owned(),
+                Quantity::Curvature(Curvature::Gaussian) => "Gaussian curvature".to_owned(),
+            },
+            scale: ColorScale {
+                range: Some(scale.range.or_else(fitted)?),
+                ..scale
+            },
+        })
+    }
+
+    /// The numbers at the scale's ends.
+    pub fn range(&self) -> [f64; 2] {
+        self.scale.range.unwrap_or_default()
+    }
+
+    /// Round numbers within the range, rising, each with its share of the way from the low end: one, two or five
+    /// times a power of ten apart.
+    pub fn marks(&self) -> Vec<(f64, String)> {
+        let [low, high] = self.range();
+        let length = high - low;
+        if !(length > 0.0 && length.is_finite()) {
+            return vec![(0.0, plain(low, None))];
+        }
+        // As text, since logarithms differ from machine to machine.
+        let text = format!("{:e}", length / MARKS);
+        let Some((mantissa, power)) = text.split_once('e') else {
+            return Vec::new();
+        };
+        let (mantissa, power) = (
+            mantissa.parse().unwrap_or(1.0),
+            power.parse::<i32>().unwrap_or(0),
+        );
+        let (digit, power) = match [1.0, 2.0, 5.0].into_iter().find(|round| *round >= mantissa) {
+            Some(round) => (round, power),
+            None => (1.0, power + 1),
+        };
+        let step: f64 = format!("{digit}e{power}").parse().unwrap_or(length);
+        let first = (low / step).ceil();
+        let count = ((high / step).floor() - first) as usize;
+        (0..=count.min(12))
+            .map(|index| {
+                let times = first + index as f64;
+                // A multiple of the step as people write it, not as it is rounded.
+                let number = format!("{}e{power}", times * digit).parse().unwrap_or(0.0);
+                ((number - low) / length, plain(number, Some(power)))
+            })
+            .collect()
+    }
+
+    /// Where a picture of so many columns and rows has its legend; `None` where it is too small for one.
+    pub fn place(columns: u32, rows: u32) -> Option<Rect> {
+        let zoom = zoom(rows);
+        let [width, height, margin] =
+            [WIDTH, HEIGHT, MARGIN].map(|length| (length * zoom).round() as u32);
+        let fits = columns >= 2 * (width + margin) && rows >= height + 2 * margin;
+        fits.then(|| Rect {
+            x: columns - width - margin,
+            y: (rows - height) / 2,
+            width,
+            height,
+        })
+    }
+}
+
+fn zoom(rows: u32) -> f32 {
+    (rows as f32 / 720.0).max(0.72)
+}
+
+/// A number in as few digits as its marks need.
+fn plain(number: f64, power: Option<i32>) -> String {
+    match power {
+        _ if number == 0.0 => "0".to_owned(),
+        Some(power @ -5..=5) if number.abs() < 1e7 => {
+            format!("{number:.*}", power.min(0).unsigned_abs() as usize)
+        }
+        None if (1e-4..1e7).contains(&number.abs()) => format!("{number}"),
+        _ => format!("{number:.2e}"),
+    }
+}
+
+/// A legend drawn: linear light with alpha multiplied in, over a rectangle of the picture.
+#[derive(Clone, Debug)]
+pub(crate) struct DrawnLegend {
+    rect: Rect,
+    pixels: Vec<[f32; 4]>,
+}
+
+impl DrawnLegend {
+    /// `None` where the picture is too small.
+    pub(crate) fn new(legend: &Legend, columns: u32, rows: u32) -> Option<Self> {
+        let rect = Legend::place(columns, rows)?;
+        let glass = GLASS_LIGHT * GLASS;
+        let mut drawn = Self {
+            rect,
+            pixels: vec![[glass.x, glass.y, glass.z, GLASS]; rect.area()],
+        };
+        let zoom = zoom(rows);
+        let [padding, bar, text] = [PADDING, BAR, TEXT].map(|length| (length * zoom).round());
+        drawn.text(
+            padding,
+            padding,
+            text,
+            rect.width as f32 - 2.0 * padding,
+            &legend.title,
+        );
+        let top = (padding + 1.6 * text).round();
+        let bottom = rect.height as f32 - padding - (0.4 * text).round();
+        let colors = legend.scale.map.colors();
+        for y in top as u32..bottom as u32 {
+            let share = (bottom - 1.0 - y as f32) / (bottom - 1.0 - top).max(1.0);
+            let step = (share * (COLOR_MAP_STEPS - 1) as f32).round() as usize;
+            let color = srgb::linear(colors[step.min(COLOR_MAP_STEPS - 1)]);
+            for x in padding as u32..(padding + bar) as u32 {
+                drawn.cover(x, y, color, 1.0);
+            }
+        }
+        let right = (padding + bar) as u32;
+        for (share, number) in legend.marks() {
+            let y = bottom - 1.0 - share as f32 * (bottom - 1.0 - top);
+            for x in right..right + (4.0 * zoom) as u32 {
+                drawn.cover(x, y.round() as u32, INK, 1.0);
+            }
+            let left = right as f32 + 8.0 * zoom;
+            let width = rect.width as f32 - left - 4.0;
+            drawn.text(left, y - 0.5 * text, text, width, &number);
+        }
+        Some(drawn)
+    }
+
+    /// Covers a part of a pixel.
+    fn cover(&mut self, x: u32, y: u32, color: Vec3, part: f32) {
+        if x >= self.rect.width || y >= self.rect.height {
+            return;
+        }
+        let pixel = &mut self.pixels[(y * self.rect.width + x) as usize];
+        let color = color * part;
+        *pixel = over([color.x, color.y, color.z, part], *pixel);
+    }
+
+    /// A line of text below `top`, no wider than `width`: what is longer ends early.
+    fn text(&mut self, left: f32, top: f32, size: f32, width: f32, text: &str) {
+        let Ok(font) = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT) else {
+            return;
+        };
+        let scaled = font.as_scaled(PxScale::from(size));
+        let base = top + scaled.ascent();
+        let mut x = left;
+        let mut last: Option<GlyphId> = None;
+        for character in text.chars() {
+            let id = font.glyph_id(character);
+            x += last.map_or(0.0, |last| scaled.kern(last, id));
+            if x + scaled.h_advance(id) > left + width {
+                return;
+            }
+            let glyph = id.with_scale_and_position(size, point(x, base));
+            if let Some(outline) = font.outline_glyph(glyph) {
+                let bounds = outline.px_bounds();
+                outline.draw(|column, row, part| {
+                    let at = (bounds.min.x + column as f32, bounds.min.y + row as f32);
+                    if at.0 >= 0.0 && at.1 >= 0.0 {
+                        self.cover(at.0 as u32, at.1 as u32, INK, part.clamp(0.0, 1.0));
+                    }
+                });
+            }
+            x += scaled.h_advance(id);
+            last = Some(id);
+        }
+    }
+
+    /// Draws it over a part of the picture: its 8-bit pixels row by row, and where there are any, its colours in
+    /// linear light with alpha multiplied in.
+    pub(crate) fn over(&self, part: Rect, pixels: &mut [[u8; 4]], colors: Option<&mut [[f32; 4]]>) {
+        let top = self.rect.y.max(part.y);
+        let bottom = self.rect.bottom().min(part.bottom());
+        let left = self.rect.x.max(part.x);
+        let right = self.rect.right().min(part.right());
+        let mut colors = colors;
+        for y in top..bottom {
+            for x in left..right {
+                let mine = (y - self.rect.y) as usize * self.rect.width as usize;
+                let mine = self.pixels[mine + (x - self.rect.x) as usize];
+                let at = (y - part.y) as usize * part.width as usize + (x - part.x) as usize;
+                let pixel = &mut pixels[at];
+                *pixel = srgb::encode_premultiplied(over(mine, srgb::decode_premultiplied(*pixel)));
+                if let Some(color) = colors.as_mut().and_then(|colors| colors.get_mut(at)) {
+                    *color = over(mine, *color);
+                }
+            }
+        }
+    }
+}
+
+/// One colour over another, alpha multiplied in (Porter, Duff, "Compositing Digital Images", 1984).
+fn over(above: [f32; 4], below: [f32; 4]) -> [f32; 4] {
+    std::array::from_fn(|channel| above[channel] + below[channel] * (1.0 - above[3]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn legend(low: f64, high: f64) -> Legend {
+        Legend {
+            title: "height".to_owned(),
+            scale: ColorScale {
+                range: Some([low, high]),
+                ..ColorScale::default()
+            },
+        }
+    }
+
+    #[test]
+    fn marks_are_round_and_within() {
+        let told = |low, high| -> Vec<String> {
+            let marks = legend(low, high).marks();
+            for (share, _) in &marks {
+                assert!((0.0..=1.0).contains(share), "{low} {high} {share}");
+            }
+            marks.into_iter().map(|(_, text)| text).collect()
+        };
+        assert_eq!(told(0.0, 1.0), ["0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(told(-3.0, 12.0), ["0", "5", "10"]);
+        assert_eq!(
+            told(1234.0, 1236.5),
+            ["1234.0", "1234.5", "1235.0", "1235.5", "1236.0", "1236.5"]
+        );
+        assert_eq!(told(2.0, 2.0), ["2"]);
+        assert!(told(1e-12, 3e-12).len() >= 3);
+        assert!(told(-1e300, 1e300).len() >= 3);
+    }
+
+    #[test]
+    fn it_is_drawn_at_its_place_and_the_same_in_parts() {
+        assert_eq!(Legend::place(200, 100), None);
+        let rect = Legend::place(640, 480).expect("it fits");
+        let drawn = DrawnLegend::new(&legend(0.0, 1.0), 640, 480).expect("it fits");
+        let whole = Rect {
+            x: 0,
+            y: 0,
+            width: 640,
+            height: 480,
+        };
+        let mut picture = vec![[9, 90, 200, 255]; whole.area()];
+        drawn.over(whole, &mut picture, None);
+        let changed =
+            |pixels: &[[u8; 4]]| pixels.iter().filter(|p| **p != [9, 90, 200, 255]).count();
+        assert_eq!(changed(&picture), rect.area());
+        // The bar's ends.
+        let colors = ColorScale::default().map.colors();
+        for end in [colors[0], colors[255]] {
+            let [r, g, b] = end.0;
+            assert!(picture.contains(&[r, g, b, 255]), "{end}");
+        }
+        let part = Rect {
+            x: 500,
+            y: 200,
+            width: 140,
+            height: 100,
+        };
+        let mut pixels = vec![[9, 90, 200, 255]; part.area()];
+        drawn.over(part, &mut pixels, None);
+        for (at, pixel) in pixels.iter().enumerate() {
+            let (x, y) = (part.x as usize + at % 140, part.y as usize + at / 140);
+            assert_eq!(*pixel, picture[y * 640 + x]);
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! The colours that objects have by their rules, before light and texture.
+
+use super::facet::{Varied, blend, unit};
+use super::ramp::{Ramp, Span};
+use super::{Mode, Shading, srgb};
+use crate::camera::{Camera, Projection};
+use crate::scene::{Bounds, Color, ColorRule, Object, Quantity, Scene, TriangleValues};
+use glam::{DVec3, Mat3, Vec3};
+
+/// Every object's rule, made ready for one picture.
+#[derive(Debug)]
+pub(super) struct OwnColors {
+    /// For each object what its numbers are spread over, where its rule shows numbers.
+    spans: Vec<Option<Span>>,
+    ramp: Option<Box<Ramp>>,
+    /// Unlit, a file without materials would be one flat patch: there each triangle has a colour of its own.
+    colorless_differ: bool,
+    /// Whether colours may change within a triangle.
+    pub(super) vary: bool,
+}
+
+/// A triangle in its place, as far as rules ask for it.
+pub(super) struct Placed<'a> {
+    /// Relative to the eye.
+    pub(super) corners: [DVec3; 3],
+    pub(super) camera: &'a Camera,
+    /// World-space normals from the object's own.
+    pub(super) world_normals: Option<Mat3>,
+}
+
+impl OwnColors {
+    pub(super) fn new(scene: &Scene, camera: &Camera, shading: &Shading, colored: bool) -> Self {
+        let objects = if colored { &scene.objects[..] } else { &[] };
+        let rules = || objects.iter().map(|object| &object.color);
+        let values = rules().any(|rule| matches!(rule, ColorRule::Value(_)));
+        let scale = shading.scale.unwrap_or_default();
+        let span = |rule: &ColorRule| match rule {
+            ColorRule::Value(quantity) => {
+                let fitted = || fitted_range(scene, camera, quantity);
+                Some(Span::of(scale.range.or_else(fitted)))
+            }
+            _ => None,
+        };
+        let within = |object: &Object| match &object.color {
+            ColorRule::File => !object.mesh.vertex_colors().is_empty(),
+            ColorRule::Uniform(_) | ColorRule::PerTriangle { .. } | ColorRule::ByObject => false,
+            ColorRule::Normal => object.mesh.has_normals(),
+            ColorRule::Value(Quantity::Distance(_)) => true,
+            ColorRule::Value(quantity) => {
+                let first = object.mesh.kept().first();
+                let values = first.and_then(|first| object.mesh.values(quantity, *first));
+                matches!(values, Some(TriangleValues::Corners(_)))
+            }
+        };
+        Self {
+            spans: match values {
+                true => rules().map(span).collect(),
+                false => Vec::new(),
+            },
+            ramp: values.then(|| Box::new(Ramp::new(scale.map))),
+            colorless_differ: shading.mode == Mode::Color,
+            vary: objects.iter().any(within),
+        }
+    }
+
+    /// A triangle's own colour, linear light; `place` tells where it is.
+    #[inline]
+    pub(super) fn of_triangle<'p>(
+        &self,
+        number: u32,
+        object: &Object,
+        triangle: u32,
+        place: impl FnOnce() -> Placed<'p>,
+    ) -> Vec3 {
+        match &object.color {
+            ColorRule::File => srgb::linear(self.of_file(object, triangle)),
+            ColorRule::Uniform(color) => srgb::linear(*color),
+            rule @ ColorRule::PerTriangle { .. } => {
+                srgb::linear(rule.color(triangle).unwrap_or(Color::DEFAULT))
+            }
+            ColorRule::ByObject => srgb::linear(ColorRule::of_object(number)),
+            ColorRule::Normal => {
+                let [a, b, c] = place().corners;
+                displayed(unit((b - a).cross(c - a)).as_vec3())
+            }
+            ColorRule::Value(quantity) => self.of_value(number, object, quantity, triangle),
+        }
+    }
+
+    fn of_file(&self, object: &Object, triangle: u32) -> Color {
+        let mesh = &object.mesh;
+        let colorless = mesh.materials().is_empty() && mesh.vertex_colors().is_empty();
+        if colorless && self.colorless_differ {
+            let rule = ColorRule::PerTriangle { seed: 0 };
+            rule.color(triangle).unwrap_or(Color::DEFAULT)
+        } else {
+            object.triangle_color(triangle)
+        }
+    }
+
+    #[inline(never)]
+    fn of_value(&self, number: u32, object: &Object, quantity: &Quantity, triangle: u32) -> Vec3 {
+        let value = match object.mesh.values(quantity, triangle) {
+            Some(TriangleValues::One(value)) => f64::from(value),
+            // Those with values at corners are not asked for one.
+            _ => f64::NAN,
+        };
+        match (&self.ramp, self.span(number)) {
+            (Some(ramp), Some(span)) => ramp.at(span.share(value)),
+            _ => srgb::linear(Color::DEFAULT),
+        }
+    }
+
+    fn span(&self, number: u32) -> Option<Span> {
+        self.spans.get(number as usize).copied().flatten()
+    }
+
+    /// How a triangle's colours change within it.
+    pub(super) fn within<'p>(
+        &self,
+        number: u32,
+        object: &Object,
+        triangle: u32,
+        place: impl FnOnce() -> Placed<'p>,
+    ) -> Varied {
+        match &object.color {
+            ColorRule::File => match object.corner_colors(triangle) {
+                Some(colors) => Varied::Colors(colors.map(srgb::linear)),
+                None => Varied::No,
+            },
+            ColorRule::Uniform(_) | ColorRule::PerTriangle { .. } | ColorRule::ByObject => {
+                Varied::No
+            }
+            ColorRule::Normal => {
+                let normals = object.mesh.corner_normals(triangle);
+                match normals.zip(place().world_normals) {
+                    Some((normals, to_world)) => Varied::Colors(
+                        normals.map(|normal| displayed((to_world * normal).normalize_or_zero())),
+                    ),
+                    None => Varied::No,
+                }
+            }
+            ColorRule::Value(Quantity::Distance(from)) => self.distances(number, *from, place()),
+            ColorRule::Value(quantity) => {
+                let span = self.span(number);
+                match (object.mesh.values(quantity, triangle), span) {
+                    (Some(TriangleValues::Corners(values)), Some(span)) => {
+                        Varied::Shares(values.map(|value| span.share(value.into())))
+                    }
+                    _ => Varied::No,
+                }
+            }
+        }
+    }
+
+    fn distances(&self, number: u32, from: Option<DVec3>, place: Placed<'_>) -> Varied {
+        let Placed {
+            corners, camera, ..
+        } = place;
+        match (from, camera.projection()) {
+            (None, Projection::Orthographic) => {
+                let span = self.span(number).unwrap_or(Span::of(None));
+                let forward = camera.forward();
+                Varied::Shares(corners.map(|corner| span.share(corner.dot(forward))))
+            }
+            (from, _) => {
+                let eye = camera.placement().eye;
+                let to_point = from.map_or(DVec3::ZERO, |from| eye - from);
+                Varied::Distances(corners.map(|corner| (corner + to_point).as_vec3()))
+            }
+        }
+    }
+
+    /// The colour at barycentrics (u, v) of a triangle in which a ramp shows numbers.
+    #[inline(never)]
+    pub(super) fn of_number(&self, number: u32, varied: &Varied, u: f32, v: f32) -> Vec3 {
+        let Some(ramp) = &self.ramp else {
+            return srgb::linear(Color::DEFAULT);
+        };
+        ramp.at(match *varied {
+            Varied::Shares(shares) => blend(shares, u, v),
+            Varied::Distances(corners) => {
+                let distance = blend(corners, u, v).length();
+                self.span(number)
+                    .map_or(f32::NAN, |span| span.share(distance.into()))
+            }
+            Varied::No | Varied::Colors(_) => f32::NAN,
+        })
+    }
+}
+
+/// A direction as a colour, as [`Mode::Normals`] shows it, linear light.
+fn displayed(direction: Vec3) -> Vec3 {
+    let tables = srgb::tables();
+    let shown = (direction * 0.5 + 0.5).to_array();
+    shown.map(|value| tables.display(value)).into()
+}
+
+/// The range that the colours of a quantity are fitted to, over all visible objects that show it: `None` where
+/// none has values. Distances are fitted to the scene's box.
+pub(super) fn fitted_range(
+    scene: &Scene,
+    camera: &Camera,
+    quantity: &Quantity,
+) -> Option<[f64; 2]> {
+    if let Quantity::Distance(from) = quantity {
+        return distance_range(&scene.bounds(), camera, *from);
+    }
+    let shows = |object: &&Object| {
+        object.visible && matches!(&object.color, ColorRule::Value(own) if own == quantity)
+    };
+    let ranges = scene.objects.iter().filter(shows);
+    let ranges = ranges.filter_map(|object| object.mesh.value_range(quantity));
+    ranges
+        .map(|range| range.map(f64::from))
+        .reduce(|[low, high], [less, more]| [low.min(less), high.max(more)])
+}
+
+/// From a box's nearest point to its farthest corner; `None` for an empty box.
+pub(super) fn distance_range(
+    bounds: &Bounds,
+    camera: &Camera,
+    from: Option<DVec3>,
+) -> Option<[f64; 2]> {
+    if bounds.is_empty() {
+        return None;
+    }
+    let along_rays = from.is_none() && camera.projection() == Projection::Orthographic;
+    let from = from.unwrap_or(camera.placement().eye);
+    let distances = bounds.corners().map(|corner| match along_rays {
+        false => corner.distance(from),
+        true => (corner - from).dot(camera.forward()),
+    });
+    let far = distances.into_iter().fold(0.0, f64::max);
+    let near = match along_rays {
+        false => from.clamp(bounds.min, bounds.max).distance(from),
+        true => distances.into_iter().fold(far, f64::min).max(0.0),
+    };
+    Some([near, far])
+}

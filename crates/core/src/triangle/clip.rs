@@ -1,0 +1,295 @@
+//! What clipping planes keep of triangles and of hits, by exact signs.
+//!
+//! Planes are given in world coordinates, corners relative to a tree's origin O: a corner V is kept where
+//! n·(V + O) − c ≥ 0. In double precision that is n·V + k, with k = n·O − c worked out once; a sign within its bound
+//! is decided by exact arithmetic on n, c, O and V as they are, so that moving the origin rounds nothing away.
+//!
+//! # Error bounds
+//! ε = 2⁻⁵³ (notation: `docs/error-bounds.md`).
+//!
+//! * **k** has three products and three sums, so no term is rounded more than four times: it is off by less than
+//!   4.1ε(Σ|nᵢOᵢ| + |c|), higher orders included.
+//! * **Corners.** n·V + k likewise: 4.1ε(Σ|nᵢVᵢ| + |k|), and what k is off by. A normal that is an axis, of length
+//!   one, needs no products: where k is not rounded the sum of two numbers has the sign that it must, and no bound.
+//! * **Hits.** At t ± τ along a ray o + t·d it is (n·o − c) + t·(n·d). A term is rounded at most six times in all:
+//!   6.1ε(Σ|nᵢoᵢ| + |c| + (|t| + τ)·Σ|nᵢdᵢ|), and τ·Σ|nᵢdᵢ| for τ itself.
+//!
+//! Products below the range of normal numbers lose 2⁻¹⁰⁷⁵ each; [`TINY`] is more than all of these. What leaves the
+//! range at the other end is infinite or NaN, and so is its bound: comparisons fail, and exact arithmetic decides.
+
+use super::Nearest;
+use crate::num::exact::{Scale, Vector, compare_scaled, cross, decompose, dot, subtract};
+use crate::num::integer::Integer;
+use crate::ray::Ray;
+use crate::scene::{ClippingPlane, ClippingPlanes};
+use glam::{DVec3, Vec3};
+use num_bigint::BigInt;
+use std::cmp::Ordering;
+
+/// The unit roundoff of double precision.
+const EPSILON: f64 = f64::EPSILON / 2.0;
+
+const TINY: f64 = f64::MIN_POSITIVE;
+
+/// Clipping planes for triangles whose corners are relative to a point.
+#[derive(Clone, Debug)]
+pub(crate) struct Clip {
+    planes: Vec<Plane>,
+    origin: DVec3,
+}
+
+/// What planes leave of a triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kept {
+    All,
+    Some,
+    Nothing,
+}
+
+/// A plane's function n·p − c at a triangle's corners, in units of its greatest value there, and a bound on its error.
+/// What the plane keeps of the triangle is where the mean of the three, weighted as the corners are, is not negative.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AtCorners {
+    pub(crate) values: [f32; 3],
+    pub(crate) error: f32,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Plane {
+    normal: DVec3,
+    /// c.
+    offset: f64,
+    /// k, and the bound on its error.
+    constant: f64,
+    constant_error: f64,
+    /// The relative error of n·V + k, and the absolute one.
+    relative: f64,
+    absolute: f64,
+}
+
+/// A plane's function at a corner: rounded, a bound on its error, and its exact sign.
+#[derive(Clone, Copy)]
+struct AtCorner {
+    value: f64,
+    error: f64,
+    sign: Ordering,
+}
+
+impl Clip {
+    /// No planes.
+    pub(crate) const NONE: Self = Self {
+        planes: Vec::new(),
+        origin: DVec3::ZERO,
+    };
+
+    /// The planes that are enabled, for corners relative to `origin`.
+    pub(crate) fn new(planes: &ClippingPlanes, origin: DVec3) -> Self {
+        Self {
+            planes: planes
+                .enabled()
+                .map(|plane| Plane::new(plane, origin))
+                .collect(),
+            origin,
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_empty(&self) -> bool {
+        self.planes.is_empty()
+    }
+
+    /// What is left of a triangle. Where two planes together leave nothing of it, the answer may be some.
+    pub(crate) fn of(&self, corners: [Vec3; 3]) -> Kept {
+        let mut kept = Kept::All;
+        for plane in &self.planes {
+            let signs = corners.map(|corner| self.at(plane, corner).sign);
+            if !signs.contains(&Ordering::Less) {
+                continue;
+            }
+            if signs == [Ordering::Less; 3] {
+                return Kept::Nothing;
+            }
+            kept = Kept::Some;
+        }
+        kept
+    }
+
+    /// The exact signs of the first plane's function at corners; all positive where there is none.
+    pub(crate) fn signs(&self, corners: [Vec3; 3]) -> [Ordering; 3] {
+        corners.map(|corner| match self.planes.first() {
+            Some(plane) => self.at(plane, corner).sign,
+            None => Ordering::Greater,
+        })
+    }
+
+    /// The functions of the planes that go through a triangle.
+    pub(crate) fn through(&self, corners: [Vec3; 3]) -> impl Iterator<Item = AtCorners> {
+        self.planes.iter().filter_map(move |plane| {
+            let at = corners.map(|corner| self.at(plane, corner));
+            if !at.iter().any(|at| at.sign == Ordering::Less) {
+                return None;
+            }
+            let greatest = at.iter().fold(TINY, |most, at| at.value.abs().max(most));
+            let error = at.iter().fold(0.0, |most, at| at.error.max(most));
+            Some(AtCorners {
+                values: at.map(|at| (at.value / greatest) as f32),
+                // The quotient is rounded too.
+                error: (error / greatest * 1.001 + 2.0 * EPSILON) as f32,
+            })
+        })
+    }
+
+    /// Whether nothing within a box is kept: surely, by its corner that is furthest along a plane's normal.
+    #[inline]
+    pub(crate) fn removes(&self, min: [f32; 3], max: [f32; 3]) -> bool {
+        self.planes.iter().any(|plane| {
+            let normal = plane.normal.to_array();
+            let furthest = std::array::from_fn(|axis| {
+                if normal[axis] > 0.0 {
+                    max[axis]
+                } else {
+                    min[axis]
+                }
+            });
+            let (value, error) = plane.at(Vec3::from_array(furthest));
+            value < -error
+        })
+    }
+
+    /// Whether the planes keep the point where a ray hits a triangle.
+    pub(crate) fn keeps(&self, ray: &Ray, corners: [Vec3; 3], hit: &Nearest) -> bool {
+        self.planes.iter().all(|plane| {
+            plane.sign_along(ray, hit).unwrap_or_else(|| {
+                let signs = corners.map(|corner| self.at(plane, corner).sign);
+                if !signs.contains(&Ordering::Less) {
+                    Ordering::Greater
+                } else if signs == [Ordering::Less; 3] {
+                    Ordering::Less
+                } else {
+                    self.exact_sign_at_hit(plane, ray, corners)
+                }
+            }) != Ordering::Less
+        })
+    }
+
+    fn at(&self, plane: &Plane, corner: Vec3) -> AtCorner {
+        let (value, error) = plane.at(corner);
+        let sign = if value > error {
+            Ordering::Greater
+        } else if value < -error {
+            Ordering::Less
+        } else if error == 0.0 {
+            Ordering::Equal
+        } else {
+            self.exact_sign(plane, corner)
+        };
+        AtCorner { value, error, sign }
+    }
+
+    /// The sign of n·(V + O) − c.
+    #[inline(never)]
+    fn exact_sign(&self, plane: &Plane, corner: Vec3) -> Ordering {
+        let corner = corner.as_dvec3();
+        let lengths = Scale::of_vectors([&corner, &self.origin]);
+        let normals = Scale::of_vectors([&plane.normal]);
+        let point = add(&lengths.vector(corner), &lengths.vector(self.origin));
+        let product = dot(&normals.vector::<BigInt>(plane.normal), &point);
+        let (mantissa, exponent) = decompose(plane.offset);
+        let offset = BigInt::from(mantissa);
+        compare_scaled(
+            &product,
+            normals.exponent + lengths.exponent,
+            &offset,
+            exponent,
+        )
+    }
+
+    /// The sign of n·p − c at the point p of a triangle that a ray hits: the mean of the corners weighted by d·(B×C),
+    /// d·(C×A) and d·(A×B), with corners relative to the ray's origin. A sum of weights of zero is no hit.
+    #[inline(never)]
+    fn exact_sign_at_hit(&self, plane: &Plane, ray: &Ray, corners: [Vec3; 3]) -> Ordering {
+        let corners = corners.map(Vec3::as_dvec3);
+        let lengths = Scale::of_vectors(corners.iter().chain([&self.origin, &ray.origin]));
+        let directions = Scale::of_vectors([&ray.direction]);
+        let normals = Scale::of_vectors([&plane.normal]);
+        let origin = lengths.vector::<BigInt>(self.origin);
+        let points = corners.map(|corner| add(&lengths.vector(corner), &origin));
+        let eye = lengths.vector::<BigInt>(ray.origin);
+        let [a, b, c] = [0, 1, 2].map(|i| subtract(&points[i], &eye));
+        let direction = directions.vector::<BigInt>(ray.direction);
+        let weights = [(&b, &c), (&c, &a), (&a, &b)].map(|(p, q)| dot(&direction, &cross(p, q)));
+        let sum = weights[0].plus(&weights[1]).plus(&weights[2]);
+        let normal = normals.vector::<BigInt>(plane.normal);
+        let [x, y, z] = [0, 1, 2].map(|i| weights[i].times(&dot(&normal, &points[i])));
+        let (mantissa, exponent) = decompose(plane.offset);
+        let order = compare_scaled(
+            &x.plus(&y).plus(&z),
+            normals.exponent + lengths.exponent,
+            &sum.times(&BigInt::from(mantissa)),
+            exponent,
+        );
+        match Integer::sign(&sum) {
+            Ordering::Greater => order,
+            Ordering::Less => order.reverse(),
+            Ordering::Equal => Ordering::Less,
+        }
+    }
+}
+
+impl Plane {
+    fn new(plane: &ClippingPlane, origin: DVec3) -> Self {
+        let ClippingPlane { normal, offset, .. } = *plane;
+        let constant = normal.dot(origin) - offset;
+        let is_axis = [DVec3::X, DVec3::Y, DVec3::Z].contains(&normal.abs());
+        // Of numbers a and b, a − b is exact where adding b gives a again and taking it from a gives b.
+        let along = normal.dot(origin);
+        let is_exact = constant + offset == along && along - constant == offset;
+        let (constant_error, relative, absolute) = match is_axis {
+            true if is_exact => (0.0, 0.0, 0.0),
+            _ => {
+                let size = (normal * origin).abs().element_sum() + offset.abs();
+                (4.1 * EPSILON * size, 4.1 * EPSILON, TINY)
+            }
+        };
+        Self {
+            normal,
+            offset,
+            constant,
+            constant_error,
+            relative,
+            absolute,
+        }
+    }
+
+    /// n·V + k, and a bound on its error.
+    #[inline(always)]
+    fn at(&self, corner: Vec3) -> (f64, f64) {
+        let terms = self.normal * corner.as_dvec3();
+        let value = terms.x + terms.y + terms.z + self.constant;
+        let size = terms.x.abs() + terms.y.abs() + terms.z.abs() + self.constant.abs();
+        let error = size * self.relative + self.constant_error * 1.001 + self.absolute;
+        (value, error)
+    }
+
+    /// The sign of n·p − c at a hit of a ray, if it is sure.
+    fn sign_along(&self, ray: &Ray, hit: &Nearest) -> Option<Ordering> {
+        let before = self.normal * ray.origin;
+        let along = self.normal * ray.direction;
+        let value = before.element_sum() - self.offset + hit.t * along.element_sum();
+        let steep = along.abs().element_sum();
+        let size = before.abs().element_sum() + self.offset.abs();
+        let size = size + (hit.t.abs() + hit.t_error) * steep;
+        let error = 6.1 * EPSILON * size + 1.001 * hit.t_error * steep + TINY;
+        if value > error {
+            Some(Ordering::Greater)
+        } else if value < -error {
+            Some(Ordering::Less)
+        } else {
+            None
+        }
+    }
+}
+
+fn add<I: Integer>(a: &Vector<I>, b: &Vector<I>) -> Vector<I> {
+    std::array::from_fn(|i| a[i].plus(&b[i]))
+}

@@ -1,0 +1,124 @@
+//! The colour of sections, worked out a second time: where a ray comes to a back through a clipping plane.
+
+use super::light::Lights;
+use super::range::{Single, Vector, exactly_single};
+use super::srgb;
+use crate::stage::Stage;
+use raycast_core::Cull;
+use raycast_core::camera::{Camera, Projection};
+use raycast_core::glam::DVec3;
+use raycast_core::scene::Color;
+use raycast_core::shade::Mode;
+use raycast_oracle::Truth;
+
+/// sRGB.
+const SECTION: Color = Color([0xe0, 0x7b, 0x39]);
+const OUTLINE: Color = Color([0x2b, 0x15, 0x08]);
+
+/// Of what a decision goes by, how near to its border it may be and be told: far more than a few roundings of double
+/// precision, and still next to nothing.
+const SURE: f64 = 1e-9;
+
+/// What a sample shows of sections.
+#[derive(Clone, Copy, PartialEq)]
+enum Seen {
+    None,
+    /// The plane's unit normal, and the object.
+    Section(DVec3, u32),
+    Unsure,
+}
+
+/// The colour of the sample at (x, y) whose ray hits `truth` first; unknown where it is not sure whether a section is
+/// seen, or its outline, and `None` where none is.
+pub(super) fn color(
+    stage: &Stage,
+    camera: &Camera,
+    mode: Mode,
+    (x, y): (f64, f64),
+    truth: &Truth,
+) -> Option<Vector<24>> {
+    let is_shown = matches!(
+        mode,
+        Mode::Color | Mode::Flat | Mode::Smooth | Mode::Texture
+    );
+    if !is_shown || stage.clip().enabled().next().is_none() {
+        return None;
+    }
+    let here = seen(stage, camera, (x, y), Some(truth));
+    let unit = match here {
+        Seen::None => return None,
+        Seen::Unsure => return Some([Single::UNKNOWN; 3]),
+        Seen::Section(unit, _) => unit,
+    };
+    let plane = camera.plane();
+    let inside = |(x, y): &(f64, f64)| {
+        (0.0..f64::from(plane.columns)).contains(x) && (0.0..f64::from(plane.rows)).contains(y)
+    };
+    let around = [(x - 1.0, y), (x + 1.0, y), (x, y - 1.0), (x, y + 1.0)];
+    let around = around.into_iter().filter(inside).map(|place| {
+        // Fronts are seen, or there are no sections.
+        let truth = stage.truth(&camera.ray(place.0, place.1), Cull::None);
+        seen(stage, camera, place, truth.as_ref())
+    });
+    let around: Vec<Seen> = around.collect();
+    if around
+        .iter()
+        .any(|next| *next != here && *next != Seen::Unsure)
+    {
+        return Some(srgb::linear(OUTLINE));
+    }
+    if around.contains(&Seen::Unsure) {
+        return Some([Single::UNKNOWN; 3]);
+    }
+    let near = |x: f32| Single::around(f64::from(x), 2.0 * f64::from(f32::EPSILON));
+    let to_us = (-unit).as_vec3().to_array().map(near);
+    let light = Lights::new(camera).on(to_us, exactly_single((-camera.forward()).as_vec3()));
+    let base = srgb::linear(SECTION);
+    Some(std::array::from_fn(|i| base[i] * light[i]))
+}
+
+fn seen(stage: &Stage, camera: &Camera, (x, y): (f64, f64), truth: Option<&Truth>) -> Seen {
+    let Some((truth, triangle)) = truth.and_then(|truth| {
+        let triangle = stage.oracle.triangle(truth.object, truth.triangle)?;
+        Some((truth, triangle))
+    }) else {
+        return Seen::None;
+    };
+    let ray = camera.ray(x, y);
+    let along = ray.direction;
+    let eye = camera.placement().eye - triangle.base;
+    let [a, b, c] = triangle.corners.map(|corner| corner.as_dvec3() - eye);
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    let facing = match camera.projection() {
+        Projection::Orthographic => normal.dot(along),
+        _ => normal.dot(a.normalize_or_zero()),
+    };
+    if facing < -SURE {
+        return Seen::None;
+    }
+    let mut last: Option<(f64, DVec3)> = None;
+    let mut is_sure = facing > SURE;
+    for plane in stage.clip().enabled() {
+        let length = plane.normal.length();
+        let unit = plane.normal / length;
+        let (before, steep) = (
+            (plane.offset - plane.normal.dot(ray.origin)) / length,
+            unit.dot(along),
+        );
+        let size = plane.offset.abs() / length + ray.origin.abs().max_element();
+        is_sure &= steep.abs() > SURE && before.abs() > SURE * size;
+        let entry = before / steep;
+        if steep > 0.0 && entry > 0.0 {
+            let other = last.map_or(0.0, |(entry, _)| entry);
+            is_sure &= (entry - other).abs() > SURE * (entry + size);
+            if entry > other {
+                last = Some((entry, unit));
+            }
+        }
+    }
+    match last {
+        _ if !is_sure => Seen::Unsure,
+        Some((_, unit)) => Seen::Section(unit, truth.object),
+        None => Seen::None,
+    }
+}

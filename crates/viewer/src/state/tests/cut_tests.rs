@@ -1,0 +1,112 @@
+use super::*;
+use crate::state::cut::{PlaneBy, distance};
+use raycast_core::scene::ClippingPlane;
+
+fn planes(state: &State) -> Vec<ClippingPlane> {
+    state.settings.clip.all().to_vec()
+}
+
+#[test]
+fn a_plane_across_an_axis_cuts_the_eyes_side_away_and_is_undone() {
+    let mut state = opened(2);
+    let eye = state.viewpoint.placement().eye;
+    for axis in 0..3 {
+        do_all(&mut state, [Command::AddPlane(PlaneBy::Axis(axis))]);
+        let plane = planes(&state)[axis];
+        let value = |point: DVec3| plane.normal.dot(point) - plane.offset;
+        assert_eq!(value(state.bounds().center()), 0.0);
+        assert!(value(eye) < 0.0, "{plane:?}");
+        assert!(plane.normal.abs() == DVec3::AXES[axis]);
+    }
+    assert_eq!(
+        state.scene_file().map(|file| file.clip),
+        Some(state.settings.clip)
+    );
+    let view = state.view().expect("a view");
+    assert_eq!(view.settings.clip, state.settings.clip);
+    do_all(&mut state, [Command::Undo, Command::Undo]);
+    assert_eq!(planes(&state).len(), 1);
+    do_all(&mut state, [Command::Redo]);
+    assert_eq!(planes(&state).len(), 2);
+}
+
+#[test]
+fn moving_a_plane_is_one_change_and_picks_see_what_is_left() {
+    let mut state = opened(1);
+    let before = |x: f64| ClippingPlane::new(DVec3::NEG_X, -x).expect("a plane");
+    do_all(
+        &mut state,
+        [Command::Look(StandardView::Front), Command::Fit],
+    );
+    let camera = state.camera().expect("a camera");
+    let place = |x: f64| camera.project(DVec3::new(x, 0.1, 0.0)).expect("in front");
+    let sees = |state: &State, x: f64| state.pick(place(x).0, place(x).1).is_some();
+    assert!(sees(&state, 0.2) && sees(&state, 0.6));
+    do_all(&mut state, [Command::AddPlane(PlaneBy::Axis(0))]);
+    for x in [0.9, 0.7, 0.4] {
+        do_all(&mut state, [Command::SetPlane(0, before(x))]);
+    }
+    assert_eq!(distance(&planes(&state)[0]), -0.4);
+    assert!(sees(&state, 0.2) && !sees(&state, 0.6));
+    let off = ClippingPlane {
+        enabled: false,
+        ..before(0.4)
+    };
+    do_all(&mut state, [Command::SetPlane(0, off)]);
+    assert!(sees(&state, 0.6));
+    // A plane that is none is not taken.
+    let none = ClippingPlane {
+        normal: DVec3::ZERO,
+        ..off
+    };
+    do_all(&mut state, [Command::SetPlane(0, none)]);
+    assert_eq!(planes(&state), [off]);
+    do_all(&mut state, [Command::Undo]);
+    assert_eq!(
+        distance(&planes(&state)[0]),
+        0.5 * planes(&state)[0].normal.x
+    );
+    do_all(&mut state, [Command::RemovePlane(0)]);
+    assert!(planes(&state).is_empty());
+}
+
+#[test]
+fn three_clicks_make_a_plane_and_three_on_a_line_none() {
+    let mut state = opened(1);
+    do_all(
+        &mut state,
+        [Command::Look(StandardView::Isometric), Command::Fit],
+    );
+    let camera = state.camera().expect("a camera");
+    let click = |x: f64, y: f64| Command::Pin {
+        at: camera.project(DVec3::new(x, y, 0.0)).expect("in front"),
+    };
+    let corners = [click(0.1, 0.1), click(0.7, 0.1), click(0.1, 0.7)];
+    do_all(&mut state, [Command::SetCutting(true)]);
+    do_all(&mut state, corners);
+    assert!(state.cutting.is_none() && state.pinned.is_none());
+    let [plane] = planes(&state)[..] else {
+        panic!("one plane: {:?}", planes(&state));
+    };
+    assert!((plane.normal.abs() - DVec3::Z).length() < 1e-6, "{plane:?}");
+    do_all(&mut state, [Command::Undo]);
+    assert!(planes(&state).is_empty());
+    do_all(
+        &mut state,
+        [Command::SetCutting(true), click(0.1, 0.1), Command::Dismiss],
+    );
+    assert!(state.cutting.is_none());
+    do_all(&mut state, [Command::SetCutting(true)]);
+    do_all(
+        &mut state,
+        [click(0.1, 0.1), click(0.1, 0.1), click(0.1, 0.1)],
+    );
+    assert!(planes(&state).is_empty() && !state.toasts.is_empty());
+}
+
+#[test]
+fn there_are_no_more_planes_than_can_be() {
+    let mut state = opened(1);
+    do_all(&mut state, vec![Command::AddPlane(PlaneBy::View); 12]);
+    assert_eq!(planes(&state).len(), raycast_core::scene::CLIPPING_PLANES);
+}
