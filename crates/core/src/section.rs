@@ -12,25 +12,25 @@ use std::collections::HashMap;
 pub struct SectionLine {
     /// The object that it belongs to.
     pub object: u32,
-    /// Its points in world space, in order, no two neighbours equal. Whoever stands where the plane cuts away sees
-    /// the inside to the left of the way from each to the next.
+    /// Its points in world space, in order, no two neighbours equal. Seen from the removed side, lines run
+    /// counter-clockwise around the inside; clockwise, of an object that is mirrored.
     pub points: Vec<DVec3>,
     /// Whether the last point is joined to the first: of a closed mesh all lines are.
     pub is_closed: bool,
 }
 
-/// A place where the plane crosses an edge: the object, and the corners of that edge, the one cut away first.
+/// A place where the plane crosses an edge: the object, and the edge's removed and kept corner.
 type Crossing = (u32, [[u32; 3]; 2]);
 
 /// Where a plane cuts a tree's triangles, as lines in no particular order.
 ///
 /// Which corners are cut away is an exact sign; those on the plane are not. So a triangle is cut where some of its
 /// corners are and some are not, through just two of its edges, and triangles that share an edge share the crossing:
-/// lines of closed meshes close. Crossings are rounded once, from the edge alone: within a few units in the last place of
-/// its longest coordinate. Lines that shrink to a point are left out.
+/// lines of closed meshes close. Crossings are rounded from the edge alone: they are off the plane by a few units in the last
+/// place of the edge's longest coordinate. Lines that shrink to a point are left out.
 ///
 /// # Errors
-/// A plane that is none.
+/// An invalid plane.
 pub fn section(accel: &Accel, plane: &ClippingPlane) -> Result<Vec<SectionLine>, ClippingError> {
     let enabled = ClippingPlane {
         enabled: true,
@@ -42,9 +42,10 @@ pub fn section(accel: &Accel, plane: &ClippingPlane) -> Result<Vec<SectionLine>,
     let mut stack: Vec<_> = accel.tree.root.into_iter().collect();
     while let Some(subtree) = stack.pop() {
         if let Some(index) = subtree.node() {
-            let node = &accel.tree.nodes[index as usize];
-            for (which, child) in node.children(index).into_iter().enumerate() {
-                let boxed = node.boxes.get(which);
+            let mut opened = None;
+            let (boxes, children) = accel.open::<true>(index, &mut opened);
+            for (which, child) in children.into_iter().enumerate() {
+                let boxed = boxes.get(which);
                 let (min, max) = (boxed.min.to_array(), boxed.max.to_array());
                 if !clip.removes(min, max) && !other_side.removes(min, max) {
                     stack.push(child);
@@ -168,10 +169,11 @@ impl SectionAxes {
     /// The axes of a plane; its normal is not zero.
     pub fn of(plane: &ClippingPlane) -> Self {
         let towards = -plane.normal.normalize_or(DVec3::NEG_Z);
-        let level = DVec3::Y.cross(towards);
-        let right = match level.length() > 1e-9 {
-            true => level.normalize(),
-            false => DVec3::X,
+        // Y × towards, scaled so that it has a length however small it is.
+        let level = DVec3::new(towards.z, 0.0, -towards.x);
+        let right = match level.abs().max_element() {
+            0.0 => DVec3::X,
+            largest => (level / largest).normalize(),
         };
         Self {
             right,

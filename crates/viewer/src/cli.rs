@@ -443,7 +443,7 @@ pub struct BenchArgs {
     #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = values::size)]
     pub size: (u32, u32),
     /// Vertical field of view in degrees
-    #[arg(long, value_name = "DEG", default_value_t = 45.0, allow_hyphen_values = true, value_parser = values::fov)]
+    #[arg(long, value_name = "DEG", default_value_t = 45.0, allow_hyphen_values = true, value_parser = values::planar_fov)]
     pub fov: f64,
     /// How rays leave the camera
     #[arg(long, value_name = "KIND", default_value = "perspective", value_parser = values::named(values::PLANAR))]

@@ -283,11 +283,14 @@ pub fn camera(
         (Some(panorama), None) => panorama.size(rows),
         _ => file_size.unwrap_or(DEFAULT_SIZE),
     };
-    let fov = args.fov.or(alike.map(fov_of));
-    let fov = fov.unwrap_or(projection.default_fov());
-    if let Err(error) = projection.check_fov(fov) {
+    // A file's own was checked when it was read.
+    if let Some(fov) = args.fov
+        && let Err(error) = projection.check_fov(fov)
+    {
         return Err(Failure::usage(format!("--fov {fov}: {error}")));
     }
+    let fov = args.fov.or(alike.map(fov_of));
+    let fov = fov.unwrap_or(projection.default_fov());
     let (columns, rows) = args.size.unwrap_or(default_size);
     let aspect = f64::from(columns) / f64::from(rows);
 

@@ -78,8 +78,14 @@ impl Accel {
         }
     }
 
+    /// How many triangles [`Accel::build_instances`] stores for a scene, in trees of 200 bytes a triangle at most: those of
+    /// every object where they are placed once, else those of every mesh.
+    pub fn stored_triangles(scene: &Scene) -> usize {
+        two_level::stored_triangles(scene)
+    }
+
     /// The tree over the scene after its objects have changed, as by [`Accel::build_instances`]: trees are built
-    /// for the meshes alone that this one has not met. The origin stays: an object that moves changes no other's
+    /// for the meshes alone that this one has no tree for. The origin stays: an object that moves changes no other's
     /// corners.
     ///
     /// # Errors

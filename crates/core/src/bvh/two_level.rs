@@ -31,6 +31,18 @@ const QUICK_TRIANGLES: usize = 1 << 16;
 /// space is then not kept.
 const PLACED_TRIANGLES: usize = 1 << 20;
 
+/// The triangles that are stored for a scene: see [`PLACED_TRIANGLES`].
+pub(super) fn stored_triangles(scene: &Scene) -> usize {
+    let all = scene.triangle_count();
+    if all <= PLACED_TRIANGLES {
+        return all;
+    }
+    let meshes: HashMap<_, _> = (scene.objects.iter())
+        .map(|object| (Arc::as_ptr(&object.mesh), object.mesh.triangles().len()))
+        .collect();
+    meshes.values().sum()
+}
+
 /// The most subtrees of objects below the top-level tree, unless there are more objects.
 const ROOTS: usize = 1024;
 

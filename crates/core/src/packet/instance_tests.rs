@@ -204,7 +204,7 @@ fn changes_of_objects_answer_as_a_tree_built_anew() {
         assert_equal(&anew, &updated, DVec3::ZERO, &mut random);
         accel = updated;
     }
-    // A mesh that it has not met takes a tree; one that it has met does not, wherever it was meanwhile.
+    // A mesh that it has no tree for takes one; one that it has does not, wherever it was meanwhile.
     let new = soup(&mut random, 50, DVec3::ZERO);
     scene.objects.push(Object::new("new", new));
     assert!(accel.updated_at_once(&scene).is_none());

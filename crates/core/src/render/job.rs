@@ -382,12 +382,12 @@ impl<'a, 's> Work<'a, 's> {
     /// The section that clipping planes make, if any is seen.
     fn section(&self) -> Option<Section<'a>> {
         let View {
+            scene,
             accel,
             camera,
             settings,
-            ..
         } = self.view;
-        Section::new(accel, camera, settings.shading.mode, &settings.clip)
+        Section::new(scene, accel, camera, settings.shading.mode, &settings.clip)
     }
 
     /// The same, but for sections.

@@ -16,6 +16,10 @@ use std::sync::{Mutex, PoisonError};
 /// take a hundredth of its time.
 const DEPTH_STRIDE: u32 = 16;
 
+/// The most of these rays along a side. Each band of a picture larger than memory casts them all: so they stay a few
+/// rays in a hundred of its own.
+const DEPTH_RAYS: u32 = 256;
+
 impl View {
     /// Renders the whole picture, tile by tile, in parallel on rayon's current pool.
     ///
@@ -190,16 +194,22 @@ impl View {
         }
     }
 
-    /// The nearest and the farthest hit of every [`DEPTH_STRIDE`]th ray of the whole picture, both ways: the same
-    /// for every part of it. `None` where none hits anything.
+    /// The nearest and the farthest hit of a sparse lattice over the whole picture: the same for every part of it.
+    /// `None` where none hits anything.
     fn depths_seen(&self) -> Option<[f32; 2]> {
-        let lattice = self.camera.whole().sparse_lattice(DEPTH_STRIDE, (0, 0));
+        let plane = self.camera.plane();
+        // Once a band: of a large picture a few rays of each band's many.
+        let stride = DEPTH_STRIDE.max(plane.columns.max(plane.rows).div_ceil(DEPTH_RAYS));
+        let lattice = self.camera.whole().sparse_lattice(stride, (0, 0));
         let Settings {
-            cull, precision, ..
+            cull,
+            precision,
+            ref clip,
+            ..
         } = self.settings;
         let mut hits = Hits::default();
         let primitives = &mut hits.primitives;
-        self.accel.find(&lattice, cull, precision, primitives);
+        (self.accel.clipped(clip)).find(&lattice, cull, precision, primitives);
         self.accel.evaluate(&lattice, cull, precision, &mut hits);
         let depths = hits.iter().filter(|hit| !hit.is_miss()).map(|hit| hit.t);
         depths.fold(None, |seen, t| {

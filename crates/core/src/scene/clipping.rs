@@ -9,7 +9,7 @@ pub const CLIPPING_PLANES: usize = 8;
 /// exact arithmetic on these numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClippingPlane {
-    /// Towards what is kept; of any length but zero, finite.
+    /// Towards what is kept: some 1e-154 to 1e154 long, so that its square is a normal number.
     pub normal: DVec3,
     /// `normal · p` of the plane's points; finite. For a normal of length one its distance from zero, in scene units.
     pub offset: f64,
@@ -23,6 +23,9 @@ pub enum ClippingError {
     /// A normal that points nowhere.
     #[error("a clipping plane's normal must not be zero")]
     ZeroNormal,
+    /// A normal whose length double precision cannot square.
+    #[error("a clipping plane's normal must be 1e-150 to 1e150 long")]
+    OddLength,
     /// A normal or an offset that is no number, or infinite.
     #[error("a clipping plane's numbers must be finite")]
     NotFinite,
@@ -35,7 +38,7 @@ impl ClippingPlane {
     /// The plane of the points p with `normal · p = offset`, which keeps what its normal points to.
     ///
     /// # Errors
-    /// A normal that is zero; numbers that are not finite.
+    /// A normal that is zero, or too short or long; numbers that are not finite.
     pub fn new(normal: DVec3, offset: f64) -> Result<Self, ClippingError> {
         let plane = Self {
             normal,
@@ -70,6 +73,8 @@ impl ClippingPlane {
             Err(ClippingError::NotFinite)
         } else if self.normal == DVec3::ZERO {
             Err(ClippingError::ZeroNormal)
+        } else if !self.normal.length_squared().is_normal() {
+            Err(ClippingError::OddLength)
         } else {
             Ok(())
         }
@@ -97,7 +102,7 @@ impl ClippingPlanes {
     /// These planes.
     ///
     /// # Errors
-    /// A plane that is none, or one too many.
+    /// An invalid plane, or one too many.
     pub fn new(planes: &[ClippingPlane]) -> Result<Self, ClippingError> {
         let mut all = Self::NONE;
         for &plane in planes {
@@ -109,11 +114,16 @@ impl ClippingPlanes {
     /// Adds a plane behind the others.
     ///
     /// # Errors
-    /// A plane that is none, or one too many.
+    /// An invalid plane, or one too many.
     pub fn push(&mut self, plane: ClippingPlane) -> Result<(), ClippingError> {
         plane.check()?;
         let place = self.planes.get_mut(self.count);
-        *place.ok_or(ClippingError::TooMany)? = plane;
+        // A zero's sign decides nothing, and is not to tell two pictures apart.
+        *place.ok_or(ClippingError::TooMany)? = ClippingPlane {
+            normal: plane.normal + DVec3::ZERO,
+            offset: plane.offset + 0.0,
+            ..plane
+        };
         self.count += 1;
         Ok(())
     }

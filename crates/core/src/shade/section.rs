@@ -1,6 +1,7 @@
 //! The section that clipping planes make: where they cut a solid open, its inside is filled.
 //!
-//! A ray that comes from what is cut away enters what is kept at a plane. Where it then hits a back first, it was
+//! A ray that comes from what is cut away enters what is kept at a plane. Where it then hits a back first (of a mirrored object
+//! a front, by its corners), it was
 //! inside of something when it entered (of a closed mesh, by the parity of its hits), and shows that point of the plane:
 //! in one colour for all sections, lit as a flat surface that faces the eye along the plane's normal. An open mesh shows
 //! a section where its backs are seen through the cut. Depth and numbers of a pixel stay those of the exact hit.
@@ -13,7 +14,7 @@ use super::{Mode, srgb};
 use crate::bvh::Accel;
 use crate::camera::{Camera, Projection};
 use crate::hit::MISS;
-use crate::scene::{ClippingPlanes, Color};
+use crate::scene::{ClippingPlanes, Color, Scene};
 use glam::{DVec3, Vec3};
 
 /// sRGB colour of sections: no material is likely to have it.
@@ -41,6 +42,8 @@ pub(crate) struct Section<'a> {
     /// The eye, relative to the tree's origin.
     eye: DVec3,
     planes: Vec<Plane>,
+    /// Whether an object's transform turns its triangles' fronts to the inside.
+    mirrored: Vec<bool>,
     /// Of the outline, then of each plane.
     colors: Vec<([f32; 4], [u8; 4])>,
 }
@@ -57,6 +60,7 @@ impl<'a> Section<'a> {
     /// `None` where the picture has none: no plane that any ray enters through, or a mode that shows what hits are
     /// rather than what they look like.
     pub(crate) fn new(
+        scene: &Scene,
         accel: &'a Accel,
         camera: &'a Camera,
         mode: Mode,
@@ -95,16 +99,20 @@ impl<'a> Section<'a> {
             camera,
             eye: eye - accel.origin,
             planes,
+            mirrored: mirrored(scene),
             colors,
         })
     }
 
     /// What the sample at (x, y) of the picture shows of sections, where its ray hits this triangle first.
     pub(crate) fn at(&self, x: f64, y: f64, primitive: u32) -> Cut {
-        if primitive == MISS || !self.is_back(primitive) {
+        if primitive == MISS {
             return None;
         }
         let object = self.accel.identify(primitive).0;
+        if self.is_back(primitive) == self.mirrored[object as usize] {
+            return None;
+        }
         // A hit is kept, so its ray has entered through every plane that it goes through this way: the last one counts.
         if self.planes.len() == 1 && !self.camera.projection().is_parallel() {
             return Some((0, object));
@@ -150,7 +158,7 @@ impl<'a> Section<'a> {
             .map(|(_, color)| *color)
     }
 
-    /// Whether rays see a triangle's back.
+    /// Whether rays see the side of a triangle from which its corners turn right.
     fn is_back(&self, primitive: u32) -> bool {
         let [a, b, c] = self.accel.corners(primitive).map(Vec3::as_dvec3);
         let along = match self.camera.projection() {
@@ -159,4 +167,13 @@ impl<'a> Section<'a> {
         };
         (b - a).cross(c - a).dot(along) > 0.0
     }
+}
+
+/// For each object whether its place mirrors it.
+fn mirrored(scene: &Scene) -> Vec<bool> {
+    let transforms = scene.world_from_objects();
+    transforms.map_or_else(
+        |_| vec![false; scene.objects.len()],
+        |all| all.iter().map(|t| t.matrix3.determinant() < 0.0).collect(),
+    )
 }

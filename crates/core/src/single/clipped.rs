@@ -60,7 +60,7 @@ impl Clipped<'_> {
     pub fn cast_brute_force(&self, ray: &Ray, cull: Cull) -> Option<Hit> {
         let ray = PreparedRay::new(ray, self.accel.origin, cull, Precision::Exact)?;
         let mut nearest = Nearest::NONE;
-        for primitive in 0..self.accel.len() as u32 {
+        for primitive in self.accel.primitives() {
             self.accel
                 .meet_kept(&self.clip, &ray, primitive, &mut nearest);
         }

@@ -14,7 +14,8 @@
 //! * **Hits.** At t ± τ along a ray o + t·d it is (n·o − c) + t·(n·d). A term is rounded at most six times in all:
 //!   6.1ε(Σ|nᵢoᵢ| + |c| + (|t| + τ)·Σ|nᵢdᵢ|), and τ·Σ|nᵢdᵢ| for τ itself.
 //!
-//! Products below the range of normal numbers lose 2⁻¹⁰⁷⁵ each; [`TINY`] is more than all of these. What leaves the
+//! Products below the range of normal numbers lose 2⁻¹⁰⁷⁵ each, those with t that times |t| + τ; [`TINY`] times
+//! 1 + |t| + τ is more than all of these. What leaves the
 //! range at the other end is infinite or NaN, and so is its bound: comparisons fail, and exact arithmetic decides.
 
 use super::Nearest;
@@ -279,7 +280,8 @@ impl Plane {
         let steep = along.abs().element_sum();
         let size = before.abs().element_sum() + self.offset.abs();
         let size = size + (hit.t.abs() + hit.t_error) * steep;
-        let error = 6.1 * EPSILON * size + 1.001 * hit.t_error * steep + TINY;
+        let error = 6.1 * EPSILON * size + 1.001 * hit.t_error * steep;
+        let error = error + TINY * (1.0 + hit.t.abs() + hit.t_error);
         if value > error {
             Some(Ordering::Greater)
         } else if value < -error {

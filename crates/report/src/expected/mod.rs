@@ -331,9 +331,11 @@ fn distances(stage: &Stage, camera: &Camera, from: DVec3, is_eye: bool) -> Optio
 /// are fitted to.
 fn depths_seen(stage: &Stage, camera: &Camera, cull: Cull) -> Option<[Double; 2]> {
     let plane = camera.plane();
+    // Every 16th, but no more than 256 along a side.
+    let stride = plane.columns.max(plane.rows).div_ceil(256).max(16) as usize;
     let places: Vec<(u32, u32)> = (0..plane.rows)
-        .step_by(16)
-        .flat_map(|y| (0..plane.columns).step_by(16).map(move |x| (x, y)))
+        .step_by(stride)
+        .flat_map(|y| (0..plane.columns).step_by(stride).map(move |x| (x, y)))
         .collect();
     let truths: Vec<f64> = places
         .into_par_iter()

@@ -88,7 +88,11 @@ fn seen(stage: &Stage, camera: &Camera, (x, y): (f64, f64), truth: Option<&Truth
     let along = ray.direction;
     let eye = camera.placement().eye - triangle.base;
     let [a, b, c] = triangle.corners.map(|corner| corner.as_dvec3() - eye);
-    let normal = (b - a).cross(c - a).normalize_or_zero();
+    let placed = stage.scene.world_from_objects();
+    let is_mirrored =
+        placed.is_ok_and(|all| all[truth.object as usize].matrix3.determinant() < 0.0);
+    let turn = if is_mirrored { -1.0 } else { 1.0 };
+    let normal = (b - a).cross(c - a).normalize_or_zero() * turn;
     let facing = match camera.projection() {
         Projection::Orthographic => normal.dot(along),
         _ => normal.dot(a.normalize_or_zero()),

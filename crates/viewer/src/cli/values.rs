@@ -156,7 +156,12 @@ pub(super) fn fov(text: &str) -> Result<f64, String> {
     if (ranges::FOV_END..=360.0).contains(&degrees) {
         return Ok(degrees);
     }
-    ranges::fov(degrees).map_err(|error| error.to_string())
+    planar_fov(text)
+}
+
+/// Reads a field of view in degrees of a picture that is a plane.
+pub(super) fn planar_fov(text: &str) -> Result<f64, String> {
+    ranges::fov(number(text)?).map_err(|error| error.to_string())
 }
 
 /// Reads a count of samples.

@@ -62,15 +62,13 @@ pub fn render_command(
             option("--color-range", format!("{low},{high}"));
         }
     }
+    let has_legend = shading.scale.is_some_and(|scale| scale.legend);
     option("--samples", settings.samples.max(1).to_string());
     option("--cull", word(CULLS, settings.cull));
     option("--precision", word(PRECISIONS, settings.precision));
     let planes = clip::words(&settings.clip);
-    // A scene file may have planes that are not these; a mesh has none.
-    let may_have_planes = files
-        .iter()
-        .any(|file| file.extension().is_some_and(|e| e == "toml"));
-    if planes.is_empty() && may_have_planes {
+    if planes.is_empty() {
+        // A scene file may have some.
         option("--clip", "none".to_owned());
     }
     for plane in planes {
@@ -82,6 +80,9 @@ pub fn render_command(
             words.push(format!("--wireframe={}", lines.width));
         }
         None => words.push("--wireframe=none".to_owned()),
+    }
+    if has_legend {
+        words.push("--legend".to_owned());
     }
     if shading.scale.is_some_and(|scale| scale.legend) {
         words.push("--legend".to_owned());

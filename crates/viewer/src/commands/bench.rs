@@ -34,10 +34,10 @@ struct FileFigures {
     views: Vec<ViewFigures>,
 }
 
-/// What a way's tree took to build, in turn with the others'.
+/// What a caster's tree took to build, in turn with the others'.
 #[derive(Debug, Serialize)]
 struct BuildFigures {
-    way: &'static str,
+    caster: &'static str,
     ms: Spread,
 }
 
@@ -55,10 +55,10 @@ struct ViewFigures {
     baselines: Option<Vec<BaselineFigures>>,
 }
 
-/// Another way's figures: of all the view's rays, or of as many as brute force has time for.
+/// Another caster's figures: of all the view's rays, or of as many as brute force has time for.
 #[derive(Debug, Serialize)]
 struct BaselineFigures {
-    way: String,
+    caster: String,
     rays: u64,
     hits: u64,
     cast_ms: Spread,
@@ -152,8 +152,8 @@ fn measure(
     let (builds, baselines) = if args.baselines {
         let embree = Embree::load(pool.current_num_threads());
         let builds = pool.install(|| measure_builds(&scene, &accel, embree.as_ref().ok()))?;
-        let ways = pool.install(|| baselines(&accel, embree));
-        (Some(builds), Some(ways))
+        let casters = pool.install(|| baselines(&accel, embree));
+        (Some(builds), Some(casters))
     } else {
         (None, None)
     };
@@ -222,14 +222,14 @@ fn measure_builds(
     let figures = [("RayCast", ours), ("Embree robust", theirs)].into_iter();
     Ok(figures
         .filter(|(_, times)| !times.is_empty())
-        .map(|(way, mut times)| BuildFigures {
-            way,
+        .map(|(caster, mut times)| BuildFigures {
+            caster,
             ms: Spread::of(&mut times),
         })
         .collect())
 }
 
-/// Other people's ways: those with trees of their own, brute force, and Embree where it is there.
+/// Other people's casters: those with trees of their own, brute force, and Embree where it is there.
 fn baselines(accel: &Arc<Accel>, embree: Result<Arc<Embree>, EmbreeError>) -> Vec<Box<dyn Caster>> {
     let mut all = casters::trees(accel);
     all.extend(casters::brute_force(accel));
@@ -285,7 +285,7 @@ fn cameras(args: &BenchArgs, scene: &Scene) -> Result<Vec<(&'static str, Camera)
     Ok(vec![("medium", from(1.0)?), ("close", from(2.0)?)])
 }
 
-/// Measures frames of one view, and the other ways' in turn with them, after one that warms up.
+/// Measures frames of one view, and the other casters' in turn with them, after one that warms up.
 fn measure_view(
     name: &'static str,
     view: &View,
@@ -296,15 +296,15 @@ fn measure_view(
     let mut cast_times = Vec::new();
     let mut hits_times = Vec::new();
     let mut frame_times = Vec::new();
-    let ways = baselines.unwrap_or_default();
-    let lattices: Vec<Vec<Lattice>> = ways
+    let casters = baselines.unwrap_or_default();
+    let lattices: Vec<Vec<Lattice>> = casters
         .iter()
-        .map(|way| {
-            let stride = subject::stride(&view.camera, way.tries(), BRUTE_FORCE_TESTS);
+        .map(|caster| {
+            let stride = subject::stride(&view.camera, caster.tries(), BRUTE_FORCE_TESTS);
             subject::tiles(&view.camera, stride)
         })
         .collect();
-    let mut baseline_frames: Vec<Vec<(Duration, usize)>> = vec![Vec::new(); ways.len()];
+    let mut baseline_frames: Vec<Vec<(Duration, usize)>> = vec![Vec::new(); casters.len()];
     let mut tiles = TileStats::default();
     let plane = view.camera.plane();
     let mut picture = Picture::blank(plane.columns, plane.rows, false);
@@ -316,9 +316,10 @@ fn measure_view(
         std::hint::black_box(view.cast(Grid::default(), Detail::Full));
         let hits = started.elapsed();
         let wall = render_frame(view, &mut picture)?;
-        for ((way, lattices), frames) in ways.iter().zip(&lattices).zip(&mut baseline_frames) {
+        for ((caster, lattices), frames) in casters.iter().zip(&lattices).zip(&mut baseline_frames)
+        {
             let started = Instant::now();
-            let hits = subject::find_tiles(way.as_ref(), lattices);
+            let hits = subject::find_tiles(caster.as_ref(), lattices);
             if frame > 0 {
                 frames.push((started.elapsed(), hits));
             }
@@ -341,15 +342,15 @@ fn measure_view(
         hits_ms: Spread::of(&mut hits_times),
         frame_ms: Spread::of(&mut frame_times),
         mrays_per_s: stats::mrays_per_s(tiles.rays, cast_time),
-        baselines: baselines.map(|ways| {
-            let measured = ways.iter().zip(&lattices).zip(baseline_frames);
+        baselines: baselines.map(|casters| {
+            let measured = casters.iter().zip(&lattices).zip(baseline_frames);
             measured
-                .map(|((way, lattices), frames)| {
+                .map(|((caster, lattices), frames)| {
                     let rays = lattices.iter().map(Lattice::len).sum::<usize>() as u64;
                     let mut times: Vec<_> = frames.iter().map(|frame| frame.0).collect();
                     let cast_ms = Spread::of(&mut times);
                     BaselineFigures {
-                        way: way.name().to_owned(),
+                        caster: caster.name().to_owned(),
                         rays,
                         hits: frames.last().map_or(0, |frame| frame.1 as u64),
                         cast_ms,

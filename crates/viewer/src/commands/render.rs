@@ -61,6 +61,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         false => None,
     };
     let view = outside.as_ref().unwrap_or(&opened.view);
+    if args.shading.legend && view.legend().is_none() {
+        warn(
+            "--legend has no effect: the picture shows no numbers as colors (--color area, --mode depth, …)",
+        );
+    }
     let camera = view.camera;
     let plane = camera.plane();
     let grid = args.tiles.grid();

@@ -7,11 +7,20 @@ use super::{Pending, PromptKind, State};
 use crate::cli::{has_own_projection, render_command};
 use std::sync::Arc;
 
-/// Whether textures are projected as no option says, and as no file does: in one way that was chosen in the window
-/// for some objects, and in their own ways for others.
-fn is_mixed(state: &State, document: &Document) -> bool {
+/// Whether the picture is shaded as no option says over what the files do: textures projected in one way that was chosen
+/// in the window for some objects, and in their own ways for others; a colour scale of the file's that was taken away, or
+/// its range or legend.
+fn is_beyond_options(state: &State, document: &Document) -> bool {
     let files = document.shading.unwrap_or_default();
-    has_own_projection(&document.scene) && state.settings.shading.projection != files.projection
+    let shown = &state.settings.shading;
+    let is_mixed = has_own_projection(&document.scene) && shown.projection != files.projection;
+    let takes_away = files.scale.is_some_and(|file| match shown.scale {
+        None => true,
+        Some(shown) => {
+            file.range.is_some() && shown.range.is_none() || file.legend && !shown.legend
+        }
+    });
+    is_mixed || takes_away
 }
 
 /// Copies the command that makes the picture which would be saved, byte for byte. Where no file has the scene as
@@ -22,7 +31,7 @@ pub(super) fn copy(state: &mut State) -> Option<Effect> {
         Some(_) => !state.history.is_changed(),
         None => Arc::ptr_eq(&document.scene, &document.read),
     };
-    let is_on_disk = has_objects && !is_mixed(state, document);
+    let is_on_disk = has_objects && !is_beyond_options(state, document);
     if !is_on_disk && document.can_be_saved() {
         state.question = Some(Pending::CopyCommand);
         return None;

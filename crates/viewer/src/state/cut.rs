@@ -58,7 +58,7 @@ pub(super) fn take(state: &mut State, point: DVec3) -> Option<[DVec3; 3]> {
     Some(all)
 }
 
-/// Puts another plane in a plane's place; one that is none changes nothing.
+/// Puts another plane in a plane's place; an invalid one changes nothing.
 pub(super) fn set(state: &mut State, index: usize, plane: ClippingPlane) {
     replace(state, |at, old| Some(if at == index { plane } else { old }));
 }

@@ -218,7 +218,11 @@ impl Viewpoint {
             },
             roll: turned(self.roll, other.roll),
             projection: other.projection,
-            fov: between(self.fov, other.fov),
+            // Degrees of one kind of picture may be impossible in another.
+            fov: match self.projection.panorama() == other.projection.panorama() {
+                true => between(self.fov, other.fov),
+                false => other.fov,
+            },
         }
     }
 }

@@ -206,7 +206,8 @@ impl Load<'_> {
         scene.objects.iter().for_each(|object| {
             object.mesh.bounds();
         });
-        memory::check_tree(&called, scene.triangle_count()).map_err(|error| error.to_string())?;
+        memory::check_tree(&called, Accel::stored_triangles(&scene))
+            .map_err(|error| error.to_string())?;
         let has_hidden = scene.objects.iter().any(|object| !object.visible);
         let accel = setup::tree_to_edit(&scene).and_then(|accel| match has_hidden {
             // It may be that nothing is to be seen, on purpose.

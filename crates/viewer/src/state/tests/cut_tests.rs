@@ -54,7 +54,7 @@ fn moving_a_plane_is_one_change_and_picks_see_what_is_left() {
     };
     do_all(&mut state, [Command::SetPlane(0, off)]);
     assert!(sees(&state, 0.6));
-    // A plane that is none is not taken.
+    // An invalid plane is not taken.
     let none = ClippingPlane {
         normal: DVec3::ZERO,
         ..off
