@@ -191,7 +191,8 @@ impl SectionAxes {
 mod tests {
     use super::*;
     use crate::random::Random;
-    use crate::scene::{Mesh, MeshData, Scene, Shape};
+    use crate::scene::{Mesh, MeshData, Object, Scene, Shape};
+    use std::sync::Arc;
 
     fn accel(shape: &Shape) -> Accel {
         let mesh = Mesh::new(shape.mesh().expect("a shape"));
@@ -263,13 +264,61 @@ mod tests {
             let lines = section(&torus, &plane).expect("a section");
             for line in &lines {
                 assert!(line.is_closed, "{plane:?}");
+                // A crossing is a corner plus a share of an edge, each coordinate below 2: four roundings, and as many of
+                // the product here.
                 let off = |p: &DVec3| (plane.normal.dot(*p) - plane.offset).abs();
-                assert!(line.points.iter().all(|p| off(p) < 1e-15 * 8.0));
+                let bound = 16.0 * f64::EPSILON * plane.normal.length();
+                assert!(line.points.iter().all(|p| off(p) < bound));
                 count += line.points.len();
             }
             assert!(area(&lines, &plane) >= -1e-12);
         }
         assert!(count > 10_000, "{count}");
+    }
+
+    #[test]
+    fn instances_have_the_sections_of_one_tree() {
+        let torus = Shape::Torus {
+            radius: 1.0,
+            tube: 0.25,
+            segments: 24,
+            rings: 12,
+        };
+        let mesh = Arc::new(Mesh::new(torus.mesh().expect("a shape")));
+        let mut random = Random(9);
+        let objects = (0..20).map(|number| {
+            let mut object = Object::new(format!("{number}"), Arc::clone(&mesh));
+            object.transform.translate = random.point() * 3.0;
+            object.transform.rotate = random.point() * 90.0;
+            object.transform.scale.x = if number % 3 == 0 { -1.0 } else { 1.0 };
+            object.visible = number != 7;
+            object
+        });
+        let scene = Scene {
+            objects: objects.collect(),
+        };
+        let one = Accel::build(&scene).expect("a valid scene");
+        let instances = Accel::build_instances(&scene).expect("a valid scene");
+        let points = |accel: &Accel, plane: &ClippingPlane| {
+            let lines = section(accel, plane).expect("a section");
+            assert!(lines.iter().all(|line| line.is_closed && line.object != 7));
+            let of = |line: &SectionLine| {
+                let object = line.object;
+                let bits = |p: &DVec3| (object, p.to_array().map(f64::to_bits));
+                line.points.iter().map(bits).collect::<Vec<_>>()
+            };
+            let mut all: Vec<_> = lines.iter().flat_map(of).collect();
+            all.sort_unstable();
+            all
+        };
+        let mut count = 0;
+        for _ in 0..20 {
+            let plane = ClippingPlane::new(random.point(), random.point().x).expect("a plane");
+            let expected = points(&one, &plane);
+            assert_eq!(points(&instances, &plane), expected);
+            count += expected.len();
+        }
+        assert!(count > 5000, "{count}");
     }
 
     #[test]

@@ -63,6 +63,11 @@ impl Oracle {
     /// The nearest triangle that `ray` hits; ties go to the lowest object, then triangle.
     /// `cull_backs`: only those whose corners run counter-clockwise to the ray.
     pub fn nearest(&self, ray: &Ray, cull_backs: bool) -> Option<Truth> {
+        self.nearest_in(ray, cull_backs, &self.kept)
+    }
+
+    /// The same, cut by these half-spaces instead of its own.
+    pub fn nearest_in(&self, ray: &Ray, cull_backs: bool, kept: &[HalfSpace]) -> Option<Truth> {
         if !ray.is_valid() {
             return None;
         }
@@ -72,7 +77,7 @@ impl Oracle {
             let inside = self.triangles[ball].iter();
             possible.extend(inside.filter(|triangle| !filter.misses_triangle(triangle)));
         });
-        nearest_of(possible, ray, cull_backs, &self.kept)
+        nearest_of(possible, ray, cull_backs, kept)
     }
 
     /// The same by deciding every triangle exactly, one after the other.

@@ -51,13 +51,7 @@ impl Stage {
     /// The same, cut by these planes.
     #[must_use]
     pub fn clipped(mut self, clip: ClippingPlanes) -> Self {
-        let half_space = |plane: &ClippingPlane| HalfSpace {
-            normal: plane.normal,
-            offset: plane.offset,
-        };
-        self.oracle = self
-            .oracle
-            .clipped(clip.enabled().map(half_space).collect());
+        self.oracle = (self.oracle).clipped(clip.enabled().map(half_space).collect());
         self.clip = clip;
         self
     }
@@ -75,6 +69,12 @@ impl Stage {
     /// The nearest triangle that a ray hits, in truth.
     pub fn truth(&self, ray: &Ray, cull: Cull) -> Option<Truth> {
         self.oracle.nearest(&as_given(ray), cull == Cull::Back)
+    }
+
+    /// The nearest triangle that a ray hits where these planes alone cut, in truth.
+    pub(crate) fn truth_within(&self, ray: &Ray, planes: &[ClippingPlane]) -> Option<Truth> {
+        let kept: Vec<_> = planes.iter().map(half_space).collect();
+        self.oracle.nearest_in(&as_given(ray), false, &kept)
     }
 
     /// How a ray hits the triangle with these numbers, others or not in its way.
@@ -116,6 +116,14 @@ pub fn scene_of(meshes: impl IntoIterator<Item = Mesh>) -> Scene {
         .map(|mesh| Object::new("object", Arc::new(mesh)))
         .collect();
     Scene { objects }
+}
+
+/// What a plane keeps.
+fn half_space(plane: &ClippingPlane) -> HalfSpace {
+    HalfSpace {
+        normal: plane.normal,
+        offset: plane.offset,
+    }
 }
 
 /// The oracle's ray, number by number.

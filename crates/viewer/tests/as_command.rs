@@ -3,7 +3,7 @@
 use raycast_core::Cull;
 use raycast_core::camera::{Grid, Projection};
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{Color, ColorMap, ColorScale, Transform};
+use raycast_core::scene::{ClippingPlane, Color, ColorMap, ColorScale, Transform};
 use raycast_core::shade::{Mode, TextureProjection};
 use raycast_viewer::state::command::Command;
 use raycast_viewer::state::effect::{Effect, Keep};
@@ -76,6 +76,7 @@ fn open(state: &mut State, files: &Files, paths: &[PathBuf], keep: Keep) {
 
 /// Copies the command, which must write what the window saves.
 #[cfg(unix)]
+#[track_caller]
 fn copies(state: &mut State, files: &Files, folder: &Path) {
     let Some(Effect::Copy(line)) = update(state, Command::CopyCommand) else {
         panic!("{:?} {:?}", state.errors, state.question);
@@ -279,6 +280,60 @@ fn textures_that_lie_as_no_file_says_are_saved_before_the_command_is_copied() {
     };
     let (run, saved) = both(&state, &files, &line, at);
     assert!(run == saved, "{line}");
+}
+
+#[test]
+#[cfg(unix)]
+fn a_files_planes_and_colour_scale_are_taken_away_by_the_command_or_the_scene_is_saved() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let at = folder.path();
+    let scale = "mode = \"depth\"\ncolor-map = \"turbo\"\ncolor-range = [1.0, 9.0]\nlegend = true";
+    let scene = scene_of_two(at, scale);
+    let text = std::fs::read_to_string(&scene).expect("the scene");
+    let plane = "[[clip]]\nnormal = [1.0, 0.0, 0.0]\noffset = 0.1\n";
+    std::fs::write(&scene, format!("{text}{plane}")).expect("a scene");
+    let (mut state, files) = empty();
+    // A scene that is open by itself would be saved after any change.
+    let paths = [at.join("cube.obj"), scene];
+    let reopen = |state: &mut State| open(state, &files, &paths, Keep::Nothing);
+    reopen(&mut state);
+    copies(&mut state, &files, at);
+    // Off, which is one of the file's planes no more.
+    let off = ClippingPlane {
+        enabled: false,
+        ..state.settings.clip.all()[0]
+    };
+    update(&mut state, Command::SetPlane(0, off));
+    copies(&mut state, &files, at);
+    for scale in [
+        None,
+        state.settings.shading.scale.map(|scale| ColorScale {
+            range: None,
+            ..scale
+        }),
+        state.settings.shading.scale.map(|scale| ColorScale {
+            legend: false,
+            ..scale
+        }),
+    ] {
+        reopen(&mut state);
+        update(&mut state, Command::SetColorScale(scale));
+        assert_eq!(update(&mut state, Command::CopyCommand), None, "{scale:?}");
+        assert!(
+            state.question.is_some(),
+            "no option takes it away: {scale:?}"
+        );
+        update(&mut state, Command::Answer(Answer::Discard));
+    }
+    // What a file has not, options say.
+    scene_of_two(at, "mode = \"depth\"");
+    reopen(&mut state);
+    let scale = ColorScale {
+        legend: true,
+        ..ColorScale::default()
+    };
+    update(&mut state, Command::SetColorScale(Some(scale)));
+    copies(&mut state, &files, at);
 }
 
 #[test]

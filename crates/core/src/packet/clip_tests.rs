@@ -1,13 +1,14 @@
 //! Clipped tiles against clipped single rays, brute force and each other.
 
-use super::cast_tests::{cameras, waves};
+use super::cast_tests::{cameras, waves, waves_mesh};
 use crate::bvh::Accel;
 use crate::camera::Rect;
-use crate::hit::{Cull, Detail, Precision};
+use crate::hit::{Cull, Detail, Precision, PrimitiveHit};
 use crate::num::simd::Simd;
 use crate::random::Random;
-use crate::scene::{ClippingPlane, ClippingPlanes};
+use crate::scene::{ClippingPlane, ClippingPlanes, Object, Scene};
 use glam::DVec3;
+use std::sync::Arc;
 
 fn corners(accel: &Accel, primitive: u32) -> [DVec3; 3] {
     accel
@@ -107,6 +108,62 @@ fn the_clipped_tree_answers_as_brute_force_does() {
         }
     }
     assert!(kept > 500 && cut > 500, "{kept} {cut}");
+}
+
+#[test]
+fn clipped_instances_answer_as_a_clipped_tree_does() {
+    let mut random = Random(19);
+    let mesh = Arc::new(waves_mesh(9, 1.0, DVec3::ZERO));
+    let objects = (0..12).map(|number| {
+        let mut object = Object::new(format!("{number}"), Arc::clone(&mesh));
+        object.transform.translate = random.point();
+        object.transform.rotate = random.point() * 90.0;
+        object.visible = number != 5;
+        object
+    });
+    let scene = Scene {
+        objects: objects.collect(),
+    };
+    let one = Accel::build(&scene).expect("a valid scene");
+    let instances = Accel::build_instances(&scene).expect("a valid scene");
+    let (mut kept, mut cut) = (0, 0);
+    for camera in cameras(1.0, DVec3::ZERO) {
+        let planes = planes(&mut random, &one, camera.placement().eye, 2);
+        let (a, b) = (one.clipped(&planes), instances.clipped(&planes));
+        let lattice = camera.whole().lattice();
+        for cull in [Cull::None, Cull::Back] {
+            let (mut expected, mut found, mut all) = (Vec::new(), Vec::new(), Vec::new());
+            one.cast_lattice(&lattice, cull, Precision::Exact, Detail::Full, &mut all);
+            a.cast_lattice(
+                &lattice,
+                cull,
+                Precision::Exact,
+                Detail::Full,
+                &mut expected,
+            );
+            b.cast_lattice(&lattice, cull, Precision::Exact, Detail::Full, &mut found);
+            for (at, (a, b)) in expected.iter().zip(&found).enumerate() {
+                let hit = |accel: &Accel, hit: &PrimitiveHit| {
+                    let place = (!hit.is_miss()).then(|| accel.identify(hit.primitive));
+                    (place, [hit.t, hit.u, hit.v].map(f32::to_bits))
+                };
+                assert_eq!(
+                    hit(&one, a),
+                    hit(&instances, b),
+                    "{at} {planes:?} {camera:?}"
+                );
+                kept += usize::from(!a.is_miss());
+                cut += usize::from(*a != all[at]);
+            }
+        }
+        for _ in 0..60 {
+            let ray = camera.ray(random.unit() * 101.0, random.unit() * 75.0);
+            let hit = a.cast(&ray, Cull::None);
+            assert_eq!(b.cast(&ray, Cull::None), hit, "{ray:?}");
+            assert_eq!(b.cast_brute_force(&ray, Cull::None), hit, "{ray:?}");
+        }
+    }
+    assert!(kept > 10_000 && cut > 10_000, "{kept} {cut}");
 }
 
 /// A cube of whole coordinates, its face in the plane: what lies on a plane is kept, whichever way that faces.

@@ -77,7 +77,7 @@ impl Job {
             let mut work = Work::new(view, clock, buffers);
             let lattice = view.camera.sub_camera(tile).lattice();
             work.find(&lattice);
-            if work.stats.counts.hits == 0 {
+            if work.shows_nothing() {
                 let rect = match &empty {
                     Some((left, stats)) => {
                         sink(stats);
@@ -151,8 +151,7 @@ impl Job {
                 for column in 0..lattice.columns {
                     let (x, y) = lattice.place(column, row);
                     let hit = hits.get((row * lattice.columns + column) as usize);
-                    let cut = section.as_ref();
-                    let cut = cut
+                    let cut = section
                         .and_then(|s| s.color8(Section::shown(s.at(x, y, hit.primitive), false)));
                     let color = match cut {
                         Some(color) => color,
@@ -282,7 +281,7 @@ impl<'a, 's> Work<'a, 's> {
     fn paint<'p>(&mut self, sub_camera: SubCamera, rows: impl Iterator<Item = &'p mut [[u8; 4]]>) {
         let (lattice, rect) = (sub_camera.lattice(), sub_camera.rect);
         self.find(&lattice);
-        if self.stats.counts.hits == 0 {
+        if self.shows_nothing() {
             self.shade(|buffers| buffers.shader.shader().shade_nothing(rect, rows));
         } else {
             self.shade_found(&lattice, rect, rows);
@@ -317,7 +316,7 @@ impl<'a, 's> Work<'a, 's> {
     }
 
     /// What the rays of a lattice, which have just been cast, show of sections; `None` where none shows any.
-    fn cut(&mut self, lattice: &Lattice) -> Option<(Section<'a>, Vec<Shown>)> {
+    fn cut(&mut self, lattice: &Lattice) -> Option<(&'s Section<'s>, Vec<Shown>)> {
         let section = self.section()?;
         let begin = (self.clock)();
         let cuts = |lattice: &Lattice, primitives: &[u32]| -> Vec<Cut> {
@@ -380,14 +379,13 @@ impl<'a, 's> Work<'a, 's> {
     }
 
     /// The section that clipping planes make, if any is seen.
-    fn section(&self) -> Option<Section<'a>> {
-        let View {
-            scene,
-            accel,
-            camera,
-            settings,
-        } = self.view;
-        Section::new(scene, accel, camera, settings.shading.mode, &settings.clip)
+    fn section(&self) -> Option<&'s Section<'s>> {
+        self.buffers.shader.shader().section()
+    }
+
+    /// Whether no ray that was just cast shows anything.
+    fn shows_nothing(&self) -> bool {
+        self.stats.counts.hits == 0 && !self.section().is_some_and(Section::is_seen_by_misses)
     }
 
     /// The same, but for sections.

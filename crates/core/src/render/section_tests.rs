@@ -61,11 +61,42 @@ fn render(view: &View, grid: Grid) -> Vec<[u8; 4]> {
     picture.expect("nothing cancels it").pixels
 }
 
+/// The same, of which a slab is left that is thinner than its tube.
+fn slab(projection: Projection, samples: u32) -> View {
+    let mut view = view(projection, samples);
+    let back = ClippingPlane::new(DVec3::new(0.1, 0.0, 1.0), -0.05).expect("a plane");
+    view.settings.clip.push(back).expect("a second plane");
+    view
+}
+
+#[test]
+fn a_slab_shows_the_section_that_all_behind_it_shows() {
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        let (half, slab) = (view(projection, 1), slab(projection, 1));
+        let (half, slab) = (
+            render(&half, Grid::default()),
+            render(&slab, Grid::default()),
+        );
+        let is_section = |p: &[u8; 4]| p[0] > 150 && p[0] > p[1] + 50 && p[1] > p[2] + 30;
+        let mut count = 0;
+        for (half, slab) in half.iter().zip(&slab) {
+            assert_eq!(is_section(half), is_section(slab));
+            if is_section(half) {
+                assert_eq!(half, slab);
+                count += 1;
+            }
+        }
+        assert!(count > 300, "{count}");
+    }
+}
+
 #[test]
 fn sections_are_the_same_for_any_split() {
+    type Make = fn(Projection, u32) -> View;
+    let cases: [(u32, Make); 4] = [(1, view), (3, view), (1, slab), (3, slab)];
     for projection in [Projection::Perspective, Projection::Orthographic] {
-        for samples in [1, 3] {
-            let view = view(projection, samples);
+        for (samples, view) in cases {
+            let view: View = view(projection, samples);
             let whole = render(&view, Grid::Size(256));
             for grid in [
                 Grid::Size(64),

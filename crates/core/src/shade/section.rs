@@ -1,10 +1,10 @@
 //! The section that clipping planes make: where they cut a solid open, its inside is filled.
 //!
-//! A ray that comes from what is cut away enters what is kept at a plane. Where it then hits a back first (of a mirrored object
-//! a front, by its corners), it was
-//! inside of something when it entered (of a closed mesh, by the parity of its hits), and shows that point of the plane:
-//! in one colour for all sections, lit as a flat surface that faces the eye along the plane's normal. An open mesh shows
-//! a section where its backs are seen through the cut. Depth and numbers of a pixel stay those of the exact hit.
+//! A ray that comes from what is cut away enters what is kept at a plane. Where it then hits a back first (of a mirrored
+//! object a front, by its corners), it was inside of something when it entered (of a closed mesh, by the parity of its
+//! hits), and shows that point of the plane: in one colour for all sections, lit as a flat surface that faces the eye along
+//! the plane's normal. An open mesh shows a section where its backs are seen through the cut. That back may itself be cut
+//! away, by a plane through which the ray leaves again. Depth and numbers of a pixel stay those of the exact hit, or miss.
 //!
 //! A sample is on the outline where one a pixel to its left or right, above or below, is not of the same section: one of
 //! another plane, of another object, or none. What lies beyond the picture's border counts as the same.
@@ -13,8 +13,9 @@ use super::light::Lights;
 use super::{Mode, srgb};
 use crate::bvh::Accel;
 use crate::camera::{Camera, Projection};
-use crate::hit::MISS;
-use crate::scene::{ClippingPlanes, Color, Scene};
+use crate::hit::{Cull, MISS, Precision};
+use crate::scene::{ClippingPlane, ClippingPlanes, Color, Scene};
+use crate::single::Clipped;
 use glam::{DVec3, Vec3};
 
 /// sRGB colour of sections: no material is likely to have it.
@@ -38,10 +39,15 @@ impl Shown {
 #[derive(Debug)]
 pub(crate) struct Section<'a> {
     accel: &'a Accel,
-    camera: &'a Camera,
+    camera: Camera,
     /// The eye, relative to the tree's origin.
     eye: DVec3,
+    /// Those through which rays enter what is kept: the same for all rays that get there.
     planes: Vec<Plane>,
+    /// What those alone leave of the triangles.
+    entered: Clipped<'a>,
+    /// Those through which rays leave what is kept.
+    exits: Vec<Plane>,
     /// Whether an object's transform turns its triangles' fronts to the inside.
     mirrored: Vec<bool>,
     /// Of the outline, then of each plane.
@@ -56,38 +62,50 @@ struct Plane {
     depth: f64,
 }
 
+impl Plane {
+    /// How fast a ray comes towards what is kept, per t, and the t of its crossing; from a start as seen from the eye.
+    fn crossing(&self, start: DVec3, direction: DVec3) -> (f64, f64) {
+        let along = self.normal.dot(direction);
+        (along, (self.depth - self.normal.dot(start)) / along)
+    }
+}
+
 impl<'a> Section<'a> {
-    /// `None` where the picture has none: no plane that any ray enters through, or a mode that shows what hits are
-    /// rather than what they look like.
+    /// `None` where the picture has none: no plane that any ray enters through, rays that pass through backs, or a mode that
+    /// shows what hits are rather than what they look like.
     pub(crate) fn new(
         scene: &Scene,
         accel: &'a Accel,
-        camera: &'a Camera,
+        camera: Camera,
         mode: Mode,
-        clip: &ClippingPlanes,
+        (clip, cull): (&ClippingPlanes, Cull),
     ) -> Option<Self> {
-        let is_shown = matches!(
-            mode,
-            Mode::Color | Mode::Flat | Mode::Smooth | Mode::Texture
-        );
-        let lights = Lights::new(camera);
+        let is_shown = cull == Cull::None
+            && matches!(
+                mode,
+                Mode::Color | Mode::Flat | Mode::Smooth | Mode::Texture
+            );
+        let lights = Lights::new(&camera);
         let eye = camera.placement().eye;
         let (base, to_eye) = (srgb::linear(SECTION), -camera.forward().as_vec3());
-        let planes = clip.enabled().filter(|_| is_shown).map(|plane| {
-            let length = plane.normal.length();
-            let normal = plane.normal / length;
-            Plane {
-                normal,
-                depth: (plane.offset - plane.normal.dot(eye)) / length,
-            }
+        let planes = clip.enabled().filter(|_| is_shown).map(|given| {
+            let length = given.normal.length();
+            let plane = Plane {
+                normal: given.normal / length,
+                depth: (given.offset - given.normal.dot(eye)) / length,
+            };
+            (plane, *given)
         });
         // What leaves the range of double precision has no section rather than a wrong one.
-        let planes = planes.filter(|plane| plane.normal.is_finite() && plane.depth.is_finite());
-        let is_entered = |plane: &Plane| match camera.projection() {
+        let planes =
+            planes.filter(|(plane, _)| plane.normal.is_finite() && plane.depth.is_finite());
+        let is_entered = |(plane, _): &(Plane, ClippingPlane)| match camera.projection() {
             Projection::Orthographic => plane.normal.dot(camera.forward()) > 0.0,
             _ => plane.depth > 0.0,
         };
-        let planes: Vec<_> = planes.filter(is_entered).collect();
+        let (entered, exits): (Vec<_>, Vec<_>) = planes.partition(is_entered);
+        let (planes, given): (Vec<_>, Vec<_>) = entered.into_iter().unzip();
+        let entered = accel.clipped(&ClippingPlanes::new(&given).ok()?);
         let faces = planes
             .iter()
             .map(|plane| base * lights.on(-plane.normal.as_vec3(), to_eye));
@@ -99,16 +117,24 @@ impl<'a> Section<'a> {
             camera,
             eye: eye - accel.origin,
             planes,
+            entered,
+            exits: exits.into_iter().map(|(plane, _)| plane).collect(),
             mirrored: mirrored(scene),
             colors,
         })
     }
 
+    /// Whether rays that hit nothing may show a section.
+    pub(crate) fn is_seen_by_misses(&self) -> bool {
+        !self.exits.is_empty()
+    }
+
     /// What the sample at (x, y) of the picture shows of sections, where its ray hits this triangle first.
     pub(crate) fn at(&self, x: f64, y: f64, primitive: u32) -> Cut {
-        if primitive == MISS {
-            return None;
-        }
+        let primitive = match primitive {
+            MISS => self.beyond_exit(x, y)?,
+            hit => hit,
+        };
         let object = self.accel.identify(primitive).0;
         if self.is_back(primitive) == self.mirrored[object as usize] {
             return None;
@@ -117,20 +143,51 @@ impl<'a> Section<'a> {
         if self.planes.len() == 1 && !self.camera.projection().is_parallel() {
             return Some((0, object));
         }
-        let direction = self.camera.direction(x, y);
+        let (_, number) = self.entry(self.ray(x, y))?;
+        Some((number, object))
+    }
+
+    /// The ray's start, as seen from the eye, and its direction.
+    fn ray(&self, x: f64, y: f64) -> (DVec3, DVec3) {
         let start = match self.camera.projection() {
             Projection::Orthographic => self.camera.on_plane(x, y),
             _ => DVec3::ZERO,
         };
-        let mut last = (0.0, None);
+        (start, self.camera.direction(x, y))
+    }
+
+    /// Where a ray enters what is kept: t, and the plane.
+    fn entry(&self, (start, direction): (DVec3, DVec3)) -> Option<(f64, usize)> {
+        let mut last = None;
         for (number, plane) in self.planes.iter().enumerate() {
-            let along = plane.normal.dot(direction);
-            let entry = (plane.depth - plane.normal.dot(start)) / along;
-            if along > 0.0 && entry > last.0 {
-                last = (entry, Some(number));
+            let (along, entry) = plane.crossing(start, direction);
+            if along > 0.0 && entry > last.map_or(0.0, |(entry, _)| entry) {
+                last = Some((entry, number));
             }
         }
-        Some((last.1?, object))
+        last
+    }
+
+    /// What a ray that crosses what is kept, and hits nothing there, would hit first if it did not leave it again.
+    fn beyond_exit(&self, x: f64, y: f64) -> Option<u32> {
+        if self.exits.is_empty() {
+            return None;
+        }
+        let (start, direction) = self.ray(x, y);
+        let (entry, _) = self.entry((start, direction))?;
+        let is_kept = |plane: &Plane| {
+            let (along, exit) = plane.crossing(start, direction);
+            match along < 0.0 {
+                true => entry < exit,
+                false => plane.depth <= plane.normal.dot(start),
+            }
+        };
+        if !self.exits.iter().all(is_kept) {
+            return None;
+        }
+        let ray = self.camera.ray(x, y);
+        let hit = (self.entered).cast_primitive(&ray, Cull::None, Precision::Exact);
+        (!hit.is_miss()).then_some(hit.primitive)
     }
 
     /// What a sample shows, whose section is this and is on its outline or not.

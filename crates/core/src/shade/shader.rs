@@ -4,6 +4,7 @@ use super::legend::Legend;
 use super::light::Lights;
 use super::own_color::{OwnColors, Placed, distance_range};
 use super::ramp::{Ramp, Span};
+use super::section::Section;
 use super::slopes::slopes;
 use super::smooth::{self, Facets, Row, Vectors};
 use super::srgb::{self, Tables};
@@ -11,10 +12,10 @@ use super::texturing::Texturing;
 use super::{Background, Mode, Shading, Wireframe};
 use crate::bvh::Accel;
 use crate::camera::{Camera, Projection, Rect};
-use crate::hit::{Detail, MISS, PrimitiveHit};
+use crate::hit::{Cull, Detail, MISS, PrimitiveHit};
 use crate::num::simd::Lanes;
 use crate::num::simd::Simd;
-use crate::scene::{ColorScale, Object, Scene, Texture};
+use crate::scene::{ClippingPlanes, ColorScale, Object, Scene, Texture};
 use glam::{DAffine3, DMat3, DVec3, Mat3, Vec2, Vec3};
 
 /// Gives hits their colours: everything about a picture that does not change from pixel to pixel,
@@ -46,6 +47,7 @@ pub struct Shader<'a> {
     backdrops: Vec<[u8; 4]>,
     line_color: Vec3,
     line_width: f64,
+    section: Option<Section<'a>>,
     pub(super) tables: &'static Tables,
 }
 
@@ -143,9 +145,24 @@ impl<'a> Shader<'a> {
             backdrops: Vec::new(),
             line_color: srgb::linear(lines.color),
             line_width: f64::from(width),
+            section: None,
             tables: srgb::tables(),
         }
         .with_backdrops()
+    }
+
+    /// Of a picture that clipping planes cut.
+    pub(crate) fn with_sections(self, clip: &ClippingPlanes, cull: Cull) -> Self {
+        let Self { scene, accel, .. } = self;
+        Self {
+            section: Section::new(scene, accel, self.camera, self.shading.mode, (clip, cull)),
+            ..self
+        }
+    }
+
+    /// The section that clipping planes make, if any is seen.
+    pub(crate) fn section(&self) -> Option<&Section<'a>> {
+        self.section.as_ref()
     }
 
     /// Of a picture with so many samples a pixel: each stands for its part of what the pixel sees of a

@@ -51,6 +51,8 @@ pub(crate) struct Expected<'a> {
     numbers: Numbers,
     /// What the legend covers, of which nothing is known.
     legend: Option<Rect>,
+    /// Whether sections are filled: fronts and backs are seen.
+    has_sections: bool,
 }
 
 /// The direction of a surface, and its texture coordinates.
@@ -101,6 +103,7 @@ impl<'a> Expected<'a> {
             depth_map,
             numbers,
             legend,
+            has_sections: cull == Cull::None,
         }
     }
 
@@ -123,19 +126,19 @@ impl<'a> Expected<'a> {
         if self.legend.is_some_and(|legend| is_in(legend, x, y)) {
             return [Single::UNKNOWN; 4];
         }
+        let lines = self.shading.wireframe.is_some() || self.shading.mode == Mode::Wireframe;
+        let section = || section::color(self.stage, &self.camera, self.shading.mode, (x, y), truth);
+        let cut = self.has_sections.then(section).flatten();
         let Some(truth) = truth else {
             if !self.camera.has_place(x, y) {
                 return [Single::exactly(0.0); 4];
             }
-            return self.backdrop(y);
+            return cut.map_or_else(|| self.backdrop(y), opaque);
         };
-        let lines = self.shading.wireframe.is_some() || self.shading.mode == Mode::Wireframe;
         let Some(hit) = self.hit(truth).filter(|_| !lines) else {
             return [Single::UNKNOWN; 4];
         };
-        if let Some(cut) =
-            section::color(self.stage, &self.camera, self.shading.mode, (x, y), truth)
-        {
+        if let Some(cut) = cut {
             return opaque(cut);
         }
         let lit = |light: Vector<24>| {

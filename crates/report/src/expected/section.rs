@@ -35,7 +35,7 @@ pub(super) fn color(
     camera: &Camera,
     mode: Mode,
     (x, y): (f64, f64),
-    truth: &Truth,
+    truth: Option<&Truth>,
 ) -> Option<Vector<24>> {
     let is_shown = matches!(
         mode,
@@ -44,7 +44,7 @@ pub(super) fn color(
     if !is_shown || stage.clip().enabled().next().is_none() {
         return None;
     }
-    let here = seen(stage, camera, (x, y), Some(truth));
+    let here = seen(stage, camera, (x, y), truth);
     let unit = match here {
         Seen::None => return None,
         Seen::Unsure => return Some([Single::UNKNOWN; 3]),
@@ -56,7 +56,6 @@ pub(super) fn color(
     };
     let around = [(x - 1.0, y), (x + 1.0, y), (x, y - 1.0), (x, y + 1.0)];
     let around = around.into_iter().filter(inside).map(|place| {
-        // Fronts are seen, or there are no sections.
         let truth = stage.truth(&camera.ray(place.0, place.1), Cull::None);
         seen(stage, camera, place, truth.as_ref())
     });
@@ -78,14 +77,51 @@ pub(super) fn color(
 }
 
 fn seen(stage: &Stage, camera: &Camera, (x, y): (f64, f64), truth: Option<&Truth>) -> Seen {
+    let ray = camera.ray(x, y);
+    let along = ray.direction;
+    // Where the ray enters what is kept, through which plane, and where it leaves it again.
+    let (mut last, mut exit): (Option<(f64, DVec3)>, f64) = (None, f64::INFINITY);
+    let mut is_sure = true;
+    let mut towards = Vec::new();
+    for plane in stage.clip().enabled() {
+        let length = plane.normal.length();
+        let unit = plane.normal / length;
+        let (before, steep) = (
+            (plane.offset - plane.normal.dot(ray.origin)) / length,
+            unit.dot(along),
+        );
+        let size = plane.offset.abs() / length + ray.origin.abs().max_element();
+        is_sure &= steep.abs() > SURE && before.abs() > SURE * size;
+        let crossing = before / steep;
+        if steep < 0.0 {
+            exit = exit.min(crossing);
+            continue;
+        }
+        towards.push(*plane);
+        if crossing > 0.0 {
+            let other = last.map_or(0.0, |(entry, _)| entry);
+            is_sure &= (crossing - other).abs() > SURE * (crossing + size);
+            if crossing > other {
+                last = Some((crossing, unit));
+            }
+        }
+    }
+    let beyond;
+    let truth = match (truth, last) {
+        (Some(truth), _) => Some(truth),
+        (None, Some((entry, _))) if exit.is_finite() => {
+            is_sure &= (exit - entry).abs() > SURE * (exit.abs() + entry);
+            beyond = (entry < exit || !is_sure).then(|| stage.truth_within(&ray, &towards));
+            beyond.as_ref().and_then(Option::as_ref)
+        }
+        (None, _) => None,
+    };
     let Some((truth, triangle)) = truth.and_then(|truth| {
         let triangle = stage.oracle.triangle(truth.object, truth.triangle)?;
         Some((truth, triangle))
     }) else {
         return Seen::None;
     };
-    let ray = camera.ray(x, y);
-    let along = ray.direction;
     let eye = camera.placement().eye - triangle.base;
     let [a, b, c] = triangle.corners.map(|corner| corner.as_dvec3() - eye);
     let placed = stage.scene.world_from_objects();
@@ -100,26 +136,7 @@ fn seen(stage: &Stage, camera: &Camera, (x, y): (f64, f64), truth: Option<&Truth
     if facing < -SURE {
         return Seen::None;
     }
-    let mut last: Option<(f64, DVec3)> = None;
-    let mut is_sure = facing > SURE;
-    for plane in stage.clip().enabled() {
-        let length = plane.normal.length();
-        let unit = plane.normal / length;
-        let (before, steep) = (
-            (plane.offset - plane.normal.dot(ray.origin)) / length,
-            unit.dot(along),
-        );
-        let size = plane.offset.abs() / length + ray.origin.abs().max_element();
-        is_sure &= steep.abs() > SURE && before.abs() > SURE * size;
-        let entry = before / steep;
-        if steep > 0.0 && entry > 0.0 {
-            let other = last.map_or(0.0, |(entry, _)| entry);
-            is_sure &= (entry - other).abs() > SURE * (entry + size);
-            if entry > other {
-                last = Some((entry, unit));
-            }
-        }
-    }
+    is_sure &= facing > SURE;
     match last {
         _ if !is_sure => Seen::Unsure,
         Some((_, unit)) => Seen::Section(unit, truth.object),

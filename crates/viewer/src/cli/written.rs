@@ -62,7 +62,6 @@ pub fn render_command(
             option("--color-range", format!("{low},{high}"));
         }
     }
-    let has_legend = shading.scale.is_some_and(|scale| scale.legend);
     option("--samples", settings.samples.max(1).to_string());
     option("--cull", word(CULLS, settings.cull));
     option("--precision", word(PRECISIONS, settings.precision));
@@ -80,9 +79,6 @@ pub fn render_command(
             words.push(format!("--wireframe={}", lines.width));
         }
         None => words.push("--wireframe=none".to_owned()),
-    }
-    if has_legend {
-        words.push("--legend".to_owned());
     }
     if shading.scale.is_some_and(|scale| scale.legend) {
         words.push("--legend".to_owned());

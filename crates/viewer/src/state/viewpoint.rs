@@ -235,7 +235,7 @@ fn shortest(degrees: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raycast_core::camera::{Camera, ImagePlane};
+    use raycast_core::camera::{Camera, ImagePlane, Panorama};
 
     #[test]
     fn a_fit_shows_every_point_and_one_at_the_margin() {
@@ -274,6 +274,23 @@ mod tests {
                 assert!(least < 6.0, "{projection:?} {margins:?}");
             }
         }
+    }
+
+    #[test]
+    fn a_view_on_its_way_to_another_kind_of_picture_has_a_possible_fov() {
+        let view = |projection: Projection, fov| Viewpoint {
+            projection,
+            fov,
+            ..Viewpoint::default()
+        };
+        let fisheye = Projection::Panoramic(Panorama::Equidistant);
+        let (wide, plane) = (view(fisheye, 360.0), view(Projection::Perspective, 45.0));
+        for share in [0.0, 0.3, 0.9, 1.0] {
+            assert_eq!(wide.towards(&plane, share).fov, 45.0);
+            assert_eq!(plane.towards(&wide, share).fov, 360.0);
+        }
+        let narrow = view(Projection::Perspective, 25.0);
+        assert_eq!(plane.towards(&narrow, 0.5).fov, 35.0);
     }
 
     #[test]
