@@ -6,6 +6,7 @@
     reason = "tests tell what they checked and what they skipped"
 )]
 
+use image::ImageDecoder;
 use raycast_tests::arguments;
 use raycast_tests::binary::{command, refuse, run, succeed};
 use raycast_tests::files::{asset, bytes, folder, names, write};
@@ -340,4 +341,44 @@ fn frames_are_not_written_over_what_is_read_nor_statistics_over_frames() {
     inputs.assert_untouched("frames");
     succeed(frames("k-%d.png"));
     assert!(inputs.at("k-3.png").exists());
+}
+
+/// Viewers of panoramas find GPano metadata where another decoder finds XMP; a picture that is none has none.
+#[test]
+fn panoramas_say_so_in_png_and_jpeg() {
+    let folder = folder();
+    let mesh = asset("cube.obj");
+    let metadata = |name: &str, options: &[&str]| {
+        let path = folder.path().join(name);
+        let mut arguments = arguments!["render", &mesh, "-o", &path, "--size", "64x32"];
+        arguments.extend(options.iter().map(OsString::from));
+        succeed(arguments);
+        let reader = image::ImageReader::open(&path).expect("a picture");
+        let mut decoder = reader.into_decoder().expect("a picture");
+        let packet = decoder.xmp_metadata().expect("readable metadata");
+        let size = decoder.dimensions();
+        let pixels = image::DynamicImage::from_decoder(decoder).expect("pixels");
+        assert_eq!((size, pixels.width()), ((64, 32), 64), "{name}");
+        packet.map(|packet| String::from_utf8(packet).expect("XMP is UTF-8"))
+    };
+    for name in ["a.png", "a.jpg"] {
+        let projection = ["--projection", "equirectangular"];
+        for (fov, full, corner) in [("180", (64, 32), (0, 0)), ("90", (128, 64), (32, 16))] {
+            let options = [&projection[..], &["--fov", fov]].concat();
+            let packet = metadata(name, &options).expect("a panorama says so");
+            for (key, value) in [
+                ("FullPanoWidthPixels", full.0),
+                ("FullPanoHeightPixels", full.1),
+                ("CroppedAreaLeftPixels", corner.0),
+                ("CroppedAreaTopPixels", corner.1),
+                ("CroppedAreaImageWidthPixels", 64),
+                ("CroppedAreaImageHeightPixels", 32),
+            ] {
+                let word = format!("GPano:{key}=\"{value}\"");
+                assert!(packet.contains(&word), "{name} {word}: {packet}");
+            }
+        }
+        assert_eq!(metadata(name, &[]), None);
+        assert_eq!(metadata(name, &["--projection", "fisheye"]), None);
+    }
 }

@@ -11,7 +11,7 @@ impl Picture {
     }
 
     /// The same with what the picture was made of: PNG, TIFF and EXR tell it, PPM and JPEG have no place
-    /// for it.
+    /// for it. PNG and JPEG tell viewers of panoramas that it is one (GPano).
     ///
     /// # Errors
     /// A side of no pixels, or more than the kind of file can hold; [`Format::Exr`] needs the
@@ -29,7 +29,7 @@ impl Picture {
         match format {
             Format::Png if !format.is_banded(self.width, self.height) => png::encode(self, tags),
             Format::Png => bands::encode(self, format, tags),
-            Format::Jpeg => jpeg::encode(self),
+            Format::Jpeg => jpeg::encode(self, recipe),
             Format::Ppm | Format::Tiff | Format::Exr => bands::encode(self, format, tags),
         }
     }

@@ -18,14 +18,6 @@ pub enum Format {
 }
 
 impl Format {
-    /// Whether files of the kind tell what their picture was made of.
-    pub fn tells_recipe(self) -> bool {
-        match self {
-            Self::Png | Self::Tiff | Self::Exr => true,
-            Self::Ppm | Self::Jpeg => false,
-        }
-    }
-
     /// The kind that the end of a file's name says, after its last dot. A name of that end alone
     /// (`png`, `.png`) says none.
     ///

@@ -1,7 +1,7 @@
 //! JPEG, by the `image` crate.
 
 use super::opaque::over_black;
-use super::{ImageError, Picture};
+use super::{ImageError, Picture, Recipe, xmp};
 use image::ExtendedColorType;
 use image::codecs::jpeg::JpegEncoder;
 
@@ -11,7 +11,11 @@ const QUALITY: u8 = 92;
 /// The most pixels a JPEG's side can have.
 const SIDE_LIMIT: u32 = 65_535;
 
-pub(super) fn encode(picture: &Picture) -> Result<Vec<u8>, ImageError> {
+/// What begins a segment of XMP ("XMP Specification Part 3", Adobe, 2020).
+const XMP: &[u8] = b"http://ns.adobe.com/xap/1.0/\0";
+
+/// A picture; of a whole panorama, with the metadata that say so to viewers.
+pub(super) fn encode(picture: &Picture, recipe: Option<&Recipe>) -> Result<Vec<u8>, ImageError> {
     if picture.width.max(picture.height) > SIDE_LIMIT {
         return Err(ImageError::Encode(format!(
             "a JPEG has at most {SIDE_LIMIT} pixels a side"
@@ -26,7 +30,27 @@ pub(super) fn encode(picture: &Picture) -> Result<Vec<u8>, ImageError> {
             ExtendedColorType::Rgb8,
         )
         .map_err(|error| ImageError::Encode(error.to_string()))?;
+    if let Some(packet) = recipe.and_then(xmp::packet) {
+        insert_xmp(&mut bytes, packet.as_bytes());
+    }
     Ok(bytes)
+}
+
+/// Puts a packet of XMP in an APP1 segment behind the JFIF header, which must come first; where there is no such header,
+/// or no room, the file stays as it is.
+fn insert_xmp(bytes: &mut Vec<u8>, packet: &[u8]) {
+    // SOI, then APP0: its marker, and its length with the two bytes of that.
+    let Some(&[0xff, 0xd8, 0xff, 0xe0, high, low]) = bytes.first_chunk() else {
+        return;
+    };
+    let at = 4 + usize::from(u16::from_be_bytes([high, low]));
+    let Ok(length) = u16::try_from(2 + XMP.len() + packet.len()) else {
+        return;
+    };
+    if at <= bytes.len() {
+        let segment = [&[0xff, 0xe1], &length.to_be_bytes()[..], XMP, packet].concat();
+        bytes.splice(at..at, segment);
+    }
 }
 
 #[cfg(test)]

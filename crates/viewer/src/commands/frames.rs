@@ -208,8 +208,7 @@ fn write_each(
             };
             pool.install(|| fragment.encode(format))?
         } else {
-            let recipe = format.tells_recipe().then_some(&recipe);
-            pool.install(|| picture.encode_with(format, recipe))?
+            pool.install(|| picture.encode_with(format, Some(&recipe)))?
         };
         output.write(&bytes)?.finish()?;
         progress.done(1);

@@ -149,9 +149,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
                 None => render_whole(view, grid, &clock, &progress),
             })?;
             let wall = rendering.elapsed();
-            // What is unfinished is not what its recipe makes; a file that cannot hold one needs none.
+            // What is unfinished is not what its recipe makes.
             let is_whole = args.tiles.unfinished.is_none();
-            let recipe = (format.tells_recipe() && is_whole).then_some(&recipe);
+            let recipe = is_whole.then_some(&recipe);
             let bytes = picture.encode_with(format, recipe)?;
             (Written::whole(output.write(&bytes)?), tiles, wall)
         }

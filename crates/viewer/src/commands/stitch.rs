@@ -57,7 +57,6 @@ pub(super) fn run(args: &StitchArgs) -> Result<(), Failure> {
     if !is_banded {
         let picture = picture::stitch(&fragments)?;
         let recipe = parts.first().map(|(first, _)| &first.recipe);
-        let recipe = recipe.filter(|_| format.tells_recipe());
         let bytes = picture.encode_with(format, recipe)?;
         return output.write(&bytes)?.finish();
     }
