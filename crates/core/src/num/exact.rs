@@ -273,6 +273,9 @@ mod tests {
         let nudged = Vec3::new(0.75, -1.5, f32::from_bits(3f32.to_bits() + 1));
         assert!(!is_collinear(Vec3::ZERO, d, nudged));
         assert!(is_collinear(a, a, d));
+        // Differences are rounded, each coordinate its own way.
+        let few = Vec3::new(3.0, 5.0, 11.0);
+        assert!(is_collinear(few, few * (1u64 << 51) as f32, few * -3.0));
         assert!(!is_collinear(
             Vec3::splat(1e18),
             Vec3::ZERO,

@@ -27,10 +27,6 @@ use std::ops::Range;
 /// the tree; more make each packet test subtrees that it misses.
 const MAX_ENTRY_POINTS: usize = 24;
 
-/// How much further than hi-z a box must begin to be skipped, as a factor. The inverse of hi-z and the box's
-/// distance are each rounded a few times by 2⁻²⁴, below 10⁻⁶ together.
-const BEYOND: f32 = 1.0 + 1e-5;
-
 /// The most triangles of a small subtree that is taken as a leaf: visiting its nodes would take longer than
 /// testing the triangles that they cull.
 const RUN: u32 = 32;
@@ -692,33 +688,18 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
     #[inline(always)]
     fn limits(&self, lanes: impl Lanes, zbuffer: &IntervalZBuffer) -> Limits {
         let (least, most) = zbuffer.hi_z(lanes);
+        let projection = self.lattice.camera.projection();
         Limits {
-            furthest: self.limit(least),
-            nearest_cell: self.limit(most),
+            furthest: self.reference.furthest(projection, least),
+            nearest_cell: self.reference.furthest(projection, most),
         }
     }
 
     /// Upper bound of the relative depth key of a box that begins here along the view axis.
     #[inline(always)]
     fn depth_key(&self, near: f32) -> f32 {
-        let key = match self.lattice.camera.projection() {
-            Projection::Orthographic => near.abs() * (BEYOND - 1.0) - near,
-            _ if near > 0.0 => BEYOND / near,
-            _ => f32::INFINITY,
-        };
-        self.reference.relative_above(key)
-    }
-
-    /// How far along the view axis a box may begin and still hold something nearer than `hi_z`.
-    #[inline(always)]
-    fn limit(&self, hi_z: f32) -> f32 {
-        let hi_z = self.reference.absolute(hi_z);
-        match self.lattice.camera.projection() {
-            Projection::Orthographic => -hi_z + hi_z.abs() * (BEYOND - 1.0),
-            // The depth key is the inverse depth.
-            _ if hi_z > 0.0 => BEYOND / hi_z,
-            _ => f32::INFINITY,
-        }
+        let projection = self.lattice.camera.projection();
+        self.reference.key_of_box(projection, near)
     }
 }
 

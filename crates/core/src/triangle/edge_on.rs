@@ -137,6 +137,7 @@ impl EdgeOn {
 mod tests {
     use super::*;
     use crate::camera::{ImagePlane, Placement};
+    use crate::random::Random;
 
     fn camera(eye: DVec3, target: DVec3, projection: Projection) -> Camera {
         let plane = ImagePlane::new(8, 8, 0.1).expect("a good plane");
@@ -199,6 +200,28 @@ mod tests {
         assert!(edge_on.is(0, [a, b, a + Vec3::Z]));
         assert!(edge_on.is(1, [a, b, b.with_z(3e8)]));
         assert!(!edge_on.is(2, [a, b, b.with_x(b.x.next_up())]));
+    }
+
+    /// Planes parallel to a direction but for the rounding of one corner, and exactly. The truth is integer arithmetic.
+    #[test]
+    fn what_doubles_are_sure_of_about_planes_along_rays_is_so() {
+        let mut random = Random(67);
+        let (mut sure, mut along) = (0, 0);
+        for _ in 0..20_000 {
+            let [a, b] = [(); 2].map(|()| random.point().as_vec3());
+            let direction = random.point();
+            let to_c = (b - a).as_dvec3() * random.signed() + direction * random.signed();
+            let c = (a.as_dvec3() + to_c).as_vec3();
+            // In the plane's span but for roundings of double precision.
+            let [to_b, to_c] = [b, c].map(|corner| corner.as_dvec3() - a.as_dvec3());
+            let direction = to_b * random.signed() + to_c * random.signed();
+            let is_along = plane_is_along(direction, [a, b, c]);
+            let crosses = plane_crosses(direction, [a, b, c].map(Vec3::as_dvec3));
+            assert!(crosses.is_none_or(|crosses| crosses != is_along));
+            sure += usize::from(crosses.is_some());
+            along += usize::from(is_along);
+        }
+        assert!(sure < 20_000 && along < 20_000, "{sure} {along}");
     }
 
     #[test]

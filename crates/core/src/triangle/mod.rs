@@ -8,6 +8,8 @@ pub(crate) mod exact;
 pub(crate) mod interpolate;
 pub(crate) mod linear;
 mod nearest;
+#[cfg(test)]
+mod row_tests;
 mod watertight;
 
 pub(crate) use nearest::Nearest;

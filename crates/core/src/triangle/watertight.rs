@@ -367,6 +367,10 @@ pub(super) fn major_axis(x: f64, y: f64, z: f64) -> usize {
 /// * **Depth.** It is the mean of the corners' depths z weighted by the edge functions. Errors of E move it by at
 ///   most 3E·(max z − min z)/|D|, D their sum; its own rounding, and that of the depths, is below 10εm + η. With
 ///   higher orders: 4E·(max z − min z)/|D| + 2δ.
+///
+/// Two terms are covered by others, and stand for the derivation's sake. Where Σ|x| + Σ|y| < 4δ, every function is
+/// less than δ(Σ|x| + Σ|y|) and undecided without the δ² of E; elsewhere the quarter of E's first term that rounding
+/// leaves is at least 2δ². And the rounding of the quotient by the advance, 2ε of t, is less than 2δ, which is 16εm.
 #[derive(Clone, Copy)]
 pub(super) struct Edges {
     functions: [f64; 3],
@@ -507,13 +511,58 @@ fn same_corners(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::num::double_double::DoubleDouble;
     use crate::random::Random;
+
+    fn ray_along_z() -> PreparedRay {
+        let ray = Ray::new(DVec3::ZERO, DVec3::Z);
+        let prepared = PreparedRay::new(&ray, DVec3::ZERO, Cull::None, Precision::Exact);
+        prepared.expect("a valid ray")
+    }
+
+    fn hit_by(numerator: Determinant, weights: [Determinant; 3]) -> Nearest {
+        let determinants = Some(Determinants { weights, numerator });
+        match ray_along_z().judge_by(0, determinants) {
+            Verdict::Hit(hit) => hit,
+            _ => panic!("a hit"),
+        }
+    }
+
+    #[test]
+    fn what_the_numerator_is_off_by_moves_the_hit() {
+        let exact = |value| Determinant { value, error: 0.0 };
+        let numerator = Determinant {
+            value: 3.0,
+            error: 1e-10,
+        };
+        let hit = hit_by(numerator, [exact(1.0); 3]);
+        assert!(hit.t + hit.t_error >= (3.0 + 1e-10) / 3.0);
+    }
+
+    /// Weights and numerator are exact: what is left is the rounding of the sum and of the quotient. The truth is
+    /// twice double precision.
+    #[test]
+    fn rounding_the_sum_of_the_weights_moves_the_hit() {
+        let mut random = Random(63);
+        let exact = |value| Determinant { value, error: 0.0 };
+        for _ in 0..50_000 {
+            // What is lost to the first weight is nearly half a unit in its last place, twice.
+            let first = 1.0 + random.unit();
+            let lost = EPSILON * (0.9 + 0.0999 * random.unit());
+            let weights = [first, lost, lost];
+            let numerator = 1.0 + random.unit();
+            let hit = hit_by(exact(numerator), weights.map(exact));
+            let [a, b, c] = weights.map(DoubleDouble::from);
+            let residual = DoubleDouble::from(hit.t) * (a + b + c) - numerator.into();
+            assert!(
+                residual.high.abs() <= hit.t_error * first,
+                "{weights:?} {numerator}"
+            );
+        }
+    }
 
     #[test]
     fn what_the_weights_are_off_by_moves_the_hit() {
-        let ray = Ray::new(DVec3::ZERO, DVec3::Z);
-        let prepared = PreparedRay::new(&ray, DVec3::ZERO, Cull::None, Precision::Exact);
-        let prepared = prepared.expect("a valid ray");
         let weight = Determinant {
             value: 1.0,
             error: 1e-10,
@@ -522,11 +571,7 @@ mod tests {
             value: 3.0,
             error: 0.0,
         };
-        let weights = [weight; 3];
-        let verdict = prepared.judge_by(0, Some(Determinants { weights, numerator }));
-        let Verdict::Hit(hit) = verdict else {
-            panic!("a hit");
-        };
+        let hit = hit_by(numerator, [weight; 3]);
         // The sum may be as small as this.
         let furthest = 3.0 / (3.0 * (1.0 - 1e-10));
         assert!(hit.t + hit.t_error >= furthest, "{}", hit.t_error);
@@ -550,11 +595,15 @@ mod tests {
                 mut widely_decided,
                 mut hits,
             ] = [0; 4];
-            for _ in 0..4000 {
+            for _ in 0..8000 {
                 let middle = DVec3::new(place, place * 0.7, -place);
                 let size = place.max(1.0) * crate::math::pow(10.0, -6.0 * random.unit());
                 let mut near = || (middle + random.point() * size).as_vec3();
-                let corners = [near(), near(), near()];
+                let mut corners = [near(), near(), near()];
+                if random.unit() < 0.2 {
+                    // Seen along z, all corners have one depth.
+                    corners = corners.map(|corner| corner.with_z(corners[0].z));
+                }
                 let [a, b, c] = corners.map(|corner| frame + corner.as_dvec3());
                 let target = match (random.unit() * 4.0) as u32 {
                     0 => a,
@@ -562,7 +611,17 @@ mod tests {
                     2 => (a + b + c) / 3.0,
                     _ => b + (c - b) * random.unit() + random.point() * (size * 1e-14),
                 };
-                let origin = frame + middle + random.point() * (size * 10.0);
+                // Nearly in the triangle's plane, next to it, far from it, or anywhere.
+                let beside = random.point() * (size * crate::math::pow(10.0, -9.0 * random.unit()));
+                let origin = match (random.unit() * 5.0) as u32 {
+                    0 => a + ((b - a) * random.signed() + (c - a) * random.signed()) * 9.0 + beside,
+                    1 => target + beside,
+                    2 => {
+                        let distance = size * crate::math::pow(10.0, 1.0 + 8.0 * random.unit());
+                        frame + middle + random.point() * distance
+                    }
+                    _ => frame + middle + random.point() * (size * 10.0),
+                };
                 let mut ray = Ray::new(origin, target - origin);
                 if random.unit() < 0.3 {
                     // Begins or ends where it meets the triangle, or so.
@@ -593,6 +652,7 @@ mod tests {
                             let off = (hit.t - truth.t).abs();
                             assert!(off <= hit.t_error + truth.t_error, "{ray:?} {corners:?}");
                             let single = 2f64.powi(-24);
+                            assert!(off <= single * truth.t, "{ray:?} {corners:?}");
                             assert!((hit.u - truth.u).abs() <= single);
                             assert!((hit.v - truth.v).abs() <= single);
                         }
