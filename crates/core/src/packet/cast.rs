@@ -18,7 +18,7 @@ use crate::triangle::{Nearest, PreparedRay};
 impl Accel {
     /// Casts every ray of a lattice into `hits`, row by row.
     ///
-    /// Each hit is what [`Accel::cast_primitive`] answers for that ray, as far as `detail` asks for it. With
+    /// Each hit is what [`Accel::cast_primitive`] answers for that ray, as far as `detail` requires. With
     /// [`Precision::Fast`] a packet may be right where a single ray in double precision is not.
     pub fn cast_lattice(
         &self,
@@ -152,7 +152,7 @@ impl Clipped<'_> {
     }
 
     /// Finds the closest triangle that each ray of a lattice hits at a point that is kept, else as
-    /// [`Accel::find`]; [`Accel::evaluate`] tells where.
+    /// [`Accel::find`]; [`Accel::evaluate`] finds where.
     pub fn find(
         &self,
         lattice: &Lattice,
@@ -214,13 +214,13 @@ impl<const INSTANCES: bool> Find<'_, INSTANCES> {
         let mut undecided = 0;
         for row in 0..part.rows {
             let first = ((part.row + row) * self.lattice.columns + part.column) as usize;
-            let held = &zbuffer.row(row)[..columns];
+            let stored = &zbuffer.row(row)[..columns];
             let (mut count, mut any_undecided) = (0, false);
             let kept = &mut self.primitives[first..first + columns];
-            for (kept, &held) in kept.iter_mut().zip(held) {
-                *kept = IntervalZBuffer::primitive(held);
-                count += u32::from(held != MISS);
-                any_undecided |= IntervalZBuffer::is_undecided(held);
+            for (kept, &stored) in kept.iter_mut().zip(stored) {
+                *kept = IntervalZBuffer::primitive(stored);
+                count += u32::from(stored != MISS);
+                any_undecided |= IntervalZBuffer::is_undecided(stored);
             }
             self.counts.hits += u64::from(count);
             undecided |= u32::from(any_undecided) << (row % SIDE as u32);
@@ -259,7 +259,7 @@ impl<const INSTANCES: bool> Find<'_, INSTANCES> {
                 let mut nearest = Nearest::NONE;
                 for &(_, primitive) in rivals {
                     self.accel
-                        .meet_kept(self.clip, &ray, primitive, &mut nearest);
+                        .intersect_kept(self.clip, &ray, primitive, &mut nearest);
                 }
                 nearest
             }
@@ -312,7 +312,7 @@ impl<const INSTANCES: bool> Work for Evaluate<'_, INSTANCES> {
             cull,
             precision,
             pencil: Pencil::new(lattice, accel.origin),
-            known: [(MISS, LinearHit::default()); KNOWN],
+            cached: [(MISS, LinearHit::default()); CACHED],
         };
         let rows = (hits.primitives.chunks_mut(columns))
             .zip(hits.t.chunks_mut(columns))
@@ -356,9 +356,9 @@ impl<const INSTANCES: bool> Work for Evaluate<'_, INSTANCES> {
     }
 }
 
-/// Triangles whose linear functions are remembered, at least eight pixels wide: twice what a row of 64 rays has of
-/// them.
-const KNOWN: usize = 16;
+/// Triangles whose linear functions are cached. They are at least eight pixels wide, and a row of 64 rays hits eight of
+/// them: fewer entries set functions up again, more take more of the first-level cache.
+const CACHED: usize = 16;
 
 struct Interpolate<'a, const INSTANCES: bool> {
     accel: &'a Accel,
@@ -367,7 +367,7 @@ struct Interpolate<'a, const INSTANCES: bool> {
     precision: Precision,
     pencil: Option<Pencil>,
     /// By the low bits of the primitive index.
-    known: [(u32, LinearHit); KNOWN],
+    cached: [(u32, LinearHit); CACHED],
 }
 
 impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
@@ -447,7 +447,7 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
         }
         let row = row?;
         let across = places.across(&self.lattice.camera);
-        let hit = self.known(primitives[0])?;
+        let hit = self.cached(primitives[0])?;
         if !hit.is_useful() {
             return None;
         }
@@ -455,16 +455,16 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
         (found.sure == [true; LANES]).then_some(found)
     }
 
-    /// A triangle's linear functions, remembered or worked out.
+    /// A triangle's linear functions, from the cache or worked out.
     #[inline(always)]
-    fn known(&mut self, primitive: u32) -> Option<&LinearHit> {
-        let (known, hit) = &mut self.known[primitive as usize % KNOWN];
-        if *known != primitive {
+    fn cached(&mut self, primitive: u32) -> Option<&LinearHit> {
+        let (cached, hit) = &mut self.cached[primitive as usize % CACHED];
+        if *cached != primitive {
             *hit = LinearHit::new(
                 self.pencil.as_ref()?,
                 self.accel.corners_of::<INSTANCES>(primitive),
             );
-            *known = primitive;
+            *cached = primitive;
         }
         Some(hit)
     }

@@ -1,9 +1,9 @@
-//! What depth keys are relative to, so that single precision tells apart what is far away and close together.
+//! The number that depth keys are relative to, so that single precision distinguishes depths that are far away and close together.
 //!
 //! A depth key has 24 digits. Where a scene is thin beside its distance, as a distant mesh through a long lens is, all
-//! its triangles have the same ones. So set-up takes a number next to all of their keys off each, in double precision,
-//! and the interval z-buffer orders what is left. All rays of a packet have one reference: a constant taken off both
-//! keys moves no order.
+//! its triangles have the same ones. So set-up subtracts a number close to all keys from each, in double precision, and
+//! the interval z-buffer orders the differences. All rays of a packet have one reference: subtracting a constant from
+//! two keys keeps their order.
 
 use crate::bvh::tree::Box32;
 use crate::camera::{Camera, Projection};
@@ -11,7 +11,7 @@ use glam::DVec3;
 
 /// The greatest thickness, as a share of the distance, of what has a reference: 2⁻¹⁴.
 ///
-/// Above it single precision tells depths apart well enough, and small triangles, whose keys are worked out in single
+/// Above it single precision distinguishes depths well enough, and small triangles, whose keys are worked out in single
 /// precision from the start, are merged without set-up. Below it their keys, good to 2⁻¹⁹, decide little: with a smaller
 /// share many of them would be tested twice, with a greater one ordinary distant meshes would be set up triangle by
 /// triangle.
@@ -22,12 +22,13 @@ const THIN: f64 = 1.0 / (1 << 14) as f64;
 /// occluded, one that is less than the rounding loses hits.
 const BEYOND: f32 = 1.0 + 1e-5;
 
-/// The depth key that others are relative to; zero where they are as they are.
+/// The depth key that others are relative to; zero where keys are absolute.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct DepthReference(f32);
 
 impl DepthReference {
-    /// For what boxes hold, relative to the same as `eye`. No bound needs it to be near them.
+    /// The reference for triangles within boxes that are relative to the same point as `eye`. Any number is correct: only
+    /// precision depends on it.
     pub(super) fn of(boxes: impl Iterator<Item = Box32>, camera: &Camera, eye: DVec3) -> Self {
         let forward = camera.forward();
         let (mut near, mut far) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -50,7 +51,7 @@ impl DepthReference {
         Self(if key.is_normal() { key } else { 0.0 })
     }
 
-    /// Whether keys are as they are.
+    /// Whether keys are absolute.
     #[inline(always)]
     pub(super) fn is_zero(self) -> bool {
         self.0 == 0.0
@@ -62,7 +63,7 @@ impl DepthReference {
         self.0
     }
 
-    /// A relative key as it is: one rounding.
+    /// The absolute key of a relative one: one rounding.
     #[inline(always)]
     pub(super) fn absolute(self, key: f32) -> f32 {
         key + self.0

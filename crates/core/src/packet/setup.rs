@@ -73,7 +73,7 @@ pub(crate) struct PacketSpace {
     /// What corners are taken relative to.
     pub(super) origin: DVec3,
     /// From there to the point of depth one on the first ray.
-    pub(super) way: DVec3,
+    pub(super) unit_depth: DVec3,
     /// T's rows.
     pub(super) map: [DVec3; 3],
     pub(super) cull: Cull,
@@ -200,7 +200,7 @@ impl PacketSpace {
         Self {
             perspective,
             origin,
-            way: if perspective {
+            unit_depth: if perspective {
                 d / camera.distance()
             } else {
                 d

@@ -150,7 +150,7 @@ fn check(
                 );
             }
             if least < -error {
-                assert!(truth.is_none(), "outside, and met by ({x}, {y}): {edges:?}");
+                assert!(truth.is_none(), "outside, and hit by ({x}, {y}): {edges:?}");
             }
             tally.decided += usize::from(least.abs() > error);
             if let Some(hit) = truth {

@@ -32,7 +32,8 @@ const UNIT: f32 = 1.0 / (1 << 24) as f32;
 /// rows of their box, and spans would cull little.
 const SLIVER: f32 = 2.0;
 
-/// The fewest slivers among eight for which spans are worth their time: those of all eight are found together.
+/// The fewest slivers among eight for which spans are found, which is done for all eight together: for fewer it takes
+/// longer than setting up those that it would cull.
 const SEVERAL: u32 = 3;
 
 /// Added to both ends of spans, in columns.
@@ -328,7 +329,7 @@ mod tests {
     /// How many of many triangles no ray hits, and how many of those were culled.
     fn try_many(length: f64, off: f64, past: f64, thickness: f64) -> [usize; 2] {
         let mut random = Random(7);
-        let [mut empty, mut left_out] = [0; 2];
+        let [mut empty, mut culled] = [0; 2];
         for _ in 0..500 {
             let real: [Corners; LANES] =
                 std::array::from_fn(|_| thin(&mut random, length, past, thickness));
@@ -361,14 +362,14 @@ mod tests {
                     assert!(within, "{small:?} in {whole:?}");
                 }
                 empty += usize::from(!any);
-                left_out += usize::from(!any && small.is_none());
+                culled += usize::from(!any && small.is_none());
             }
         }
-        [empty, left_out]
+        [empty, culled]
     }
 
     #[test]
-    fn no_ray_of_a_thin_triangle_is_left_out() {
+    fn no_ray_of_a_sliver_is_culled() {
         // With places off by much, and by the rounding of far corners alone.
         for (length, off, past, thickness) in [
             (30.0, 0.25, 0.3, 0.9),
@@ -420,12 +421,12 @@ mod tests {
     }
 
     #[test]
-    fn thin_triangles_between_rays_are_left_out() {
-        let [empty, left_out] = try_many(30.0, 1e-5, 0.5, 0.9);
-        assert!(empty > 500, "{empty} met no ray");
+    fn slivers_between_rays_are_culled() {
+        let [empty, culled] = try_many(30.0, 1e-5, 0.5, 0.9);
+        assert!(empty > 500, "{empty} are hit by no ray");
         assert!(
-            left_out * 100 >= empty * 95,
-            "{left_out} of {empty} were left out"
+            culled * 100 >= empty * 95,
+            "{culled} of {empty} were culled"
         );
     }
 }

@@ -27,27 +27,29 @@ use std::ops::Range;
 /// the tree; more make each packet test subtrees that it misses.
 const MAX_ENTRY_POINTS: usize = 24;
 
-/// The most triangles of a small subtree that is taken as a leaf: visiting its nodes would take longer than
-/// testing the triangles that they cull.
+/// The most triangles of a small subtree that is taken as a leaf. With more, triangles are projected that its nodes
+/// would cull; with fewer, visiting nodes takes longer than projecting the triangles that they cull.
 const RUN: u32 = 32;
 
-/// The largest extent of a small subtree's box, its three sides added, in columns.
+/// The largest extent of a small subtree's box, its three sides added, in columns. The nodes of a larger box cull many
+/// triangles beside a packet of 32 columns; those of a smaller one cull few.
 const SMALL: f64 = 16.0;
 
 /// The deepest stack: a pair of entry points, one more subtree a level below, and the primitive index above the top that
 /// is written without a branch.
 const STACK: usize = DEPTH_LIMIT + 3;
 
-/// Rays in the bounds of the queued triangles at which they are set up, although fewer than eight are queued:
-/// they may occlude what comes next.
+/// Rays in the bounds of the queued triangles at which they are set up, although fewer than eight are queued: they may
+/// occlude what comes next. With more, packets visit boxes behind the queued triangles; with fewer, set-up runs with
+/// empty lanes.
 const MANY_RAYS: i32 = 32;
 
 /// Nodes with a child that may be occluded in all cells it touches, before the cells' frusta are built: that
 /// costs as much as testing about so many nodes.
 const DOUBTFUL: usize = 8;
 
-/// Nodes to prefetch with a subtree. Nodes are stored depth first, so a subtree's first nodes follow one
-/// another; waiting for memory took half of a traversal of 4 million triangles.
+/// Nodes to prefetch with a subtree. Nodes are stored depth first, so a subtree's first nodes follow one another;
+/// waiting for memory took half of a traversal of 4 million triangles. Fewer wait again, more evict what is in use.
 const NODES_AHEAD: usize = 4;
 
 /// A rectangle of a lattice's rays.
@@ -114,7 +116,7 @@ impl Batch {
     }
 }
 
-/// What came of testing a projected triangle.
+/// The outcome of testing a projected triangle.
 enum Outcome {
     /// No ray hits it, or all that do have nearer hits.
     Occluded,
@@ -143,14 +145,14 @@ struct Limits {
     nearest_cell: f32,
 }
 
-/// A packet's way down the tree.
+/// The state of a packet's descent through the tree.
 struct Descent {
     frustum: Frustum,
     small: SmallBoxes,
     limits: Limits,
     /// Nodes so far whose children may be occluded in all cells they touch.
     doubtful: usize,
-    /// The cells' frusta, once they pay.
+    /// The cells' frusta, once they save more than they cost.
     cells: Option<CellFrusta>,
     /// Subtrees to visit, the nearest on top, and where each begins.
     stack: [(Subtree, f32); STACK],
@@ -625,8 +627,8 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
 
     /// Prefetches what a subtree on the stack will be read from: its triangles, or its first nodes.
     #[inline(always)]
-    fn prefetch(&self, lanes: impl Lanes, subtree: Subtree, meets: bool) {
-        if !meets {
+    fn prefetch(&self, lanes: impl Lanes, subtree: Subtree, is_hit: bool) {
+        if !is_hit {
             return;
         }
         match subtree.node() {

@@ -7,7 +7,8 @@ use crate::bvh::tree::{Box32, BoxPair};
 use crate::triangle::PreparedRay;
 use glam::DVec3;
 
-/// Below this fraction of the longest component, a direction counts as parallel to a box's faces.
+/// The fraction of the longest component below which a direction's component counts as parallel to a box's faces. With a
+/// greater one slabs are widened by more, and rays enter boxes that they miss; with a lesser one reciprocals overflow.
 const PARALLEL: f64 = 1.0 / (1 << 24) as f64;
 
 /// By how much the far end of a box is moved outwards, relative to itself.
@@ -17,8 +18,9 @@ const PARALLEL: f64 = 1.0 / (1 << 24) as f64;
 /// nothing.
 const SLACK: f32 = 14.0 / (1 << 24) as f32;
 
-/// How far a ray's origin must be, in lengths of the scene, for distances to be measured from a point of the ray
-/// next to the scene.
+/// The distance of a ray's origin, in lengths of the scene, beyond which distances are measured from a point of the ray
+/// next to the scene. Rays from nearer are rounded by a few units of the scene's size, and need no such point; from
+/// further away rounding by the distance would make them enter boxes that they miss.
 const FAR: f64 = 4.0;
 
 /// The unit roundoff of double precision.
@@ -95,7 +97,7 @@ impl SlabRay {
             low,
             high,
             inverse,
-            // The far end's slack covers this one: no term of its own.
+            // The slack of far ends would cover this, too.
             begin: begin - begin.abs() * SLACK,
             skipped,
             advance: ray.advance.abs(),

@@ -305,7 +305,7 @@ mod tests {
     /// Planes through corners but for rounding, near the origin and far from it. The truth is integer arithmetic, and
     /// twice double precision. With any term of the bounds but the underflow's at zero this fails.
     #[test]
-    fn what_doubles_are_sure_of_about_corners_is_so() {
+    fn what_double_precision_decides_about_corners_is_so() {
         let mut random = Random(71);
         let [mut sure, mut exact] = [0; 2];
         for round in 0..30_000 {

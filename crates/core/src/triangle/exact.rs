@@ -315,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn planes_that_hold_an_eye_are_told_from_those_next_to_it() {
+    fn planes_through_an_eye_and_those_next_to_it_are_distinguished() {
         let corners = [
             Vec3::ZERO,
             Vec3::new(3.0, 1.0, 0.5),

@@ -4,7 +4,7 @@
 //! Each lane does what [`PreparedRay`](super::PreparedRay) does for one ray, operation by operation: the bits are
 //! the same.
 
-use super::watertight::{Edges, axes, greater, major_axis};
+use super::edges::{Edges, axes, greater, major_axis};
 use crate::camera::{Camera, Lattice, Projection};
 use glam::DVec3;
 
@@ -18,7 +18,7 @@ pub(crate) struct RowHits {
     pub(crate) t: [f32; LANES],
     pub(crate) u: [f32; LANES],
     pub(crate) v: [f32; LANES],
-    /// Whether the lane is sure; one that is not must be interpolated alone.
+    /// Whether the lane has the single ray's bits; others must be interpolated alone.
     pub(crate) sure: [bool; LANES],
 }
 
@@ -64,7 +64,7 @@ impl Places {
     }
 }
 
-/// Interpolates each ray's hit of the triangle in its lane. Corners are relative to `frame`.
+/// Interpolates where each ray hits the triangle in its lane. Corners are relative to `frame`.
 #[inline(always)]
 pub(crate) fn interpolate_row(
     camera: &Camera,
@@ -150,7 +150,7 @@ fn interpolate<const MAJOR: usize, const PERSPECTIVE: bool>(
             origin_error,
         );
         let [t, u, v] = edges.weights(advance);
-        // A camera's rays begin behind zero and have no end. What is off by far less than itself has its own sign.
+        // A camera's rays begin behind zero and have no end. The sign of t is right: its error is far less than t.
         hits.sure[lane] = same_major & edges.surely_inside() & edges.surely_single() & (t > 0.0);
         hits.t[lane] = t as f32;
         hits.u[lane] = u as f32;

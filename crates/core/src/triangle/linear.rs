@@ -7,7 +7,7 @@
 //! > u = D·((c−a) × a) / D·N,  v = D·(a × (b−a)) / D·N,  t = |D| · a·N / D·N
 //!
 //! D is linear in the ray's place. The numbers are those of [`PreparedRay`](super::PreparedRay), which works on
-//! another path: a lane is sure only where all numbers that either path could give round to one single.
+//! another path: a lane is sure only where all numbers that either path could give round to one number of single precision.
 //!
 //! # Error bound
 //! ε = 2⁻⁵³ (notation: `docs/error-bounds.md`); m the greatest coordinate of a corner relative to the eye, e that of
@@ -37,11 +37,11 @@ use glam::{DVec3, Vec3};
 /// The unit roundoff of double precision.
 const EPSILON: f64 = f64::EPSILON / 2.0;
 
-/// What is good to single precision: an eighth of its unit roundoff, half of what the single ray asks for.
+/// What is good to single precision: an eighth of its unit roundoff, half of the single ray's limit.
 const SINGLE: f64 = 1.0 / (1u64 << 28) as f64;
 
-/// The bound of a weight in a triangle's middle beyond which the linear functions are not tried. Eight rays have 24
-/// numbers, and numbers that are off by 2⁻³³ straddle two singles once in some hundred.
+/// The bound of a weight in a triangle's middle beyond which the linear functions are not tried: they would be in vain. Eight rays have 24
+/// numbers, and numbers that are off by 2⁻³³ straddle the border of two single-precision numbers once in some hundred.
 const HOPELESS: f64 = 1.0 / (1u64 << 33) as f64;
 
 /// Lengths and their products between which nothing overflows, or underflows by as much as the bounds.
@@ -68,7 +68,7 @@ pub(crate) struct PencilRow {
 }
 
 impl Pencil {
-    /// The rays of a lattice; `None` where they do not share an eye.
+    /// The rays of a lattice; `None` unless they begin at one eye.
     pub(crate) fn new(lattice: &Lattice, frame: DVec3) -> Option<Self> {
         let camera = &lattice.camera;
         if camera.projection() != Projection::Perspective || lattice.is_empty() {
@@ -161,7 +161,7 @@ impl LinearHit {
         }
     }
 
-    /// Whether [`LinearHit::interpolate`] may be asked, and is worth it.
+    /// Whether the bounds of [`LinearHit::interpolate`] hold, and its lanes are likely sure.
     #[inline(always)]
     pub(crate) fn is_useful(&self) -> bool {
         self.is_useful

@@ -29,7 +29,7 @@ impl Nearest {
         self.primitive == MISS
     }
 
-    /// Whether this hit is surely the nearer one.
+    /// Whether this hit is surely nearer than another.
     pub(crate) fn is_surely_before(&self, other: &Self) -> bool {
         // The sums round by less than the slack of a few per cent in either bound.
         self.t + self.t_error < other.t - other.t_error

@@ -131,9 +131,9 @@ impl IntervalZBuffer {
                 outside = outside | value.lt(lanes.splat(-cut.error));
                 inside = inside & lanes.splat(cut.error).lt(value);
             }
-            let open = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
-            if open.rays != 0 {
-                self.leave_undecided(merge.primitive, open, first, decisions);
+            let undecided = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
+            if undecided.rays != 0 {
+                self.leave_undecided(merge.primitive, undecided, first, decisions);
             }
             a = a + step_a;
             b = b + step_b;
