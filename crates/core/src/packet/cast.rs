@@ -1,17 +1,20 @@
 //! Lattices of rays through the tree. Rays that a packet leaves undecided go to the single ray.
 
+use super::around::FindAround;
 use super::counts::CastCounts;
 use super::interval_zbuffer::IntervalZBuffer;
 use super::params::{LARGE_SIDE, SIDE};
 use super::traversal::{RayRect, Traversal};
 use crate::bvh::Accel;
-use crate::camera::Lattice;
+use crate::camera::{Lattice, PanoramaRays};
 use crate::hit::{Cull, Detail, MISS, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::num::simd::{F32x8, Lanes, Mask8, Work, dispatch};
 use crate::single::{self, Clipped};
 use crate::triangle::clip::Clip;
-use crate::triangle::interpolate::{Corners, LANES, Places, RowHits, interpolate_row};
+use crate::triangle::interpolate::{
+    Corners, LANES, Places, RowHits, interpolate_around, interpolate_row,
+};
 use crate::triangle::linear::{LinearHit, Pencil, PencilRow};
 use crate::triangle::{Nearest, PreparedRay};
 
@@ -61,9 +64,17 @@ impl Accel {
         primitives.resize(lattice.len(), MISS);
         let mut counts = CastCounts::default();
         if lattice.camera.projection().panorama().is_some() {
-            return self.find_each(clip, lattice, cull, precision, primitives);
-        }
-        if self.tree.root.is_some() {
+            let find = Find {
+                accel: self,
+                clip,
+                lattice,
+                cull,
+                precision,
+                primitives,
+                counts: &mut counts,
+            };
+            dispatch(self.simd, FindAround(find));
+        } else if self.tree.root.is_some() {
             if self.has_instances() {
                 self.find_in::<true>(clip, lattice, cull, precision, primitives, &mut counts);
             } else {
@@ -101,11 +112,8 @@ impl Accel {
     pub fn evaluate(&self, lattice: &Lattice, cull: Cull, precision: Precision, hits: &mut Hits) {
         hits.primitives.resize(lattice.len(), MISS);
         hits.make_places();
-        if lattice.camera.projection().panorama().is_some() {
-            self.evaluate_each(lattice, cull, precision, hits);
-            return;
-        }
-        if self.has_instances() {
+        // Those of panoramas are compiled for instances alone.
+        if self.has_instances() || lattice.camera.projection().panorama().is_some() {
             self.evaluate_in::<true>(lattice, cull, precision, hits);
         } else {
             self.evaluate_in::<false>(lattice, cull, precision, hits);
@@ -250,7 +258,7 @@ impl<const INSTANCES: bool> Find<'_, INSTANCES> {
     }
 
     /// What [`Accel::cast_primitive`] answers for a ray whose closest hit is one of its rivals.
-    fn cast_one(&mut self, column: u32, row: u32, rivals: Option<&[(u32, u32)]>) -> u32 {
+    pub(super) fn cast_one(&mut self, column: u32, row: u32, rivals: Option<&[(u32, u32)]>) -> u32 {
         let ray = self.lattice.ray(column, row);
         let ray = PreparedRay::new(&ray, self.accel.origin, self.cull, self.precision);
         let Some(ray) = ray else { return MISS };
@@ -312,6 +320,7 @@ impl<const INSTANCES: bool> Work for Evaluate<'_, INSTANCES> {
             cull,
             precision,
             pencil: Pencil::new(lattice, accel.origin),
+            around: PanoramaRays::new(lattice).filter(|_| INSTANCES),
             known: [(MISS, LinearHit::default()); KNOWN],
         };
         let rows = (hits.primitives.chunks_mut(columns))
@@ -366,6 +375,8 @@ struct Interpolate<'a, const INSTANCES: bool> {
     cull: Cull,
     precision: Precision,
     pencil: Option<Pencil>,
+    /// The rays of a panorama.
+    around: Option<PanoramaRays>,
     /// By the low bits of the primitive index.
     known: [(u32, LinearHit); KNOWN],
 }
@@ -393,13 +404,22 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
             *v = [PrimitiveHit::NONE.v; LANES];
             return;
         }
-        let places = Places::new(self.lattice, column, row);
         // No closure: what is called in one would not be compiled for the instruction set.
-        let found = match self.linear(places, pencil_row, primitives) {
-            Some(found) => found,
-            None => {
-                let corners = self.corners(lanes, primitives);
-                interpolate_row(&self.lattice.camera, self.accel.origin, places, &corners)
+        let found = if INSTANCES && let Some(rays) = &self.around {
+            let mut directions = [[0.0; LANES]; 3];
+            rays.eight(column, row, &mut directions);
+            let corners = self.corners(lanes, primitives);
+            let first = (primitives.iter().position(|&it| it != MISS)).unwrap_or_default();
+            let (camera, frame) = (&self.lattice.camera, self.accel.origin);
+            interpolate_around(camera, frame, (&directions, first), &corners)
+        } else {
+            let places = Places::new(self.lattice, column, row);
+            match self.linear(places, pencil_row, primitives) {
+                Some(found) => found,
+                None => {
+                    let corners = self.corners(lanes, primitives);
+                    interpolate_row(&self.lattice.camera, self.accel.origin, places, &corners)
+                }
             }
         };
         let mut undecided = false;

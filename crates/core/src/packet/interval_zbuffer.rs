@@ -7,6 +7,7 @@
 //! (Abrash, "Rasterization on Larrabee", 2009; Greene, Kass, Miller, "Hierarchical Z-Buffer Visibility",
 //! 1993).
 
+mod at_places;
 mod cut_triangles;
 
 use super::componentwise_setup::ComponentwiseSetup;

@@ -38,6 +38,8 @@
 //!   to the packet's reference (`depth_reference`) after that: these errors are as large as the whole key makes
 //!   them, and only [`LINEAR_ERROR`], with the difference's rounding in it, goes by what is left.
 
+pub(super) mod place_bounds;
+
 use super::depth_reference::DepthReference;
 use super::params::{ROW, SIDE};
 use super::ray_box::RayBox;

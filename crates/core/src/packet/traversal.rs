@@ -4,6 +4,8 @@
 //! Triangles of the leaves reached are projected eight at a time. Small ones are tested and merged at once;
 //! the rest is queued, and set up eight at a time.
 
+mod placed_packets;
+
 use super::counts::CastCounts;
 use super::decisions::Decisions;
 use super::depth_reference::DepthReference;
@@ -16,7 +18,7 @@ use super::ray_box::RayBox;
 use super::setup::{CornerLanes, PacketSpace};
 use crate::bvh::Accel;
 use crate::bvh::tree::{Box32, BoxPair, DEPTH_LIMIT, Subtree};
-use crate::camera::{Lattice, Projection};
+use crate::camera::{Camera, Lattice, Projection};
 use crate::hit::{Cull, Precision};
 use crate::num::simd::{F32x8, LANES, Lanes};
 use crate::triangle::clip::{Clip, Kept};
@@ -305,11 +307,18 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
     /// Finds the entry points of a large packet.
     #[inline(always)]
     pub(super) fn list(&mut self, lanes: impl Lanes, large: &RayRect) {
+        let frustum = self.frustum(large);
+        let camera = &self.lattice.camera;
+        self.list_in(lanes, &frustum, camera);
+    }
+
+    /// Finds the entry points of a frustum of a camera's.
+    #[inline(always)]
+    fn list_in(&mut self, lanes: impl Lanes, frustum: &Frustum, camera: &Camera) {
         let tree = &self.accel.tree;
         self.list.clear();
         self.pairs.clear();
         let Some(root) = tree.root else { return };
-        let frustum = self.frustum(large);
         self.list.push((root, tree.bounds, f32::NEG_INFINITY));
         let mut deepened = true;
         while deepened && self.list.len() < MAX_ENTRY_POINTS {
@@ -336,7 +345,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         // What more precision would decide otherwise, fast casting does not.
         if self.decisions.are_exact() {
             let boxes = self.list.iter().map(|entry| entry.1);
-            self.reference = DepthReference::of(boxes, &self.lattice.camera, self.eye);
+            self.reference = DepthReference::of(boxes, camera, self.eye);
         }
         self.list.sort_unstable_by(|a, b| a.2.total_cmp(&b.2));
         for pair in self.list.chunks(2) {

@@ -5,7 +5,7 @@
 //! the same.
 
 use super::watertight::{Edges, axes, greater, major_axis};
-use crate::camera::{Camera, Lattice, Projection};
+use crate::camera::{Camera, Lattice, Projection, Vectors};
 use glam::DVec3;
 
 pub(crate) use crate::num::simd::LANES;
@@ -85,6 +85,62 @@ pub(crate) fn interpolate_row(
     }
 }
 
+/// [`interpolate_row`] for a panorama's rays, with these directions in its camera's axes. Their major axis is that of
+/// one lane.
+#[inline(always)]
+pub(crate) fn interpolate_around(
+    camera: &Camera,
+    frame: DVec3,
+    (directions, lane): (&Vectors, usize),
+    corners: &Corners,
+) -> RowHits {
+    let mut in_world = [[0.0; LANES]; 3];
+    let [right, up, forward] =
+        [camera.right(), camera.up(), camera.forward()].map(|v| v.to_array());
+    let [x, y, z] = directions;
+    for lane in 0..LANES {
+        // `Camera::ray`, a coordinate at a time.
+        let mut direction = [0.0; 3];
+        for axis in 0..3 {
+            direction[axis] = right[axis] * x[lane] + up[axis] * y[lane] + forward[axis] * z[lane];
+        }
+        let [x, y, z] = direction;
+        let length = (x * x + y * y + z * z).sqrt();
+        for axis in 0..3 {
+            in_world[axis][lane] = direction[axis] / length;
+        }
+    }
+    let [x, y, z] = in_world.map(|all| all[lane % LANES]);
+    let eye = camera.placement().eye;
+    match major_axis(x, y, z) {
+        0 => interpolate_directions::<0>(eye, frame, &in_world, corners),
+        1 => interpolate_directions::<1>(eye, frame, &in_world, corners),
+        _ => interpolate_directions::<2>(eye, frame, &in_world, corners),
+    }
+}
+
+/// Each ray's hit of the triangle in its lane, of rays from an eye.
+#[inline(always)]
+fn interpolate_directions<const MAJOR: usize>(
+    eye: DVec3,
+    frame: DVec3,
+    [x, y, z]: &Vectors,
+    corners: &Corners,
+) -> RowHits {
+    let (eye, frame) = (eye.to_array(), frame.to_array());
+    let mut hits = RowHits {
+        t: [0.0; LANES],
+        u: [0.0; LANES],
+        v: [0.0; LANES],
+        sure: [false; LANES],
+    };
+    for lane in 0..LANES {
+        let direction = [x[lane], y[lane], z[lane]];
+        interpolate_lane::<MAJOR>((eye, direction), frame, corners, lane, &mut hits);
+    }
+    hits
+}
+
 /// One loop over plain numbers, which compilers vectorise.
 #[inline(always)]
 #[allow(
@@ -97,12 +153,10 @@ fn interpolate<const MAJOR: usize, const PERSPECTIVE: bool>(
     places: Places,
     corners: &Corners,
 ) -> RowHits {
-    let [kx, ky, kz] = const { axes(MAJOR) };
     let [right, up, forward] =
         [camera.right(), camera.up(), camera.forward()].map(|v| v.to_array());
     let eye = camera.placement().eye.to_array();
     let frame = frame.to_array();
-    let off = if frame == [0.0; 3] { 0.0 } else { 1.0 };
     let distance = camera.distance();
     let mut hits = RowHits {
         t: [0.0; LANES],
@@ -129,34 +183,48 @@ fn interpolate<const MAJOR: usize, const PERSPECTIVE: bool>(
             let length = (x * x + y * y + z * z).sqrt();
             direction = [x / length, y / length, z / length];
         }
-        let [x, y, z] = direction;
-        let same_major = major_axis(x, y, z) == MAJOR;
-        let o = [
-            origin[0] - frame[0],
-            origin[1] - frame[1],
-            origin[2] - frame[2],
-        ];
-        let far = greater(greater(o[0].abs(), o[1].abs()), o[2].abs());
-        let origin_error = far * (f64::EPSILON / 2.0) * off;
-
-        let advance = direction[kz];
-        let shear = [direction[kx] / advance, direction[ky] / advance];
-        let at = |axis: usize, corner: usize| f64::from(corners[3 * corner + axis][lane]) - o[axis];
-        let edges = Edges::new(
-            [at(kx, 0), at(kx, 1), at(kx, 2)],
-            [at(ky, 0), at(ky, 1), at(ky, 2)],
-            [at(kz, 0), at(kz, 1), at(kz, 2)],
-            shear,
-            origin_error,
-        );
-        let [t, u, v] = edges.weights(advance);
-        // A camera's rays begin behind zero and have no end. What is off by far less than itself has its own sign.
-        hits.sure[lane] = same_major & edges.surely_inside() & edges.surely_single() & (t > 0.0);
-        hits.t[lane] = t as f32;
-        hits.u[lane] = u as f32;
-        hits.v[lane] = v as f32;
+        interpolate_lane::<MAJOR>((origin, direction), frame, corners, lane, &mut hits);
     }
     hits
+}
+
+/// The hit of a ray, given by origin and direction, of the triangle in its lane.
+#[inline(always)]
+fn interpolate_lane<const MAJOR: usize>(
+    (origin, direction): ([f64; 3], [f64; 3]),
+    frame: [f64; 3],
+    corners: &Corners,
+    lane: usize,
+    hits: &mut RowHits,
+) {
+    let [kx, ky, kz] = const { axes(MAJOR) };
+    let off = if frame == [0.0; 3] { 0.0 } else { 1.0 };
+    let [x, y, z] = direction;
+    let same_major = major_axis(x, y, z) == MAJOR;
+    let o = [
+        origin[0] - frame[0],
+        origin[1] - frame[1],
+        origin[2] - frame[2],
+    ];
+    let far = greater(greater(o[0].abs(), o[1].abs()), o[2].abs());
+    let origin_error = far * (f64::EPSILON / 2.0) * off;
+
+    let advance = direction[kz];
+    let shear = [direction[kx] / advance, direction[ky] / advance];
+    let at = |axis: usize, corner: usize| f64::from(corners[3 * corner + axis][lane]) - o[axis];
+    let edges = Edges::new(
+        [at(kx, 0), at(kx, 1), at(kx, 2)],
+        [at(ky, 0), at(ky, 1), at(ky, 2)],
+        [at(kz, 0), at(kz, 1), at(kz, 2)],
+        shear,
+        origin_error,
+    );
+    let [t, u, v] = edges.weights(advance);
+    // A camera's rays begin behind zero and have no end. What is off by far less than itself has its own sign.
+    hits.sure[lane] = same_major & edges.surely_inside() & edges.surely_single() & (t > 0.0);
+    hits.t[lane] = t as f32;
+    hits.u[lane] = u as f32;
+    hits.v[lane] = v as f32;
 }
 
 #[cfg(test)]
