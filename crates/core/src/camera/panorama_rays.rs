@@ -1,5 +1,10 @@
 //! Directions of a panorama's rays on a lattice: what the rays of a column or of a row share is worked out once.
 
+#![allow(
+    clippy::needless_range_loop,
+    reason = "a lane is an index into all the arrays at once"
+)]
+
 use super::panorama::Face;
 use super::{Lattice, Panorama, Rect};
 use crate::math;

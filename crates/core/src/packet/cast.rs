@@ -1,6 +1,7 @@
 //! Lattices of rays through the tree. Rays that a packet leaves undecided go to the single ray.
 
-use super::around::FindAround;
+mod around;
+
 use super::counts::CastCounts;
 use super::interval_zbuffer::IntervalZBuffer;
 use super::params::{LARGE_SIDE, SIDE};
@@ -17,6 +18,7 @@ use crate::triangle::interpolate::{
 };
 use crate::triangle::linear::{LinearHit, Pencil, PencilRow};
 use crate::triangle::{Nearest, PreparedRay};
+use around::FindAround;
 
 impl Accel {
     /// Casts every ray of a lattice into `hits`, row by row.

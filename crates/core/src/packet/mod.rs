@@ -21,7 +21,7 @@
 //! Where there are clipping planes, boxes and triangles of which they keep nothing are skipped on the way, and those
 //! that they cut get an edge more (`interval_zbuffer::cut_triangles`).
 //!
-//! The rays of a panorama are no lattice on any plane. Each of their packets (`around`) has a plane of its own, square to
+//! The rays of a panorama are no lattice on any plane. Each of their packets (`cast::around`) has a plane of its own, square to
 //! its mean direction, on which its rays lie at `places` that are worked out one by one; triangles are set up there as
 //! for a perspective packet, and their functions are evaluated at those places
 //! (`setup::place_bounds`, `traversal::placed_packets`, `interval_zbuffer::at_places`). What sees too wide for a plane is split.
@@ -29,7 +29,6 @@
 //! `observer` and `trace` record the way for pictures and tables. No decision here is final unless a
 //! derived bound says so: the answers are those of exact arithmetic.
 
-mod around;
 #[cfg(test)]
 mod around_tests;
 mod cast;

@@ -167,7 +167,9 @@ impl Places {
         if !self.look(rays, part) {
             return Span::Empty;
         }
-        if !(rays.reach() <= FURTHEST) {
+        // NaN is not near.
+        let is_near = rays.reach() <= FURTHEST;
+        if !is_near {
             return Span::Wide;
         }
         let Some(view) = self.view(camera) else {
@@ -265,6 +267,10 @@ impl Places {
     /// Places on the view's plane, as tangents to the right and up, in place of directions, and the window that they
     /// are in. Whether all are in front, and within [`MOST_TANGENT`].
     #[inline(always)]
+    #[allow(
+        clippy::needless_range_loop,
+        reason = "a lane is an index into all the arrays at once"
+    )]
     fn project(&mut self, camera: &Camera) -> bool {
         let axes = [camera.right(), camera.up(), camera.forward()];
         let row = |v: DVec3| axes.map(|axis| v.dot(axis));

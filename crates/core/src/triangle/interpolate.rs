@@ -34,6 +34,13 @@ pub(crate) struct Places {
 }
 
 impl Places {
+    const NONE: Self = Self {
+        first: 0.0,
+        stride: 0.0,
+        offset: 0.0,
+        y: 0.0,
+    };
+
     /// A column of a lattice's row, and the seven after it.
     #[inline(always)]
     pub(crate) fn new(lattice: &Lattice, column: u32, row: u32) -> Self {
@@ -74,20 +81,25 @@ pub(crate) fn interpolate_row(
 ) -> RowHits {
     let (x, y) = places.get(0);
     let DVec3 { x, y, z } = camera.direction(x, y);
+    let rays = (places, &[[0.0; LANES]; 3]);
     // Neighbouring rays nearly always share their major axis; a lane that does not is not sure.
     match (major_axis(x, y, z), camera.projection()) {
-        (0, Projection::Perspective) => interpolate::<0, true>(camera, frame, places, corners),
-        (1, Projection::Perspective) => interpolate::<1, true>(camera, frame, places, corners),
-        (_, Projection::Perspective) => interpolate::<2, true>(camera, frame, places, corners),
-        (0, _) => interpolate::<0, false>(camera, frame, places, corners),
-        (1, _) => interpolate::<1, false>(camera, frame, places, corners),
-        (_, _) => interpolate::<2, false>(camera, frame, places, corners),
+        (0, Projection::Perspective) => interpolate::<0, FROM_EYE>(camera, frame, rays, corners),
+        (1, Projection::Perspective) => interpolate::<1, FROM_EYE>(camera, frame, rays, corners),
+        (_, Projection::Perspective) => interpolate::<2, FROM_EYE>(camera, frame, rays, corners),
+        (0, _) => interpolate::<0, PARALLEL>(camera, frame, rays, corners),
+        (1, _) => interpolate::<1, PARALLEL>(camera, frame, rays, corners),
+        (_, _) => interpolate::<2, PARALLEL>(camera, frame, rays, corners),
     }
 }
 
 /// [`interpolate_row`] for a panorama's rays, with these directions in its camera's axes. Their major axis is that of
 /// one lane.
 #[inline(always)]
+#[allow(
+    clippy::needless_range_loop,
+    reason = "a lane is an index into all the arrays at once"
+)]
 pub(crate) fn interpolate_around(
     camera: &Camera,
     frame: DVec3,
@@ -111,35 +123,18 @@ pub(crate) fn interpolate_around(
         }
     }
     let [x, y, z] = in_world.map(|all| all[lane % LANES]);
-    let eye = camera.placement().eye;
+    let rays = (Places::NONE, &in_world);
     match major_axis(x, y, z) {
-        0 => interpolate_directions::<0>(eye, frame, &in_world, corners),
-        1 => interpolate_directions::<1>(eye, frame, &in_world, corners),
-        _ => interpolate_directions::<2>(eye, frame, &in_world, corners),
+        0 => interpolate::<0, AROUND>(camera, frame, rays, corners),
+        1 => interpolate::<1, AROUND>(camera, frame, rays, corners),
+        _ => interpolate::<2, AROUND>(camera, frame, rays, corners),
     }
 }
 
-/// Each ray's hit of the triangle in its lane, of rays from an eye.
-#[inline(always)]
-fn interpolate_directions<const MAJOR: usize>(
-    eye: DVec3,
-    frame: DVec3,
-    [x, y, z]: &Vectors,
-    corners: &Corners,
-) -> RowHits {
-    let (eye, frame) = (eye.to_array(), frame.to_array());
-    let mut hits = RowHits {
-        t: [0.0; LANES],
-        u: [0.0; LANES],
-        v: [0.0; LANES],
-        sure: [false; LANES],
-    };
-    for lane in 0..LANES {
-        let direction = [x[lane], y[lane], z[lane]];
-        interpolate_lane::<MAJOR>((eye, direction), frame, corners, lane, &mut hits);
-    }
-    hits
-}
+/// Rays through places of the plane from one eye, side by side, and rays with directions of their own.
+const FROM_EYE: u8 = 0;
+const PARALLEL: u8 = 1;
+const AROUND: u8 = 2;
 
 /// One loop over plain numbers, which compilers vectorise.
 #[inline(always)]
@@ -147,16 +142,18 @@ fn interpolate_directions<const MAJOR: usize>(
     clippy::needless_range_loop,
     reason = "a lane is an index into all the arrays at once"
 )]
-fn interpolate<const MAJOR: usize, const PERSPECTIVE: bool>(
+fn interpolate<const MAJOR: usize, const RAYS: u8>(
     camera: &Camera,
     frame: DVec3,
-    places: Places,
+    (places, directions): (Places, &Vectors),
     corners: &Corners,
 ) -> RowHits {
+    let [kx, ky, kz] = const { axes(MAJOR) };
     let [right, up, forward] =
         [camera.right(), camera.up(), camera.forward()].map(|v| v.to_array());
     let eye = camera.placement().eye.to_array();
     let frame = frame.to_array();
+    let off = if frame == [0.0; 3] { 0.0 } else { 1.0 };
     let distance = camera.distance();
     let mut hits = RowHits {
         t: [0.0; LANES],
@@ -172,59 +169,47 @@ fn interpolate<const MAJOR: usize, const PERSPECTIVE: bool>(
         let mut direction = forward;
         for axis in 0..3 {
             let on_plane = right[axis] * across + up[axis] * along;
-            if PERSPECTIVE {
+            if RAYS == AROUND {
+                direction[axis] = directions[axis][lane];
+            } else if RAYS == FROM_EYE {
                 direction[axis] = on_plane + forward[axis] * distance;
             } else {
                 origin[axis] = eye[axis] + on_plane;
             }
         }
-        if PERSPECTIVE {
+        if RAYS == FROM_EYE {
             let [x, y, z] = direction;
             let length = (x * x + y * y + z * z).sqrt();
             direction = [x / length, y / length, z / length];
         }
-        interpolate_lane::<MAJOR>((origin, direction), frame, corners, lane, &mut hits);
+        let [x, y, z] = direction;
+        let same_major = major_axis(x, y, z) == MAJOR;
+        let o = [
+            origin[0] - frame[0],
+            origin[1] - frame[1],
+            origin[2] - frame[2],
+        ];
+        let far = greater(greater(o[0].abs(), o[1].abs()), o[2].abs());
+        let origin_error = far * (f64::EPSILON / 2.0) * off;
+
+        let advance = direction[kz];
+        let shear = [direction[kx] / advance, direction[ky] / advance];
+        let at = |axis: usize, corner: usize| f64::from(corners[3 * corner + axis][lane]) - o[axis];
+        let edges = Edges::new(
+            [at(kx, 0), at(kx, 1), at(kx, 2)],
+            [at(ky, 0), at(ky, 1), at(ky, 2)],
+            [at(kz, 0), at(kz, 1), at(kz, 2)],
+            shear,
+            origin_error,
+        );
+        let [t, u, v] = edges.weights(advance);
+        // A camera's rays begin behind zero and have no end. What is off by far less than itself has its own sign.
+        hits.sure[lane] = same_major & edges.surely_inside() & edges.surely_single() & (t > 0.0);
+        hits.t[lane] = t as f32;
+        hits.u[lane] = u as f32;
+        hits.v[lane] = v as f32;
     }
     hits
-}
-
-/// The hit of a ray, given by origin and direction, of the triangle in its lane.
-#[inline(always)]
-fn interpolate_lane<const MAJOR: usize>(
-    (origin, direction): ([f64; 3], [f64; 3]),
-    frame: [f64; 3],
-    corners: &Corners,
-    lane: usize,
-    hits: &mut RowHits,
-) {
-    let [kx, ky, kz] = const { axes(MAJOR) };
-    let off = if frame == [0.0; 3] { 0.0 } else { 1.0 };
-    let [x, y, z] = direction;
-    let same_major = major_axis(x, y, z) == MAJOR;
-    let o = [
-        origin[0] - frame[0],
-        origin[1] - frame[1],
-        origin[2] - frame[2],
-    ];
-    let far = greater(greater(o[0].abs(), o[1].abs()), o[2].abs());
-    let origin_error = far * (f64::EPSILON / 2.0) * off;
-
-    let advance = direction[kz];
-    let shear = [direction[kx] / advance, direction[ky] / advance];
-    let at = |axis: usize, corner: usize| f64::from(corners[3 * corner + axis][lane]) - o[axis];
-    let edges = Edges::new(
-        [at(kx, 0), at(kx, 1), at(kx, 2)],
-        [at(ky, 0), at(ky, 1), at(ky, 2)],
-        [at(kz, 0), at(kz, 1), at(kz, 2)],
-        shear,
-        origin_error,
-    );
-    let [t, u, v] = edges.weights(advance);
-    // A camera's rays begin behind zero and have no end. What is off by far less than itself has its own sign.
-    hits.sure[lane] = same_major & edges.surely_inside() & edges.surely_single() & (t > 0.0);
-    hits.t[lane] = t as f32;
-    hits.u[lane] = u as f32;
-    hits.v[lane] = v as f32;
 }
 
 #[cfg(test)]

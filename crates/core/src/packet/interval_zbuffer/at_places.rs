@@ -30,6 +30,19 @@ const WHOLE: RayBox = RayBox {
     bottom: SIDE as i32 - 1,
 };
 
+/// A function at eight places. No closure: what is called in one may not be compiled for the instruction set.
+#[inline(always)]
+fn value<L: Lanes>(lanes: L, f: [f32; 3], (x, y): (L::F32, L::F32)) -> L::F32 {
+    let below = lanes.splat(f[0]) + lanes.splat(f[2]) * y;
+    below + lanes.splat(f[1]) * x
+}
+
+/// By how much a function differs within half extents.
+#[inline(always)]
+fn swing<F: F32x8>(f: [f32; 3], (half_x, half_y): (F, F)) -> F {
+    half_x * f[1].abs() + half_y * f[2].abs()
+}
+
 impl IntervalZBuffer {
     /// Clears it for a panorama's packet. Rays that the packet does not have accept nothing.
     #[inline(always)]
@@ -120,23 +133,23 @@ impl IntervalZBuffer {
             let cells = places.centres(half);
             let (x, y) = (lanes.load(&cells.x), lanes.load(&cells.y));
             let (half_x, half_y) = (lanes.load(&cells.half_x), lanes.load(&cells.half_y));
-            let value = |f: [f32; 3]| {
-                let below = lanes.splat(f[0]) + lanes.splat(f[2]) * y;
-                below + lanes.splat(f[1]) * x
-            };
-            let swing = |f: [f32; 3]| half_x * f[1].abs() + half_y * f[2].abs();
-            let [greatest, least] = {
-                let of = |f: [f32; 3]| {
-                    let (value, swing) = (value(f), swing(f));
-                    [value + swing, value - swing]
-                };
-                let ([a, p], [b, q], [c, r]) = (of(edges[0]), of(edges[1]), of(edges[2]));
-                [a.min(b).min(c), p.min(q).min(r)]
-            };
+            let [e, f, g] = edges;
+            let (a, b, c) = (
+                value(lanes, e, (x, y)),
+                value(lanes, f, (x, y)),
+                value(lanes, g, (x, y)),
+            );
+            let (p, q, r) = (
+                swing(e, (half_x, half_y)),
+                swing(f, (half_x, half_y)),
+                swing(g, (half_x, half_y)),
+            );
+            let greatest = (a + p).min(b + q).min(c + r);
+            let least = (a - p).min(b - q).min(c - r);
             let outside = greatest.lt(minus_error).bits();
             let inside = error.lt(least).bits();
             let mut nearest = [0.0; ROW];
-            let near = value(depth_key) + swing(depth_key);
+            let near = value(lanes, depth_key, (x, y)) + swing(depth_key, (half_x, half_y));
             (near + depth_key_error).store(&mut nearest);
 
             let mut queued = touched & !outside;
@@ -182,12 +195,12 @@ impl IntervalZBuffer {
             let Some((x, y)) = places.eight(first) else {
                 return;
             };
-            let (x, y) = (lanes.load(x), lanes.load(y));
-            let value = |f: [f32; 3]| {
-                let below = lanes.splat(f[0]) + lanes.splat(f[2]) * y;
-                below + lanes.splat(f[1]) * x
-            };
-            let (a, b, c) = (value(e), value(f), value(g));
+            let at = (lanes.load(x), lanes.load(y));
+            let (a, b, c) = (
+                value(lanes, e, at),
+                value(lanes, f, at),
+                value(lanes, g, at),
+            );
             let least = a.min(b).min(c);
             let mut outside = least.lt(minus_error);
             if outside.bits() & ALL == ALL {
@@ -203,7 +216,7 @@ impl IntervalZBuffer {
             let Some((low, high, primitives)) = self.rays(first) else {
                 return;
             };
-            let near = value(depth_key);
+            let near = value(lanes, depth_key, at);
             let open = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
             if open.rays != 0 {
                 self.leave_undecided(merge.primitive, open, first, decisions);
@@ -221,7 +234,6 @@ impl IntervalZBuffer {
         cell: usize,
         decisions: &mut Decisions<'_>,
     ) {
-        let [constant, by_x, by_y] = functions.depth_key.map(|number| lanes.splat(number));
         let merge = DepthMerge::new(lanes, functions, self.begin);
         for row in 0..ROW {
             let first = first_of(cell, row);
@@ -230,7 +242,7 @@ impl IntervalZBuffer {
             else {
                 return;
             };
-            let near = (constant + by_y * lanes.load(y)) + by_x * lanes.load(x);
+            let near = value(lanes, functions.depth_key, (lanes.load(x), lanes.load(y)));
             let open = merge.row(lanes, near, None, low, high, primitives);
             if open.rays != 0 {
                 self.leave_undecided(merge.primitive, open, first, decisions);

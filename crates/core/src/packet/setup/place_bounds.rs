@@ -7,6 +7,11 @@
 //! single precision, 32u and 64u: 2⁻¹⁶ covers both, and the rays' own error comes on top. A hit is no nearer than the
 //! nearest corner, whose inverse depth is off by 1.01δ/Z of itself.
 
+#![allow(
+    clippy::needless_range_loop,
+    reason = "a lane is an index into all the arrays at once"
+)]
+
 use super::{CornerLanes, LANES, PacketSpace, max, max3};
 use crate::packet::place_box::PlaceBox;
 
@@ -67,8 +72,6 @@ impl PacketSpace {
         for l in 0..LANES {
             let reach = max(max3(ax[l], bx[l], cx[l]), max3(ay[l], by[l], cy[l]));
             let delta = self.delta(reach, max3(az[l], bz[l], cz[l]));
-            let least = |a: f64, b: f64, c: f64| min(min(a, b), c);
-            let most = |a: f64, b: f64, c: f64| max(max(a, b), c);
             let front = least(az[l], bz[l], cz[l]);
             // NaN is not clear, nor behind.
             let is_clear = front > CLEAR * delta;
@@ -97,6 +100,12 @@ impl PacketSpace {
 }
 
 #[inline(always)]
-fn min(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
+fn least(a: f64, b: f64, c: f64) -> f64 {
+    let least = if a < b { a } else { b };
+    if least < c { least } else { c }
+}
+
+#[inline(always)]
+fn most(a: f64, b: f64, c: f64) -> f64 {
+    max(max(a, b), c)
 }

@@ -1,14 +1,14 @@
 //! Lattices of panoramas: packets whose rays lie at places of their own on a plane each
-//! ([`places`](super::places)). Packets that see too wide for a plane are split, the smallest ones cast ray by ray.
+//! ([`places`](crate::packet::places)). Packets that see too wide for a plane are split, the smallest ones cast ray by ray.
 
-use super::cast::Find;
-use super::interval_zbuffer::IntervalZBuffer;
-use super::params::{LARGE_SIDE, ROW, SIDE};
-use super::places::{Places, Span};
-use super::traversal::{RayRect, Traversal};
+use super::Find;
 use crate::camera::{PanoramaRays, Rect};
 use crate::hit::MISS;
 use crate::num::simd::{Lanes, Work};
+use crate::packet::interval_zbuffer::IntervalZBuffer;
+use crate::packet::params::{LARGE_SIDE, ROW, SIDE};
+use crate::packet::places::{Places, Span};
+use crate::packet::traversal::{RayRect, Traversal};
 use glam::DVec3;
 
 /// [`Find`] for a panorama's lattice.
