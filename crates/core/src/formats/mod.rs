@@ -8,6 +8,7 @@ mod gltf;
 mod guard;
 mod jpeg;
 mod kind;
+mod length_unit;
 mod limits;
 mod lines;
 mod mesh_file;
@@ -39,6 +40,7 @@ mod write;
 
 pub use error::{FilePosition, FormatError};
 pub use guard::panic_is_caught;
+pub use length_unit::LengthUnit;
 pub use limits::{Budget, Limits};
 pub use ray_file::{HIT_BYTES, RAY_BYTES, decode_ray, encode_hit};
 pub use scene_file::{CameraFile, FileKind, ImageSettings, SceneFile, ShadingFile};
@@ -151,6 +153,7 @@ pub fn read_scene_within(
         scene: Scene { objects },
         warnings,
         notes: read.notes,
+        unit: read.unit,
         opened: disk.opened(),
         ..SceneFile::default()
     })

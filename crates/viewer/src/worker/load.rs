@@ -128,6 +128,7 @@ impl Load<'_> {
         Ok(News::Added {
             objects: file.scene.objects,
             opened: file.opened,
+            unit: file.unit,
             paths,
             notes: file.warnings,
             errors,
@@ -239,6 +240,7 @@ impl Load<'_> {
         let document = Document {
             paths,
             opened: file.opened,
+            unit: file.unit,
             animation: file.animation,
             shading: file.shading,
             file: own,

@@ -8,6 +8,7 @@ mod check;
 pub mod demo;
 mod dialog;
 pub mod files;
+mod keys;
 mod load;
 pub mod mailbox;
 mod neighbors;

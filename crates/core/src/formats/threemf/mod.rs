@@ -3,6 +3,7 @@
 mod model;
 mod package;
 
+use super::length_unit::LengthUnit;
 use crate::formats::Progress;
 use crate::formats::error::{FormatError, quote};
 use crate::formats::limits::Budget;
@@ -194,7 +195,9 @@ fn tell(path: &Path, models: &Models, root: usize, placed: &mut Placed) {
             quote::path(path)
         ));
     }
-    let unit = quote(&models.models[root].unit);
+    let unit = &models.models[root].unit;
+    placed.unit = LengthUnit::from_threemf(unit);
+    let unit = quote(unit);
     placed
         .notes
         .push(format!("unit: {}; up axis: Z", unit.trim_matches('"')));
