@@ -6,6 +6,7 @@ mod color;
 mod color_map;
 mod content;
 mod curvature;
+mod extent;
 mod mapping;
 mod measures;
 mod mesh;
