@@ -202,7 +202,7 @@ impl Descent {
 
 /// The traversal of a lattice's packets, through one tree or through instances too ([`Accel::open`]).
 pub(super) struct Traversal<'a, const INSTANCES: bool> {
-    accel: &'a Accel,
+    pub(super) accel: &'a Accel,
     clip: &'a Clip,
     lattice: &'a Lattice,
     eye: DVec3,
@@ -283,7 +283,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         }
     }
 
-    fn frustum(&self, part: &RayRect) -> Frustum {
+    pub(super) fn frustum(&self, part: &RayRect) -> Frustum {
         Frustum::new(self.viewpoint(), &self.window(part))
     }
 
@@ -584,47 +584,26 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
     /// Corners of eight triangles, in structure-of-arrays order.
     #[inline(always)]
     fn corners(&self, lanes: impl Lanes, primitives: &[u32; LANES]) -> CornerLanes {
-        let [a, b, c, d, e, f, g, h] = *primitives;
+        let stored = self.accel.stored_corners::<INSTANCES>(primitives);
+        let [a, b, c, d, e, f, g, h] = stored;
         let rows = [
-            self.row(lanes, a),
-            self.row(lanes, b),
-            self.row(lanes, c),
-            self.row(lanes, d),
-            self.row(lanes, e),
-            self.row(lanes, f),
-            self.row(lanes, g),
-            self.row(lanes, h),
+            row(lanes, a),
+            row(lanes, b),
+            row(lanes, c),
+            row(lanes, d),
+            row(lanes, e),
+            row(lanes, f),
+            row(lanes, g),
+            row(lanes, h),
         ];
         let [ax, ay, az, bx, by, bz, cx, cy] = lanes.transpose(rows);
-        let cz = lanes.load(&[
-            self.last(a),
-            self.last(b),
-            self.last(c),
-            self.last(d),
-            self.last(e),
-            self.last(f),
-            self.last(g),
-            self.last(h),
-        ]);
+        let cz = lanes.load(&stored.map(|[_, _, c]| c.z));
         let mut out: CornerLanes = [[0.0; LANES]; 9];
         for (out, corners) in out.iter_mut().zip([ax, ay, az, bx, by, bz, cx, cy, cz]) {
             corners.store(out);
         }
         self.accel.place::<INSTANCES>(primitives, &mut out);
         out
-    }
-
-    /// A triangle's first eight coordinates, as they are stored.
-    #[inline(always)]
-    fn row<L: Lanes>(&self, lanes: L, primitive: u32) -> L::F32 {
-        let [a, b, c] = self.accel.stored_corners::<INSTANCES>(primitive);
-        lanes.load(&[a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y])
-    }
-
-    /// Its ninth coordinate.
-    #[inline(always)]
-    fn last(&self, primitive: u32) -> f32 {
-        self.accel.stored_corners::<INSTANCES>(primitive)[2].z
     }
 
     /// Prefetches what a subtree on the stack will be read from: its triangles, or its first nodes.
@@ -720,6 +699,12 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             _ => f32::INFINITY,
         }
     }
+}
+
+/// The first eight of a triangle's coordinates.
+#[inline(always)]
+fn row<L: Lanes>(lanes: L, [a, b, c]: &[Vec3; 3]) -> L::F32 {
+    lanes.load(&[a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y])
 }
 
 /// The size below which boxes count as small: a bound on the sum of their sides, linear in where they begin

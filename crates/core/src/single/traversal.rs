@@ -20,7 +20,7 @@ pub(crate) fn nearest(accel: &Accel, clip: &Clip, ray: &PreparedRay) -> Nearest 
     loop {
         if let Some(index) = subtree.node() {
             let mut opened = None;
-            let (boxes, [a, b]) = accel.open::<true>(index, &mut opened);
+            let (boxes, [a, b]) = accel.open_any(index, &mut opened);
             let [(near_a, meets_a), (near_b, meets_b)] = slab.enter(boxes, limit);
             match (meets_a, meets_b) {
                 (true, true) => {
