@@ -192,6 +192,11 @@ impl<const INSTANCES: bool> Work for Find<'_, INSTANCES> {
             if traversal.list.is_empty() {
                 continue;
             }
+            let may_be_sparse = self.lattice.stride > 1 && self.precision == Precision::Exact;
+            if may_be_sparse && traversal.is_sparse(lanes, &large) {
+                self.cast_each(&large);
+                continue;
+            }
             for part in large.split(SIDE as u32) {
                 if traversal.cast(lanes, &part, self.cull, &mut zbuffer, &mut ()) {
                     self.keep(&part, &mut zbuffer);

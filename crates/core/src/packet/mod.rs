@@ -51,6 +51,7 @@ mod setup;
 mod setup_tests;
 mod slivers;
 mod small_triangles;
+mod sparse;
 mod trace;
 mod traversal;
 
