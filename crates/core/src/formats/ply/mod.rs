@@ -328,7 +328,13 @@ impl<V: Values> Reader<'_, V> {
         for place in [Some(indices), texcoords].into_iter().flatten() {
             layout.properties[place].1 = POSITION;
         }
-        let scalars = layout.take_scalars();
+        let mut scalars = layout.take_scalars();
+        // MeshLab gives vertices and faces a `quality` each.
+        for name in &mut scalars {
+            if self.mesh.scalars.iter().any(|scalar| scalar.name == *name) {
+                name.push_str(" of faces");
+            }
+        }
         self.note_scalars("faces", &scalars);
         self.note_unused("faces", layout.unused());
         let first = self.mesh.triangles.len();

@@ -151,6 +151,27 @@ fn scalars_of_triangles_alone_are_those_of_any_faces() {
 }
 
 #[test]
+fn a_name_of_vertices_and_faces_both_is_two_scalars() {
+    let text = TRIANGLE
+        .replace(
+            "property float z",
+            "property float z\nproperty float quality",
+        )
+        .replace("vertex_indices", "vertex_indices\nproperty float quality")
+        .replace(
+            "0 0 0\n1 0 0\n0 1 0\n3 0 1 2",
+            "0 0 0 1\n1 0 0 2\n0 1 0 3\n3 0 1 2 9",
+        );
+    let scalars = parse(text.as_bytes()).expect("a good file").mesh.scalars;
+    let found: Vec<_> = scalars.iter().map(|s| (&*s.name, &*s.values)).collect();
+    let expected = [
+        ("quality", &[1.0f32, 2.0, 3.0][..]),
+        ("quality of faces", &[9.0]),
+    ];
+    assert_eq!(found, expected);
+}
+
+#[test]
 fn triangles_alone_are_read_as_any_faces_are() {
     let face = [3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0];
     let parsed = parse(&binary_triangle(&face)).expect("a good file");
