@@ -74,6 +74,29 @@ impl<'s> Placed<'s> {
     }
 }
 
+impl Mesh {
+    /// The positions of the vertices that kept triangles have, each once.
+    fn kept_positions(&self) -> impl Iterator<Item = Vec3> {
+        let kept = self.measures().kept_vertices.get_or_init(|| {
+            let mut is_kept = vec![false; self.positions().len()];
+            let triangles = self.kept().iter().map(|&n| self.triangles()[n as usize]);
+            triangles
+                .flatten()
+                .for_each(|vertex| is_kept[vertex as usize] = true);
+            let kept = (0..).zip(&is_kept).filter(|(_, is_kept)| **is_kept);
+            is_kept
+                .contains(&false)
+                .then(|| kept.map(|(vertex, _)| vertex).collect())
+        });
+        let (all, some) = match kept {
+            None => (self.positions(), &[][..]),
+            Some(kept) => (&[][..], &kept[..]),
+        };
+        let some = some.iter().map(|&vertex| self.positions()[vertex as usize]);
+        all.iter().copied().chain(some)
+    }
+}
+
 impl Scene {
     /// Visible objects in their places; `None` where there is no valid placement.
     fn placed(&self) -> Option<Vec<Placed<'_>>> {

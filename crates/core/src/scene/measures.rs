@@ -1,6 +1,5 @@
+use super::Scalar;
 use super::curvature::Curvatures;
-use super::{Mesh, Scalar};
-use glam::Vec3;
 use std::sync::OnceLock;
 
 /// What colours can show of a mesh: the file's scalars, and what is worked out when it is first asked for.
@@ -34,27 +33,4 @@ pub(super) fn without_outliers(mut values: Vec<f32>) -> Option<[f32; 2]> {
     let low = (last as f64 * OUTLIERS) as usize;
     let mut at = |index: usize| *values.select_nth_unstable_by(index, f32::total_cmp).1;
     Some([at(low), at(last - low)])
-}
-
-impl Mesh {
-    /// The positions of the vertices that kept triangles have, each once.
-    pub(super) fn kept_positions(&self) -> impl Iterator<Item = Vec3> {
-        let kept = self.measures().kept_vertices.get_or_init(|| {
-            let mut is_kept = vec![false; self.positions().len()];
-            let triangles = self.kept().iter().map(|&n| self.triangles()[n as usize]);
-            triangles
-                .flatten()
-                .for_each(|vertex| is_kept[vertex as usize] = true);
-            let kept = (0..).zip(&is_kept).filter(|(_, is_kept)| **is_kept);
-            is_kept
-                .contains(&false)
-                .then(|| kept.map(|(vertex, _)| vertex).collect())
-        });
-        let (all, some) = match kept {
-            None => (self.positions(), &[][..]),
-            Some(kept) => (&[][..], &kept[..]),
-        };
-        let some = some.iter().map(|&vertex| self.positions()[vertex as usize]);
-        all.iter().copied().chain(some)
-    }
 }
