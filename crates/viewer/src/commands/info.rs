@@ -26,6 +26,8 @@ struct FileInfo {
     build_ms: f64,
     tree_bytes: usize,
     tree_bytes_per_triangle: f64,
+    /// Whether there is a tree for each mesh instead of one over all triangles.
+    instances: bool,
     objects: Vec<ObjectInfo>,
     warnings: Vec<String>,
     /// What the file is, says of itself, and holds that is not used.
@@ -298,6 +300,7 @@ fn inspect(path: &Path, reading: &ReadingArgs, looks: bool) -> Result<FileInfo, 
         build_ms: milliseconds(build_time),
         tree_bytes,
         tree_bytes_per_triangle: tree_bytes as f64 / accel.len().max(1) as f64,
+        instances: accel.has_instances(),
         objects,
         warnings,
         notes,
@@ -317,8 +320,14 @@ fn describe(info: &FileInfo) -> String {
     line(
         "tree",
         format!(
-            "{:.1} bytes a triangle, built in {:.1} ms",
-            info.tree_bytes_per_triangle, info.build_ms
+            "{:.1} bytes a triangle{}, built in {:.1} ms",
+            info.tree_bytes_per_triangle,
+            if info.instances {
+                ", one for each mesh"
+            } else {
+                ""
+            },
+            info.build_ms
         ),
     );
     for note in &info.notes {
@@ -453,6 +462,7 @@ mod tests {
             build_ms: 2.0,
             tree_bytes: 100,
             tree_bytes_per_triangle: 100.0,
+            instances: false,
             objects: scene.objects.iter().map(ObjectInfo::from).collect(),
             warnings: vec!["part.obj: no such material".to_owned()],
             notes: vec!["binary".to_owned()],

@@ -211,7 +211,7 @@ pub(super) fn open(
         ..
     } = file;
     let name = setup::name_of(&args.files);
-    memory::check_tree(&name, scene.triangle_count())?;
+    memory::check_tree(&name, setup::stored_triangles(&scene))?;
     let accel = pool.install(|| setup::visible_tree(&name, &scene))?;
     let build_time = building.elapsed();
     let bounds = setup::bounds(&scene, &accel);
@@ -263,6 +263,7 @@ pub(super) fn tell(
         mrays_per_s: stats::mrays_per_s(tiles.rays, shares.cast),
         threads: pool.current_num_threads(),
         simd: view.accel.simd().name(),
+        instances: view.accel.has_instances(),
         peak_bytes: stats::peak_bytes(),
     })
 }

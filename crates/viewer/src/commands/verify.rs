@@ -312,7 +312,7 @@ fn cannot_read(path: &Path, error: &ImageError) -> Failure {
 }
 
 fn stage(name: &str, scene: Scene) -> Result<Stage, Failure> {
-    let accel = setup::visible_tree(name, &scene)?;
+    let accel = setup::visible(name, &scene, setup::single_tree(&scene)?)?;
     Ok(Stage::of_parts(Arc::new(scene), Arc::new(accel))?)
 }
 
