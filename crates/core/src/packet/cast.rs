@@ -192,8 +192,9 @@ impl<const INSTANCES: bool> Work for Find<'_, INSTANCES> {
             if traversal.list.is_empty() {
                 continue;
             }
-            let may_be_sparse = self.lattice.stride > 1 && self.precision == Precision::Exact;
-            if may_be_sparse && traversal.is_sparse(lanes, &large) {
+            // Fast casting goes by packets: they may be right where single rays are not.
+            let is_exact = self.precision == Precision::Exact;
+            if is_exact && traversal.is_sparse(lanes, self.lattice, &large) {
                 self.cast_each(&large);
                 continue;
             }
