@@ -1,6 +1,7 @@
 use super::{Bounds, Color, ColorRule, Mesh, Shape, Texture, TextureMapping, Transform, UpAxis};
 use crate::quote::shorten;
 use glam::{DAffine3, DVec3};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -188,6 +189,21 @@ impl Scene {
             .iter()
             .map(|object| object.mesh.triangles().len())
             .sum()
+    }
+
+    /// Bytes that the smaller versions of its textures take once a filter needs them; a texture that several
+    /// objects or materials share is counted once.
+    pub fn level_bytes(&self) -> u64 {
+        let objects = self.objects.iter();
+        let textures = objects.flat_map(|object| {
+            let materials = object.mesh.materials().iter();
+            let of_materials = materials.filter_map(|material| material.texture.as_ref());
+            object.texture.iter().chain(of_materials)
+        });
+        let distinct: BTreeMap<_, _> = textures
+            .map(|texture| (Arc::as_ptr(texture), texture.level_bytes()))
+            .collect();
+        distinct.values().sum()
     }
 
     /// The box around everything that is visible, in world space; empty if there is nothing, or no valid

@@ -40,8 +40,9 @@ pub enum Filter {
 }
 
 impl Filter {
-    /// Whether a pixel's colour depends on how much of the texture it sees.
-    pub(crate) fn has_footprint(self) -> bool {
+    /// Whether a pixel's colour depends on how much of the texture it sees; the texture's smaller versions are then
+    /// needed.
+    pub fn has_footprint(self) -> bool {
         matches!(self, Self::Trilinear | Self::Ewa)
     }
 }

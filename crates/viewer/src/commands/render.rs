@@ -211,7 +211,11 @@ pub(super) fn open(
         ..
     } = file;
     let name = setup::name_of(&args.files);
-    memory::check_tree(&name, scene.triangle_count())?;
+    let levels = match settings.shading.filter.has_footprint() {
+        true => scene.level_bytes(),
+        false => 0,
+    };
+    memory::check_scene(&name, scene.triangle_count(), levels)?;
     let accel = pool.install(|| setup::visible_tree(&name, &scene))?;
     let build_time = building.elapsed();
     let bounds = setup::bounds(&scene, &accel);

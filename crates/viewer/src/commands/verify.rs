@@ -41,7 +41,8 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     progress.building();
     let name = setup::name_of(files);
     let scene = std::mem::take(&mut file.scene);
-    memory::check_tree(&name, scene.triangle_count())?;
+    // Which filter it is is known with the recipe, once there is a tree.
+    memory::check_scene(&name, scene.triangle_count(), scene.level_bytes())?;
     let mut stage = pool.install(|| stage(&name, scene))?;
     let asked = Asked {
         args,
