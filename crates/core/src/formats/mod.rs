@@ -1,11 +1,13 @@
 //! Reading files: meshes, textures, scene files. The one place in the core that touches a disk.
 
 mod at_vertices;
+mod disk;
 mod error;
 mod face_colors;
 mod files;
 mod gltf;
 mod guard;
+mod held;
 mod jpeg;
 mod kind;
 mod limits;
@@ -47,7 +49,9 @@ pub use section_drawing::{DrawingFormat, write_section};
 pub use write::{MeshFormat, WriteError, Written, write_materials, write_meshes};
 
 use crate::scene::{Mesh, Scene, Texture};
-use files::{By, Disk, Files, Held};
+use disk::Disk;
+use files::{By, Files};
+use held::Held;
 use std::path::Path;
 use std::sync::Arc;
 

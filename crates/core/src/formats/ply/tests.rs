@@ -1,4 +1,6 @@
 use super::*;
+use crate::scene::{Color, ScalarAt};
+use glam::{DVec3, Vec2};
 
 fn parse(bytes: &[u8]) -> Result<Parsed, String> {
     let read = read(Path::new("a/b.ply"), bytes, &Budget::default(), &|_| ());

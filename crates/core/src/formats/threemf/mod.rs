@@ -1,6 +1,7 @@
 //! 3MF, with colours, base materials and the production extension.
 
 mod model;
+mod model_reader;
 mod package;
 
 use crate::formats::Progress;
@@ -60,7 +61,7 @@ pub(super) fn read(
         held += bytes_of(&part.text);
         share.grow(path, "the models", held)?;
         let left = budget.triangles_left().saturating_sub(triangles);
-        let model = model::read(package, &part, left)?;
+        let model = model_reader::read(package, &part, left)?;
         let meshes = model.objects.values().map(|object| match &object.shape {
             Shape::Mesh(mesh) => mesh.triangles.len() as u64,
             Shape::Components(_) | Shape::Taken(_) => 0,
