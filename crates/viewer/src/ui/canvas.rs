@@ -3,7 +3,8 @@
 use super::pixels::{copy, few, part};
 use super::present::{Dirty, Presenter};
 use super::theme;
-use crate::worker::outbox::{Arrival, Batch, Layout, PassReport};
+use crate::worker::layout::Layout;
+use crate::worker::outbox::{Arrival, Batch, PassReport};
 use egui::{Color32, ColorImage, TextureHandle, TextureOptions};
 use raycast_core::camera::Rect;
 use raycast_core::render::{Pass, TileStats};

@@ -8,6 +8,7 @@ mod check;
 pub mod demo;
 mod dialog;
 pub mod files;
+pub mod layout;
 mod load;
 pub mod mailbox;
 mod neighbors;
