@@ -21,6 +21,8 @@ mod ply;
 mod polygon;
 mod ray_file;
 mod scene_animation;
+#[cfg(test)]
+mod scene_error_tests;
 mod scene_file;
 mod scene_objects;
 mod scene_read;
@@ -29,6 +31,8 @@ mod scene_read_tests;
 mod scene_text;
 mod scene_toml;
 mod scene_write;
+#[cfg(test)]
+mod scene_write_tests;
 mod section_drawing;
 mod stl;
 mod texture;
