@@ -24,6 +24,21 @@ pub enum Mode {
     Wireframe,
 }
 
+impl Mode {
+    /// Each of them.
+    pub const ALL: [Self; 9] = [
+        Self::Color,
+        Self::Flat,
+        Self::Smooth,
+        Self::Normals,
+        Self::Depth,
+        Self::Barycentric,
+        Self::Uv,
+        Self::Texture,
+        Self::Wireframe,
+    ];
+}
+
 /// How a texture is read between its texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filter {

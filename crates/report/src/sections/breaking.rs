@@ -3,8 +3,8 @@
 use super::Section;
 use crate::budget::ReportBudget;
 use crate::chart::{Axis, Better, Chart, Form, Ink, Series, number};
-use crate::checked::{Checked, pixels_by_lot};
 use crate::embree::Embree;
+use crate::known_answers::{KnownAnswers, pixels_by_lot};
 use crate::meshes::{grid, mesh};
 use crate::progress::ReportProgress;
 use crate::stage::scene_of;
@@ -198,7 +198,7 @@ pub fn measure(
         };
         let subject = Subject::new(&input, budget.simd, library)?;
         let pixels = pixels_by_lot(&camera, budget.breaking);
-        let checked = Checked::new(&subject.stage, Vec::new(), vec![(camera, pixels)]);
+        let checked = KnownAnswers::new(&subject.stage, Vec::new(), vec![(camera, pixels)]);
         for caster in &subject.casters {
             let errors = checked.errors(caster.as_ref(), budget.tests);
             let point = (place, errors.rays, errors.wrong());

@@ -10,7 +10,7 @@ use raycast_core::picture::{self, ImageError, ImageFile, Picture, Recipe, RowRea
 use raycast_core::scene::{ClippingPlanes, Scene};
 use raycast_core::shade::Shading;
 use raycast_report::verify::{Channels, Claim, Verification, WrongPixel, verify};
-use raycast_report::{Fault, Stage};
+use raycast_report::{Stage, WrongAnswer};
 use std::fmt::Write;
 use std::fs::File;
 use std::io::BufReader;
@@ -384,7 +384,9 @@ fn told(found: &Verification) -> String {
             |truth| meeting(truth.object, truth.triangle, truth.t),
         );
         let _ = match (shown, fault) {
-            (Some((object, triangle, depth)), fault) if !matches!(fault, Fault::Channel { .. }) => {
+            (Some((object, triangle, depth)), fault)
+                if !matches!(fault, WrongAnswer::Channel { .. }) =>
+            {
                 let found = meeting(*object, *triangle, f64::from(*depth));
                 writeln!(
                     text,
@@ -471,7 +473,7 @@ mod tests {
             first_wrong: vec![WrongPixel {
                 x: 3,
                 y: 4,
-                fault: Fault::Hit,
+                fault: WrongAnswer::Hit,
                 shown: Some((1, 7, 2.5)),
                 truth: None,
             }],
@@ -480,7 +482,7 @@ mod tests {
         let line = "  column 3, row 4: a hit where there is a miss: expected nothing, found object 1, triangle 7 at 2.5\n";
         assert!(told(&bad).ends_with(line), "{}", told(&bad));
         let mut repainted = bad;
-        repainted.first_wrong[0].fault = Fault::Channel {
+        repainted.first_wrong[0].fault = WrongAnswer::Channel {
             channel: "G",
             found: 7.0,
             low: 9.0,
