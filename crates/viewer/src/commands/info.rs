@@ -328,67 +328,72 @@ fn describe(info: &FileInfo) -> String {
         line("warning", warning.clone());
     }
     for object in &info.objects {
-        let _ = writeln!(text, "  object {:?}", object.name);
-        let mut line = |name: &str, value: String| {
-            let _ = writeln!(text, "    {name:<10} {value}");
-        };
-        line(
-            "triangles",
-            triangles(object.triangles as u64, &object.dropped),
-        );
-        line("vertices", object.vertices.to_string());
-        if info.objects.len() > 1 {
-            bounds(&mut line, object.bounds.as_ref());
-        }
-        line("normals", yes_no(object.normals));
-        line("uvs", yes_no(object.uvs));
-        if object.vertex_colors {
-            line("colors", "at vertices".to_owned());
-        }
-        for scalar in &object.scalars {
-            line("scalar", scalar.told());
-        }
-        if !object.materials.is_empty() {
-            line("materials", some_of(&object.materials));
-        }
-        if let Some([width, height]) = object.texture {
-            line("texture", format!("{width}x{height}"));
-        }
-        if let Some(health) = &object.health {
-            let closed = if health.closed {
-                "closed"
-            } else {
-                "not closed"
-            };
-            let (shells, euler) = (health.shells, health.euler_characteristic);
-            let plural = if shells == 1 { "" } else { "s" };
-            line(
-                "joined",
-                format!("{closed}, {shells} shell{plural}, Euler characteristic {euler}"),
-            );
-            line("faults", health.faults());
-            line("area", health.area.to_string());
-            if let Some(volume) = health.volume {
-                line("volume", volume.to_string());
-            }
-        }
-        if object.offset != [0.0; 3] {
-            line("recentred", format!("by {}", vector(object.offset)));
-        }
-        let RoundingInfo {
-            distance,
-            share_of_edge,
-            ..
-        } = object.rounding;
-        if distance > 0.0 {
-            let share = 100.0 * share_of_edge;
-            line(
-                "rounded",
-                format!("by at most {distance:.2e}, and {share:.2e} % of an edge"),
-            );
-        }
+        describe_object(&mut text, object, info.objects.len() > 1);
     }
     text
+}
+
+/// Adds what there is to say of an object; its bounds where they are not the file's.
+fn describe_object(text: &mut String, object: &ObjectInfo, is_one_of_several: bool) {
+    let _ = writeln!(text, "  object {:?}", object.name);
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(text, "    {name:<10} {value}");
+    };
+    line(
+        "triangles",
+        triangles(object.triangles as u64, &object.dropped),
+    );
+    line("vertices", object.vertices.to_string());
+    if is_one_of_several {
+        bounds(&mut line, object.bounds.as_ref());
+    }
+    line("normals", yes_no(object.normals));
+    line("uvs", yes_no(object.uvs));
+    if object.vertex_colors {
+        line("colors", "at vertices".to_owned());
+    }
+    for scalar in &object.scalars {
+        line("scalar", scalar.told());
+    }
+    if !object.materials.is_empty() {
+        line("materials", some_of(&object.materials));
+    }
+    if let Some([width, height]) = object.texture {
+        line("texture", format!("{width}x{height}"));
+    }
+    if let Some(health) = &object.health {
+        let closed = if health.closed {
+            "closed"
+        } else {
+            "not closed"
+        };
+        let (shells, euler) = (health.shells, health.euler_characteristic);
+        let plural = if shells == 1 { "" } else { "s" };
+        line(
+            "joined",
+            format!("{closed}, {shells} shell{plural}, Euler characteristic {euler}"),
+        );
+        line("faults", health.faults());
+        line("area", health.area.to_string());
+        if let Some(volume) = health.volume {
+            line("volume", volume.to_string());
+        }
+    }
+    if object.offset != [0.0; 3] {
+        line("recentred", format!("by {}", vector(object.offset)));
+    }
+    let RoundingInfo {
+        distance,
+        share_of_edge,
+        ..
+    } = object.rounding;
+    if distance > 0.0 {
+        let share = 100.0 * share_of_edge;
+        line(
+            "rounded",
+            format!("by at most {distance:.2e}, and {share:.2e} % of an edge"),
+        );
+    }
 }
 
 fn triangles(count: u64, dropped: &DroppedInfo) -> String {

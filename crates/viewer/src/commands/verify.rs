@@ -7,10 +7,12 @@ use raycast_core::Cull;
 use raycast_core::camera::{Camera, Grid, Rect};
 use raycast_core::formats::SceneFile;
 use raycast_core::picture::{self, ImageError, ImageFile, Picture, Recipe, RowReader};
+use raycast_core::render::View;
 use raycast_core::scene::{ClippingPlanes, Scene};
 use raycast_core::shade::Shading;
 use raycast_report::verify::{Channels, Claim, Verification, WrongPixel, verify};
 use raycast_report::{Stage, WrongAnswer};
+use rayon::ThreadPool;
 use std::fmt::Write;
 use std::fs::File;
 use std::io::BufReader;
@@ -71,51 +73,15 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     };
     let band_memory = picture::memory_of(rect.width, rows, true);
     memory::check_band(Path::new(&name), band_memory)?;
-    let most = if args.all {
-        rect.area()
-    } else {
-        args.checks as usize
+    let checking = Checking {
+        args,
+        stage: &stage,
+        view: &view,
+        ways: &ways,
+        pool: &pool,
+        progress: &progress,
     };
-    progress.counting("verifying", most.min(rect.area()) as u64);
-    let done = |more| progress.done(more);
-    let mut image = image;
-    let mut found = Verification::default();
-    let mut drawn = 0;
-    for y in (0..rect.height).step_by(rows as usize) {
-        let band = Rect {
-            y: rect.y + y,
-            height: rows.min(rect.height - y),
-            ..rect
-        };
-        let picture = match &mut image {
-            Some(Image::Whole(image)) => {
-                std::mem::replace(&mut image.picture, Picture::blank(0, 0, false))
-            }
-            Some(Image::Rows(path, reader)) => reader
-                .rows(rows)
-                .map_err(|error| cannot_read(path, &error))?,
-            None => {
-                let part = ways.camera.sub_camera(band);
-                let no_clock = || Duration::ZERO;
-                let render = || render_rect(&view, part, Grid::default(), &no_clock, &|_| {});
-                pool.install(render)?.0
-            }
-        };
-        let claim = Claim {
-            camera: ways.camera,
-            rect: band,
-            cull: ways.cull,
-            shading: ways.shading,
-            samples: ways.samples,
-            picture: &picture,
-        };
-        // Of the pixels down to here so many are to be drawn in all.
-        let down = u128::from(y + band.height) * u128::from(rect.width);
-        let share = most.min(rect.area()) as u128 * down / rect.area().max(1) as u128;
-        let seed = args.seed.wrapping_add(u64::from(y) << 32);
-        found += pool.install(|| verify(&stage, &claim, share as usize - drawn, seed, &done));
-        drawn = share as usize;
-    }
+    let found = checking.by_bands(rect, rows, image)?;
     progress.clear();
 
     warn_of_reading(&file.warnings, &stage.scene, &stage.accel);
@@ -127,6 +93,81 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
         )));
     }
     Ok(())
+}
+
+/// A picture that is checked.
+struct Checking<'a> {
+    args: &'a VerifyArgs,
+    stage: &'a Stage,
+    view: &'a View,
+    ways: &'a Ways,
+    pool: &'a ThreadPool,
+    progress: &'a TerminalProgress,
+}
+
+impl Checking<'_> {
+    /// Checks a part of the picture, so many rows at a time; what there is no image of is rendered.
+    fn by_bands(
+        &self,
+        rect: Rect,
+        rows: u32,
+        mut image: Option<Image>,
+    ) -> Result<Verification, Failure> {
+        let Self {
+            args, stage, ways, ..
+        } = *self;
+        let most = match args.all {
+            true => rect.area(),
+            false => rect.area().min(args.checks as usize),
+        };
+        self.progress.counting("verifying", most as u64);
+        let done = |more| self.progress.done(more);
+        let mut found = Verification::default();
+        let mut drawn = 0;
+        for y in (0..rect.height).step_by(rows as usize) {
+            let band = Rect {
+                y: rect.y + y,
+                height: rows.min(rect.height - y),
+                ..rect
+            };
+            let picture = self.picture(band, &mut image)?;
+            let claim = Claim {
+                camera: ways.camera,
+                rect: band,
+                cull: ways.cull,
+                shading: ways.shading,
+                samples: ways.samples,
+                picture: &picture,
+            };
+            // Of the pixels down to here so many are to be drawn in all.
+            let down = u128::from(y + band.height) * u128::from(rect.width);
+            let share = most as u128 * down / rect.area().max(1) as u128;
+            let seed = args.seed.wrapping_add(u64::from(y) << 32);
+            let check = || verify(stage, &claim, share as usize - drawn, seed, &done);
+            found += self.pool.install(check);
+            drawn = share as usize;
+        }
+        Ok(found)
+    }
+
+    /// A band's pixels: the image's, or rendered.
+    fn picture(&self, band: Rect, image: &mut Option<Image>) -> Result<Picture, Failure> {
+        match image {
+            Some(Image::Whole(image)) => {
+                let nothing = Picture::blank(0, 0, false);
+                Ok(std::mem::replace(&mut image.picture, nothing))
+            }
+            Some(Image::Rows(path, reader)) => reader
+                .rows(band.height)
+                .map_err(|error| cannot_read(path, &error)),
+            None => {
+                let part = self.ways.camera.sub_camera(band);
+                let no_clock = || Duration::ZERO;
+                let render = || render_rect(self.view, part, Grid::default(), &no_clock, &|_| {});
+                Ok(self.pool.install(render)?.0)
+            }
+        }
+    }
 }
 
 /// What was asked for, of which files.
