@@ -28,7 +28,7 @@ pub struct MeshData {
 }
 
 impl MeshData {
-    /// What [`Mesh::offset`] will be.
+    /// What [`Mesh::offset`](super::Mesh::offset) will be.
     pub(crate) fn offset(&self) -> DVec3 {
         let usable = self.triangles.iter().filter_map(|triangle| {
             let corners = self.corners(*triangle)?;
@@ -43,7 +43,7 @@ impl MeshData {
         bytes as u64
     }
 
-    /// Bytes that a [`Mesh`] of it holds.
+    /// Bytes that a [`Mesh`](super::Mesh) of it holds.
     pub(crate) fn stored_bytes(&self) -> u64 {
         let bytes = self.positions.len() * size_of::<Vec3>()
             + self.triangles.len() * size_of::<u32>()
@@ -51,7 +51,7 @@ impl MeshData {
         bytes as u64
     }
 
-    /// Bytes of what a [`Mesh`] takes over as it is.
+    /// Bytes of what a [`Mesh`](super::Mesh) takes over as it is.
     fn shared_bytes(&self) -> usize {
         self.triangles.len() * size_of::<[u32; 3]>()
             + self.normals.as_ref().map_or(0, Attribute::bytes)
