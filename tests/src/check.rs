@@ -4,28 +4,14 @@ use raycast_core::camera::{Camera, Grid, Lattice, Ray, Rect};
 use raycast_core::picture::{Layers, Picture};
 use raycast_core::render::{Cancel, View};
 use raycast_core::scene::{Mesh, Scene};
-use raycast_core::shade::Mode;
 use raycast_core::{Accel, Cull, Detail, Precision, PrimitiveHit, Simd};
 use raycast_oracle::Truth;
 use raycast_oracle::random::Random;
 pub use raycast_report::Stage;
-use raycast_report::fault::{compare, compare_pixel};
 use raycast_report::stage::scene_of;
+use raycast_report::wrong_answer::{compare, compare_pixel};
 use rayon::prelude::*;
 use std::time::Duration;
-
-/// Every mode.
-pub const MODES: [Mode; 9] = [
-    Mode::Color,
-    Mode::Flat,
-    Mode::Smooth,
-    Mode::Normals,
-    Mode::Depth,
-    Mode::Barycentric,
-    Mode::Uv,
-    Mode::Texture,
-    Mode::Wireframe,
-];
 
 /// A stage that asks and compares, and panics where an answer is not the truth.
 pub trait Check {

@@ -37,14 +37,18 @@ fn a_full_standard_output_is_an_error_everywhere() {
     let picture = folder.path().join("a.png");
     let all = talkative(&picture);
     for arguments in all {
-        let told = run(command(&arguments).stdout(full()));
-        assert_eq!(told.status, Some(1), "{arguments:?}: {told:?}");
-        assert_eq!(told.errors.lines().count(), 1, "{arguments:?}: {told:?}");
-        assert!(told.errors.contains("standard output"), "{told:?}");
+        let output = run(command(&arguments).stdout(full()));
+        assert_eq!(output.status, Some(1), "{arguments:?}: {output:?}");
+        assert_eq!(
+            output.errors.lines().count(),
+            1,
+            "{arguments:?}: {output:?}"
+        );
+        assert!(output.errors.contains("standard output"), "{output:?}");
     }
     assert!(names(folder.path()).is_empty());
 
-    // Where nobody can be told either, the exit status still says it.
+    // Where messages cannot be written either, the exit status still reports the failure.
     let mesh = folder.path().join("none.obj");
     for (arguments, status) in [
         (arguments!["info", &mesh], 1),
@@ -52,8 +56,8 @@ fn a_full_standard_output_is_an_error_everywhere() {
         (arguments!["render"], 2),
         (arguments!["info", asset("cube.obj")], 1),
     ] {
-        let told = run(command(&arguments).stdout(full()).stderr(full()));
-        assert_eq!(told.status, Some(status), "{arguments:?}: {told:?}");
+        let output = run(command(&arguments).stdout(full()).stderr(full()));
+        assert_eq!(output.status, Some(status), "{arguments:?}: {output:?}");
     }
 }
 
@@ -68,9 +72,9 @@ fn a_closed_pipe_ends_quietly() {
         writer
     };
     for arguments in all {
-        let told = run(command(&arguments).stdout(closed()));
-        assert_eq!(told.status, Some(0), "{arguments:?}: {told:?}");
-        assert!(told.errors.is_empty(), "{arguments:?}: {told:?}");
+        let output = run(command(&arguments).stdout(closed()));
+        assert_eq!(output.status, Some(0), "{arguments:?}: {output:?}");
+        assert!(output.errors.is_empty(), "{arguments:?}: {output:?}");
     }
     assert_eq!(names(folder.path()), ["a.png"]);
     // Warnings and errors that nobody reads are no panic.
@@ -87,7 +91,7 @@ fn a_closed_pipe_ends_quietly() {
 // Words.
 
 #[test]
-fn a_mistyped_command_is_told_with_the_one_that_was_meant() {
+fn a_mistyped_command_is_named_with_the_nearest_one() {
     let mesh = asset("cube.obj");
     for (word, meant) in [
         ("reder", "render"),
@@ -117,8 +121,8 @@ fn a_mistyped_command_is_told_with_the_one_that_was_meant() {
     for variable in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
         view.env_remove(variable);
     }
-    let told = run(&mut view);
-    assert!(!told.errors.contains("no such command"), "{told:?}");
+    let output = run(&mut view);
+    assert!(!output.errors.contains("no such command"), "{output:?}");
 }
 
 #[test]
@@ -127,11 +131,11 @@ fn a_name_that_is_an_ending_alone_is_refused() {
     let mesh = asset("cube.obj");
     for name in ["png", ".png", "exr", "a.png.bak"] {
         let mut render = command(arguments!["render", &mesh, "-o", name, "--size", "4x4"]);
-        let told = run(render.current_dir(folder.path()));
-        assert_eq!(told.status, Some(2), "{name}: {told:?}");
+        let output = run(render.current_dir(folder.path()));
+        assert_eq!(output.status, Some(2), "{name}: {output:?}");
         assert!(
-            told.errors.contains("expected a name that ends in .png"),
-            "{told:?}"
+            output.errors.contains("expected a name that ends in .png"),
+            "{output:?}"
         );
         let path = folder.path().join(name);
         refuse(2, arguments!["render", &mesh, "-o", path, "--size", "4x4"]);
@@ -270,18 +274,18 @@ fn info_and_render_agree_on_scenes() {
     ] {
         let scene = write(folder.path(), "a.raycast.toml", &text);
         let picture = folder.path().join("a.png");
-        let mut told: Vec<ProgramOutput> = Vec::new();
+        let mut outputs: Vec<ProgramOutput> = Vec::new();
         for arguments in [
             arguments!["info", &scene],
             arguments!["render", &scene, "-o", &picture, "--threads", "1"],
         ] {
-            told.push(run(&mut command(arguments)));
+            outputs.push(run(&mut command(arguments)));
         }
-        for told in &told {
-            assert_eq!(told.status, Some(status), "{text}: {told:?}");
+        for output in &outputs {
+            assert_eq!(output.status, Some(status), "{text}: {output:?}");
         }
         if status == 1 {
-            assert_eq!(told[0].errors, told[1].errors, "{text}");
+            assert_eq!(outputs[0].errors, outputs[1].errors, "{text}");
         }
     }
 }

@@ -5,7 +5,7 @@
 
 #![allow(
     clippy::print_stdout,
-    reason = "tests tell what they checked and what they skipped"
+    reason = "tests report what they checked and what they skipped"
 )]
 
 use raycast_core::Cull;
@@ -243,7 +243,7 @@ fn pictures_on_a_lattice() {
 }
 
 fn covered_pixels(picture: &Picture) -> usize {
-    let layers = picture.layers.as_ref().expect("layers were asked for");
+    let layers = picture.layers.as_ref().expect("layers were requested");
     layers.depth.iter().filter(|z| z.is_finite()).count()
 }
 

@@ -2,7 +2,7 @@
 //! ray and tiles, each instruction set of the machine, exact and fast, perspective and orthographic.
 //!
 //! How the truth is known: rational arithmetic on the stored vertices (`raycast-oracle`), and for a
-//! closed surface that no ray may pass. What is no matter of rays stands below the list.
+//! closed surface that no ray may pass. Tests that cast no rays are below the list.
 //!
 //! Counts are such that the whole suite runs in minutes. `RAYCAST_LONG_RAYS=1000000000 cargo test
 //! --release -p raycast-tests --test hard_cases leaves -- --nocapture` casts as many rays of cameras
@@ -10,7 +10,7 @@
 
 #![allow(
     clippy::print_stdout,
-    reason = "tests tell what they checked and what they skipped"
+    reason = "tests report what they checked and what they skipped"
 )]
 
 use raycast_core::camera::{Lattice, Projection, Ray};
@@ -106,7 +106,7 @@ fn check(name: &str) {
     println!(
         "{name}: {hits} of {rays} rays and {camera_hits} of {camera_rays} rays of cameras hit, none wrong; fast: {fast_is_wrong} wrong"
     );
-    assert!(hits + camera_hits > 0, "nothing was met");
+    assert!(hits + camera_hits > 0, "nothing was hit");
     let expected = FAST_IS_WRONG.iter().find(|(case, _)| *case == name);
     assert_eq!(fast_is_wrong, expected.map_or(0, |(_, count)| *count));
 }
@@ -177,12 +177,12 @@ fn no_ray_of_a_camera_leaves() {
     for (center, radius, steps) in surfaces {
         let scene = scene_of([meshes::sphere(center, radius, steps)]);
         let accel = Accel::build(&scene).expect("a valid scene");
-        // The corners of this box are at 0.52 of the radius, and no facet nearer than 0.85.
+        // The corners of this box are at 0.52 of the radius, and no triangle nearer than 0.85.
         let inside = |random: &mut Random| {
             let unit = std::array::from_fn(|_| random.between(-0.3, 0.3));
             center + DVec3::from_array(unit) * radius
         };
-        let (mut rays, mut met) = (0, 0);
+        let (mut rays, mut hit) = (0, 0);
         while rays < count / surfaces.len() as u64 {
             let (eye, target) = (inside(&mut random), inside(&mut random));
             let projection = PROJECTIONS[random.below(2) as usize];
@@ -200,14 +200,14 @@ fn no_ray_of_a_camera_leaves() {
                     .find(tile, Cull::None, Precision::Exact, &mut Vec::new())
                     .hits
             };
-            met += tiles.par_iter().map(hits).sum::<u64>();
+            hit += tiles.par_iter().map(hits).sum::<u64>();
         }
         println!(
             "{} triangles: {} leaks of {rays} rays",
             accel.len(),
-            rays - met
+            rays - hit
         );
-        assert_eq!(met, rays);
+        assert_eq!(hit, rays);
     }
 }
 
@@ -317,7 +317,7 @@ fn ten_million_units_away_the_picture_is_the_same() {
             let here = home.check_picture(camera(DVec3::ZERO), Cull::None, 3);
             let there = away.check_picture(camera(by), Cull::None, 3);
             assert!(here.pixels == there.pixels, "{by} {projection:?}");
-            let [here, there] = [here, there].map(|p| p.layers.expect("layers were asked for"));
+            let [here, there] = [here, there].map(|p| p.layers.expect("layers were requested"));
             assert!(here.triangle == there.triangle, "{by} {projection:?}");
         }
     }

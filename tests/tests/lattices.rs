@@ -1,7 +1,7 @@
 //! Lattices of rays of any shape, cast together, against the same rays cast one by one and against
 //! the truth. What is hard in the scenes is in `hard_cases.rs`.
 
-#![allow(clippy::print_stdout, reason = "tests tell what they checked")]
+#![allow(clippy::print_stdout, reason = "tests report what they checked")]
 
 use raycast_core::Cull;
 use raycast_core::camera::{Lattice, Rect};

@@ -9,7 +9,7 @@ use raycast_core::scene::{Object, Scene, Texture};
 use raycast_core::shade::{Filter, Mode, Shading, Wireframe};
 use raycast_oracle::random::Random;
 use raycast_report::meshes;
-use raycast_tests::check::{Check, MODES, Stage, on_threads, render};
+use raycast_tests::check::{Check, Stage, on_threads, render};
 use std::sync::Arc;
 
 /// A room of hills around triangles at all sides; the eye is within.
@@ -73,7 +73,7 @@ fn every_ray_gets_the_truth() {
 fn every_split_gives_the_same_bytes() {
     let stage = stage();
     for (index, panorama) in all().enumerate() {
-        for mode in [MODES[index], Mode::Texture] {
+        for mode in [Mode::ALL[index], Mode::Texture] {
             let mut view = stage.view(whole(panorama, 48), Cull::None);
             view.settings.shading = Shading {
                 mode,

@@ -12,7 +12,7 @@ use raycast_core::{Accel, Cull, Detail};
 use raycast_oracle::random::Random;
 use raycast_report::cameras::{PROJECTIONS, camera};
 use raycast_report::meshes;
-use raycast_tests::check::{Check, MODES, Stage, instruction_sets, on_threads, pixel, render};
+use raycast_tests::check::{Check, Stage, instruction_sets, on_threads, pixel, render};
 use raycast_tests::models;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -87,7 +87,7 @@ fn stitched_equals_whole() {
         rows: 1,
     };
     for projection in PROJECTIONS {
-        for (index, mode) in MODES.into_iter().enumerate() {
+        for (index, mode) in Mode::ALL.into_iter().enumerate() {
             let mut view = stage.view(front(projection, size), Cull::None);
             view.settings.shading = Shading {
                 mode,
@@ -115,7 +115,7 @@ fn stitched_equals_whole() {
 fn strips_of_tiles_equal_tiles() {
     let stage = stage();
     let (columns, rows) = (150, 110);
-    for (index, mode) in MODES.into_iter().enumerate() {
+    for (index, mode) in Mode::ALL.into_iter().enumerate() {
         let mut view = stage.view(front(PROJECTIONS[index % 2], (columns, rows)), Cull::None);
         view.settings.shading.mode = mode;
         view.settings.samples = 1;
@@ -158,7 +158,7 @@ fn strips_of_tiles_equal_tiles() {
 fn every_instruction_set_gives_the_same_light_in_every_mode() {
     let stage = stage();
     for projection in PROJECTIONS {
-        for (index, mode) in MODES.into_iter().enumerate() {
+        for (index, mode) in Mode::ALL.into_iter().enumerate() {
             let mut view = stage.view(front(projection, (150, 110)), Cull::None);
             view.settings.shading = Shading {
                 mode,

@@ -14,15 +14,6 @@ use raycast_tests::files::{asset, bytes, folder};
 use std::ffi::OsString;
 use std::sync::Arc;
 
-const PROJECTIONS: [TextureProjection; 6] = [
-    TextureProjection::Uv,
-    TextureProjection::Triplanar,
-    TextureProjection::PerTriangle,
-    TextureProjection::Plane,
-    TextureProjection::Sphere,
-    TextureProjection::Cylinder,
-];
-
 #[test]
 fn splits_threads_and_instruction_sets_agree_with_every_projection_and_filter() {
     let mesh = Arc::new(read_mesh(&asset("torus.obj"), &|_| ()).expect("a mesh"));
@@ -35,7 +26,7 @@ fn splits_threads_and_instruction_sets_agree_with_every_projection_and_filter() 
         Wrap::Border(Some(Color([9, 99, 200]))),
     ];
     let filters = [Filter::Ewa, Filter::Trilinear, Filter::Bilinear];
-    for (index, projection) in PROJECTIONS.into_iter().enumerate() {
+    for (index, projection) in TextureProjection::ALL.into_iter().enumerate() {
         let texture = leopard
             .clone()
             .wrapped([wraps[index % 5], wraps[(index + 2) % 5]]);

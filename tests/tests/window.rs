@@ -296,3 +296,62 @@ fn a_scene_is_put_together_saved_and_opened_again() {
     let mut window = Window::open(&[scene]);
     window.settled(is_picture);
 }
+
+/// The square in the middle of the handles moves the marked object with the hand; Escape puts it back.
+#[test]
+fn a_handle_moves_the_marked_object_and_escape_gives_a_drag_up() {
+    if !can_run() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder for temporary files");
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
+    for name in ["cube.obj", "cube.mtl"] {
+        std::fs::copy(assets.join(name), folder.path().join(name)).expect("copied");
+    }
+    let mut window = Window::open(&[folder.path().join("cube.obj")]);
+    window.settled(|shot| shot.middle().colors() > 3);
+    // From the front the cube's middle is in that of the picture: left of the panel, between menu and status.
+    let (x, y) = ((SIZE.0 - 288) / 2, SIZE.1 / 2);
+    window.screen.xdotool(&["key", "--delay", "60", "1", "f"]);
+    window.settled(|_| true);
+    let at = [x.to_string(), y.to_string()];
+    window
+        .screen
+        .xdotool(&["mousemove", &at[0], &at[1], "click", "1"]);
+    std::thread::sleep(Duration::from_millis(500));
+    window.screen.xdotool(&["key", "g"]);
+    let before = window.settled(|_| true);
+    window.drag("1", (x, y), (x + 120, y));
+    window.settled(|shot| shot.middle().difference(&before.middle()) > 0.02);
+
+    let save = |window: &mut Window, name: &str| {
+        let scene = folder.path().join(name);
+        window.screen.xdotool(&["key", "ctrl+shift+s"]);
+        std::thread::sleep(Duration::from_millis(500));
+        window.screen.xdotool(&["key", "ctrl+a"]);
+        let path = scene.display().to_string();
+        window.screen.xdotool(&["type", "--delay", "5", &path]);
+        window.screen.xdotool(&["key", "Return"]);
+        window.wait_for("saved scene", |_| std::fs::read_to_string(&scene).ok())
+    };
+    let moved = save(&mut window, "moved.raycast.toml");
+    assert!(moved.contains("translate"), "{moved}");
+
+    // Where the middle is now, and away with the hand; Escape before it lets go.
+    let hand = |window: &Window, x: u32| {
+        let at = [x.to_string(), y.to_string()];
+        window.screen.xdotool(&["mousemove", &at[0], &at[1]]);
+        std::thread::sleep(Duration::from_millis(150));
+    };
+    let stands = window.settled(|_| true);
+    hand(&window, x + 120);
+    window.screen.xdotool(&["mousedown", "1"]);
+    (1..=10).for_each(|step| hand(&window, x + 120 - 20 * step));
+    window.settled(|shot| shot.middle().difference(&stands.middle()) > 0.02);
+    window.screen.xdotool(&["key", "Escape"]);
+    std::thread::sleep(Duration::from_millis(300));
+    hand(&window, x - 200);
+    window.screen.xdotool(&["mouseup", "1"]);
+    // The camera is in it, too: a hand beside the handle would have orbited.
+    assert_eq!(save(&mut window, "again.raycast.toml"), moved);
+}

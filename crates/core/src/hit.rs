@@ -23,7 +23,7 @@ pub enum Cull {
     Back,
 }
 
-/// How sure a picture's triangles are.
+/// How a ray's triangle is decided where double precision leaves it undecided.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
     /// Rounded arithmetic: where double precision leaves a ray undecided (within some 1e-15 of an edge, or of
@@ -34,7 +34,7 @@ pub enum Precision {
     Exact,
 }
 
-/// What of a hit is needed: what is not needed costs nothing.
+/// Which numbers of a hit are needed; the others cost nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Detail {
     /// Which triangle; t, u and v may be anything.
@@ -44,7 +44,7 @@ pub enum Detail {
     Full,
 }
 
-/// Stands for a primitive index where a ray hits nothing.
+/// In place of a primitive index: the ray hits nothing.
 pub const MISS: u32 = u32::MAX;
 
 /// A closest hit as casting loops store it.

@@ -43,7 +43,7 @@ pub fn section(accel: &Accel, plane: &ClippingPlane) -> Result<Vec<SectionLine>,
     while let Some(subtree) = stack.pop() {
         if let Some(index) = subtree.node() {
             let mut opened = None;
-            let (boxes, children) = accel.open::<true>(index, &mut opened);
+            let (boxes, children) = accel.open_any(index, &mut opened);
             for (which, child) in children.into_iter().enumerate() {
                 let boxed = boxes.get(which);
                 let (min, max) = (boxed.min.to_array(), boxed.max.to_array());

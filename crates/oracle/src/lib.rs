@@ -1,7 +1,7 @@
 //! The truth about rays and triangles, by arithmetic without rounding.
 //!
-//! It knows nothing of the code that it checks: it takes plain values, has a big-number library of
-//! its own, and decides every triangle that a proven bound in double precision does not rule out.
+//! It is independent of the code that it checks: it takes plain values, uses another big-number
+//! library, and decides every triangle that a proven bound in double precision does not rule out.
 //!
 //! - [`oracle`]: the nearest triangle that a ray hits, and how it hits a given one.
 //! - [`random`]: what to ask about, the same on every machine.

@@ -165,7 +165,7 @@ mod tests {
         assert_eq!((hit.object, hit.triangle), (0, 0));
         assert_eq!((hit.t, hit.u, hit.v), (5.0, 0.25, 0.5));
         assert_eq!(hit.cosine, 1.0);
-        for (x, y, met) in [
+        for (x, y, is_hit) in [
             (0.0, 0.0, true),
             (1.0, 0.0, true),
             (0.5, 0.5, true),
@@ -176,7 +176,7 @@ mod tests {
             (2.0, 2.0, false),
         ] {
             let hit = oracle.nearest(&down(x, y), false);
-            assert_eq!(hit.is_some(), met, "{x} {y}");
+            assert_eq!(hit.is_some(), is_hit, "{x} {y}");
         }
     }
 

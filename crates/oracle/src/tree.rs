@@ -24,7 +24,7 @@ struct Ball {
 pub(crate) struct Tree(Vec<Ball>);
 
 impl Tree {
-    /// Puts the triangles, all finite, into an order of its own, neighbours together.
+    /// Puts the triangles, all finite, into leaf order, neighbours together.
     pub(crate) fn new(triangles: &mut [Triangle]) -> Self {
         let mut tree = Self::default();
         tree.split(triangles, 0);

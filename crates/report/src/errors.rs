@@ -1,9 +1,9 @@
 //! What a caster answered, against the truth.
 
 use crate::casters::Caster;
-use crate::fault::{GRAZING, ulps};
 use crate::stage::Stage;
 use crate::timing::quantile;
+use crate::wrong_answer::{GRAZING, ulps};
 use raycast_core::camera::Ray;
 use raycast_core::{Cull, PrimitiveHit};
 use raycast_oracle::Truth;

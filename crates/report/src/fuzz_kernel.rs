@@ -6,9 +6,9 @@
 //! eyes in corners, on edges and in planes. Bytes that are missing are zeros.
 
 use crate::casters::instruction_sets;
-use crate::fault::compare;
 use crate::meshes::mesh;
 use crate::stage::{Stage, scene_of};
+use crate::wrong_answer::compare;
 use raycast_core::camera::{Camera, ImagePlane, Lattice, Placement, Projection, Ray, Rect};
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{ClippingPlane, ClippingPlanes};

@@ -1,9 +1,9 @@
 //! RayCast's speed against its error: hard cases, other casters, measurements, plots.
 //!
 //! - [`stage`]: a scene, its tree, and the truth about it.
-//! - [`fault`], [`errors`]: in what an answer is not the truth, and what a caster answered to many rays.
+//! - [`wrong_answer`], [`errors`]: in what an answer is not the truth, and what a caster answered to many rays.
 //! - [`verify`]: pictures against the truth.
-//! - [`checked`]: rays with the truth about them.
+//! - [`known_answers`]: rays with the truth about them.
 //! - [`cases`]: where known ray casters go wrong.
 //! - [`fuzz_kernel`]: tiles, single rays and the truth, on what a fuzzer's bytes say.
 //! - [`meshes`], [`cameras`], [`scenes`]: made in code.
@@ -21,13 +21,12 @@ pub mod cases;
 pub mod casters;
 #[allow(clippy::disallowed_methods, reason = "a plot is no picture of a scene")]
 pub mod chart;
-pub mod checked;
 pub mod embree;
 pub mod errors;
 mod expected;
-pub mod fault;
 pub mod figure;
 pub mod fuzz_kernel;
+pub mod known_answers;
 pub mod machine;
 pub mod meshes;
 #[allow(clippy::disallowed_methods, reason = "figures are shown to few digits")]
@@ -45,11 +44,12 @@ pub mod table;
 pub mod timing;
 pub mod verify;
 pub mod views;
+pub mod wrong_answer;
 
 pub use budget::ReportBudget;
-pub use fault::Fault;
 pub use progress::ReportProgress;
 pub use report::report;
 pub use stage::Stage;
 pub use subject::Input;
 pub use table::ReportError;
+pub use wrong_answer::WrongAnswer;

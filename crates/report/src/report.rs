@@ -2,7 +2,7 @@
 
 use crate::budget::ReportBudget;
 use crate::cases::time::RACES;
-use crate::embree::Embree;
+use crate::embree::{Embree, EmbreeError};
 use crate::machine::Machine;
 use crate::progress::ReportProgress;
 use crate::sections::{
@@ -10,6 +10,7 @@ use crate::sections::{
 };
 use crate::subject::{Input, Subject};
 use crate::table::ReportError;
+use std::sync::Arc;
 
 /// A file of a report: its name, and all of it.
 pub type ReportFile = (String, Vec<u8>);
@@ -34,94 +35,157 @@ pub fn report(
         figures.push(meshes::measure(&subject, budget, progress)?);
     }
 
-    let mut opening = Section::default();
-    opening.say("# RayCast: speed against error");
-    opening.say(format!("Measured on: {machine}."));
-    opening.say(match &library {
+    let embree = library.as_ref().ok();
+    let sections = [
+        opening(&machine, &library),
+        ordinary(&figures, &machine, budget, embree, progress)?,
+        meshes::show(&figures, budget),
+        breaks(budget, embree, progress)?,
+        speed(budget, embree, progress)?,
+        dense(inputs, budget, progress)?,
+        paid(budget, progress)?,
+        descent(inputs, budget, progress)?,
+        closing(command),
+    ];
+    files(sections, progress)
+}
+
+/// On what it was measured, against what.
+fn opening(machine: &Machine, library: &Result<Arc<Embree>, EmbreeError>) -> Section {
+    let mut section = Section::default();
+    section.say("# RayCast: speed against error");
+    section.say(format!("Measured on: {machine}."));
+    section.say(match library {
         Ok(library) => format!("Embree: version {}.", library.version()),
         Err(error) => format!("Embree is left out: {error}."),
     });
-    opening.say(
+    section.say(
         "Two references, never mixed. **Wrong triangles** and errors of `t`, `u`, `v` are against exact \
          rational arithmetic on the same vertices and the very rays that a caster was given (for casters in \
          single precision: rays rounded to it). **Errors of pictures** are against the same picture \
          with 256 rays a pixel. Speeds are of casters taken in turn, ray set-up and the writing of hits \
          included; medians.",
     );
-    opening.say("The casters:");
-    opening.say(CASTERS);
-    let embree = library.as_ref().ok();
-    let mut ordinary = Section::default();
-    ordinary.say("## A. Speed against wrong triangles");
+    section.say("The casters:");
+    section.say(CASTERS);
+    section
+}
+
+/// Speed against wrong triangles, over ordinary meshes and hard cases.
+fn ordinary(
+    figures: &[meshes::MeshFigures],
+    machine: &Machine,
+    budget: &ReportBudget,
+    embree: Option<&Arc<Embree>>,
+    progress: &dyn ReportProgress,
+) -> Result<Section, ReportError> {
+    let mut section = Section::default();
+    section.say("## A. Speed against wrong triangles");
     let names: Vec<&str> = figures.iter().map(|mesh| mesh.name.as_str()).collect();
-    ordinary.say(format!(
+    section.say(format!(
         "Over {}: speeds are geometric means, wrong triangles are added up.",
         names.join(", ")
     ));
-    let over_meshes = numerics::over_meshes(&figures);
+    let over_meshes = numerics::over_meshes(figures);
     let outcomes = hard::measure(budget, embree, progress)?;
     let over_cases = hard::over_cases(&outcomes);
     numerics::show(
-        &mut ordinary,
+        &mut section,
         "a-ordinary",
         "ordinary meshes",
         &over_meshes,
         machine.threads,
     );
-    numerics::headline(&mut ordinary, &over_meshes, &over_cases);
-    hard::show(&mut ordinary, &outcomes, &over_cases);
+    numerics::headline(&mut section, &over_meshes, &over_cases);
+    hard::show(&mut section, &outcomes, &over_cases);
     time::show(
-        &mut ordinary,
+        &mut section,
         &time::measure(RACES, budget.rounds.div_ceil(2), progress)?,
     );
-    let mut breaks = Section::default();
-    breaks.say("## B. Where each caster breaks");
+    Ok(section)
+}
+
+/// Where each caster breaks.
+fn breaks(
+    budget: &ReportBudget,
+    embree: Option<&Arc<Embree>>,
+    progress: &dyn ReportProgress,
+) -> Result<Section, ReportError> {
+    let mut section = Section::default();
+    section.say("## B. Where each caster breaks");
     for sweep in breaking::BreakingSweep::ALL {
         let curves = breaking::measure(sweep, budget, embree, progress)?;
-        breaking::show(&mut breaks, sweep, &curves);
+        breaking::show(&mut section, sweep, &curves);
     }
-    let mut speed = Section::default();
-    speed.say("## C. The shape of speed");
-    speed.say("All of one bumpy ball, seen so that it fills the frame where nothing else is said.");
+    Ok(section)
+}
+
+/// The shape of speed.
+fn speed(
+    budget: &ReportBudget,
+    embree: Option<&Arc<Embree>>,
+    progress: &dyn ReportProgress,
+) -> Result<Section, ReportError> {
+    let mut section = Section::default();
+    section.say("## C. The shape of speed");
+    section
+        .say("All of one bumpy ball, seen so that it fills the frame where nothing else is said.");
     for sweep in shape::SpeedSweep::ALL {
         let curves = shape::measure(sweep, budget, embree, progress)?;
-        shape::show(&mut speed, sweep, &curves);
+        shape::show(&mut section, sweep, &curves);
     }
-    let mut dense = Section::default();
-    dense.say("## D. The density of rays");
+    Ok(section)
+}
+
+/// The density of rays.
+fn dense(
+    inputs: &[Input],
+    budget: &ReportBudget,
+    progress: &dyn ReportProgress,
+) -> Result<Section, ReportError> {
+    let mut section = Section::default();
+    section.say("## D. The density of rays");
     if let Some(input) = inputs.first() {
         let pictures = density::measure(&input.name, &input.scene, budget, progress)?;
-        density::show(&mut dense, &pictures)?;
+        density::show(&mut section, &pictures)?;
     }
-    let mut paid = Section::default();
-    paid.say("## E. Pay for what is used");
-    feature_cost::show(&mut paid, &feature_cost::measure(budget, progress)?);
-    filters::show(&mut paid, budget, &filters::measure(budget, progress)?);
-    let mut descent = Section::default();
+    Ok(section)
+}
+
+/// What optional things cost.
+fn paid(budget: &ReportBudget, progress: &dyn ReportProgress) -> Result<Section, ReportError> {
+    let mut section = Section::default();
+    section.say("## E. Pay for what is used");
+    feature_cost::show(&mut section, &feature_cost::measure(budget, progress)?);
+    filters::show(&mut section, budget, &filters::measure(budget, progress)?);
+    Ok(section)
+}
+
+/// A tile's way down the tree.
+fn descent(
+    inputs: &[Input],
+    budget: &ReportBudget,
+    progress: &dyn ReportProgress,
+) -> Result<Section, ReportError> {
+    let mut section = Section::default();
     // One mesh shows more than many.
     let single = inputs.iter().find(|input| input.scene.objects.len() == 1);
     if let Some(input) = single.or(inputs.first()) {
         progress.begin("levels", 1);
         if let Some(shown) = levels::measure(input, budget.simd)? {
-            levels::show(&mut descent, shown);
+            levels::show(&mut section, shown);
         }
         progress.step();
     }
-    let mut closing = Section::default();
-    closing.say("## To measure this again");
-    closing.say(format!("```sh\n{command}\n```"));
-    let sections = [
-        opening,
-        ordinary,
-        meshes::show(&figures, budget),
-        breaks,
-        speed,
-        dense,
-        paid,
-        descent,
-        closing,
-    ];
-    files(sections, progress)
+    Ok(section)
+}
+
+/// How to measure this again.
+fn closing(command: &str) -> Section {
+    let mut section = Section::default();
+    section.say("## To measure this again");
+    section.say(format!("```sh\n{command}\n```"));
+    section
 }
 
 /// What the names in plots and tables mean.

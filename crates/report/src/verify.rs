@@ -1,8 +1,8 @@
 //! A picture's pixels against the truth, more of them where it is easiest to be wrong.
 
 use crate::expected::{Expected, Single, shows};
-use crate::fault::{Fault, GRAZING, compare_pixel};
 use crate::stage::Stage;
+use crate::wrong_answer::{GRAZING, WrongAnswer, compare_pixel};
 use raycast_core::Cull;
 use raycast_core::camera::{Camera, Rect};
 use raycast_core::picture::{Layers, Picture};
@@ -100,7 +100,7 @@ pub struct WrongPixel {
     /// Its row.
     pub y: u32,
     /// What is wrong.
-    pub fault: Fault,
+    pub fault: WrongAnswer,
     /// The object that it shows (`u32::MAX` for none), the triangle, and the distance; `None` where the
     /// picture tells colours alone.
     pub shown: Option<(u32, u32, f32)>,
@@ -280,7 +280,7 @@ fn check_layers(
     truth: Option<&Truth>,
     expected: &Expected<'_>,
     channels: &mut Channels,
-) -> Result<(), Fault> {
+) -> Result<(), WrongAnswer> {
     let (object, triangle, depth) = (layers.object[i], layers.triangle[i], layers.depth[i]);
     channels.numbers += 1;
     channels.depth += usize::from(truth.is_none_or(|truth| truth.cosine > GRAZING));
@@ -305,10 +305,10 @@ fn compare_channels<const N: usize>(
     names: [&'static str; N],
     found: [f64; N],
     expected: [Single; N],
-) -> Result<(), Fault> {
+) -> Result<(), WrongAnswer> {
     for ((channel, found), range) in names.into_iter().zip(found).zip(expected) {
         if !range.has(found) {
-            return Err(Fault::Channel {
+            return Err(WrongAnswer::Channel {
                 channel,
                 found,
                 low: range.low,

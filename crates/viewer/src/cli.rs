@@ -1,42 +1,48 @@
 //! What a command line may hold.
 
+mod bench;
+mod camera;
+mod casting;
 mod clip;
 mod frames;
 mod mistyped;
 mod plan;
 mod reading;
+mod refusal;
+mod report;
 mod section;
+mod shading;
 mod shell;
 mod texture_map;
 mod texture_projection;
+mod tiles;
 mod values;
+mod verify;
 mod written;
 
+pub use bench::BenchArgs;
+pub use camera::CameraArgs;
+pub use casting::CastingArgs;
 pub use clip::{ClipArg, ClipArgs};
 pub use frames::{FrameArgs, FrameRange, frame_path};
 pub use mistyped::mistyped;
 pub use plan::PlanArgs;
 pub use reading::{LimitArg, ReadingArgs};
+pub use refusal::refuse;
+pub use report::ReportArgs;
 pub use section::SectionArgs;
+pub use shading::ShadingArgs;
 pub use shell::quoted_for_posix;
 pub use texture_map::TextureMapArgs;
 pub use texture_projection::TextureProjectionArgs;
+pub use tiles::TileArgs;
 pub use values::{OrbitArg, SceneColor, WireframeArg};
+pub use verify::VerifyArgs;
 pub use written::{camera_of, camera_options, has_own_projection, render_command};
 
-use crate::failure::Failure;
-use crate::output;
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser};
 use raycast_core::Cull;
-use raycast_core::camera::{Grid, Projection};
-use raycast_core::glam::DVec3;
-use raycast_core::render::Precision;
-use raycast_core::scene::{Color, ColorMap, Crop, Wrap};
-use raycast_core::shade::{Background, Filter, Mode};
-use raycast_report::scenes::Made;
-use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -60,7 +66,7 @@ Examples:
 pub struct Cli {
     /// What to do without a window.
     #[command(subcommand)]
-    pub command: Option<Command>,
+    pub command: Option<Subcommand>,
     /// Meshes or scene files to open in the window [default: the demo scene]
     pub files: Vec<PathBuf>,
     /// How files are read.
@@ -69,8 +75,8 @@ pub struct Cli {
 }
 
 /// The commands.
-#[derive(Debug, Subcommand)]
-pub enum Command {
+#[derive(Debug, clap::Subcommand)]
+pub enum Subcommand {
     /// Open files in the window, whatever they are called
     View {
         /// Meshes or scene files [default: the demo scene]
@@ -164,156 +170,6 @@ pub struct RenderArgs {
     /// Write what it took to this file as JSON; `-` is standard output
     #[arg(long, value_name = "FILE", help_heading = None)]
     pub stats: Option<PathBuf>,
-}
-
-/// Where the camera stands and what its rays are.
-#[derive(Clone, Debug, Default, Args)]
-#[command(next_help_heading = "Camera")]
-pub struct CameraArgs {
-    /// Columns and rows of rays [default: 1280x720]
-    #[arg(long, value_name = "WxH", value_parser = values::size)]
-    pub size: Option<(u32, u32)>,
-    /// Distance between neighbouring rays at the target, in scene units
-    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = values::step)]
-    pub step: Option<f64>,
-    /// Vertical field of view in degrees [default: 45, of a panorama all of it or half a turn]
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = values::fov)]
-    pub fov: Option<f64>,
-    /// How rays leave the camera [default: perspective]
-    #[arg(long, value_name = "KIND", value_parser = values::named(values::PROJECTIONS))]
-    pub projection: Option<Projection>,
-    /// Where the camera stands
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
-    pub eye: Option<DVec3>,
-    /// What it looks at [default: the scene's centre]
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
-    pub target: Option<DVec3>,
-    /// Which way is up [default: 0,1,0]
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
-    pub up: Option<DVec3>,
-    /// Degrees about the scene's centre and above its horizon; distance in scene units [default:
-    /// 22,16, as far as the whole scene needs]
-    #[arg(
-        long,
-        value_name = "YAW,PITCH[,DISTANCE]",
-        allow_hyphen_values = true,
-        conflicts_with = "eye",
-        value_parser = values::orbit
-    )]
-    pub orbit: Option<OrbitArg>,
-}
-
-/// In which colours a picture is made.
-#[derive(Clone, Debug, Default, Args)]
-#[command(next_help_heading = "Shading")]
-pub struct ShadingArgs {
-    /// What the picture shows [default: smooth]
-    #[arg(long, value_name = "MODE", value_parser = values::named(values::MODES))]
-    pub mode: Option<Mode>,
-    /// Draw triangles' edges over the mode, so many pixels wide [default width: 1]; or `none`, also where a scene
-    /// file has them
-    #[arg(
-        long,
-        value_name = "WIDTH",
-        num_args = 0..=1,
-        require_equals = true,
-        default_missing_value = "1",
-        value_parser = values::wireframe
-    )]
-    pub wireframe: Option<WireframeArg>,
-    /// The color of these edges: `#rrggbb` or `#rgb`
-    #[arg(long, value_name = "COLOR", requires = "wireframe")]
-    pub wireframe_color: Option<Color>,
-    /// An image for the surface of every object
-    #[arg(long, value_name = "IMAGE")]
-    pub texture: Option<PathBuf>,
-    /// The part of the texture's image to use, in its pixels from the top left
-    #[arg(long, value_name = "X,Y,W,H", requires = "texture", value_parser = values::crop)]
-    pub crop: Option<Crop>,
-    /// What the texture shows beyond its image, along both its axes or along each: `repeat`, `mirror`,
-    /// `clamp`, `border` (the object's own colours) or `border:#rrggbb` [default: repeat]
-    #[arg(long, value_name = "KIND[,KIND]", requires = "texture", value_parser = values::wrap)]
-    pub wrap: Option<[Wrap; 2]>,
-    /// How surfaces find their place in the texture.
-    #[command(flatten)]
-    pub projection: TextureProjectionArgs,
-    /// From the object's colours (0) to its texture (1) [default: 1]
-    #[arg(long, value_name = "0..1", allow_hyphen_values = true, value_parser = values::blend)]
-    pub blend: Option<f32>,
-    /// How the texture is read between its texels [default: bilinear]
-    #[arg(long, value_name = "KIND", value_parser = values::named(values::FILTERS))]
-    pub filter: Option<Filter>,
-    /// Every object's colours: `file`, `per-triangle[:SEED]`, `object` (one each), `normal`, `#rrggbb` or `#rgb`;
-    /// or a number through a colour map: `area`, `distance[:X,Y,Z]` (from the eye or a point),
-    /// `curvature[:gaussian]` or `scalar:NAME` (the file's; `raycast info` lists them) [default: the file's own,
-    /// or one a triangle where it has none]
-    #[arg(long, value_name = "COLOR", value_parser = values::scene_color)]
-    pub color: Option<SceneColor>,
-    /// The colours of numbers, from low to high; with it, or either of the next two, `--mode depth` is in these
-    /// colours instead of greys, over the distances seen [default: viridis]
-    #[arg(long, value_name = "MAP", value_parser = values::named(values::COLOR_MAPS))]
-    pub color_map: Option<ColorMap>,
-    /// The numbers at the map's ends [default: fitted to what there is]
-    #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, value_parser = values::color_range)]
-    pub color_range: Option<[f64; 2]>,
-    /// Draw what the colours stand for into the picture
-    #[arg(long)]
-    pub legend: bool,
-    /// What lies behind: `#top,#bottom`, `#rrggbb`, `#rgb` or `transparent`
-    #[arg(long, value_name = "COLORS", value_parser = values::background)]
-    pub background: Option<Background>,
-}
-
-/// How a picture is split.
-#[derive(Clone, Debug, Default, Args)]
-#[command(next_help_heading = "Tiles")]
-pub struct TileArgs {
-    /// Split the picture into a grid of so many sub-cameras
-    #[arg(long, value_name = "CxR", conflicts_with = "tile_size", value_parser = values::counts)]
-    pub tiles: Option<(u32, u32)>,
-    /// Split the picture into squares of so many pixels [default: 64]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
-    pub tile_size: Option<u32>,
-    /// Render that column and row of the grid alone, from 0,0, and write it as a fragment
-    #[arg(long, value_name = "C,R", value_parser = values::cell)]
-    pub sub_camera: Option<(u32, u32)>,
-    /// The picture as it stands when so many tiles are done, from the middle outwards; of the rest
-    /// there is every 16th ray
-    #[arg(long, value_name = "N", conflicts_with = "sub_camera")]
-    pub unfinished: Option<usize>,
-    /// Draw the split from outside: the scene, and around it the frustum of each sub-camera, up to the plane of
-    /// the camera's target
-    #[arg(long, conflicts_with_all = ["sub_camera", "unfinished"])]
-    pub show_sub_cameras: bool,
-}
-
-impl TileArgs {
-    /// The grid that was asked for.
-    pub fn grid(&self) -> Grid {
-        match (self.tiles, self.tile_size) {
-            (Some((columns, rows)), _) => Grid::Count { columns, rows },
-            (None, Some(size)) => Grid::Size(size),
-            (None, None) => Grid::default(),
-        }
-    }
-}
-
-/// How rays meet triangles.
-#[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Casting")]
-pub struct CastingArgs {
-    /// Workers, 0 to 256; 0 is one for each of the machine's
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::threads())]
-    pub threads: u16,
-    /// How sure a picture's triangles are
-    #[arg(long, value_name = "KIND", default_value = "exact", value_parser = values::named(values::PRECISIONS))]
-    pub precision: Precision,
-    /// Which faces rays pass through: none, or those seen from the back
-    #[arg(long, value_name = "FACES", default_value = "none", value_parser = values::named(values::CULLS))]
-    pub cull: Cull,
-    /// What is cut away.
-    #[command(flatten)]
-    pub clip: ClipArgs,
 }
 
 /// `raycast cast`.
@@ -417,186 +273,12 @@ pub struct InfoArgs {
     pub reading: ReadingArgs,
 }
 
-/// `raycast bench`.
-#[derive(Debug, Args)]
-#[command(after_help = "\
-Views are `medium` (the scene's bounding sphere fills the frame's height) and `close` (half as far),
-both from yaw 22, pitch 16; with --eye it is that view alone, named `given`.
-
-cast_ms is a frame's wall-clock time for visibility alone; frame_ms is visibility, shading and the
-picture; mrays_per_s comes from the median cast_ms.
-
-Example:
-  raycast bench bunny.obj dragon.obj --frames 50 --threads 1")]
-pub struct BenchArgs {
-    /// Meshes or scene files
-    #[arg(required_unless_present = "made")]
-    pub files: Vec<PathBuf>,
-    /// A scene made in code: ball:TRIANGLES, or interior:TRIANGLES, which is seen from inside, with a field
-    /// of view of its own unless --eye is given
-    #[arg(long, value_name = "SCENE", value_parser = <Made as std::str::FromStr>::from_str)]
-    pub made: Vec<Made>,
-    /// Frames to measure a view, after one that is not
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub frames: u32,
-    /// Columns and rows of rays
-    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = values::size)]
-    pub size: (u32, u32),
-    /// Vertical field of view in degrees
-    #[arg(long, value_name = "DEG", default_value_t = 45.0, allow_hyphen_values = true, value_parser = values::planar_fov)]
-    pub fov: f64,
-    /// How rays leave the camera
-    #[arg(long, value_name = "KIND", default_value = "perspective", value_parser = values::named(values::PLANAR))]
-    pub projection: Projection,
-    /// Measure the view from here alone
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
-    pub eye: Option<DVec3>,
-    /// What the given view looks at [default: the scene's centre]
-    #[arg(long, value_name = "X,Y,Z", requires = "eye", allow_hyphen_values = true, value_parser = values::point)]
-    pub target: Option<DVec3>,
-    /// Which way is up in the given view [default: 0,1,0]
-    #[arg(long, value_name = "X,Y,Z", requires = "eye", allow_hyphen_values = true, value_parser = values::point)]
-    pub up: Option<DVec3>,
-    /// What the pictures show
-    #[arg(long, value_name = "MODE", default_value = "smooth", value_parser = values::named(values::MODES))]
-    pub mode: Mode,
-    /// How rays meet triangles.
-    #[command(flatten)]
-    pub casting: CastingArgs,
-    /// Measure obvhs's own traversals, and Embree's where the machine has it, on the same rays, frame
-    /// by frame in turn, and brute force on a sample of them; build trees in turn with Embree's, five
-    /// times each
-    #[arg(long)]
-    pub baselines: bool,
-    /// How files are read.
-    #[command(flatten)]
-    pub reading: ReadingArgs,
-}
-
-/// `raycast report`.
-#[derive(Debug, Args)]
-#[command(after_help = "\
-The report is DIR/report.md, with plots as PNG and SVG and numbers as CSV beside it. It takes some
-minutes, with --quick some seconds. Embree is compared with where the machine has it; the environment
-variable EMBREE_LIBRARY names a libembree4 elsewhere.
-
-Examples:
-  raycast report -o report
-  raycast report bunny.obj teapot.obj -o report --quick")]
-pub struct ReportArgs {
-    /// Meshes or scene files, each measured for itself [default: the demo's, and some made in code]
-    pub files: Vec<PathBuf>,
-    /// The folder to write to: made if it is not there, and written over if it holds a report
-    #[arg(short, long, value_name = "DIR")]
-    pub output: PathBuf,
-    /// Write to a folder that is not empty and holds no report, too
-    #[arg(long)]
-    pub force: bool,
-    /// Measure little, in seconds: to see what a report is like
-    #[arg(long)]
-    pub quick: bool,
-    /// Workers, 0 to 256; 0 is one for each of the machine's
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::threads())]
-    pub threads: u16,
-    /// How files are read.
-    #[command(flatten)]
-    pub reading: ReadingArgs,
-}
-
-/// `raycast verify`.
-#[derive(Debug, Args)]
-#[command(after_help = "\
-A third of the checks goes to pixels where an object ends, a third to those where triangles meet, the
-rest to any. Each asks rational arithmetic, which rounds nothing, what the pixel's ray meets first; it
-must be the triangle that the picture tells, at the distance that it tells (4 units in the last place,
-where the ray does not graze the triangle). Normal, texture coordinates and colour are worked out from
-that hit once more, on a path of their own, and must be the picture's but for what rounding can make of
-them; of several samples each is cast again. A PNG tells colours alone. How many pixels each channel was
-checked at is told; lines are not checked. The exit status is 1 if any pixel is wrong.
-
-A picture tells what it was made of: camera, samples and shading need not be given, and files that make
-another scene are refused. Give --texture, --crop and --color as they were given to `raycast render`. Of
-a picture without such a recipe, give all as it was given there; the size is the image's own.
-
-Examples:
-  raycast verify bunny.obj
-  raycast render bunny.obj -o bunny.exr --orbit 40,10
-  raycast verify bunny.exr bunny.obj --checks 100000
-  raycast verify bunny.exr bunny.obj --all")]
-pub struct VerifyArgs {
-    /// The image, an .exr or .png as `raycast render` writes it, if one is there; then the meshes or
-    /// scene files that it shows, which are rendered if there is none
-    #[arg(required = true, value_name = "[IMAGE] FILES")]
-    pub files: Vec<PathBuf>,
-    /// Pixels to check, or all if there are no more
-    #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..))]
-    pub checks: u32,
-    /// Check every pixel
-    #[arg(long, conflicts_with = "checks")]
-    pub all: bool,
-    /// Which pixels are drawn: the same number draws the same ones
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
-    /// Where from.
-    #[command(flatten)]
-    pub camera: CameraArgs,
-    /// In which colours.
-    #[command(flatten)]
-    pub shading: ShadingArgs,
-    /// Rays a pixel, 1 to 4096 [default: the recipe's, else 1]
-    #[arg(
-        long,
-        value_name = "N",
-        help_heading = "Casting",
-        value_parser = clap::value_parser!(u32).range(1..=4096)
-    )]
-    pub samples: Option<u32>,
-    /// How rays meet triangles.
-    #[command(flatten)]
-    pub casting: CastingArgs,
-    /// How files are read.
-    #[command(flatten)]
-    pub reading: ReadingArgs,
-}
-
-/// Says on standard error what is wrong with a command line, in one line; help and version go to
-/// standard output in full. Returns the exit status.
-pub fn refuse(error: &clap::Error) -> ExitCode {
-    if !error.use_stderr() {
-        let printed = error.print().and_then(|()| std::io::stdout().flush());
-        return match output::written(printed) {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(failure) => failure.tell(),
-        };
-    }
-    Failure::usage(one_line(&error.to_string())).tell()
-}
-
-/// clap's message without its usage: `error: …`, details on lines of their own, then hints.
-fn one_line(message: &str) -> String {
-    let told: Vec<_> = message
-        .lines()
-        .map(str::trim)
-        .take_while(|line| {
-            !["Usage:", "For more information", "tip: to pass"]
-                .iter()
-                .any(|hint| line.starts_with(hint))
-        })
-        .filter(|line| !line.is_empty())
-        .collect();
-    let told = told.join(" ");
-    let told = told.strip_prefix("error: ").unwrap_or(&told);
-    if told.is_empty() {
-        "no such command line; see `raycast --help`".to_owned()
-    } else {
-        format!("{told} (see `raycast --help`)")
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::refusal::one_line;
     use super::*;
     use clap::CommandFactory;
+    use raycast_core::glam::DVec3;
 
     fn parse(line: &str) -> Result<Cli, clap::Error> {
         Cli::try_parse_from(std::iter::once("raycast").chain(line.split_whitespace()))
@@ -604,7 +286,7 @@ mod tests {
 
     fn render(line: &str) -> RenderArgs {
         match parse(line).expect("a good command line").command {
-            Some(Command::Render(args)) => *args,
+            Some(Subcommand::Render(args)) => *args,
             other => panic!("not a render: {other:?}"),
         }
     }
@@ -621,7 +303,7 @@ mod tests {
         assert_eq!(cli.files, ["a.obj", "b.obj"].map(PathBuf::from));
         assert!(parse("").expect("nothing").files.is_empty());
         match parse("view render").expect("a file named render").command {
-            Some(Command::View { files, .. }) => assert_eq!(files, [PathBuf::from("render")]),
+            Some(Subcommand::View { files, .. }) => assert_eq!(files, [PathBuf::from("render")]),
             other => panic!("not a view: {other:?}"),
         }
         let after = parse("a.obj render").expect("two files");

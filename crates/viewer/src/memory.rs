@@ -90,6 +90,24 @@ impl Room {
         .min_by_key(|room| room.bytes)
     }
 
+    /// As [`check_scene`].
+    fn check_scene(self, name: &str, triangles: usize, levels: u64) -> Result<(), Failure> {
+        let tree = triangles as u64 * TREE;
+        let over = format!("{name}: the tree over {triangles} triangles");
+        let (what, fits) = match self.bytes.checked_sub(levels) {
+            _ if levels == 0 => (over, format!("{} triangles would fit", self.bytes / TREE)),
+            Some(left) if left >= TREE => (
+                format!("{over} and its textures' mip levels"),
+                format!("{} triangles would fit", left / TREE),
+            ),
+            _ => (
+                format!("{over} and its textures' mip levels"),
+                "the filters nearest and bilinear need no mip levels".to_owned(),
+            ),
+        };
+        self.check(tree.saturating_add(levels), what, fits)
+    }
+
     /// Refuses what needs more than there is. `what` is what needs it, `instead` what would fit.
     ///
     /// # Errors
@@ -130,12 +148,19 @@ const TREE: u64 = 200;
 /// # Errors
 /// Too many triangles, with the figures and how many would fit.
 pub fn check_tree(name: &str, triangles: usize) -> Result<(), Failure> {
-    let Some(room) = Room::now() else {
-        return Ok(());
-    };
-    let what = format!("{name}: the tree over {triangles} triangles");
-    let fits = format!("{} triangles would fit", room.bytes / TREE);
-    room.check(triangles as u64 * TREE, what, fits)
+    check_scene(name, triangles, 0)
+}
+
+/// Refuses a scene where there is not the memory for its tree and for `levels`, the bytes of its textures' mip
+/// levels, which are made when a pixel first needs them.
+///
+/// # Errors
+/// Too many triangles or too large textures, with the figures and what would fit.
+pub fn check_scene(name: &str, triangles: usize, levels: u64) -> Result<(), Failure> {
+    match Room::now() {
+        Some(room) => room.check_scene(name, triangles, levels),
+        None => Ok(()),
+    }
 }
 
 /// Refuses a picture for which there is not the memory; `memory_for` says what one of so many columns and
@@ -419,6 +444,30 @@ mod tests {
         };
         let refused = small.check(11 * MIB, "a", "b").expect_err("too large");
         assert!(refused.to_string().contains("11 MiB"), "{refused}");
+    }
+
+    #[test]
+    fn mip_levels_are_counted_with_the_tree() {
+        let room = Room {
+            bytes: 100 * MIB,
+            limit: Limit::Data,
+        };
+        let triangles = (50 * MIB / TREE) as usize;
+        assert_eq!(room.check_scene("a.obj", triangles, 50 * MIB), Ok(()));
+        let told = |triangles, levels| {
+            let refused = room.check_scene("a.obj", triangles, levels);
+            refused.expect_err("too much").to_string()
+        };
+        let both = told(triangles, 60 * MIB);
+        assert!(
+            both.contains("and its textures' mip levels needs 110 MiB"),
+            "{both}"
+        );
+        assert!(both.ends_with("209715 triangles would fit"), "{both}");
+        let levels = told(12, 101 * MIB);
+        assert!(levels.ends_with("bilinear need no mip levels"), "{levels}");
+        let tree = told(3 * triangles, 0);
+        assert!(!tree.contains("mip levels"), "{tree}");
     }
 
     #[test]

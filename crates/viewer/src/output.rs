@@ -30,10 +30,12 @@ mod place;
 mod signals;
 mod standard;
 mod target;
+mod unfinished;
 
 pub use folder::Folder;
 pub use journal::Journal;
 pub use part_folder::FolderUnderWay;
 pub use signals::watch_signals;
 pub use standard::{print, say, written};
-pub use target::{Output, Unfinished};
+pub use target::Output;
+pub use unfinished::Unfinished;

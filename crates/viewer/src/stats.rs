@@ -44,6 +44,8 @@ pub struct Stats {
     pub threads: usize,
     /// The instructions of the casting loops.
     pub simd: &'static str,
+    /// Whether there was a tree for each mesh instead of one over all triangles.
+    pub instances: bool,
     /// The most memory that the process held at once; 0 where the system does not tell.
     pub peak_bytes: u64,
 }

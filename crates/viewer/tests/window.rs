@@ -6,6 +6,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use raycast_core::Accel;
 use raycast_core::camera::{FrameLock, Grid, Projection};
+use raycast_core::formats::LengthUnit;
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{Mesh, MeshData, Object, Scene};
 use raycast_core::shade::Mode;
@@ -16,6 +17,7 @@ use raycast_viewer::state::command::Command;
 use raycast_viewer::state::document::{Document, Tree};
 use raycast_viewer::state::effect::{Effect, Keep};
 use raycast_viewer::state::inspection::Checked;
+use raycast_viewer::state::measure::{Kind, Measurement};
 use raycast_viewer::state::news::{Loaded, News, receive};
 use raycast_viewer::state::preferences::Mouse;
 use raycast_viewer::state::update::update;
@@ -23,7 +25,7 @@ use raycast_viewer::state::{Replacing, Resolution, State, Tint};
 use raycast_viewer::ui::canvas::Canvas;
 use raycast_viewer::ui::input::gestures;
 use raycast_viewer::ui::modes::MODES;
-use raycast_viewer::ui::registry::ACTIONS;
+use raycast_viewer::ui::registry::{KeysFile, actions};
 use raycast_viewer::ui::theme;
 use raycast_viewer::worker::files::Activity;
 use std::path::PathBuf;
@@ -88,7 +90,18 @@ fn click(harness: &mut Harness<'_, Bench>, name: &str) {
 
 /// Presses a button of the mouse over the picture and moves it.
 fn drag(harness: &mut Harness<'_, Bench>, button: PointerButton, modifiers: Modifiers) {
-    let (from, to) = (pos2(300.0, 300.0), pos2(340.0, 320.0));
+    let way = [pos2(300.0, 300.0), pos2(340.0, 320.0)];
+    drag_along(harness, button, modifiers, way, |_| {});
+}
+
+/// The same along this way; before the button is let go of, `then`.
+fn drag_along(
+    harness: &mut Harness<'_, Bench>,
+    button: PointerButton,
+    modifiers: Modifiers,
+    [from, to]: [Pos2; 2],
+    then: impl FnOnce(&mut Harness<'_, Bench>),
+) {
     let press = |pos: Pos2, pressed| egui::Event::PointerButton {
         pos,
         button,
@@ -104,6 +117,7 @@ fn drag(harness: &mut Harness<'_, Bench>, button: PointerButton, modifiers: Modi
         harness.event(egui::Event::PointerMoved(from + (to - from) * share));
         harness.run();
     }
+    then(harness);
     harness.event(press(to, false));
     harness.run();
     harness.event(egui::Event::ModifiersChanged(Modifiers::NONE));
@@ -224,7 +238,7 @@ fn the_help_lists_every_key_and_gesture() {
     harness.run();
     harness.get_by_label("Keys and gestures");
     let gestures = gestures(Mouse::Viewer).flat_map(|g| [g.gesture, g.does]);
-    let with_keys = ACTIONS.iter().filter(|action| !action.keys.is_empty());
+    let with_keys = actions().filter(|action| !action.keys.is_empty());
     let names = with_keys.map(|action| action.name);
     for text in gestures.chain(names) {
         assert!(harness.query_all_by_label(text).next().is_some(), "{text}");
@@ -232,6 +246,46 @@ fn the_help_lists_every_key_and_gesture() {
     harness.key_press(Key::Escape);
     harness.run();
     assert!(!harness.state().state.help);
+}
+
+#[test]
+fn changed_keys_work_and_are_shown_in_menus_palette_help_and_hints() {
+    let file =
+        "version = 1\n[keys]\nfile.open = \"Ctrl+K\"\nlook.wireframe = [\"Shift+J\", \"F7\"]\n";
+    let file = KeysFile::read("keys.toml", file);
+    assert_eq!(file.faults, [""; 0]);
+    let mut harness = open();
+    file.keymap.install(&harness.ctx);
+    harness.run();
+    harness.key_press(Key::W);
+    harness.run();
+    assert_eq!(harness.state().asked, [], "it was the old key");
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::J);
+    harness.run();
+    assert_eq!(harness.state().asked, [Command::SetWireframe(true)]);
+    harness.get_by_label("Open a mesh (Ctrl+K) or drop one here");
+    harness
+        .get_by_role_and_label(Role::CheckBox, "Wireframe")
+        .hover();
+    harness.run_steps(60);
+    let shows = |harness: &Harness<'_, Bench>, text: &str| {
+        harness.query_all_by_label_contains(text).next().is_some()
+    };
+    assert!(shows(&harness, "Wireframe (Shift+J)"), "the tooltip");
+    click(&mut harness, "File");
+    assert!(shows(&harness, "Ctrl+K"), "the menu");
+    harness.key_press(Key::Escape);
+    harness.run();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::P);
+    harness.run();
+    harness.event(egui::Event::Text("wireframe".to_owned()));
+    harness.run();
+    assert!(shows(&harness, "Shift+J"), "the palette");
+    harness.key_press(Key::Escape);
+    harness.run();
+    harness.key_press(Key::F1);
+    harness.run();
+    assert!(shows(&harness, "Shift+J   F7"), "the help");
 }
 
 #[test]
@@ -351,6 +405,124 @@ fn the_panel_makes_room_for_the_picture() {
     let after = harness.state().state.viewport.0;
     assert!(after > before + 200, "{before} {after}");
     assert!(harness.query_by_label("Wireframe").is_none());
+}
+
+#[test]
+fn handles_of_the_marked_object_move_it_and_escape_gives_up() {
+    let mut harness = open_two();
+    click(&mut harness, "right one");
+    harness.key_press(Key::F);
+    harness.key_press(Key::G);
+    harness.run();
+    let place = |state: &State| {
+        let document = state.document.as_ref().expect("a scene");
+        document.scene.objects[1].transform.translate
+    };
+    // A point of the window and the same of the picture: from where to where the picture lies.
+    let here = pos2(300.0, 300.0);
+    harness.event(egui::Event::PointerMoved(here));
+    harness.run();
+    let (x, y) = harness.state().state.hover.expect("over the picture");
+    let corner = here - egui::vec2(x as f32, y as f32);
+    let at = |state: &State, axis: usize, points: f64| {
+        let manipulator = state.manipulator().expect("handles");
+        let camera = state.camera().expect("a camera");
+        let (x, y) = camera
+            .project(manipulator.along(axis, points))
+            .expect("before the eye");
+        corner + egui::vec2(x as f32, y as f32)
+    };
+    let start = place(&harness.state().state);
+    let view = harness.state().state.viewpoint;
+    let way = |harness: &Harness<'_, Bench>| {
+        let state = &harness.state().state;
+        [at(state, 0, 70.0), at(state, 0, 130.0)]
+    };
+    let along = way(&harness);
+    drag_along(
+        &mut harness,
+        PointerButton::Primary,
+        Modifiers::NONE,
+        along,
+        |_| {},
+    );
+    let state = &harness.state().state;
+    let moved = place(state) - start;
+    let pixel = state.manipulator().expect("handles").pixel;
+    assert!(
+        (moved.x / (60.0 * pixel) - 1.0).abs() < 0.02,
+        "{moved}: {:?}",
+        harness.state().asked
+    );
+    assert_eq!((moved.y, moved.z), (0.0, 0.0));
+    assert_eq!(state.viewpoint, view, "the view stays");
+    assert!(
+        state.selected == Some(1) && state.pinned.is_none(),
+        "nothing is picked"
+    );
+    assert_eq!(state.history.undo_name(), Some("Move"));
+
+    let there = place(state);
+    let along = way(&harness);
+    drag_along(
+        &mut harness,
+        PointerButton::Primary,
+        Modifiers::NONE,
+        along,
+        |harness| {
+            assert_ne!(place(&harness.state().state), there);
+            harness.key_press(Key::Escape);
+            harness.run();
+            assert_eq!(place(&harness.state().state), there);
+            harness.event(egui::Event::PointerMoved(pos2(500.0, 700.0)));
+            harness.run();
+        },
+    );
+    let state = &harness.state().state;
+    assert_eq!((place(state), state.viewpoint), (there, view));
+    assert!(!state.manipulating.is_held);
+
+    // Beside the handles the hand orbits as ever, and the right button always does what it does.
+    drag(&mut harness, PointerButton::Primary, Modifiers::NONE);
+    assert_ne!(harness.state().state.viewpoint, view);
+    let view = harness.state().state.viewpoint;
+    let along = way(&harness);
+    drag_along(
+        &mut harness,
+        PointerButton::Secondary,
+        Modifiers::NONE,
+        along,
+        |_| {},
+    );
+    assert_ne!(harness.state().state.viewpoint, view);
+    assert_eq!(place(&harness.state().state), there);
+}
+
+#[test]
+fn lengths_are_told_in_the_unit_of_the_file_or_the_chosen_one() {
+    let mut harness = open_two();
+    let state = &mut harness.state_mut().state;
+    state.measuring.list.push(Measurement {
+        kind: Kind::Distance,
+        points: vec![DVec3::ZERO, DVec3::X * 2.5],
+    });
+    harness.run();
+    click(&mut harness, "Measure");
+    harness.get_by_label("2.5000");
+    let state = &mut harness.state_mut().state;
+    state.document.as_mut().expect("a scene").unit = Some(LengthUnit::Metre);
+    harness.run();
+    harness.get_by_label("2.5000\u{a0}m");
+    harness
+        .get_by_role_and_label(Role::ComboBox, "Unit")
+        .click();
+    harness.run();
+    click(&mut harness, "millimetres");
+    harness.get_by_label("2500.0\u{a0}mm");
+    click(&mut harness, "Copy as CSV");
+    let copied = harness.state().asked.last();
+    let csv = "number,kind,value,unit,points\n1,Distance,2500,mm,0 0 0; 2.5 0 0\n";
+    assert_eq!(copied, Some(&Command::Copy(csv.to_owned())));
 }
 
 /// A window on two triangles beside one another, an object each, that came from a file.

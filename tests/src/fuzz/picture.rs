@@ -1,13 +1,13 @@
 //! What holds of the picture of every scene that was read.
 
 use super::reading::is_message;
-use crate::check::MODES;
 use raycast_core::camera::{
     Camera, ImagePlane, Orbit, Projection, Rect, fit_distance, fov_to_frame,
 };
 use raycast_core::formats::{CameraFile, SceneFile};
 use raycast_core::picture::Layers;
 use raycast_core::render::{Settings, Tile, View};
+use raycast_core::shade::Mode;
 use raycast_core::{Accel, Cull};
 use std::sync::Arc;
 use std::time::Duration;
@@ -34,7 +34,7 @@ pub fn is_seen_soundly(file: &SceneFile) -> Result<(), String> {
     };
     let mut shading = file.shading.unwrap_or_default();
     if file.shading.is_none() {
-        shading.mode = MODES[file.scene.triangle_count() % MODES.len()];
+        shading.mode = Mode::ALL[file.scene.triangle_count() % Mode::ALL.len()];
     }
     let view = View {
         scene: Arc::new(file.scene.clone()),

@@ -5,8 +5,8 @@ use raycast_core::Cull;
 use raycast_core::camera::Ray;
 use raycast_core::formats::{RAY_BYTES, decode_ray, encode_hit};
 use raycast_core::glam::DVec3;
-use raycast_report::fault::compare;
 use raycast_report::meshes;
+use raycast_report::wrong_answer::compare;
 use std::sync::OnceLock;
 
 /// Rays of a file that are answered: more tell nothing new.

@@ -231,18 +231,15 @@ impl Instances {
         self.all.is_empty()
     }
 
-    fn number_of(&self, index: u32) -> Option<u32> {
-        self.pages.get((index >> PAGE_BITS) as usize).copied()
-    }
-
     /// The instance that has an index, and which of its own that is.
+    #[inline(always)]
     fn of(&self, index: u32) -> Option<(&Instance, u32)> {
-        let instance = &self.all[self.number_of(index)? as usize];
+        let number = *self.pages.get((index >> PAGE_BITS) as usize)?;
+        let instance = &self.all[number as usize];
         Some((instance, index.checked_sub(instance.first)?))
     }
 
     /// A node's children, with their boxes in the scene's space.
-    #[inline(never)]
     pub(crate) fn open(&self, index: u32) -> Opened {
         if let Some(opened) = self.top.get(index as usize) {
             return *opened;
@@ -265,10 +262,26 @@ impl Instances {
 
     /// A triangle as the mesh's tree has it.
     #[inline(never)]
-    pub(crate) fn stored(&self, primitive: u32) -> &Triangle {
+    fn stored(&self, primitive: u32) -> &Triangle {
         self.of(primitive)
             .and_then(|(instance, own)| instance.placed.tree.triangles.get(own as usize))
             .unwrap_or(&NOWHERE)
+    }
+
+    /// The corners of eight triangles as their meshes' trees have them. Most are of one instance, which is looked up
+    /// once.
+    #[inline(always)]
+    pub(super) fn stored_corners(&self, primitives: &[u32; LANES]) -> [&[Vec3; 3]; LANES] {
+        let (first, triangles) = match self.of(primitives[0]) {
+            Some((instance, _)) => (instance.first, &instance.placed.tree.triangles[..]),
+            None => (0, &[][..]),
+        };
+        primitives.map(
+            |primitive| match triangles.get(primitive.wrapping_sub(first) as usize) {
+                Some(triangle) => &triangle.corners,
+                None => &self.stored(primitive).corners,
+            },
+        )
     }
 
     /// A triangle's corners in the scene's space.
@@ -284,33 +297,35 @@ impl Instances {
         }
     }
 
-    /// Places the stored corners of eight triangles, each as [`Instances::corners`] does. A lane that no instance
-    /// has gets any numbers.
-    #[inline(never)]
-    pub(crate) fn place(&self, primitives: &[u32; LANES], corners: &mut [[f32; LANES]; 9]) {
-        let numbers = primitives.map(|primitive| self.number_of(primitive).unwrap_or(0));
+    /// Places the stored corners of eight triangles, each as [`Instances::corners`] does: instance by instance.
+    #[inline(always)]
+    pub(super) fn place(&self, primitives: &[u32; LANES], corners: &mut [[f32; LANES]; 9]) {
         let stored = *corners;
-        let mut done = 0u32;
-        while done != (1 << LANES) - 1 {
-            let number = numbers[done.trailing_ones() as usize & (LANES - 1)];
-            let mut same = 0;
-            for (lane, &other) in numbers.iter().enumerate() {
-                same |= u32::from(other == number) << lane;
+        let mut left = [true; LANES];
+        while let Some(lane) = left.iter().position(|&left| left) {
+            left[lane] = false;
+            let Some((instance, _)) = self.of(primitives[lane]) else {
+                continue;
+            };
+            let Placed {
+                tree, placement, ..
+            } = &instance.placed;
+            let count = tree.triangles.len() as u32;
+            let is_same = primitives.map(|p| p.wrapping_sub(instance.first) < count);
+            for (left, is_same) in left.iter_mut().zip(is_same) {
+                *left &= !is_same;
             }
-            done |= same;
-            let Some((placement, _)) = &self.all[number as usize].placed.placement else {
+            let Some((placement, _)) = placement else {
                 continue;
             };
             let placed = placement.corners(&stored);
-            if same == (1 << LANES) - 1 {
-                *corners = placed;
-                return;
-            }
             for (corners, placed) in corners.iter_mut().zip(&placed) {
                 for lane in 0..LANES {
-                    if same >> lane & 1 != 0 {
-                        corners[lane] = placed[lane];
-                    }
+                    corners[lane] = if is_same[lane] {
+                        placed[lane]
+                    } else {
+                        corners[lane]
+                    };
                 }
             }
         }
@@ -342,16 +357,14 @@ impl Instances {
         self.all.iter().map(triangles).sum()
     }
 
-    /// Bytes kept; a tree that several instances have counts once.
+    /// The instances' trees, some of them more than once.
+    pub(super) fn all_trees(&self) -> impl Iterator<Item = &Arc<MeshTree>> {
+        self.all.iter().map(|instance| &instance.placed.tree)
+    }
+
+    /// Bytes kept beside the trees.
     pub(super) fn retained_bytes(&self) -> usize {
-        let mut trees: Vec<_> = self.all.iter().map(|i| &i.placed.tree).collect();
-        trees.sort_unstable_by_key(|tree| Arc::as_ptr(tree));
-        trees.dedup_by_key(|tree| Arc::as_ptr(tree));
-        trees
-            .iter()
-            .map(|tree| tree.retained_bytes())
-            .sum::<usize>()
-            + self.top.capacity() * size_of::<Opened>()
+        self.top.capacity() * size_of::<Opened>()
             + self.all.capacity() * size_of::<Instance>()
             + self.pages.capacity() * size_of::<u32>()
     }

@@ -139,21 +139,38 @@ impl Accel {
         match self.tree.nodes.get(index as usize) {
             Some(node) => (&node.boxes, node.children(index)),
             None => {
+                let opened = opened.insert(self.instances.open(index));
+                (&opened.boxes, opened.children)
+            }
+        }
+    }
+
+    /// The same where nothing is known of instances: for single rays.
+    #[inline(always)]
+    pub(crate) fn open_any<'a>(
+        &'a self,
+        index: u32,
+        opened: &'a mut Option<Opened>,
+    ) -> (&'a BoxPair, [Subtree; 2]) {
+        match self.tree.nodes.get(index as usize) {
+            Some(node) => (&node.boxes, node.children(index)),
+            None => {
                 let opened = opened.insert(self.open_placed(index));
                 (&opened.boxes, opened.children)
             }
         }
     }
 
-    /// A triangle's corners as they are stored: those of an instance are to be [placed](Accel::place).
+    /// The corners of eight triangles as they are stored: those of instances are to be [placed](Accel::place).
     #[inline(always)]
-    pub(crate) fn stored_corners<const INSTANCES: bool>(&self, primitive: u32) -> &[Vec3; 3] {
-        if !INSTANCES {
-            return &self.triangles[primitive as usize].corners;
-        }
-        match self.triangles.get(primitive as usize) {
-            Some(triangle) => &triangle.corners,
-            None => self.stored_in_mesh(primitive),
+    pub(crate) fn stored_corners<const INSTANCES: bool>(
+        &self,
+        primitives: &[u32; LANES],
+    ) -> [&[Vec3; 3]; LANES] {
+        if INSTANCES && self.triangles.is_empty() {
+            self.instances.stored_corners(primitives)
+        } else {
+            primitives.map(|primitive| &self.triangles[primitive as usize].corners)
         }
     }
 
@@ -164,8 +181,8 @@ impl Accel {
         primitives: &[u32; LANES],
         corners: &mut [[f32; LANES]; 9],
     ) {
-        if INSTANCES && self.has_instances() {
-            self.place_instances(primitives, corners);
+        if INSTANCES && self.triangles.is_empty() {
+            self.instances.place(primitives, corners);
         }
     }
 
@@ -173,18 +190,6 @@ impl Accel {
     #[inline(never)]
     fn open_placed(&self, index: u32) -> Opened {
         self.instances.open(index)
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn stored_in_mesh(&self, primitive: u32) -> &[Vec3; 3] {
-        &self.instances.stored(primitive).corners
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn place_instances(&self, primitives: &[u32; LANES], corners: &mut [[f32; LANES]; 9]) {
-        self.instances.place(primitives, corners);
     }
 
     #[cold]
@@ -289,11 +294,20 @@ impl Accel {
         self.out_of_range
     }
 
-    /// Bytes kept by the tree and the triangles.
+    /// Bytes kept by the trees and the triangles, with those that [`Accel::updated`] may take over: a tree that
+    /// several objects have counts once.
     pub fn retained_bytes(&self) -> usize {
+        let known = self.known.as_deref();
+        let trees = known.into_iter().flat_map(Known::all_trees);
+        let mut trees: Vec<_> = trees.chain(self.instances.all_trees()).collect();
+        trees.sort_unstable_by_key(|tree| Arc::as_ptr(tree));
+        trees.dedup_by_key(|tree| Arc::as_ptr(tree));
+        let meshes: usize = trees.iter().map(|tree| tree.retained_bytes()).sum();
         self.triangles.capacity() * size_of::<Triangle>()
             + self.tree.retained_bytes()
+            + meshes
             + self.instances.retained_bytes()
+            + known.map_or(0, Known::retained_bytes)
             + self.first_numbers.capacity() * size_of::<u32>()
     }
 }

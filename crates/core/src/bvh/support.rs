@@ -19,7 +19,7 @@ impl Accel {
         loop {
             if let Some(index) = subtree.node() {
                 let mut opened = None;
-                let (boxes, [a, b]) = self.open::<true>(index, &mut opened);
+                let (boxes, [a, b]) = self.open_any(index, &mut opened);
                 let reach = [0, 1].map(|which| reach(&boxes.get(which), direction));
                 let (near, far) = if reach[0] >= reach[1] {
                     ((a, reach[0]), (b, reach[1]))

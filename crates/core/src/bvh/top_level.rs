@@ -16,9 +16,9 @@ pub(super) const TOP_DEPTH: usize = 22;
 /// Bins along an axis. Frames of a thousand objects do not tell 32 from 16.
 const BINS: usize = 16;
 
-/// How many triangles a top-level node says it has: too many to be taken as a leaf, since they do not follow one
-/// another.
-const MANY: u32 = 1 << 30;
+/// How many triangles a top-level node has at least, or says it has: too many to be taken as a leaf, since they do
+/// not follow one another.
+const MANY: u32 = 1 << 10;
 
 /// A subtree of an object's tree, and the box around it.
 pub(super) type Root = (Subtree, Box32);
@@ -49,7 +49,8 @@ fn build(roots: &mut [Root], levels: usize, nodes: &mut Vec<Opened>) -> Option<R
         boxes: BoxPair::of([around_a, around_b]),
         children: [a, b],
     };
-    let root = Subtree::inner(node as u32, 0, MANY);
+    let count = a.count.saturating_add(b.count).max(MANY);
+    let root = Subtree::inner(node as u32, 0, count);
     Some((root, around_a.union(around_b)))
 }
 

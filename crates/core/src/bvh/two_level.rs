@@ -57,21 +57,45 @@ pub(crate) struct Known {
     /// In the mesh's own space.
     trees: HashMap<usize, Arc<MeshTree>>,
     placed: HashMap<Key, Placed>,
+    /// For each mesh a tree of all its triangles whose corners are in place somewhere, if there is one.
+    trees_in_place: HashMap<usize, Arc<MeshTree>>,
 }
 
 impl Known {
-    /// Whether there is a tree of a mesh, in its own space or placed.
-    fn has_tree(&self, address: usize) -> bool {
-        self.trees.contains_key(&address) || self.placed_tree(address).is_some()
-    }
-
-    /// A tree of a mesh that was placed; `None` where there is none of all its triangles.
-    fn placed_tree(&self, address: usize) -> Option<&Arc<MeshTree>> {
-        let mut placed = self.placed.iter().filter(|(key, _)| key.0 == address);
+    fn new(
+        meshes: HashMap<usize, Weak<Mesh>>,
+        trees: HashMap<usize, Arc<MeshTree>>,
+        placed: HashMap<Key, Placed>,
+    ) -> Self {
         let is_whole =
             |placed: &Placed| placed.placement.is_none() && !placed.tree.is_for_one_place;
-        let (_, placed) = placed.find(|(_, placed)| is_whole(placed))?;
-        Some(&placed.tree)
+        let whole = placed.iter().filter(|(_, placed)| is_whole(placed));
+        let trees_in_place = whole.map(|(key, placed)| (key.0, Arc::clone(&placed.tree)));
+        Self {
+            trees_in_place: trees_in_place.collect(),
+            meshes,
+            trees,
+            placed,
+        }
+    }
+
+    /// Whether there is a tree of a mesh, in its own space or placed.
+    fn has_tree(&self, address: usize) -> bool {
+        self.trees.contains_key(&address) || self.trees_in_place.contains_key(&address)
+    }
+
+    /// All trees, some of them more than once.
+    pub(super) fn all_trees(&self) -> impl Iterator<Item = &Arc<MeshTree>> {
+        let placed = self.placed.values().map(|placed| &placed.tree);
+        self.trees.values().chain(placed)
+    }
+
+    /// Bytes kept beside the trees.
+    pub(super) fn retained_bytes(&self) -> usize {
+        fn table<K, V>(map: &HashMap<K, V>) -> usize {
+            map.capacity() * size_of::<(K, V)>()
+        }
+        table(&self.meshes) + table(&self.trees) + table(&self.placed) + table(&self.trees_in_place)
     }
 }
 
@@ -234,10 +258,12 @@ pub(super) fn build(
         next = Some(end);
     }
     let (top, root) = top_level(&mut roots(&all, most_roots));
+    // Those of the top-level tree are wider where objects are opened.
+    let bounds = all.iter().map(|instance| instance.placed.bounds);
     let tree = Tree {
         nodes: Vec::new(),
         root: root.map(|(root, _)| root),
-        bounds: root.map_or(Box32::EMPTY, |(_, bounds)| bounds),
+        bounds: bounds.fold(Box32::EMPTY, Box32::union),
     };
     Ok(Some(Accel {
         origin,
@@ -247,11 +273,7 @@ pub(super) fn build(
         simd: before.map_or_else(Simd::best, Accel::simd),
         first_numbers: world.first_numbers,
         out_of_range,
-        known: Some(Arc::new(Known {
-            meshes,
-            trees,
-            placed,
-        })),
+        known: Some(Arc::new(Known::new(meshes, trees, placed))),
     }))
 }
 
@@ -269,7 +291,7 @@ fn trees<'m>(
         if trees.contains_key(&address) || missing.contains_key(&address) {
             continue;
         }
-        match known.placed_tree(address) {
+        match known.trees_in_place.get(&address) {
             Some(tree) if !quick || tree.triangles.len() <= QUICK_TRIANGLES => {
                 let own =
                     |triangle: &Triangle| mesh.corners(triangle.number).unwrap_or([Vec3::NAN; 3]);

@@ -35,8 +35,11 @@ const DOWN: [DVec3; 3] = [DVec3::X, DVec3::Z, DVec3::NEG_Y];
 const FRONT: [DVec3; 3] = [DVec3::X, DVec3::Y, DVec3::Z];
 const BACK: [DVec3; 3] = [DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z];
 
+/// Where the middle of a cube's face is, and the face's axes.
+pub(super) type Face = (f64, f64, [DVec3; 3]);
+
 /// Where the middles of a strip's faces are, and of a cross's.
-const STRIP: [(f64, f64, [DVec3; 3]); 6] = [
+const STRIP: [Face; 6] = [
     (-5.0, 0.0, RIGHT),
     (-3.0, 0.0, LEFT),
     (-1.0, 0.0, UP),
@@ -44,7 +47,7 @@ const STRIP: [(f64, f64, [DVec3; 3]); 6] = [
     (3.0, 0.0, FRONT),
     (5.0, 0.0, BACK),
 ];
-const CROSS: [(f64, f64, [DVec3; 3]); 6] = [
+const CROSS: [Face; 6] = [
     (-3.0, 0.0, LEFT),
     (-1.0, 0.0, FRONT),
     (1.0, 0.0, RIGHT),
@@ -139,8 +142,19 @@ impl Panorama {
                 round(share, -0.25 / share, -1.0)
             }
             Self::Stereographic => round(1.0, 0.0, -0.5),
-            Self::CubeStrip => face_at(&STRIP, a, b).map_or([DVec3::ZERO; 2], |[p, q, _]| [p, q]),
-            Self::CubeCross => face_at(&CROSS, a, b).map_or([DVec3::ZERO; 2], |[p, q, _]| [p, q]),
+            Self::CubeStrip | Self::CubeCross => {
+                (self.face(a, b)).map_or([DVec3::ZERO; 2], |(_, _, [p, q, _])| [p, q])
+            }
+        }
+    }
+
+    /// The face of a cube map that a place is on.
+    #[inline]
+    pub(super) fn face(self, a: f64, b: f64) -> Option<Face> {
+        match self {
+            Self::CubeStrip => face_at(&STRIP, a, b),
+            Self::CubeCross => face_at(&CROSS, a, b),
+            _ => None,
         }
     }
 
@@ -239,20 +253,19 @@ fn sine_over_angle(angle: f64) -> (f64, f64) {
     (if angle > 0.0 { sin / angle } else { 1.0 }, cos)
 }
 
-/// The axes of the face that a place is on. At an edge it is the first in the list.
-fn face_at(faces: &[(f64, f64, [DVec3; 3]); 6], a: f64, b: f64) -> Option<[DVec3; 3]> {
-    let on = |(x, y, _): &&(f64, f64, _)| (a - x).abs() <= 1.0 && (b - y).abs() <= 1.0;
-    faces.iter().find(on).map(|(_, _, axes)| *axes)
+/// The face that a place is on. At an edge it is the first in the list.
+fn face_at(faces: &[Face; 6], a: f64, b: f64) -> Option<Face> {
+    let on = |(x, y, _): &&Face| (a - x).abs() <= 1.0 && (b - y).abs() <= 1.0;
+    faces.iter().find(on).copied()
 }
 
-fn on_face(faces: &[(f64, f64, [DVec3; 3]); 6], a: f64, b: f64) -> Option<DVec3> {
-    let on = |(x, y, _): &&(f64, f64, _)| (a - x).abs() <= 1.0 && (b - y).abs() <= 1.0;
-    let (x, y, [right, up, forward]) = faces.iter().find(on)?;
-    Some(*right * (a - x) + *up * (b - y) + *forward)
+fn on_face(faces: &[Face; 6], a: f64, b: f64) -> Option<DVec3> {
+    let (x, y, [right, up, forward]) = face_at(faces, a, b)?;
+    Some(right * (a - x) + up * (b - y) + forward)
 }
 
 /// The place of a direction on the face that it goes through.
-fn place_on(faces: &[(f64, f64, [DVec3; 3]); 6], direction: DVec3) -> Option<(f64, f64)> {
+fn place_on(faces: &[Face; 6], direction: DVec3) -> Option<(f64, f64)> {
     faces.iter().find_map(|(x, y, [right, up, forward])| {
         let depth = direction.dot(*forward);
         let (p, q) = (direction.dot(*right) / depth, direction.dot(*up) / depth);

@@ -169,6 +169,26 @@ impl Camera {
         }
     }
 
+    /// A perspective camera that looks along `axis` from the origin, at a target one unit away.
+    pub(crate) fn along(axis: DVec3) -> Self {
+        Self::upright(axis, axis.any_orthonormal_vector())
+    }
+
+    /// The same with `up` for its up axis, as near as that is square to the view axis.
+    pub(crate) fn upright(axis: DVec3, up: DVec3) -> Self {
+        let placement = Placement {
+            eye: DVec3::ZERO,
+            target: axis,
+            up,
+        };
+        let plane = ImagePlane {
+            columns: 2,
+            rows: 2,
+            step: 1.0,
+        };
+        Self::new(placement, Projection::Perspective, plane)
+    }
+
     /// The ray through the point (x, y) of the picture, in pixels from its top left corner.
     ///
     /// This is the one definition of a pixel's ray: the pixel in column c and row r has its centre
@@ -207,7 +227,7 @@ impl Camera {
     }
 
     /// (x, y) of the picture as [`Panorama`] counts places.
-    fn panoramic_place(&self, x: f64, y: f64) -> (f64, f64) {
+    pub(super) fn panoramic_place(&self, x: f64, y: f64) -> (f64, f64) {
         let (across, along) = self.across_and_along(x, y);
         (across / self.distance, along / self.distance)
     }

@@ -3,8 +3,7 @@ use super::error::FormatError;
 use super::limits::{Budget, Share};
 use std::cell::RefCell;
 use std::collections::HashSet;
-use std::fs::File;
-use std::io::{self, Read};
+use std::io;
 use std::ops::Deref;
 use std::path::{Component, Path, PathBuf};
 
@@ -83,7 +82,11 @@ impl<'b> Filling<'b> {
         Self::with_length(path, budget, 0)
     }
 
-    fn with_length(path: &Path, budget: &'b Budget, length: u64) -> Result<Self, FormatError> {
+    pub(super) fn with_length(
+        path: &Path,
+        budget: &'b Budget,
+        length: u64,
+    ) -> Result<Self, FormatError> {
         let share = budget.share(path, "the file", length)?;
         let length = usize::try_from(length).unwrap_or(usize::MAX);
         let mut bytes = Vec::new();
@@ -147,222 +150,23 @@ impl<'b> Filling<'b> {
 
 /// The files that were opened, each once, in their order.
 #[derive(Default)]
-struct Opened(RefCell<(Vec<PathBuf>, HashSet<PathBuf>)>);
+pub(super) struct Opened(RefCell<(Vec<PathBuf>, HashSet<PathBuf>)>);
 
 impl Opened {
-    fn add(&self, path: PathBuf) {
+    pub(super) fn add(&self, path: PathBuf) {
         let (paths, known) = &mut *self.0.borrow_mut();
         if known.insert(path.clone()) {
             paths.push(path);
         }
     }
 
-    fn list(&self) -> Vec<PathBuf> {
+    pub(super) fn list(&self) -> Vec<PathBuf> {
         self.0.borrow().0.clone()
     }
 }
 
-/// The file system, for one reading of a scene.
-pub(super) struct Disk<'b> {
-    budget: &'b Budget,
-    opened: Opened,
-}
-
-impl<'b> Disk<'b> {
-    pub(super) fn new(budget: &'b Budget) -> Self {
-        Self {
-            budget,
-            opened: Opened::default(),
-        }
-    }
-}
-
-impl Files for Disk<'_> {
-    fn read(
-        &self,
-        path: &Path,
-        by: By<'_>,
-        progress: Progress<'_>,
-    ) -> Result<Contents<'_>, FormatError> {
-        let refused = |error| FormatError::io(path, error);
-        if let By::Mesh(mesh) = by
-            && !self.budget.limits().follow_anywhere
-            && !lies_beside(path, mesh).map_err(refused)?
-        {
-            let reason = "it is neither in the mesh's folder nor in the one above, and is not \
-                          followed without `follow-anywhere`";
-            return Err(FormatError::refused(path, None, reason));
-        }
-        let pipes = matches!(by, By::Person);
-        let mut file = open(path, pipes).map_err(refused)?;
-        self.opened.add(self.source(path));
-        let length = file.metadata().map_err(refused)?.len();
-        let mut filling = Filling::with_length(path, self.budget, length)?;
-        let mut done = 0;
-        let read = filling.read(&mut |bytes, most| {
-            let read = (&mut file).take(most).read_to_end(bytes)?;
-            done += read;
-            progress((done as f32 / length.max(1) as f32).min(1.0));
-            Ok(read)
-        })?;
-        read.map_err(refused)?;
-        Ok(filling.into_contents())
-    }
-
-    fn source(&self, path: &Path) -> PathBuf {
-        absolute(path)
-    }
-
-    fn opened(&self) -> Vec<PathBuf> {
-        self.opened.list()
-    }
-
-    fn budget(&self) -> &Budget {
-        self.budget
-    }
-}
-
-fn absolute(path: &Path) -> PathBuf {
+pub(super) fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
-}
-
-/// Opens a regular file, without waiting for the other end of a pipe; a pipe too where `pipes` are
-/// welcome, and then as patiently as it takes. Devices have no end, and are not even opened: for
-/// some that does something.
-fn open(path: &Path, pipes: bool) -> io::Result<File> {
-    let check = |metadata: std::fs::Metadata| {
-        let what = match metadata.file_type() {
-            kind if kind.is_file() || (pipes && !kind.is_dir() && !is_device(kind)) => {
-                return Ok(());
-            }
-            kind if kind.is_dir() => "a folder",
-            kind if is_device(kind) => "a device",
-            _ => "a pipe or a socket",
-        };
-        Err(io::Error::other(format!(
-            "it is {what}, not a regular file"
-        )))
-    };
-    check(std::fs::metadata(path)?)?;
-    let mut options = File::options();
-    options.read(true);
-    // What the name stands for may have changed since: a pipe must not hold us up.
-    #[cfg(unix)]
-    if !pipes {
-        use std::os::unix::fs::OpenOptionsExt;
-        options.custom_flags(rustix::fs::OFlags::NONBLOCK.bits() as i32);
-    }
-    let file = options.open(path)?;
-    check(file.metadata()?)?;
-    Ok(file)
-}
-
-#[cfg(unix)]
-fn is_device(kind: std::fs::FileType) -> bool {
-    use std::os::unix::fs::FileTypeExt;
-    kind.is_char_device() || kind.is_block_device()
-}
-
-#[cfg(not(unix))]
-fn is_device(_: std::fs::FileType) -> bool {
-    false
-}
-
-/// Whether a path lies in the folder of `mesh`, beside that, or in what is there; both as they are
-/// written and where links lead. Only a mesh's own folder counts if the one above is the root of
-/// all: everything lies there.
-fn lies_beside(path: &Path, mesh: &Path) -> io::Result<bool> {
-    let within = |path: &Path, mesh: &Path| {
-        let folder = mesh.parent().unwrap_or(mesh);
-        let area = match folder.parent() {
-            Some(above) if above.parent().is_some() => above,
-            _ => folder,
-        };
-        path.starts_with(area)
-    };
-    let as_written = |path: &Path| plain(&absolute(path));
-    if !within(&as_written(path), &as_written(mesh)) {
-        return Ok(false);
-    }
-    // A link of the mesh's own leads where its person put it: its neighbours are those of the link
-    // and those of the file.
-    let real = std::fs::canonicalize(path)?;
-    let folder = mesh.parent().filter(|folder| *folder != Path::new(""));
-    let beside_link = std::fs::canonicalize(folder.unwrap_or(Path::new(".")))?.join("mesh");
-    let beside_file = std::fs::canonicalize(mesh).unwrap_or_else(|_| beside_link.clone());
-    Ok(within(&real, &beside_link) || within(&real, &beside_file))
-}
-
-/// An absolute path without `..`.
-fn plain(path: &Path) -> PathBuf {
-    let mut plain = PathBuf::new();
-    for part in path.components() {
-        match part {
-            Component::ParentDir => drop(plain.pop()),
-            part => plain.push(part),
-        }
-    }
-    plain
-}
-
-/// Files that the caller holds.
-pub(super) struct Held<'a> {
-    /// Relative path, with `/` between its parts, to bytes.
-    resolve: &'a dyn Fn(&str) -> Option<Vec<u8>>,
-    budget: &'a Budget,
-    opened: Opened,
-}
-
-impl<'a> Held<'a> {
-    pub(super) fn new(resolve: &'a dyn Fn(&str) -> Option<Vec<u8>>, budget: &'a Budget) -> Self {
-        Self {
-            resolve,
-            budget,
-            opened: Opened::default(),
-        }
-    }
-}
-
-impl Files for Held<'_> {
-    fn read(
-        &self,
-        path: &Path,
-        _: By<'_>,
-        progress: Progress<'_>,
-    ) -> Result<Contents<'_>, FormatError> {
-        let source = self.source(path);
-        let bytes = source.to_str().and_then(self.resolve);
-        progress(1.0);
-        let not_there = || FormatError::io(path, io::ErrorKind::NotFound.into());
-        let bytes = bytes.ok_or_else(not_there)?;
-        self.opened.add(source);
-        Ok(Contents {
-            _share: self
-                .budget
-                .share(path, "the file", bytes.capacity() as u64)?,
-            bytes,
-        })
-    }
-
-    fn source(&self, path: &Path) -> PathBuf {
-        let mut parts: Vec<String> = Vec::new();
-        for part in path.components() {
-            match part {
-                Component::ParentDir => drop(parts.pop()),
-                Component::Normal(name) => parts.push(name.to_string_lossy().into_owned()),
-                Component::CurDir | Component::RootDir | Component::Prefix(_) => {}
-            }
-        }
-        PathBuf::from(parts.join("/"))
-    }
-
-    fn opened(&self) -> Vec<PathBuf> {
-        self.opened.list()
-    }
-
-    fn budget(&self) -> &Budget {
-        self.budget
-    }
 }
 
 /// A path that a file names, relative to the file that names it. Backslashes count as separators:
@@ -401,7 +205,6 @@ pub(super) fn relative(file: &Path, folder: &Path) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::limits::Limits;
     use super::*;
 
     #[test]
@@ -418,164 +221,5 @@ mod tests {
         check("/a/b/c.obj", "/a/../d", "/a/b/c.obj");
         check("/a/b/c.obj", "/d", "/a/b/c.obj");
         check("c.obj", "/a", "c.obj");
-    }
-
-    #[test]
-    fn held_files_have_plain_names() {
-        let budget = Budget::default();
-        let held = Held::new(&|name| (name == "a/c.obj").then(|| vec![7]), &budget);
-        let read = |path: &str| held.read(Path::new(path), By::Person, &|_| ());
-        assert_eq!(read("./a/b/../c.obj").expect("it is there")[..], [7]);
-        assert!(read("c.obj").is_err());
-        assert!(read("a/c.obj").is_ok());
-        assert_eq!(held.opened(), [PathBuf::from("a/c.obj")]);
-    }
-
-    fn limited(bytes: u64) -> Budget {
-        Budget::new(Limits {
-            bytes,
-            ..Limits::default()
-        })
-    }
-
-    #[test]
-    fn files_are_counted_before_they_are_read() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("a");
-        std::fs::write(&path, [7; 5000]).expect("a file");
-        let budget = limited(5000);
-        let disk = Disk::new(&budget);
-        let first = disk.read(&path, By::Scene, &|_| ()).expect("it fits");
-        assert_eq!(first[..], [7; 5000]);
-        let second = disk
-            .read(&path, By::Scene, &|_| ())
-            .expect_err("two do not");
-        assert!(second.to_string().contains("limit `bytes`"), "{second}");
-        drop(first);
-        assert!(disk.read(&path, By::Person, &|_| ()).is_ok());
-    }
-
-    #[test]
-    fn a_mesh_is_followed_to_its_folder_and_the_one_above() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let root = folder.path();
-        for name in ["a/b/c", "a/textures", "elsewhere"] {
-            std::fs::create_dir_all(root.join(name)).expect("a folder");
-        }
-        let mesh = root.join("a/b/mesh.obj");
-        for name in [
-            "a/b/mesh.obj",
-            "a/b/c/x",
-            "a/b/x",
-            "a/x",
-            "a/textures/x",
-            "x",
-            "elsewhere/x",
-        ] {
-            std::fs::write(root.join(name), "x").expect("a file");
-        }
-        let read = |named: &str, follow_anywhere: bool| {
-            let budget = Budget::new(Limits {
-                follow_anywhere,
-                ..Limits::default()
-            });
-            let disk = Disk::new(&budget);
-            let read = disk.read(&beside(&mesh, named), By::Mesh(&mesh), &|_| ());
-            read.map(|_| ()).map_err(|error| error.to_string())
-        };
-        for near in [
-            "x",
-            "c/x",
-            "../x",
-            "../textures/x",
-            "..\\textures\\x",
-            "c/../../b/x",
-        ] {
-            assert_eq!(read(near, false), Ok(()), "{near}");
-        }
-        let absolute = root.join("elsewhere/x").display().to_string();
-        for far in [
-            "../../x",
-            "../../elsewhere/x",
-            "c/../../../x",
-            &absolute,
-            "/dev/null",
-        ] {
-            let told = read(far, false).expect_err(far);
-            assert!(told.contains("`follow-anywhere`"), "{told}");
-        }
-        assert_eq!(read("../../x", true), Ok(()));
-        assert!(
-            read("/dev/null", true)
-                .expect_err("a device")
-                .contains("a device")
-        );
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn links_are_followed_no_further_than_names() {
-        use std::os::unix::fs::symlink;
-        let folder = tempfile::tempdir().expect("a folder");
-        let root = folder.path();
-        std::fs::create_dir_all(root.join("a/b")).expect("a folder");
-        std::fs::create_dir_all(root.join("elsewhere")).expect("a folder");
-        std::fs::write(root.join("elsewhere/x"), "x").expect("a file");
-        symlink("../../elsewhere", root.join("a/b/link")).expect("a link");
-        let budget = Budget::default();
-        let disk = Disk::new(&budget);
-        let mesh = root.join("a/b/mesh.obj");
-        let named = disk.read(&beside(&mesh, "link/x"), By::Mesh(&mesh), &|_| ());
-        assert!(named.is_err_and(|error| error.to_string().contains("follow-anywhere")));
-        // Through a link of its own a mesh has the neighbours of the file too.
-        std::fs::write(root.join("elsewhere/mesh.obj"), "x").expect("a file");
-        symlink("../../elsewhere/mesh.obj", &mesh).expect("a link");
-        assert!(
-            disk.read(&beside(&mesh, "link/x"), By::Mesh(&mesh), &|_| ())
-                .is_ok()
-        );
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn pipes_are_read_for_people_alone_and_within_the_limit() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let pipe = folder.path().join("pipe");
-        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
-        assert!(
-            made.is_ok_and(|status| status.success()),
-            "a pipe can be made"
-        );
-        let budget = limited(64 << 20);
-        let disk = Disk::new(&budget);
-        let mesh = folder.path().join("mesh.obj");
-        for by in [By::Scene, By::Mesh(&mesh)] {
-            let told = disk
-                .read(&pipe, by, &|_| ())
-                .expect_err("a pipe")
-                .to_string();
-            assert!(told.ends_with("not a regular file"), "{told}");
-        }
-        let device = disk.read(Path::new("/dev/zero"), By::Person, &|_| ());
-        assert!(device.is_err_and(|error| error.to_string().contains("a device")));
-        assert!(disk.opened().is_empty());
-        let fill = |count: usize| {
-            let pipe = pipe.clone();
-            std::thread::spawn(move || {
-                use std::io::Write;
-                let mut file = File::options().write(true).open(pipe).expect("a pipe");
-                // The reader may go away early.
-                let _ = file.write_all(&vec![7; count]);
-            })
-        };
-        let writer = fill(3_000_000);
-        let read = disk.read(&pipe, By::Person, &|_| ()).expect("it fits");
-        assert_eq!(read.len(), 3_000_000);
-        drop(read);
-        writer.join().expect("the writer is done");
-        let writer = fill(100 << 20);
-        let told = disk.read(&pipe, By::Person, &|_| ()).expect_err("too much");
-        assert!(told.to_string().contains("limit `bytes`"), "{told}");
-        writer.join().expect("the writer is done");
     }
 }

@@ -1,58 +1,143 @@
-//! What the JPEG decoder does not say of a file: that it ends early, or claims more pixels than its
-//! bytes can hold. The decoder fills what is missing with grey.
+//! Decoding JPEG strictly. The decoder fills what is missing with grey, or with what zeros decode to; here a file
+//! that ends early, that claims more pixels than its bytes can hold, or whose coded data end early, is refused.
+//!
+//! Not found: bytes that are missing within a scan with others behind it, where what is left still is a sequence of
+//! valid codes, and a progressive file that ends after a whole scan. No decoder can tell these from a picture that
+//! is meant: there is no checksum.
 
-/// Why a JPEG file cannot hold the picture that it claims; `None` where it may.
+use image::{DynamicImage, GrayAlphaImage, GrayImage, RgbImage, RgbaImage};
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::errors::DecodeErrors;
+use zune_jpeg::zune_core::bytestream::ZCursor;
+use zune_jpeg::zune_core::colorspace::ColorSpace;
+use zune_jpeg::zune_core::options::DecoderOptions;
+
+/// What a JPEG file's markers tell (ITU-T T.81, "Digital compression and coding of continuous-tone still images",
+/// 1992, annex B).
+#[derive(Debug)]
+pub(super) struct Outline {
+    /// Where the end of the image is marked.
+    end: usize,
+    scans: usize,
+    is_progressive: bool,
+}
+
+/// Follows the markers from the first to the end of the image, without decoding. `None` for a file that is no JPEG
+/// at all, or has no frame header that is known: it is left to the decoder's own words.
 ///
-/// Follows the markers (ITU-T T.81, "Digital compression and coding of continuous-tone still
-/// images", 1992, annex B) from the first to the end of the image, without decoding. A file that is
-/// no JPEG at all, or has no frame header, is left to the decoder's own words.
-pub(super) fn fault(bytes: &[u8]) -> Option<String> {
-    const CUT: &str = "the image is damaged: the file ends before the image does";
-    let mut rest = bytes.strip_prefix(&[0xff, 0xd8])?;
+/// # Errors
+/// Why the file cannot hold the picture that it claims.
+pub(super) fn outline(bytes: &[u8]) -> Result<Option<Outline>, String> {
+    let cut = || "the image is damaged: the file ends before the image does".to_owned();
+    let Some(mut rest) = bytes.strip_prefix(&[0xff, 0xd8]) else {
+        return Ok(None);
+    };
     let mut least_bits = None;
     let mut scan_bytes = 0;
+    let mut outline = Outline {
+        end: 0,
+        scans: 0,
+        is_progressive: false,
+    };
     loop {
-        let Some(at) = rest.iter().position(|&byte| byte == 0xff) else {
-            return Some(CUT.to_owned());
-        };
+        let at = rest.iter().position(|&byte| byte == 0xff).ok_or_else(cut)?;
         rest = &rest[at + 1..];
-        let Some((&marker, after)) = rest.split_first() else {
-            return Some(CUT.to_owned());
-        };
+        let (&marker, after) = rest.split_first().ok_or_else(cut)?;
         match marker {
             // Stuffing, fill bytes and restarts: within entropy-coded data, or before a marker.
             0x00 | 0x01 | 0xd0..=0xd8 => rest = after,
             0xff => {}
             END_OF_IMAGE => break,
             _ => {
-                let Some(&[high, low]) = after.first_chunk() else {
-                    return Some(CUT.to_owned());
-                };
+                let &[high, low] = after.first_chunk().ok_or_else(cut)?;
                 let length = usize::from(u16::from_be_bytes([high, low])).max(2);
-                let Some((segment, behind)) = after.split_at_checked(length) else {
-                    return Some(CUT.to_owned());
-                };
+                let (segment, behind) = after.split_at_checked(length).ok_or_else(cut)?;
                 match marker {
                     // Baseline, extended and progressive frames with Huffman codes.
-                    0xc0..=0xc2 => least_bits = least_bits.or(frame_bits(&segment[2..])),
-                    START_OF_SCAN => scan_bytes = scan_bytes.max(behind.len()),
+                    0xc0..=PROGRESSIVE => {
+                        least_bits = least_bits.or(frame_bits(&segment[2..]));
+                        outline.is_progressive |= marker == PROGRESSIVE;
+                    }
+                    START_OF_SCAN => {
+                        scan_bytes = scan_bytes.max(behind.len());
+                        outline.scans += 1;
+                    }
                     _ => {}
                 }
                 rest = behind;
             }
         }
     }
-    let (width, height, bits) = least_bits?;
-    let holds = scan_bytes as u64 * 8;
-    (bits > holds).then(|| {
-        format!(
+    let Some((width, height, bits)) = least_bits else {
+        return Ok(None);
+    };
+    if bits > scan_bytes as u64 * 8 {
+        return Err(format!(
             "the image is damaged: it claims {width}x{height} pixels, more than its {} bytes can \
              hold",
             bytes.len()
-        )
-    })
+        ));
+    }
+    // Before its two bytes, of which the second was taken off.
+    outline.end = bytes.len() - rest.len() - 1;
+    Ok(Some(outline))
 }
 
+/// Sixteen one bits are no Huffman code (T.81, annex C: no code is all ones), and up to fifteen bits may be left of
+/// the value before them: these bytes, stuffed, are read as an error by whoever needs more than the file's own data.
+const ONES: [u8; 10] = [0xff, 0, 0xff, 0, 0xff, 0, 0xff, 0, 0xff, 0];
+
+/// Decodes the picture.
+///
+/// # Errors
+/// As the decoder tells it; data that end before the picture does.
+pub(super) fn decode(bytes: &[u8], outline: &Outline) -> Result<DynamicImage, DecodeErrors> {
+    match decode_closed(bytes, outline, &ONES) {
+        // After a progressive file's first scan the decoder wants the marker at once: that scan is whole.
+        Err(DecodeErrors::FormatStatic("Marker missing where expected"))
+            if outline.is_progressive && outline.scans == 1 =>
+        {
+            decode_closed(bytes, outline, &[])
+        }
+        decoded => decoded,
+    }
+}
+
+/// Decodes the picture with `more` data before its end.
+fn decode_closed(
+    bytes: &[u8],
+    outline: &Outline,
+    more: &[u8],
+) -> Result<DynamicImage, DecodeErrors> {
+    let (data, end) = bytes.split_at(outline.end);
+    let closed = [data, more, &end[..2]].concat();
+    let options = DecoderOptions::default()
+        .set_strict_mode(false)
+        .set_max_width(usize::MAX)
+        .set_max_height(usize::MAX);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(&closed[..]), options);
+    // Bytes between headers are harmless; from here on damage is an error.
+    decoder.decode_headers()?;
+    let space = match decoder.input_colorspace() {
+        Some(space @ (ColorSpace::Luma | ColorSpace::LumaA | ColorSpace::RGBA)) => space,
+        _ => ColorSpace::RGB,
+    };
+    decoder.set_options(options.jpeg_set_out_colorspace(space).set_strict_mode(true));
+    let pixels = decoder.decode()?;
+    let (width, height) = decoder.dimensions().unwrap_or_default();
+    let (width, height) = (width as u32, height as u32);
+    let picture = match space {
+        ColorSpace::Luma => GrayImage::from_raw(width, height, pixels).map(DynamicImage::from),
+        ColorSpace::LumaA => {
+            GrayAlphaImage::from_raw(width, height, pixels).map(DynamicImage::from)
+        }
+        ColorSpace::RGBA => RgbaImage::from_raw(width, height, pixels).map(DynamicImage::from),
+        _ => RgbImage::from_raw(width, height, pixels).map(DynamicImage::from),
+    };
+    picture.ok_or(DecodeErrors::FormatStatic("too few pixels"))
+}
+
+const PROGRESSIVE: u8 = 0xc2;
 const END_OF_IMAGE: u8 = 0xd9;
 const START_OF_SCAN: u8 = 0xda;
 
@@ -82,6 +167,19 @@ fn frame_bits(header: &[u8]) -> Option<(u16, u16, u64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use base64::prelude::{BASE64_STANDARD, Engine as _};
+
+    /// 24 × 24 in grey, in six scans, of which the first has the DC coefficients; made by ImageMagick.
+    const IN_SCANS: &str = "\
+        /9j/4AAQSkZJRgABAQAAAQABAAD/2wBDACgcHiMeGSgjISMtKygwPGRBPDc3PHtYXUlkkYCZlo+AjIqgtObDoKra\
+        rYqMyP/L2u71////m8H////6/+b9//j/wgALCAAYABgBAREA/8QAFgABAQEAAAAAAAAAAAAAAAAAAQAD/9oACAEB\
+        AAAAAcBCi//EABQQAQAAAAAAAAAAAAAAAAAAADD/2gAIAQEAAQUCH//EABQQAQAAAAAAAAAAAAAAAAAAADD/2gAI\
+        AQEABj8CH//EABkQAAMAAwAAAAAAAAAAAAAAAAABERAgIf/aAAgBAQABPyFMvS6N3FP/2gAIAQEAAAAQxf8A/8QA\
+        GhAAAwEBAQEAAAAAAAAAAAAAABEhAWExQf/aAAgBAQABPxCHToJ9w8bNMoxIxymIf//Z";
+
+    fn fault_of(bytes: &[u8]) -> Option<String> {
+        outline(bytes).err()
+    }
 
     fn jpeg(side: u32, grey: bool) -> Vec<u8> {
         let mut bytes = Vec::new();
@@ -99,14 +197,75 @@ mod tests {
         bytes
     }
 
+    fn decoded(bytes: &[u8]) -> Result<DynamicImage, String> {
+        let outline = outline(bytes)?.expect("a JPEG");
+        decode(bytes, &outline).map_err(|error| error.to_string())
+    }
+
+    /// `bytes` up to `at`, and the end of an image.
+    fn closed_at(bytes: &[u8], at: usize) -> Vec<u8> {
+        [&bytes[..at], &[0xff, END_OF_IMAGE]].concat()
+    }
+
+    /// Where the data of each scan begin.
+    fn scan_data(bytes: &[u8]) -> Vec<usize> {
+        let is_scan = |&at: &usize| bytes[at..at + 2] == [0xff, START_OF_SCAN];
+        let header = |at: usize| 2 + usize::from(bytes[at + 3]);
+        (0..bytes.len() - 4)
+            .filter(is_scan)
+            .map(|at| at + header(at))
+            .collect()
+    }
+
+    #[test]
+    fn a_whole_file_is_decoded_as_by_the_decoder_alone() {
+        let in_scans = BASE64_STANDARD.decode(IN_SCANS).expect("base 64");
+        for bytes in [jpeg(40, false), jpeg(41, true), in_scans] {
+            let alone = image::load_from_memory(&bytes).expect("an image");
+            let with_more = [&bytes[..], b"a trailer"].concat();
+            assert!(decoded(&bytes) == Ok(alone.clone()));
+            assert!(decoded(&with_more) == Ok(alone));
+        }
+    }
+
+    #[test]
+    fn data_that_end_before_the_picture_does_are_an_error() {
+        for grey in [false, true] {
+            let whole = jpeg(40, grey);
+            let end = whole.len() - 2;
+            for at in scan_data(&whole)[0]..end {
+                assert!(decoded(&closed_at(&whole, at)).is_err(), "{at} of {end}");
+            }
+        }
+    }
+
+    #[test]
+    fn data_that_end_in_the_first_of_several_scans_are_an_error() {
+        let whole = BASE64_STANDARD.decode(IN_SCANS).expect("base 64");
+        let first = scan_data(&whole)[0];
+        let length = whole[first..]
+            .windows(2)
+            .position(|pair| pair == [0xff, 0xc4]);
+        let end = first + length.expect("tables of the second scan");
+        for at in first..end {
+            assert!(decoded(&closed_at(&whole, at)).is_err(), "{at} of {end}");
+        }
+        // A scan that is whole is a picture, if a coarse one.
+        assert!(decoded(&closed_at(&whole, end)).is_ok());
+    }
+
     #[test]
     fn a_cut_file_is_known_by_its_missing_end() {
         for grey in [false, true] {
             let whole = jpeg(40, grey);
-            assert_eq!(fault(&whole), None);
-            assert_eq!(fault(&[&whole[..], b"a trailer"].concat()), None);
+            assert_eq!(fault_of(&whole), None);
+            assert_eq!(fault_of(&[&whole[..], b"a trailer"].concat()), None);
             for end in 2..whole.len() {
-                assert!(fault(&whole[..end]).is_some(), "{end} of {}", whole.len());
+                assert!(
+                    fault_of(&whole[..end]).is_some(),
+                    "{end} of {}",
+                    whole.len()
+                );
             }
         }
     }
@@ -122,7 +281,7 @@ mod tests {
             let side = 16_000u16.to_be_bytes();
             bytes[frame + 5..frame + 7].copy_from_slice(&side);
             bytes[frame + 7..frame + 9].copy_from_slice(&side);
-            let told = fault(&bytes).expect("a fault");
+            let told = fault_of(&bytes).expect("a fault");
             assert!(told.contains("claims 16000x16000 pixels"), "{told}");
         }
         // One grey block of one colour is as small as blocks get.
@@ -130,13 +289,13 @@ mod tests {
         image::codecs::jpeg::JpegEncoder::new_with_quality(&mut flat, 1)
             .encode(&[128; 256 * 256], 256, 256, image::ExtendedColorType::L8)
             .expect("an image can be encoded");
-        assert_eq!(fault(&flat), None);
+        assert_eq!(fault_of(&flat), None);
     }
 
     #[test]
     fn what_is_no_jpeg_is_left_to_others() {
-        assert_eq!(fault(b"\x89PNG"), None);
-        assert_eq!(fault(b""), None);
-        assert!(fault(b"\xff\xd8").is_some());
+        assert_eq!(fault_of(b"\x89PNG"), None);
+        assert_eq!(fault_of(b""), None);
+        assert!(fault_of(b"\xff\xd8").is_some());
     }
 }

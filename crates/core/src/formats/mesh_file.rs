@@ -1,6 +1,7 @@
 use super::error::FormatError;
 use super::files::Files;
 use super::kind::{MeshKind, mesh_kind};
+use super::length_unit::LengthUnit;
 use super::limits::Budget;
 use super::parsed::Parsed;
 use super::placed::Placed;
@@ -24,6 +25,8 @@ const UNPACKING: f32 = 0.5;
 #[derive(Debug)]
 pub(super) struct MeshFile {
     pub(super) kind: FileKind,
+    /// The unit that it says it is in.
+    pub(super) unit: Option<LengthUnit>,
     /// One or more, in the order of their numbers.
     pub(super) objects: Vec<MeshObject>,
     pub(super) warnings: Vec<String>,
@@ -166,6 +169,7 @@ pub(super) fn read(
     progress(1.0);
     Ok(MeshFile {
         kind,
+        unit: None,
         objects: vec![MeshObject::whole(path, mesh, up_axis, texture)],
         warnings,
         notes,
@@ -205,6 +209,7 @@ fn several(
     notes.splice(0..0, unpacked_from);
     Ok(MeshFile {
         kind,
+        unit: placed.unit,
         objects: objects.collect(),
         warnings,
         notes,

@@ -1,13 +1,16 @@
 //! Reading files: meshes, textures, scene files. The one place in the core that touches a disk.
 
 mod at_vertices;
+mod disk;
 mod error;
 mod face_colors;
 mod files;
 mod gltf;
 mod guard;
+mod held;
 mod jpeg;
 mod kind;
+mod length_unit;
 mod limits;
 mod lines;
 mod mesh_file;
@@ -19,6 +22,8 @@ mod ply;
 mod polygon;
 mod ray_file;
 mod scene_animation;
+#[cfg(test)]
+mod scene_error_tests;
 mod scene_file;
 mod scene_objects;
 mod scene_read;
@@ -27,6 +32,8 @@ mod scene_read_tests;
 mod scene_text;
 mod scene_toml;
 mod scene_write;
+#[cfg(test)]
+mod scene_write_tests;
 mod section_drawing;
 mod stl;
 mod texture;
@@ -39,6 +46,7 @@ mod write;
 
 pub use error::{FilePosition, FormatError};
 pub use guard::panic_is_caught;
+pub use length_unit::LengthUnit;
 pub use limits::{Budget, Limits};
 pub use ray_file::{HIT_BYTES, RAY_BYTES, decode_ray, encode_hit};
 pub use scene_file::{CameraFile, FileKind, ImageSettings, SceneFile, ShadingFile};
@@ -47,7 +55,9 @@ pub use section_drawing::{DrawingFormat, write_section};
 pub use write::{MeshFormat, WriteError, Written, write_materials, write_meshes};
 
 use crate::scene::{Mesh, Scene, Texture};
-use files::{By, Disk, Files, Held};
+use disk::Disk;
+use files::{By, Files};
+use held::Held;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -151,6 +161,7 @@ pub fn read_scene_within(
         scene: Scene { objects },
         warnings,
         notes: read.notes,
+        unit: read.unit,
         opened: disk.opened(),
         ..SceneFile::default()
     })

@@ -1,5 +1,6 @@
 //! What a file of several objects gives: meshes, and where its mesh nodes place them.
 
+use super::length_unit::LengthUnit;
 use crate::scene::MeshData;
 use glam::DAffine3;
 
@@ -10,6 +11,8 @@ pub(super) struct Placed {
     pub(super) meshes: Vec<MeshData>,
     /// The mesh nodes, depth first.
     pub(super) nodes: Vec<PlacedMesh>,
+    /// The unit that the file says it is in.
+    pub(super) unit: Option<LengthUnit>,
     /// What is not shown, or not as the file has it.
     pub(super) warnings: Vec<String>,
     /// What the file says of itself, and holds that is not used: a line each, without the file.

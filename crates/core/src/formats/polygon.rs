@@ -1,11 +1,14 @@
 //! Faces of more than three corners, cut into triangles: fans where a fan is right, ears elsewhere.
 
+mod tree;
+
 use crate::quote;
 use crate::scene::{MeshData, is_storable};
 use glam::{DVec3, Vec3};
 use robust::{Coord, orient2d};
 use std::cmp::Ordering;
 use std::path::Path;
+use tree::{Box2, Tree};
 
 /// A face of more than three corners, by the fan that stands for it in a mesh until it is cut.
 #[derive(Clone, Copy, Debug)]
@@ -524,105 +527,6 @@ impl Cutter {
             }
         }
         Ok(None)
-    }
-}
-
-/// An axis-aligned rectangle.
-#[derive(Clone, Copy, Debug)]
-struct Box2 {
-    min: Point,
-    max: Point,
-}
-
-impl Box2 {
-    const EMPTY: Self = Self {
-        min: Point {
-            x: f64::INFINITY,
-            y: f64::INFINITY,
-        },
-        max: Point {
-            x: f64::NEG_INFINITY,
-            y: f64::NEG_INFINITY,
-        },
-    };
-
-    fn around(point: Point) -> Self {
-        Self {
-            min: point,
-            max: point,
-        }
-    }
-
-    fn with(self, point: Point) -> Self {
-        self.union(Self::around(point))
-    }
-
-    fn union(self, other: Self) -> Self {
-        Self {
-            min: Point {
-                x: self.min.x.min(other.min.x),
-                y: self.min.y.min(other.min.y),
-            },
-            max: Point {
-                x: self.max.x.max(other.max.x),
-                y: self.max.y.max(other.max.y),
-            },
-        }
-    }
-
-    fn meets(&self, other: &Self) -> bool {
-        self.min.x <= other.max.x
-            && other.min.x <= self.max.x
-            && self.min.y <= other.max.y
-            && other.min.y <= self.max.y
-    }
-}
-
-/// Boxes around runs of what follows one another along a face, halved down to single ones: pieces of
-/// a curve lie close together (Ballard, "Strip trees: a hierarchical representation for curves",
-/// 1981). Node `n` has the children `2n` and `2n + 1`; 1 is the root.
-#[derive(Debug, Default)]
-struct Tree {
-    boxes: Vec<Box2>,
-    /// How many are in it.
-    counts: Vec<u32>,
-    first_leaf: usize,
-}
-
-impl Tree {
-    fn build(&mut self, count: usize, item: impl Fn(usize) -> Option<Box2>) {
-        self.first_leaf = count.next_power_of_two();
-        self.boxes.clear();
-        self.boxes.resize(2 * self.first_leaf, Box2::EMPTY);
-        self.counts.clear();
-        self.counts.resize(2 * self.first_leaf, 0);
-        for index in 0..count {
-            if let Some(box2) = item(index) {
-                self.boxes[self.first_leaf + index] = box2;
-                self.counts[self.first_leaf + index] = 1;
-            }
-        }
-        for node in (1..self.first_leaf).rev() {
-            self.boxes[node] = self.boxes[2 * node].union(self.boxes[2 * node + 1]);
-            self.counts[node] = self.counts[2 * node] + self.counts[2 * node + 1];
-        }
-    }
-
-    /// What a leaf holds; `None` for an inner node.
-    fn leaf(&self, node: usize) -> Option<usize> {
-        node.checked_sub(self.first_leaf)
-    }
-
-    /// Takes one out, if it is in.
-    fn remove(&mut self, index: usize) {
-        let mut node = self.first_leaf + index;
-        if self.counts.get(node).is_none_or(|count| *count == 0) {
-            return;
-        }
-        while node > 0 {
-            self.counts[node] -= 1;
-            node /= 2;
-        }
     }
 }
 

@@ -1,3 +1,4 @@
+use super::length_unit::LengthUnit;
 use crate::camera::{CameraPath, Placement, Projection};
 use crate::scene::{ClippingPlanes, Scene};
 use crate::shade::Shading;
@@ -47,6 +48,9 @@ impl std::fmt::Display for FileKind {
 pub struct SceneFile {
     /// What kind of file it was read from; of several, the first.
     pub kind: FileKind,
+    /// The unit that the mesh file says its coordinates are in; `None` of scene files, and of several files that are not
+    /// in one unit.
+    pub unit: Option<LengthUnit>,
     /// The objects.
     pub scene: Scene,
     /// `[camera]`.
@@ -97,6 +101,11 @@ impl SceneFile {
     /// Adds another file's objects behind these, and takes from it the settings that this one does
     /// not have.
     pub fn append(&mut self, other: Self) {
+        // What is there first has nothing to differ from.
+        let is_first = self.scene.objects.is_empty();
+        self.unit = other
+            .unit
+            .filter(|unit| is_first || self.unit == Some(*unit));
         let shift = self.scene.objects.len();
         let moved = other.scene.objects.into_iter().map(|mut object| {
             object.parent = object.parent.map(|parent| parent + shift);

@@ -57,6 +57,8 @@ impl Reader<'_> {
         // Parents first: they cost nothing, and a fault in them is known before anything is read.
         let parents = self.parents(tables)?;
         let mut meshes: HashMap<(PathBuf, UpAxis), Vec<MeshObject>> = HashMap::new();
+        // By what they are displayed as.
+        let mut shapes: HashMap<String, [MeshObject; 1]> = HashMap::new();
         let mut textures = Textures::default();
         let mut objects: Vec<Object> = Vec::with_capacity(tables.len());
         let mut first_objects = Vec::with_capacity(tables.len());
@@ -64,7 +66,6 @@ impl Reader<'_> {
         for (index, table) in tables.iter().enumerate() {
             let table = table.get_ref();
             let step = |part: f32| progress((index as f32 + part) * share);
-            let made;
             let (read, source) = match (&table.mesh, &table.shape) {
                 (Some(named), None) => {
                     let mesh_path = beside(self.path, named.get_ref());
@@ -86,8 +87,11 @@ impl Reader<'_> {
                     (read, Some(source))
                 }
                 (None, Some(shape)) => {
-                    made = [self.shape(shape, warnings)?];
-                    (&made[..], None)
+                    let key = format!("{:?}", shape.get_ref());
+                    if !shapes.contains_key(&key) {
+                        shapes.insert(key.clone(), [self.shape(shape, warnings)?]);
+                    }
+                    (shapes.get(&key).map_or(&[][..], |made| &made[..]), None)
                 }
                 (Some(_), Some(shape)) => {
                     return Err(self.fault(shape, "a mesh or a shape", "both"));

@@ -73,6 +73,7 @@ pub(super) fn read(
         clip,
         warnings,
         notes,
+        unit: None,
         opened: files.opened(),
     })
 }

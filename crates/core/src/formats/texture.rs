@@ -32,12 +32,13 @@ fn decode_within(path: &Path, bytes: &[u8], budget: &Budget) -> Result<Texture, 
         };
         FormatError::unexpected(path, None, "an image (PNG, JPEG or PNM)", found)
     };
+    let damaged = |error: &dyn std::error::Error| {
+        let reason = format!("the image is damaged: {}", shorten(&error.to_string()));
+        FormatError::refused(path, None, &reason)
+    };
     let fault = |error: ImageError| match error {
         ImageError::Unsupported(_) => unknown(),
-        error => {
-            let reason = format!("the image is damaged: {}", shorten(&error.to_string()));
-            FormatError::refused(path, None, &reason)
-        }
+        error => damaged(&error),
     };
     let mut reader = ImageReader::new(Cursor::new(bytes))
         .with_guessed_format()
@@ -58,12 +59,12 @@ fn decode_within(path: &Path, bytes: &[u8], budget: &Budget) -> Result<Texture, 
         return Err(FormatError::unexpected(path, None, expected, found));
     }
     budget.check_pixels(path, width, height)?;
-    if let Some(reason) = (format == ImageFormat::Jpeg)
-        .then(|| jpeg::fault(bytes))
-        .flatten()
-    {
-        return Err(FormatError::refused(path, None, &reason));
-    }
+    let outline = match format {
+        ImageFormat::Jpeg => {
+            jpeg::outline(bytes).map_err(|reason| FormatError::refused(path, None, &reason))?
+        }
+        _ => None,
+    };
     let pixels = u64::from(width) * u64::from(height);
     let texels = 4 * pixels;
     let decoded = decoder.total_bytes();
@@ -76,10 +77,11 @@ fn decode_within(path: &Path, bytes: &[u8], budget: &Budget) -> Result<Texture, 
     // texels.
     let peak = decoded.saturating_add(beside.max(texels));
     let share = budget.share(path, "the image", peak)?;
-    let pixels = DynamicImage::from_decoder(decoder)
-        .map_err(fault)?
-        .into_rgba8()
-        .into_raw();
+    let picture = match outline {
+        Some(outline) => jpeg::decode(bytes, &outline).map_err(|error| damaged(&error))?,
+        None => DynamicImage::from_decoder(decoder).map_err(fault)?,
+    };
+    let pixels = picture.into_rgba8().into_raw();
     share.keep(texels);
     let texels = match bytemuck::try_cast_vec(pixels) {
         Ok(texels) => texels,
@@ -183,5 +185,8 @@ mod tests {
             error.to_string(),
             "a.jpg: the image is damaged: the file ends before the image does"
         );
+        let closed = [&jpeg[..jpeg.len() - 30], &[0xff, 0xd9]].concat();
+        let error = read("a.jpg", &closed).expect_err("half an image");
+        assert!(error.to_string().contains("damaged"), "{error}");
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Every coordinate is a binary floating point number, hence an integer times a power of two: over
 //! a common power the determinants of a ray and a triangle are integers, and every question about
-//! them is the sign of one. How long they can get is reckoned from the numbers' exponents: nearly all
+//! them is the sign of one. Bounds on their lengths follow from the numbers' exponents: nearly all
 //! fit integers of a fixed length, which need no memory of their own.
 
 use super::integer::Integer;
@@ -100,7 +100,7 @@ pub(crate) fn dot<I: Integer>(a: &Vector<I>, b: &Vector<I>) -> I {
     x.plus(&y).plus(&z)
 }
 
-/// How long integers get: runs a piece of work with a kind that holds them.
+/// Runs a function with integers long enough for its intermediate results.
 ///
 /// With corners and eye below 2^L over their power of two, relative corners are below 2^(L+2), their
 /// cross products below 2^(2L+5), det(A, B, C) below 2^(3L+9), and with directions below 2^D weights
@@ -126,7 +126,7 @@ pub(crate) use sized;
 
 /// `a · 2^i` against `b · 2^j`.
 pub(crate) fn compare_scaled<I: Integer>(a: &I, i: i32, b: &I, j: i32) -> Ordering {
-    // Signs and lengths decide most, and spare shifts by thousands of bits.
+    // Signs and lengths decide most numbers without shifts by thousands of bits.
     let by_sign = a.sign().cmp(&b.sign());
     if by_sign != Ordering::Equal || a.sign() == Ordering::Equal {
         return by_sign;
@@ -273,6 +273,9 @@ mod tests {
         let nudged = Vec3::new(0.75, -1.5, f32::from_bits(3f32.to_bits() + 1));
         assert!(!is_collinear(Vec3::ZERO, d, nudged));
         assert!(is_collinear(a, a, d));
+        // Differences are rounded, each coordinate its own way.
+        let few = Vec3::new(3.0, 5.0, 11.0);
+        assert!(is_collinear(few, few * (1u64 << 51) as f32, few * -3.0));
         assert!(!is_collinear(
             Vec3::splat(1e18),
             Vec3::ZERO,

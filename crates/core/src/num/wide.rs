@@ -9,7 +9,7 @@ const LIMB: u32 = u64::BITS;
 /// A whole number of at most `N` limbs, kept by sign and magnitude. Work is done on the limbs that
 /// are in use: short numbers are quick in long ones' room.
 ///
-/// What does not fit panics (an index out of range); callers reckon beforehand.
+/// What does not fit panics (an index out of range); callers bound the length beforehand.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wide<const N: usize> {
     is_negative: bool,

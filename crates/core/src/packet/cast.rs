@@ -1,24 +1,29 @@
 //! Lattices of rays through the tree. Rays that a packet leaves undecided go to the single ray.
 
+mod around;
+
 use super::counts::CastCounts;
 use super::interval_zbuffer::IntervalZBuffer;
 use super::params::{LARGE_SIDE, SIDE};
 use super::traversal::{RayRect, Traversal};
 use crate::bvh::Accel;
-use crate::camera::Lattice;
+use crate::camera::{Lattice, PanoramaRays};
 use crate::hit::{Cull, Detail, MISS, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::num::simd::{F32x8, Lanes, Mask8, Work, dispatch};
 use crate::single::{self, Clipped};
 use crate::triangle::clip::Clip;
-use crate::triangle::interpolate::{Corners, LANES, Places, RowHits, interpolate_row};
+use crate::triangle::interpolate::{
+    Corners, LANES, Places, RowHits, interpolate_around, interpolate_row,
+};
 use crate::triangle::linear::{LinearHit, Pencil, PencilRow};
 use crate::triangle::{Nearest, PreparedRay};
+use around::FindAround;
 
 impl Accel {
     /// Casts every ray of a lattice into `hits`, row by row.
     ///
-    /// Each hit is what [`Accel::cast_primitive`] answers for that ray, as far as `detail` asks for it. With
+    /// Each hit is what [`Accel::cast_primitive`] answers for that ray, as far as `detail` requires. With
     /// [`Precision::Fast`] a packet may be right where a single ray in double precision is not.
     pub fn cast_lattice(
         &self,
@@ -61,9 +66,17 @@ impl Accel {
         primitives.resize(lattice.len(), MISS);
         let mut counts = CastCounts::default();
         if lattice.camera.projection().panorama().is_some() {
-            return self.find_each(clip, lattice, cull, precision, primitives);
-        }
-        if self.tree.root.is_some() {
+            let find = Find {
+                accel: self,
+                clip,
+                lattice,
+                cull,
+                precision,
+                primitives,
+                counts: &mut counts,
+            };
+            dispatch(self.simd, FindAround(find));
+        } else if self.tree.root.is_some() {
             if self.has_instances() {
                 self.find_in::<true>(clip, lattice, cull, precision, primitives, &mut counts);
             } else {
@@ -101,11 +114,8 @@ impl Accel {
     pub fn evaluate(&self, lattice: &Lattice, cull: Cull, precision: Precision, hits: &mut Hits) {
         hits.primitives.resize(lattice.len(), MISS);
         hits.make_places();
-        if lattice.camera.projection().panorama().is_some() {
-            self.evaluate_each(lattice, cull, precision, hits);
-            return;
-        }
-        if self.has_instances() {
+        // Those of panoramas are compiled for instances alone.
+        if self.has_instances() || lattice.camera.projection().panorama().is_some() {
             self.evaluate_in::<true>(lattice, cull, precision, hits);
         } else {
             self.evaluate_in::<false>(lattice, cull, precision, hits);
@@ -152,7 +162,7 @@ impl Clipped<'_> {
     }
 
     /// Finds the closest triangle that each ray of a lattice hits at a point that is kept, else as
-    /// [`Accel::find`]; [`Accel::evaluate`] tells where.
+    /// [`Accel::find`]; [`Accel::evaluate`] finds where.
     pub fn find(
         &self,
         lattice: &Lattice,
@@ -192,6 +202,12 @@ impl<const INSTANCES: bool> Work for Find<'_, INSTANCES> {
             if traversal.list.is_empty() {
                 continue;
             }
+            // Fast casting goes by packets: they may be right where single rays are not.
+            let is_exact = self.precision == Precision::Exact;
+            if is_exact && traversal.is_sparse(lanes, self.lattice, &large) {
+                self.cast_each(&large);
+                continue;
+            }
             for part in large.split(SIDE as u32) {
                 if traversal.cast(lanes, &part, self.cull, &mut zbuffer, &mut ()) {
                     self.keep(&part, &mut zbuffer);
@@ -214,13 +230,13 @@ impl<const INSTANCES: bool> Find<'_, INSTANCES> {
         let mut undecided = 0;
         for row in 0..part.rows {
             let first = ((part.row + row) * self.lattice.columns + part.column) as usize;
-            let held = &zbuffer.row(row)[..columns];
+            let stored = &zbuffer.row(row)[..columns];
             let (mut count, mut any_undecided) = (0, false);
             let kept = &mut self.primitives[first..first + columns];
-            for (kept, &held) in kept.iter_mut().zip(held) {
-                *kept = IntervalZBuffer::primitive(held);
-                count += u32::from(held != MISS);
-                any_undecided |= IntervalZBuffer::is_undecided(held);
+            for (kept, &stored) in kept.iter_mut().zip(stored) {
+                *kept = IntervalZBuffer::primitive(stored);
+                count += u32::from(stored != MISS);
+                any_undecided |= IntervalZBuffer::is_undecided(stored);
             }
             self.counts.hits += u64::from(count);
             undecided |= u32::from(any_undecided) << (row % SIDE as u32);
@@ -259,7 +275,7 @@ impl<const INSTANCES: bool> Find<'_, INSTANCES> {
                 let mut nearest = Nearest::NONE;
                 for &(_, primitive) in rivals {
                     self.accel
-                        .meet_kept(self.clip, &ray, primitive, &mut nearest);
+                        .intersect_kept(self.clip, &ray, primitive, &mut nearest);
                 }
                 nearest
             }
@@ -273,6 +289,18 @@ impl<const INSTANCES: bool> Find<'_, INSTANCES> {
             self.counts.double_rays += 1;
         }
         primitive
+    }
+
+    /// Casts the rays of a rectangle one by one.
+    #[inline(never)]
+    fn cast_each(&mut self, part: &RayRect) {
+        for row in part.row..part.row + part.rows {
+            for column in part.column..part.column + part.columns {
+                let primitive = self.cast_one(column, row, None);
+                self.counts.hits += u64::from(primitive != MISS);
+                self.primitives[(row * self.lattice.columns + column) as usize] = primitive;
+            }
+        }
     }
 }
 
@@ -312,7 +340,8 @@ impl<const INSTANCES: bool> Work for Evaluate<'_, INSTANCES> {
             cull,
             precision,
             pencil: Pencil::new(lattice, accel.origin),
-            known: [(MISS, LinearHit::default()); KNOWN],
+            around: PanoramaRays::new(lattice).filter(|_| INSTANCES),
+            cached: [(MISS, LinearHit::default()); CACHED],
         };
         let rows = (hits.primitives.chunks_mut(columns))
             .zip(hits.t.chunks_mut(columns))
@@ -356,9 +385,9 @@ impl<const INSTANCES: bool> Work for Evaluate<'_, INSTANCES> {
     }
 }
 
-/// Triangles whose linear functions are remembered, at least eight pixels wide: twice what a row of 64 rays has of
-/// them.
-const KNOWN: usize = 16;
+/// Triangles whose linear functions are cached. They are at least eight pixels wide, and a row of 64 rays hits eight of
+/// them: fewer entries set functions up again, more take more of the first-level cache.
+const CACHED: usize = 16;
 
 struct Interpolate<'a, const INSTANCES: bool> {
     accel: &'a Accel,
@@ -366,8 +395,10 @@ struct Interpolate<'a, const INSTANCES: bool> {
     cull: Cull,
     precision: Precision,
     pencil: Option<Pencil>,
+    /// The rays of a panorama.
+    around: Option<PanoramaRays>,
     /// By the low bits of the primitive index.
-    known: [(u32, LinearHit); KNOWN],
+    cached: [(u32, LinearHit); CACHED],
 }
 
 impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
@@ -393,13 +424,22 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
             *v = [PrimitiveHit::NONE.v; LANES];
             return;
         }
-        let places = Places::new(self.lattice, column, row);
         // No closure: what is called in one would not be compiled for the instruction set.
-        let found = match self.linear(places, pencil_row, primitives) {
-            Some(found) => found,
-            None => {
-                let corners = self.corners(lanes, primitives);
-                interpolate_row(&self.lattice.camera, self.accel.origin, places, &corners)
+        let found = if INSTANCES && let Some(rays) = &self.around {
+            let mut directions = [[0.0; LANES]; 3];
+            rays.eight(column, row, &mut directions);
+            let corners = self.corners(lanes, primitives);
+            let first = (primitives.iter().position(|&it| it != MISS)).unwrap_or_default();
+            let (camera, frame) = (&self.lattice.camera, self.accel.origin);
+            interpolate_around(camera, frame, (&directions, first), &corners)
+        } else {
+            let places = Places::new(self.lattice, column, row);
+            match self.linear(places, pencil_row, primitives) {
+                Some(found) => found,
+                None => {
+                    let corners = self.corners(lanes, primitives);
+                    interpolate_row(&self.lattice.camera, self.accel.origin, places, &corners)
+                }
             }
         };
         let mut undecided = false;
@@ -447,7 +487,7 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
         }
         let row = row?;
         let across = places.across(&self.lattice.camera);
-        let hit = self.known(primitives[0])?;
+        let hit = self.cached(primitives[0])?;
         if !hit.is_useful() {
             return None;
         }
@@ -455,16 +495,16 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
         (found.sure == [true; LANES]).then_some(found)
     }
 
-    /// A triangle's linear functions, remembered or worked out.
+    /// A triangle's linear functions, from the cache or worked out.
     #[inline(always)]
-    fn known(&mut self, primitive: u32) -> Option<&LinearHit> {
-        let (known, hit) = &mut self.known[primitive as usize % KNOWN];
-        if *known != primitive {
+    fn cached(&mut self, primitive: u32) -> Option<&LinearHit> {
+        let (cached, hit) = &mut self.cached[primitive as usize % CACHED];
+        if *cached != primitive {
             *hit = LinearHit::new(
                 self.pencil.as_ref()?,
                 self.accel.corners_of::<INSTANCES>(primitive),
             );
-            *known = primitive;
+            *cached = primitive;
         }
         Some(hit)
     }

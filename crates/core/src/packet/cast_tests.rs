@@ -86,7 +86,7 @@ fn assert_tiles_equal_rays(accel: &Accel, camera: Camera) -> usize {
         height: rows,
     };
     let mut hits = Vec::new();
-    let mut met = 0;
+    let mut hits_found = 0;
     for (stride, phase) in [(1, (0, 0)), (4, (2, 0))] {
         for cull in [Cull::None, Cull::Back] {
             let lattice = camera.sub_camera(rect).sparse_lattice(stride, phase);
@@ -97,11 +97,11 @@ fn assert_tiles_equal_rays(accel: &Accel, camera: Camera) -> usize {
                 let expected =
                     accel.cast_primitive(&lattice.ray(column, row), cull, Precision::Exact);
                 assert_eq!(*hit, expected, "{column} {row} {camera:?}");
-                met += usize::from(!hit.is_miss());
+                hits_found += usize::from(!hit.is_miss());
             }
         }
     }
-    met
+    hits_found
 }
 
 pub(super) fn cameras(size: f64, offset: DVec3) -> Vec<Camera> {
@@ -129,11 +129,11 @@ pub(super) fn cameras(size: f64, offset: DVec3) -> Vec<Camera> {
 
 /// Every view of what lies about `offset`.
 fn assert_views_equal_rays(accel: &Accel, size: f64, offset: DVec3) {
-    let met: usize = cameras(size, offset)
+    let hits_found: usize = cameras(size, offset)
         .into_iter()
         .map(|camera| assert_tiles_equal_rays(accel, camera))
         .sum();
-    assert!(met > 50_000, "{met}");
+    assert!(hits_found > 50_000, "{hits_found}");
 }
 
 /// A picture of 32k + 1 columns and rows ends in packets of one column, one row, one ray.
@@ -160,9 +160,11 @@ fn the_last_column_and_row_are_cast() {
                 Detail::Full,
                 &mut hits,
             );
-            let met = |at: &usize| !hits[*at].is_miss();
-            let in_column = (0..rows).map(|row| row * columns + columns - 1).filter(met);
-            let in_row = ((rows - 1) * columns..rows * columns).filter(met);
+            let hits_found = |at: &usize| !hits[*at].is_miss();
+            let in_column = (0..rows)
+                .map(|row| row * columns + columns - 1)
+                .filter(hits_found);
+            let in_row = ((rows - 1) * columns..rows * columns).filter(hits_found);
             let (in_column, in_row) = (in_column.count(), in_row.count());
             assert!(in_column > 5 && in_row > 5, "{in_column} {in_row}");
             assert_tiles_equal_rays(&accel, camera);
@@ -184,10 +186,10 @@ fn tiles_answer_as_single_rays_do() {
 }
 
 #[test]
-fn triangles_of_few_rays_are_met_as_single_rays_do() {
-    // From many rays a triangle to many triangles a ray; one layer, layers so close that what is told
-    // from a triangle's nearest and furthest corner alone does not order them, or nothing in singles,
-    // and such as go through each other.
+fn small_triangles_are_hit_as_single_rays_hit_them() {
+    // From many rays a triangle to many triangles a ray; one layer, layers so close that the depths of
+    // their nearest and furthest corners do not order them, or nothing in single precision does, and layers that
+    // intersect.
     let apart = |gap: f64| DVec3::new(0.0, gap, 0.0);
     for layers in [
         vec![(0.0, 0)],
@@ -207,8 +209,8 @@ fn triangles_of_few_rays_are_met_as_single_rays_do() {
 }
 
 #[test]
-fn triangles_of_few_rays_with_corners_on_rays_are_met_as_single_rays_do() {
-    // Corners as near to rays as singles are, or so much further; three of a row make slivers. Every
+fn small_triangles_with_corners_on_rays_are_hit_as_single_rays_hit_them() {
+    // Corners as near to rays as single precision can place them, or so much further; three of a row make slivers. Every
     // second triangle lies in the last one's plane but for rounding.
     let mut random = Random(3);
     for aside in [0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2] {
@@ -229,20 +231,20 @@ fn triangles_of_few_rays_with_corners_on_rays_are_met_as_single_rays_do() {
                 }));
             }
             let triangles = (0..800).map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect();
-            let met = assert_tiles_equal_rays(&build([mesh(positions, triangles)]), camera);
-            assert!(met > 200, "{met} {camera:?}");
+            let hits_found = assert_tiles_equal_rays(&build([mesh(positions, triangles)]), camera);
+            assert!(hits_found > 200, "{hits_found} {camera:?}");
         }
     }
 }
 
 #[test]
-fn fast_pictures_are_the_exact_ones_but_for_a_millionth() {
+fn fast_pictures_that_avoid_vertices_are_the_exact_ones() {
     let accel = waves(40, 1.0, DVec3::ZERO);
     let (mut rays, mut wrong) = (0, 0);
     let slanted = |camera: &Camera| camera.forward().abs().min_element() > 0.01;
     for camera in cameras(1.0, DVec3::ZERO).into_iter().filter(slanted) {
         let mut lattice = whole(camera);
-        // The middle ray would go through a vertex, which is not what pictures are like.
+        // The middle ray would go through a vertex, as rays of ordinary pictures do not.
         lattice.offset = (0.3, 0.6);
         let cast = |precision| {
             let mut hits = Vec::new();
@@ -292,7 +294,7 @@ fn lattices_aimed_at_vertices_are_decided_exactly() {
 }
 
 #[test]
-fn what_is_hidden_need_not_be_told_apart() {
+fn occluded_triangles_need_not_be_ordered() {
     // Two triangles a rounding apart, and a third in front of both, in every order. The two lean
     // towards the eye, so that they come first.
     let far = [
@@ -300,7 +302,7 @@ fn what_is_hidden_need_not_be_told_apart() {
         DVec3::new(4.0, -4.0, -2.5),
         DVec3::new(0.25, 30.0, 14.0),
     ];
-    // The same plane from another corner, so that rounding tells nothing.
+    // The same plane from another corner, so that rounding orders nothing.
     let in_plane = far[0] + (far[0] - far[1]);
     let next = f64::from((in_plane.z as f32).next_up());
     let other = [in_plane.with_z(next), far[1], far[2]];

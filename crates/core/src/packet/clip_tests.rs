@@ -33,7 +33,12 @@ fn plane(random: &mut Random, accel: &Accel, eye: DVec3) -> ClippingPlane {
     plane.expect("a plane")
 }
 
-fn planes(random: &mut Random, accel: &Accel, eye: DVec3, count: usize) -> ClippingPlanes {
+pub(super) fn planes(
+    random: &mut Random,
+    accel: &Accel,
+    eye: DVec3,
+    count: usize,
+) -> ClippingPlanes {
     let planes: Vec<_> = (0..count).map(|_| plane(random, accel, eye)).collect();
     ClippingPlanes::new(&planes).expect("few planes")
 }

@@ -1,4 +1,4 @@
-/// What casting a lattice took.
+/// Statistics of casting a lattice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CastCounts {
     /// Rays that hit something.

@@ -1,4 +1,4 @@
-//! What exact arithmetic decides once for all rays of a lattice.
+//! Exact decisions that hold for all rays of a lattice, made once.
 
 use crate::bvh::Accel;
 use crate::camera::Camera;
@@ -51,8 +51,8 @@ impl<'a> Decisions<'a> {
         self.clip.through(self.accel.corners(primitive))
     }
 
-    /// Whether casting is exact. Fast casting interpolates t, u and v in double precision alone: what only more
-    /// precision can decide would get them wrong.
+    /// Whether casting is exact. Fast casting interpolates t, u and v in double precision alone, and would get them wrong
+    /// at triangles that only exact arithmetic decides.
     pub(super) fn are_exact(&self) -> bool {
         self.precision == Precision::Exact
     }

@@ -101,13 +101,13 @@ impl Viewpoint<'_> {
         self.through(self.camera.up(), along)
     }
 
-    fn through(&self, way: DVec3, place: f64) -> [Plane; 2] {
+    fn through(&self, axis_in_world: DVec3, place: f64) -> [Plane; 2] {
         let (normal, shift) = match self.camera.projection() {
             Projection::Perspective | Projection::Panoramic(_) => {
-                let normal = way * self.camera.distance() - self.camera.forward() * place;
+                let normal = axis_in_world * self.camera.distance() - self.camera.forward() * place;
                 (normal.normalize_or_zero(), DVec3::ZERO)
             }
-            Projection::Orthographic => (way, way * place),
+            Projection::Orthographic => (axis_in_world, axis_in_world * place),
         };
         [(normal, shift), (-normal, shift)]
     }
@@ -198,7 +198,7 @@ mod tests {
     use glam::Vec3;
 
     #[test]
-    fn boxes_touch_the_sub_blocks_whose_rays_go_through_them() {
+    fn boxes_touch_the_cells_whose_rays_go_through_them() {
         let orbit = Orbit {
             pivot: DVec3::new(3.0, -2.0, 5.0),
             yaw: 40.0,

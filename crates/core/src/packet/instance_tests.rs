@@ -301,3 +301,22 @@ fn what_leaves_the_range_is_counted_and_the_rest_is_met() {
         assert_equal(&one, &other, DVec3::ZERO, &mut random);
     }
 }
+
+#[test]
+fn trees_that_are_kept_for_objects_to_come_count_as_memory() {
+    let mut random = Random(26);
+    let mesh = soup(&mut random, 500, DVec3::ZERO);
+    let mut scene = Scene {
+        objects: (0..3).map(|_| Object::new("", Arc::clone(&mesh))).collect(),
+    };
+    scene.objects[1].transform.translate.x = 1.0;
+    scene.objects[2].transform.translate.x = 2.0;
+    let shown = Accel::build_instances(&scene).expect("a valid scene");
+    let tree = Accel::build(&Scene::from(Mesh::clone(&mesh))).expect("a valid scene");
+    // Corners of three objects in place, and the mesh's own.
+    assert!(shown.retained_bytes() > 3 * tree.retained_bytes());
+    let objects = std::mem::take(&mut scene.objects);
+    let empty = shown.updated_at_once(&scene).expect("nothing at all");
+    assert!(empty.is_empty() && empty.retained_bytes() > tree.retained_bytes() / 2);
+    drop(objects);
+}

@@ -3,11 +3,16 @@
 //! left to the single-ray path.
 //!
 //! A triangle with narrow bounds is rasterised row by row. A large one is tested against cells of 8 × 8 rays
-//! first: the extremes of its functions over a cell tell whether the cell is missed, covered, or occluded
+//! first: the extremes of its functions over a cell decide whether the cell is missed, covered, or occluded
 //! (Abrash, "Rasterization on Larrabee", 2009; Greene, Kass, Miller, "Hierarchical Z-Buffer Visibility",
 //! 1993).
 
+mod at_places;
 mod cut_triangles;
+mod depth_merge;
+mod provisional;
+#[cfg(test)]
+mod tests;
 
 use super::componentwise_setup::ComponentwiseSetup;
 use super::decisions::Decisions;
@@ -15,10 +20,11 @@ use super::params::{CELLS, ROW, SIDE};
 use super::ray_box::RayBox;
 use super::rivals::Rivals;
 use super::setup::{CornerLanes, PacketSpace, TriangleSetup};
-use super::small_triangles::SmallCoverage;
 use crate::bvh::tree::TRIANGLE_LIMIT;
 use crate::hit::MISS;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8, dispatch};
+use depth_merge::{DepthMerge, UndecidedRays};
+pub(crate) use provisional::SmallOutcome;
 
 /// Rays in a packet.
 const RAYS: usize = SIDE * SIDE;
@@ -41,8 +47,8 @@ const ALL: u32 = (1 << ROW) - 1;
 /// Marks the primitive index of a small triangle that was merged without set-up. No index has this bit.
 const PROVISIONAL: u32 = !TRIANGLE_LIMIT;
 
-/// Stands for a primitive index where the nearest of several triangles is undecided. A triangle surely
-/// nearer than all of them replaces it.
+/// Stored in place of a primitive index where the nearest of several triangles is undecided. A triangle that is
+/// surely nearer than all of them replaces it.
 ///
 /// Invariant: the closest hit so far of such a ray, if it has one, is one of its [`Rivals`].
 const UNDECIDED: u32 = MISS - 1;
@@ -68,16 +74,6 @@ pub(crate) struct IntervalZBuffer {
     rivals: Rivals,
     /// Where orthographic rays begin: nothing is nearer. Infinite for perspective.
     begin: f32,
-}
-
-/// What came of testing a small triangle.
-pub(crate) enum SmallOutcome {
-    /// Some ray hits it first, so far.
-    Merged,
-    /// No ray hits the triangle, or all that do have nearer hits.
-    Missed,
-    /// Not merged: it cannot be decided without set-up.
-    Undecided,
 }
 
 /// Edge functions and depth key of a triangle: value at the first ray, step per column, step per row.
@@ -145,7 +141,7 @@ impl IntervalZBuffer {
         }
     }
 
-    /// A row of primitive indices as stored; decode with [`IntervalZBuffer::slot`] unless
+    /// A row of primitive indices as stored; decode with [`IntervalZBuffer::primitive`] unless
     /// [`IntervalZBuffer::is_undecided`].
     #[inline(always)]
     pub(crate) fn row(&self, row: u32) -> &[u32] {
@@ -165,18 +161,18 @@ impl IntervalZBuffer {
 
     /// The primitive index of a stored entry, or [`MISS`].
     #[inline(always)]
-    pub(crate) fn primitive(held: u32) -> u32 {
-        if held == MISS {
+    pub(crate) fn primitive(stored: u32) -> u32 {
+        if stored == MISS {
             MISS
         } else {
-            held & !PROVISIONAL
+            stored & !PROVISIONAL
         }
     }
 
     /// Whether a stored entry is undecided.
     #[inline(always)]
-    pub(crate) fn is_undecided(held: u32) -> bool {
-        held == UNDECIDED
+    pub(crate) fn is_undecided(stored: u32) -> bool {
+        stored == UNDECIDED
     }
 
     /// The least and the greatest hi-z of the cells. What is surely further than the least is occluded for
@@ -207,7 +203,7 @@ impl IntervalZBuffer {
         cells & !hidden == 0
     }
 
-    /// Whether all rays of a box have a hit surely nearer than `nearest`, as far as hi-z tells.
+    /// Whether all rays of a box have a hit surely nearer than `nearest`, judged by hi-z.
     #[inline(always)]
     pub(crate) fn occludes(&self, rays: &RayBox, nearest: f32) -> bool {
         let (left, right) = (rays.left as usize / ROW, rays.right as usize / ROW);
@@ -238,120 +234,6 @@ impl IntervalZBuffer {
             }
         }
         true
-    }
-
-    /// Tests a small triangle against the rays of its bounds and merges it, unless some ray leaves
-    /// undecided whether it is the nearest.
-    ///
-    /// One ray at a time: vector stores of overlapping rows would stall on store forwarding, since each
-    /// triangle's rows begin at another column.
-    #[inline(always)]
-    pub(crate) fn test_small(
-        &mut self,
-        coverage: &SmallCoverage,
-        lane: usize,
-        rays: &RayBox,
-        primitive: u32,
-    ) -> SmallOutcome {
-        let mut inside = coverage.inside(lane);
-        if inside != coverage.perhaps(lane) {
-            return SmallOutcome::Undecided;
-        }
-        let (mut any, mut rivals) = (false, false);
-        while inside != 0 {
-            let ([x, y], [near_low, near_high]) = coverage.ray(lane, inside.trailing_zeros());
-            inside &= inside - 1;
-            let ray = (first_ray(rays) + y * SIDE + x) % RAYS;
-            let (low, high, held) = (
-                &mut self.low[ray],
-                &mut self.high[ray],
-                &mut self.primitives[ray],
-            );
-            let wins = near_low > *high;
-            any |= wins;
-            rivals |= !wins & (near_high >= *low);
-            if wins {
-                (*low, *high, *held) = (near_low, near_high, primitive | PROVISIONAL);
-            }
-        }
-        if rivals {
-            // The hits that it replaced are lost, but it is tested again and replaces them again.
-            self.evict(rays, primitive);
-            return SmallOutcome::Undecided;
-        }
-        if !any {
-            return SmallOutcome::Missed;
-        }
-        self.mark_dirty(rays);
-        SmallOutcome::Merged
-    }
-
-    /// Removes a provisional triangle that leaves the order with a small triangle undecided. Returns its
-    /// primitive index and bounds of its rays, for it to be set up and merged again.
-    #[inline(never)]
-    pub(crate) fn evict_rival(
-        &mut self,
-        coverage: &SmallCoverage,
-        lane: usize,
-        rays: &RayBox,
-    ) -> Option<(u32, RayBox)> {
-        let last = SIDE as i32 - 1;
-        let mut perhaps = coverage.perhaps(lane);
-        while perhaps != 0 {
-            let ([x, y], [near_low, near_high]) = coverage.ray(lane, perhaps.trailing_zeros());
-            perhaps &= perhaps - 1;
-            let ray = (first_ray(rays) + y * SIDE + x) % RAYS;
-            let held = self.primitives[ray];
-            let coarse = held != MISS && held != UNDECIDED && held & PROVISIONAL != 0;
-            if coarse && near_low <= self.high[ray] && near_high >= self.low[ray] {
-                let reach = ROW as i32 - 1;
-                let (x, y) = ((ray % SIDE) as i32, (ray / SIDE) as i32);
-                let around = RayBox {
-                    left: (x - reach).max(0),
-                    right: (x + reach).min(last),
-                    top: (y - reach).max(0),
-                    bottom: (y + reach).min(last),
-                };
-                let primitive = held & !PROVISIONAL;
-                return self.evict(&around, primitive).map(|rays| (primitive, rays));
-            }
-        }
-        None
-    }
-
-    /// Removes a provisional triangle from the rays of a box; returns the bounds of the rays that it had.
-    ///
-    /// Hi-z stays as it is: the triangle will be merged again, and was surely as near as hi-z says.
-    #[inline(never)]
-    fn evict(&mut self, rays: &RayBox, primitive: u32) -> Option<RayBox> {
-        let mut around: Option<RayBox> = None;
-        for y in rays.top..=rays.bottom {
-            for x in rays.left..=rays.right {
-                let ray = (y as usize * SIDE + x as usize) % RAYS;
-                if self.primitives[ray] == primitive | PROVISIONAL {
-                    (self.low[ray], self.high[ray]) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
-                    self.primitives[ray] = MISS;
-                    let all = around.get_or_insert(RayBox {
-                        left: x,
-                        right: x,
-                        top: y,
-                        bottom: y,
-                    });
-                    all.left = all.left.min(x);
-                    all.right = all.right.max(x);
-                    all.bottom = y;
-                }
-            }
-        }
-        around
-    }
-
-    /// Marks the cells of a box dirty, at most two each way.
-    #[inline(always)]
-    fn mark_dirty(&mut self, rays: &RayBox) {
-        let columns = 1u32 << (rays.left as usize / ROW) | 1 << (rays.right as usize / ROW);
-        self.dirty |= columns << (CELLS * (rays.top as usize / ROW));
-        self.dirty |= columns << (CELLS * (rays.bottom as usize / ROW));
     }
 
     /// Sets rough triangles up again by component. Those (as bits) that exact arithmetic decides no ray hits, of the
@@ -574,9 +456,9 @@ impl IntervalZBuffer {
             let least = a.min(b).min(c);
             let outside = least.lt(minus_error);
             let inside = error.lt(least);
-            let open = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
-            if open.rays != 0 {
-                self.leave_undecided(merge.primitive, open, first, decisions);
+            let undecided = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
+            if undecided.rays != 0 {
+                self.leave_undecided(merge.primitive, undecided, first, decisions);
             }
             a = a + step_a;
             b = b + step_b;
@@ -604,9 +486,9 @@ impl IntervalZBuffer {
             let Some((low, high, primitives)) = self.rays(first) else {
                 return;
             };
-            let open = merge.row(lanes, near, None, low, high, primitives);
-            if open.rays != 0 {
-                self.leave_undecided(merge.primitive, open, first, decisions);
+            let undecided = merge.row(lanes, near, None, low, high, primitives);
+            if undecided.rays != 0 {
+                self.leave_undecided(merge.primitive, undecided, first, decisions);
             }
             near = near + step;
         }
@@ -625,20 +507,20 @@ impl IntervalZBuffer {
         ))
     }
 
-    /// Marks open rays of eight from `first` on undecided between their triangle so far and another, except those that
+    /// Marks undecided rays of eight from `first` on as undecided between their triangle so far and another, except those that
     /// are surely inside of it and have one of its plane: there the lower primitive id wins.
     #[inline(never)]
     fn leave_undecided(
         &mut self,
         primitive: u32,
-        open: Open,
+        undecided: UndecidedRays,
         first: usize,
         decisions: &mut Decisions<'_>,
     ) {
         let Some((_, _, primitives)) = self.rays(first) else {
             return;
         };
-        let (before, mut rest) = (*primitives, open.rays);
+        let (before, mut rest) = (*primitives, undecided.rays);
         // Neighbouring rays mostly have the same triangle.
         while rest != 0 {
             let stored = before[rest.trailing_zeros() as usize % ROW];
@@ -648,18 +530,18 @@ impl IntervalZBuffer {
             }
             same &= rest;
             rest &= !same;
-            let rival = held_primitive(stored);
+            let rival = stored_primitive(stored);
             if let Some(rival) = rival
-                && same & open.inside != 0
+                && same & undecided.inside != 0
                 && let Some(nearer) = decisions.first_in_one_plane(rival, primitive)
             {
                 // Both hits have one depth, which either's bounds hold.
                 if nearer == primitive {
-                    for_each_bit(u64::from(same & open.inside), |lane| {
+                    for_each_bit(u64::from(same & undecided.inside), |lane| {
                         self.primitives[first + lane] = primitive;
                     });
                 }
-                same &= !open.inside;
+                same &= !undecided.inside;
             }
             for_each_bit(u64::from(same), |lane| {
                 self.rivals.push_both(first + lane, rival, primitive);
@@ -688,9 +570,9 @@ impl IntervalZBuffer {
                 if !(below & above) {
                     let ray = j * SIDE + i;
                     self.high[ray] = f32::INFINITY;
-                    let held = std::mem::replace(&mut self.primitives[ray], UNDECIDED);
+                    let stored = std::mem::replace(&mut self.primitives[ray], UNDECIDED);
                     self.rivals
-                        .push_both(ray, held_primitive(held), functions.primitive);
+                        .push_both(ray, stored_primitive(stored), functions.primitive);
                 }
             }
         }
@@ -716,83 +598,10 @@ impl IntervalZBuffer {
     }
 }
 
-/// Rays of eight, as bits, that merging a triangle leaves open: neither hit first nor left as they were.
-#[derive(Clone, Copy)]
-struct Open {
-    rays: u32,
-    /// Those of all eight that are surely inside the triangle.
-    inside: u32,
-}
-
-/// What merging a triangle into rows needs, the same for every row.
-struct DepthMerge<L: Lanes> {
-    primitive: u32,
-    error: L::F32,
-    begin: L::F32,
-    never: L::F32,
-}
-
-impl<L: Lanes> DepthMerge<L> {
-    #[inline(always)]
-    fn new(lanes: L, functions: &EdgeFunctions, begin: f32) -> Self {
-        Self {
-            primitive: functions.primitive,
-            error: lanes.splat(functions.depth_key_error),
-            begin: lanes.splat(begin),
-            never: lanes.splat(f32::NEG_INFINITY),
-        }
-    }
-
-    /// Merges a triangle of depth key `near` into a row of rays. `sides` has the rays surely inside and
-    /// surely outside of it; without it, all are inside.
-    ///
-    /// No value here is NaN: a triangle whose functions are not finite is ill-conditioned.
-    #[inline(always)]
-    fn row(
-        &self,
-        lanes: L,
-        near: L::F32,
-        sides: Option<(L::Mask, L::Mask)>,
-        low: &mut [f32; ROW],
-        high: &mut [f32; ROW],
-        primitives: &mut [u32; ROW],
-    ) -> Open {
-        let (old_low, old_high) = (lanes.load(low), lanes.load(high));
-        let near_low = near - self.error;
-        let near_high = near + self.error;
-        let began = near_high.lt(self.begin);
-        let unbegun = self.begin.lt(near_low);
-        let (met, missed) = match sides {
-            Some((inside, outside)) => (inside & began, outside | unbegun),
-            None => (began, unbegun),
-        };
-        // The nearest hit is at least as near as every sure hit, and at most as near as every possible one.
-        // A triangle surely further moves neither bound.
-        let if_met = met.select(near_low, self.never);
-        let unless_missed = missed.select(self.never, near_high);
-        old_low.max(if_met).store(low);
-        old_high.max(unless_missed).store(high);
-        let wins = met & old_high.lt(near_low);
-        let loses = missed | near_high.lt(old_low);
-        wins.store(self.primitive, primitives);
-        // Rays where neither holds stay undecided until something nearer wins them.
-        Open {
-            rays: !(wins | loses).bits() & ALL,
-            inside: met.bits(),
-        }
-    }
-}
-
-/// The primitive index of a ray that is neither undecided nor a miss so far.
+/// The primitive index of a stored entry that is neither undecided nor a miss.
 #[inline(always)]
-fn held_primitive(held: u32) -> Option<u32> {
-    (held != MISS && held != UNDECIDED).then_some(held & !PROVISIONAL)
-}
-
-/// Index of a box's first ray in the packet.
-#[inline(always)]
-fn first_ray(rays: &RayBox) -> usize {
-    rays.top as usize * SIDE + rays.left as usize
+fn stored_primitive(stored: u32) -> Option<u32> {
+    (stored != MISS && stored != UNDECIDED).then_some(stored & !PROVISIONAL)
 }
 
 #[inline(always)]
@@ -806,41 +615,4 @@ fn for_each_bit(mut bits: u64, mut of: impl FnMut(usize)) {
 #[inline(always)]
 fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::num::simd::Plain;
-
-    /// Intervals that share a number leave the order open, and so does a depth where rays may begin.
-    #[test]
-    fn intervals_that_touch_are_undecided() {
-        let functions = EdgeFunctions {
-            primitive: 7,
-            edges: [[0.0; 3]; 3],
-            edge_error: 0.0,
-            depth_key: [0.0; 3],
-            depth_key_error: 0.25,
-        };
-        let merge = DepthMerge::new(Plain, &functions, 8.0);
-        let near = [2.25, 2.5, 0.75, 0.5, 1.5, 7.75, 8.25, 8.5];
-        let (mut low, mut high) = ([1.0; ROW], [2.0; ROW]);
-        let mut primitives = [3; ROW];
-        let open = merge.row(
-            Plain,
-            Plain.load(&near),
-            None,
-            &mut low,
-            &mut high,
-            &mut primitives,
-        );
-        // Touches from before, is before, touches from behind, is behind, lies within; touches the beginning from
-        // both sides, and is behind it.
-        assert_eq!(open.rays, 0b0111_0101);
-        assert_eq!(open.inside, 0b0001_1111);
-        assert_eq!(primitives, [3, 7, 3, 3, 3, 3, 3, 3]);
-        assert_eq!(low, [2.0, 2.25, 1.0, 1.0, 1.25, 1.0, 1.0, 1.0]);
-        assert_eq!(high, [2.5, 2.75, 2.0, 2.0, 2.0, 8.0, 8.5, 2.0]);
-    }
 }

@@ -1,8 +1,8 @@
-//! Arithmetic on lanes that several files share.
+//! Arithmetic on lanes for several files.
 
 use crate::num::simd::F32x8;
 
-/// Adding this to a number of at most 2²² rounds it to a whole number, which then stands in the low
+/// Adding this to a number of at most 2²² rounds it to a whole number, which then is in the low
 /// bits.
 pub(super) const ROUNDER: f32 = 12_582_912.0;
 

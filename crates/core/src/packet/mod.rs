@@ -21,9 +21,16 @@
 //! Where there are clipping planes, boxes and triangles of which they keep nothing are skipped on the way, and those
 //! that they cut get an edge more (`interval_zbuffer::cut_triangles`).
 //!
+//! The rays of a panorama are no lattice on any plane. Each of their packets (`cast::around`) has a plane of its own, square to
+//! its mean direction, on which its rays lie at `places` that are worked out one by one; triangles are set up there as
+//! for a perspective packet, and their functions are evaluated at those places
+//! (`setup::place_bounds`, `traversal::placed_packets`, `interval_zbuffer::at_places`). What sees too wide for a plane is split.
+//!
 //! `observer` and `trace` record the way for pictures and tables. No decision here is final unless a
 //! derived bound says so: the answers are those of exact arithmetic.
 
+#[cfg(test)]
+mod around_tests;
 mod cast;
 #[cfg(test)]
 mod cast_tests;
@@ -33,7 +40,6 @@ mod componentwise_setup;
 mod counts;
 mod decisions;
 mod depth_reference;
-mod each;
 mod frustum;
 #[cfg(test)]
 mod instance_tests;
@@ -41,6 +47,8 @@ mod interval_zbuffer;
 mod lane_math;
 mod observer;
 mod params;
+mod place_box;
+mod places;
 mod ray_bounds;
 #[cfg(test)]
 mod ray_bounds_tests;
@@ -51,6 +59,7 @@ mod setup;
 mod setup_tests;
 mod slivers;
 mod small_triangles;
+mod sparse;
 mod trace;
 mod traversal;
 

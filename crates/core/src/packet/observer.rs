@@ -1,4 +1,4 @@
-//! What a packet's traversal tells about itself, to be recorded.
+//! Events of a packet's traversal, to be recorded.
 
 use std::ops::Range;
 

@@ -59,7 +59,8 @@ const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
 /// By how much bounds grow beyond the errors of places: 2⁻⁹ columns.
 const MARGIN: f64 = 1.0 / 512.0;
 
-/// The least ratio of a corner's depth to its error at which its place is used.
+/// The least ratio of a corner's depth to its error at which its place is used. A lesser one makes the factor 2048/2047
+/// of the bounds greater; with a greater one more triangles next to the eye are set up for every ray.
 const CLEAR: f32 = 2048.0;
 
 /// The most by which bounds of a small triangle may grow. With [`SMALL_SIDE`] it allows no more than 5 rays
@@ -131,7 +132,7 @@ impl Projector {
         } else {
             0.0
         };
-        let origin = (space.origin + space.way * f64::from(depth)).to_array();
+        let origin = (space.origin + space.unit_depth * f64::from(depth)).to_array();
         let origin = origin.map(|o| {
             let high = o as f32;
             [high, (o - f64::from(high)) as f32]

@@ -54,7 +54,7 @@ fn check(projection: Projection, pitch: f64, frame: DVec3, depth: f32, tally: &m
                     Projection::Orthographic => -depth,
                 }
             });
-            let told = format!("{projection:?} {pitch} {depth}: {corners:?} at ({x}, {y})");
+            let case = format!("{projection:?} {pitch} {depth}: {corners:?} at ({x}, {y})");
             let rays = projected.rays(l);
             let (i, j) = (x as i32 - rays.left, y as i32 - rays.top);
             let is_seen = projected.seen >> l & 1 != 0
@@ -63,10 +63,10 @@ fn check(projection: Projection, pitch: f64, frame: DVec3, depth: f32, tally: &m
             tally.culled += usize::from(!is_seen);
             if let Some(key) = key {
                 tally.hits += 1;
-                assert!(is_seen, "hit and culled: {told}");
+                assert!(is_seen, "hit and culled: {case}");
                 // The truth is rounded too.
                 let nearest = f64::from(projected.nearest[l]) + 1e-14 * key.abs();
-                assert!(key <= nearest, "{key} beyond {nearest}: {told}");
+                assert!(key <= nearest, "{key} beyond {nearest}: {case}");
             }
             if !is_seen || projected.small >> l & 1 == 0 {
                 continue;
@@ -77,16 +77,16 @@ fn check(projection: Projection, pitch: f64, frame: DVec3, depth: f32, tally: &m
             let holds = |rays: u32| rays >> at & 1 != 0;
             tally.small += 1;
             if holds(coverage.inside(l)) {
-                assert!(truth.is_some(), "inside and missed: {told}");
+                assert!(truth.is_some(), "inside and missed: {case}");
             }
             if !holds(coverage.perhaps(l)) {
-                assert!(truth.is_none(), "outside and hit: {told}");
+                assert!(truth.is_none(), "outside and hit: {case}");
             }
             if let Some(key) = key {
                 let (_, [low, high]) = coverage.ray(l, at);
                 let slack = 1e-14 * key.abs();
                 let within = f64::from(low) - slack..=f64::from(high) + slack;
-                assert!(within.contains(&key), "{key} not in {within:?}: {told}");
+                assert!(within.contains(&key), "{key} not in {within:?}: {case}");
             }
         }
     }

@@ -150,7 +150,7 @@ fn check(
                 );
             }
             if least < -error {
-                assert!(truth.is_none(), "outside, and met by ({x}, {y}): {edges:?}");
+                assert!(truth.is_none(), "outside, and hit by ({x}, {y}): {edges:?}");
             }
             tally.decided += usize::from(least.abs() > error);
             if let Some(hit) = truth {
@@ -268,6 +268,96 @@ fn check_all(
     tally
 }
 
+/// Checks a triangle at some of a packet's rays, set up by its greatest coordinate, and by component.
+fn check_one(
+    random: &mut Random,
+    camera: &Camera,
+    frame: DVec3,
+    corners: [Vec3; 3],
+    tally: &mut Tally,
+) {
+    let cull = if random.unit() < 0.5 {
+        Cull::None
+    } else {
+        Cull::Back
+    };
+    let space = space(camera, frame, cull);
+    let all = lanes_of([corners; LANES]);
+    let mut set_up = space.set_up(&all, &[ALL; LANES]);
+    let placed = Placed {
+        corners,
+        origin: frame,
+    };
+    for componentwise in [false, true] {
+        if componentwise {
+            set_up.boxes = [ALL; LANES];
+            let work = ComponentwiseSetup {
+                space: &space,
+                corners: &all,
+                which: 1,
+                out: &mut set_up,
+            };
+            work.run(Plain);
+        }
+        let rays = (0..SIDE * SIDE).step_by(23);
+        let rays = rays.map(|at| (at % SIDE, at / SIDE));
+        check((&set_up, 0), camera, cull, &placed, rays, tally);
+    }
+}
+
+/// The plane of a large triangle is as near to the eye as its place is rounded: depths are less than errors. With the
+/// share of A in r at zero, or the last term of F, this fails.
+#[test]
+fn large_triangles_next_to_the_eye_are_decided_only_where_it_is_sure() {
+    let mut random = Random(77);
+    let mut tally = Tally::default();
+    for _ in 0..1500 {
+        let corners = [(); 3].map(|()| (random.point() * 5.0).as_vec3());
+        let [a, b, c] = corners.map(Vec3::as_dvec3);
+        let inside = a + ((b - a) * random.unit() + (c - a) * random.unit()) * 0.5;
+        let normal = (b - a).cross(c - a).normalize();
+        let beside = 1e-16 * crate::math::pow(10.0, 4.0 * random.unit()) * random.signed();
+        let eye = inside + normal * beside;
+        let tilt = [0.0, 0.3, 3.0][(random.unit() * 3.0) as usize % 3];
+        let placement = Placement {
+            eye,
+            target: eye + (normal + random.point() * tilt) * (5.0 * random.signed()),
+            up: DVec3::Y,
+        };
+        let plane = ImagePlane::new(32, 32, 0.02).expect("a good plane");
+        let camera = Camera::new(placement, Projection::Perspective, plane);
+        check_one(&mut random, &camera, DVec3::ZERO, corners, &mut tally);
+    }
+    assert!(tally.hits + tally.culled > 1000, "{tally:?}");
+}
+
+/// An edge of a triangle that is much larger than the packet goes through it, far from what corners are relative to:
+/// the eye's place there is rounded by more than the packet's width. Without the eye's error this fails, and without
+/// most of the componentwise terms.
+#[test]
+fn edges_far_from_the_origin_are_decided_only_where_it_is_sure() {
+    let mut random = Random(79);
+    let mut tally = Tally::default();
+    let frame = DVec3::new(1e-9, 2e-9, -1e-9);
+    for round in 0..2000 {
+        let middle = DVec3::new(3e7, 2e7, -3e7);
+        let corners = [(); 3].map(|()| (middle + random.point() * 1000.0).as_vec3());
+        let [a, b, _] = corners.map(Vec3::as_dvec3);
+        let target = frame + a + (b - a) * random.unit();
+        let placement = Placement {
+            eye: target + random.point().normalize() * 1000.0,
+            target,
+            up: DVec3::Y,
+        };
+        let pitch = 1e-10 * crate::math::pow(10.0, 4.0 * random.unit());
+        let plane = ImagePlane::new(32, 32, pitch).expect("a good plane");
+        let projection = [Projection::Perspective, Projection::Orthographic][round % 2];
+        let camera = Camera::new(placement, projection, plane);
+        check_one(&mut random, &camera, frame, corners, &mut tally);
+    }
+    assert!(tally.hits > 1000, "{tally:?}");
+}
+
 /// The truth is integer arithmetic on the rays as they are.
 #[test]
 fn what_a_set_up_is_sure_of_is_so() {
@@ -292,9 +382,7 @@ fn what_a_set_up_is_sure_of_is_so() {
     }
 }
 
-/// Each term of the bounds decides somewhere here: with it set to zero this test fails. Two are covered by
-/// others: rays' own error by the corners', and the numerator's error by the facing's, which is as large a share
-/// of a key that changes at least as much over a cell.
+/// With E's δ or its [`LINEAR_ERROR`](super::setup::LINEAR_ERROR) at zero this fails, and with F's δ.
 #[test]
 fn edges_through_rays_are_decided_only_where_it_is_sure() {
     let far = DVec3::new(148_376.0, 1234.5, -223_423.25);

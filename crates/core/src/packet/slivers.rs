@@ -15,6 +15,11 @@
 //! We take 24uP². Where the doubled area exceeds four times that, its sign is sure, and with it the inner side.
 //! Dividing by e_x moves a column by 6u of at most 2·[`SIDE`], less than [`SLACK`]; what lies further out stays
 //! outside.
+//!
+//! **What covers what.** Of the 24uP² rounding needs 18. The rest covers the rounding of relative corners, uP(|e_x| +
+//! |e_y|) ≤ 4uP². Divided by |e_x| ≤ 2P, with P ≥ [`SIDE`], it is 384u columns at least, which is what dividing takes.
+//! Where the area's sign is wrong, the area is less than 24uP², and so is every edge function inside: turned, none is
+//! below the bound.
 
 use super::lane_math::{Three, cross, most, relative_to, round};
 use super::params::{SIDE, SMALL_SIDE};
@@ -27,8 +32,8 @@ const UNIT: f32 = 1.0 / (1 << 24) as f32;
 /// rows of their box, and spans would cull little.
 const SLIVER: f32 = 2.0;
 
-/// The fewest slivers among eight for which spans are worth their time: those of all eight are found together.
-/// fewer spare.
+/// The fewest slivers among eight for which spans are found, which is done for all eight together: for fewer it takes
+/// longer than setting up those that it would cull.
 const SEVERAL: u32 = 3;
 
 /// Added to both ends of spans, in columns.
@@ -259,7 +264,7 @@ mod tests {
     }
 
     /// A sliver with an edge no further than `past` from a ray.
-    fn thin(random: &mut Random, length: f64, past: f64) -> Corners {
+    fn thin(random: &mut Random, length: f64, past: f64, thickness: f64) -> Corners {
         let ray = [
             (random.unit() * 32.0).floor(),
             (random.unit() * 32.0).floor(),
@@ -271,7 +276,7 @@ mod tests {
             let y = ray[1] + sin * along + cos * aside;
             [f64::from(x as f32), f64::from(y as f32)]
         };
-        let thickness = 0.9 * random.unit();
+        let thickness = thickness * random.unit();
         [
             at(-length * random.unit(), aside),
             at(length * random.unit(), aside),
@@ -322,14 +327,18 @@ mod tests {
     }
 
     /// How many of many triangles no ray hits, and how many of those were culled.
-    fn try_many(length: f64, off: f64, past: f64) -> [usize; 2] {
+    fn try_many(length: f64, off: f64, past: f64, thickness: f64) -> [usize; 2] {
         let mut random = Random(7);
-        let [mut empty, mut left_out] = [0; 2];
+        let [mut empty, mut culled] = [0; 2];
         for _ in 0..500 {
-            let real: [Corners; LANES] = std::array::from_fn(|_| thin(&mut random, length, past));
-            let placed = real.map(|corners| {
-                corners.map(|c| c.map(|at| f64::from((at + 0.999 * off * random.signed()) as f32)))
-            });
+            let real: [Corners; LANES] =
+                std::array::from_fn(|_| thin(&mut random, length, past, thickness));
+            // Places beyond 2·SIDE are off in proportion.
+            let mut moved = |at: f64| {
+                let off = off * (at.abs() / (2 * SIDE) as f64).max(1.0);
+                f64::from((at + 0.999 * off * random.signed()) as f32)
+            };
+            let placed = real.map(|corners| corners.map(|c| c.map(&mut moved)));
             for (real, (whole, small)) in real.iter().zip(boxes(&placed, off)) {
                 let mut any = false;
                 for y in 0..SIDE {
@@ -353,33 +362,71 @@ mod tests {
                     assert!(within, "{small:?} in {whole:?}");
                 }
                 empty += usize::from(!any);
-                left_out += usize::from(!any && small.is_none());
+                culled += usize::from(!any && small.is_none());
             }
         }
-        [empty, left_out]
+        [empty, culled]
     }
 
     #[test]
-    fn no_ray_of_a_thin_triangle_is_left_out() {
+    fn no_ray_of_a_sliver_is_culled() {
         // With places off by much, and by the rounding of far corners alone.
-        for (length, off, past) in [
-            (30.0, 0.25, 0.3),
-            (30.0, 1e-3, 1e-3),
-            (200.0, 1e-3, 1e-3),
-            (5e4, 0.0, 4e-3),
-            (2e6, 0.0, 0.1),
+        for (length, off, past, thickness) in [
+            (30.0, 0.25, 0.3, 0.9),
+            (30.0, 1e-3, 1e-3, 0.9),
+            (200.0, 1e-3, 1e-3, 0.9),
+            (2000.0, 0.02, 0.6, 0.9),
+            (5e4, 0.0, 4e-3, 0.9),
+            (5e4, 0.0, 4e-3, 0.01),
+            (2e6, 0.0, 0.1, 0.9),
         ] {
-            try_many(length, off, past);
+            try_many(length, off, past, thickness);
         }
     }
 
+    /// Edges from whole places, so that the truth is integer arithmetic: their functions are below the upper bound at
+    /// every row, and would not be without the bound on their rounding.
     #[test]
-    fn thin_triangles_between_rays_are_left_out() {
-        let [empty, left_out] = try_many(30.0, 1e-5, 0.5);
-        assert!(empty > 500, "{empty} met no ray");
+    fn edges_lose_no_ray_to_rounding() {
+        let lanes = Plain;
+        let mut random = Random(13);
+        let (mut below, mut below_without) = (0, 0);
+        for _ in 0..20_000 {
+            let [p, q] = [(); 2].map(|()| [(); 2].map(|()| (random.signed() * 1e6).round()));
+            let reach = p
+                .into_iter()
+                .chain(q)
+                .fold(0.0f64, |most, x| most.max(x.abs()));
+            let [(px, py), (qx, qy)] =
+                [p, q].map(|[x, y]| (lanes.splat(x as f32), lanes.splat(y as f32)));
+            let bound = lanes.splat((reach * reach) as f32 * (24.0 * UNIT));
+            let [upper, upper_without] = [bound, lanes.splat(0.0)].map(|rounding| {
+                let slack = Slack {
+                    turned: lanes.splat(1.0).lt(lanes.splat(0.0)),
+                    off: lanes.splat(0.0),
+                    rounding,
+                };
+                let edge = Edge::<Plain>::new(lanes, (px, py), (qx, qy), slack);
+                let at_row = edge.first + edge.down * 7.0;
+                f64::from(at_row.reduce_min())
+            });
+            let truth = p[0] * q[1] - p[1] * q[0] + (q[0] - p[0]) * 7.0;
+            below += usize::from(upper < truth);
+            below_without += usize::from(upper_without < truth);
+        }
         assert!(
-            left_out * 100 >= empty * 95,
-            "{left_out} of {empty} were left out"
+            below == 0 && below_without > 1000,
+            "{below} {below_without}"
+        );
+    }
+
+    #[test]
+    fn slivers_between_rays_are_culled() {
+        let [empty, culled] = try_many(30.0, 1e-5, 0.5, 0.9);
+        assert!(empty > 500, "{empty} are hit by no ray");
+        assert!(
+            culled * 100 >= empty * 95,
+            "{culled} of {empty} were culled"
         );
     }
 }

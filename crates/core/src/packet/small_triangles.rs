@@ -5,13 +5,14 @@
 use super::lane_math::{Three, cross, least, relative_to};
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 
-/// The largest relative error of a triangle's doubled area. Beyond it the triangle is a sliver whose
-/// orientation is not trusted.
-const LEAST_SHARE: f32 = 1.0 / 16.0;
+/// The largest edge error of a triangle whose orientation is used, as a share of its doubled area. Beyond a third no
+/// orientation is sure; the nearer to that, the wider the bounds of depth keys. With a lesser share more slivers are
+/// set up.
+const MAX_AREA_ERROR: f32 = 1.0 / 16.0;
 
 /// Relative error of the interpolated depth key, in units of (edge error / doubled area) · (spread of the
 /// depth key over the corners): derived in [`ray_bounds`](super::ray_bounds).
-const SHARES: f32 = 6.0;
+const DEPTH_KEY_ERROR: f32 = 6.0;
 
 /// The most columns, and rows, of rays in the bounds of a small triangle.
 const SMALL_COLUMNS: usize = 5;
@@ -57,12 +58,12 @@ pub(crate) struct SmallCoverage {
 }
 
 impl<L: Lanes> SmallEdges<L> {
-    /// `xs`, `ys` and `nears` are places and depth keys of the corners, `(x, y)` the first ray of each
-    /// triangle's bounds; `error` bounds the error of the edge functions, `corner_error` that of `nears`.
+    /// `xs`, `ys` and `depth_keys` are places and depth keys of the corners, `(x, y)` the first ray of each
+    /// triangle's bounds; `error` bounds the error of the edge functions, `corner_error` that of `depth_keys`.
     #[inline(always)]
     pub(super) fn new(
         lanes: L,
-        [xs, ys, nears]: [Three<L::F32>; 3],
+        [xs, ys, depth_keys]: [Three<L::F32>; 3],
         (x, y): (L::F32, L::F32),
         error: L::F32,
         corner_error: L::F32,
@@ -82,20 +83,20 @@ impl<L: Lanes> SmallEdges<L> {
         let front = area.lt(zero);
         let sign = front.select(lanes.splat(-1.0), one);
 
-        let (a_near, b_near, c_near) = nears;
-        let (to_b, to_c) = (b_near - a_near, c_near - a_near);
+        let (a_key, b_key, c_key) = depth_keys;
+        let (to_b, to_c) = (b_key - a_key, c_key - a_key);
         let inverse = one / (area * sign);
-        let share = error * inverse;
+        let area_error = error * inverse;
         let slope = to_b.abs() + to_c.abs();
-        let by_slope = share * slope * SHARES;
+        let by_slope = area_error * slope * DEPTH_KEY_ERROR;
         Self {
             first: times(first, sign),
             to_right: times(to_right, sign),
             down: times(down, sign),
             error,
-            depth_key: (a_near, to_b * inverse, to_c * inverse),
+            depth_key: (a_key, to_b * inverse, to_c * inverse),
             depth_key_error: corner_error + by_slope,
-            decided: share.lt(lanes.splat(LEAST_SHARE)),
+            decided: area_error.lt(lanes.splat(MAX_AREA_ERROR)),
             front,
         }
     }
@@ -129,8 +130,8 @@ impl<L: Lanes> SmallEdges<L> {
                 let unless_outside = least.lt(minus_error).select(zero, bit);
                 inside[half] = inside[half] + if_inside;
                 perhaps[half] = perhaps[half] + unless_outside;
-                let near = depth_key(values, self.depth_key);
-                near.store(&mut out.depth_key[row * SMALL_COLUMNS + column]);
+                let key = depth_key(values, self.depth_key);
+                key.store(&mut out.depth_key[row * SMALL_COLUMNS + column]);
                 values = sum(values, self.to_right);
             }
             along_row = sum(along_row, self.down);
@@ -169,10 +170,10 @@ impl SmallCoverage {
     #[inline(always)]
     pub(super) fn ray(&self, lane: usize, ray: u32) -> ([usize; 2], [f32; 2]) {
         let ray = ray as usize % (SMALL_COLUMNS * SMALL_COLUMNS);
-        let (near, error) = (self.depth_key[ray][lane], self.depth_key_error[lane]);
+        let (key, error) = (self.depth_key[ray][lane], self.depth_key_error[lane]);
         (
             [ray % SMALL_COLUMNS, ray / SMALL_COLUMNS],
-            [near - error, near + error],
+            [key - error, key + error],
         )
     }
 }

@@ -1,6 +1,6 @@
 //! A record of what casting a lattice goes through, level by level, for pictures and tables.
 //!
-//! The traversal is the one of [`Accel::find`], watched by an [`Observer`].
+//! The traversal is that of [`Accel::find`], recorded by an [`Observer`].
 
 use super::cast::Find;
 use super::counts::CastCounts;
@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn no_ray_meets_what_is_not_listed_and_none_first_what_is_not_reached() {
+    fn no_ray_hits_what_is_not_listed_and_none_first_what_is_not_reached() {
         let accel = waves(12, 1.0, DVec3::ZERO);
         let all = accel.len() as u32;
         for lattice in lattices(1.0, DVec3::ZERO) {
@@ -296,12 +296,12 @@ mod tests {
                         (0..all).filter(|primitive| listed.binary_search(primitive).is_err())
                     {
                         let mut nearest = Nearest::NONE;
-                        accel.meet(&prepared, primitive, &mut nearest);
+                        accel.intersect(&prepared, primitive, &mut nearest);
                         assert!(nearest.is_miss(), "{primitive} {column} {row}");
                     }
                     let mut nearest = Nearest::NONE;
                     for primitive in 0..all {
-                        accel.meet(&prepared, primitive, &mut nearest);
+                        accel.intersect(&prepared, primitive, &mut nearest);
                     }
                     if nearest.is_miss() {
                         continue;

@@ -4,6 +4,8 @@
 //! Triangles of the leaves reached are projected eight at a time. Small ones are tested and merged at once;
 //! the rest is queued, and set up eight at a time.
 
+mod placed_packets;
+
 use super::counts::CastCounts;
 use super::decisions::Decisions;
 use super::depth_reference::DepthReference;
@@ -16,7 +18,7 @@ use super::ray_box::RayBox;
 use super::setup::{CornerLanes, PacketSpace};
 use crate::bvh::Accel;
 use crate::bvh::tree::{Box32, BoxPair, DEPTH_LIMIT, Subtree};
-use crate::camera::{Lattice, Projection};
+use crate::camera::{Camera, Lattice, Projection};
 use crate::hit::{Cull, Precision};
 use crate::num::simd::{F32x8, LANES, Lanes};
 use crate::triangle::clip::{Clip, Kept};
@@ -27,31 +29,29 @@ use std::ops::Range;
 /// the tree; more make each packet test subtrees that it misses.
 const MAX_ENTRY_POINTS: usize = 24;
 
-/// How much further than hi-z a box must begin to be skipped, as a factor. The inverse of hi-z and the box's
-/// distance are each rounded a few times by 2⁻²⁴, below 10⁻⁶ together.
-const BEYOND: f32 = 1.0 + 1e-5;
-
-/// The most triangles of a small subtree that is taken as a leaf: visiting its nodes would take longer than
-/// testing the triangles that they cull.
+/// The most triangles of a small subtree that is taken as a leaf. With more, triangles are projected that its nodes
+/// would cull; with fewer, visiting nodes takes longer than projecting the triangles that they cull.
 const RUN: u32 = 32;
 
-/// The largest extent of a small subtree's box, its three sides added, in columns.
+/// The largest extent of a small subtree's box, its three sides added, in columns. The nodes of a larger box cull many
+/// triangles beside a packet of 32 columns; those of a smaller one cull few.
 const SMALL: f64 = 16.0;
 
 /// The deepest stack: a pair of entry points, one more subtree a level below, and the primitive index above the top that
 /// is written without a branch.
 const STACK: usize = DEPTH_LIMIT + 3;
 
-/// Rays in the bounds of the queued triangles at which they are set up, although fewer than eight are queued:
-/// they may occlude what comes next.
+/// Rays in the bounds of the queued triangles at which they are set up, although fewer than eight are queued: they may
+/// occlude what comes next. With more, packets visit boxes behind the queued triangles; with fewer, set-up runs with
+/// empty lanes.
 const MANY_RAYS: i32 = 32;
 
 /// Nodes with a child that may be occluded in all cells it touches, before the cells' frusta are built: that
 /// costs as much as testing about so many nodes.
 const DOUBTFUL: usize = 8;
 
-/// Nodes to prefetch with a subtree. Nodes are stored depth first, so a subtree's first nodes follow one
-/// another; waiting for memory took half of a traversal of 4 million triangles.
+/// Nodes to prefetch with a subtree. Nodes are stored depth first, so a subtree's first nodes follow one another;
+/// waiting for memory took half of a traversal of 4 million triangles. Fewer wait again, more evict what is in use.
 const NODES_AHEAD: usize = 4;
 
 /// A rectangle of a lattice's rays.
@@ -118,7 +118,7 @@ impl Batch {
     }
 }
 
-/// What came of testing a projected triangle.
+/// The outcome of testing a projected triangle.
 enum Outcome {
     /// No ray hits it, or all that do have nearer hits.
     Occluded,
@@ -147,14 +147,14 @@ struct Limits {
     nearest_cell: f32,
 }
 
-/// A packet's way down the tree.
+/// The state of a packet's descent through the tree.
 struct Descent {
     frustum: Frustum,
     small: SmallBoxes,
     limits: Limits,
     /// Nodes so far whose children may be occluded in all cells they touch.
     doubtful: usize,
-    /// The cells' frusta, once they pay.
+    /// The cells' frusta, once they save more than they cost.
     cells: Option<CellFrusta>,
     /// Subtrees to visit, the nearest on top, and where each begins.
     stack: [(Subtree, f32); STACK],
@@ -202,7 +202,7 @@ impl Descent {
 
 /// The traversal of a lattice's packets, through one tree or through instances too ([`Accel::open`]).
 pub(super) struct Traversal<'a, const INSTANCES: bool> {
-    accel: &'a Accel,
+    pub(super) accel: &'a Accel,
     clip: &'a Clip,
     lattice: &'a Lattice,
     eye: DVec3,
@@ -283,7 +283,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         }
     }
 
-    fn frustum(&self, part: &RayRect) -> Frustum {
+    pub(super) fn frustum(&self, part: &RayRect) -> Frustum {
         Frustum::new(self.viewpoint(), &self.window(part))
     }
 
@@ -305,11 +305,18 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
     /// Finds the entry points of a large packet.
     #[inline(always)]
     pub(super) fn list(&mut self, lanes: impl Lanes, large: &RayRect) {
+        let frustum = self.frustum(large);
+        let camera = &self.lattice.camera;
+        self.list_in(lanes, &frustum, camera);
+    }
+
+    /// Finds the entry points of a frustum of a camera's.
+    #[inline(always)]
+    fn list_in(&mut self, lanes: impl Lanes, frustum: &Frustum, camera: &Camera) {
         let tree = &self.accel.tree;
         self.list.clear();
         self.pairs.clear();
         let Some(root) = tree.root else { return };
-        let frustum = self.frustum(large);
         self.list.push((root, tree.bounds, f32::NEG_INFINITY));
         let mut deepened = true;
         while deepened && self.list.len() < MAX_ENTRY_POINTS {
@@ -336,7 +343,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         // What more precision would decide otherwise, fast casting does not.
         if self.decisions.are_exact() {
             let boxes = self.list.iter().map(|entry| entry.1);
-            self.reference = DepthReference::of(boxes, &self.lattice.camera, self.eye);
+            self.reference = DepthReference::of(boxes, camera, self.eye);
         }
         self.list.sort_unstable_by(|a, b| a.2.total_cmp(&b.2));
         for pair in self.list.chunks(2) {
@@ -584,28 +591,20 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
     /// Corners of eight triangles, in structure-of-arrays order.
     #[inline(always)]
     fn corners(&self, lanes: impl Lanes, primitives: &[u32; LANES]) -> CornerLanes {
-        let [a, b, c, d, e, f, g, h] = *primitives;
+        let stored = self.accel.stored_corners::<INSTANCES>(primitives);
+        let [a, b, c, d, e, f, g, h] = stored;
         let rows = [
-            self.row(lanes, a),
-            self.row(lanes, b),
-            self.row(lanes, c),
-            self.row(lanes, d),
-            self.row(lanes, e),
-            self.row(lanes, f),
-            self.row(lanes, g),
-            self.row(lanes, h),
+            row(lanes, a),
+            row(lanes, b),
+            row(lanes, c),
+            row(lanes, d),
+            row(lanes, e),
+            row(lanes, f),
+            row(lanes, g),
+            row(lanes, h),
         ];
         let [ax, ay, az, bx, by, bz, cx, cy] = lanes.transpose(rows);
-        let cz = lanes.load(&[
-            self.last(a),
-            self.last(b),
-            self.last(c),
-            self.last(d),
-            self.last(e),
-            self.last(f),
-            self.last(g),
-            self.last(h),
-        ]);
+        let cz = lanes.load(&stored.map(|[_, _, c]| c.z));
         let mut out: CornerLanes = [[0.0; LANES]; 9];
         for (out, corners) in out.iter_mut().zip([ax, ay, az, bx, by, bz, cx, cy, cz]) {
             corners.store(out);
@@ -614,23 +613,10 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         out
     }
 
-    /// A triangle's first eight coordinates, as they are stored.
-    #[inline(always)]
-    fn row<L: Lanes>(&self, lanes: L, primitive: u32) -> L::F32 {
-        let [a, b, c] = self.accel.stored_corners::<INSTANCES>(primitive);
-        lanes.load(&[a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y])
-    }
-
-    /// Its ninth coordinate.
-    #[inline(always)]
-    fn last(&self, primitive: u32) -> f32 {
-        self.accel.stored_corners::<INSTANCES>(primitive)[2].z
-    }
-
     /// Prefetches what a subtree on the stack will be read from: its triangles, or its first nodes.
     #[inline(always)]
-    fn prefetch(&self, lanes: impl Lanes, subtree: Subtree, meets: bool) {
-        if !meets {
+    fn prefetch(&self, lanes: impl Lanes, subtree: Subtree, is_hit: bool) {
+        if !is_hit {
             return;
         }
         match subtree.node() {
@@ -692,34 +678,25 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
     #[inline(always)]
     fn limits(&self, lanes: impl Lanes, zbuffer: &IntervalZBuffer) -> Limits {
         let (least, most) = zbuffer.hi_z(lanes);
+        let projection = self.lattice.camera.projection();
         Limits {
-            furthest: self.limit(least),
-            nearest_cell: self.limit(most),
+            furthest: self.reference.furthest(projection, least),
+            nearest_cell: self.reference.furthest(projection, most),
         }
     }
 
     /// Upper bound of the relative depth key of a box that begins here along the view axis.
     #[inline(always)]
     fn depth_key(&self, near: f32) -> f32 {
-        let key = match self.lattice.camera.projection() {
-            Projection::Orthographic => near.abs() * (BEYOND - 1.0) - near,
-            _ if near > 0.0 => BEYOND / near,
-            _ => f32::INFINITY,
-        };
-        self.reference.relative_above(key)
+        let projection = self.lattice.camera.projection();
+        self.reference.key_of_box(projection, near)
     }
+}
 
-    /// How far along the view axis a box may begin and still hold something nearer than `hi_z`.
-    #[inline(always)]
-    fn limit(&self, hi_z: f32) -> f32 {
-        let hi_z = self.reference.absolute(hi_z);
-        match self.lattice.camera.projection() {
-            Projection::Orthographic => -hi_z + hi_z.abs() * (BEYOND - 1.0),
-            // The depth key is the inverse depth.
-            _ if hi_z > 0.0 => BEYOND / hi_z,
-            _ => f32::INFINITY,
-        }
-    }
+/// The first eight of a triangle's coordinates.
+#[inline(always)]
+fn row<L: Lanes>(lanes: L, [a, b, c]: &[Vec3; 3]) -> L::F32 {
+    lanes.load(&[a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y])
 }
 
 /// The size below which boxes count as small: a bound on the sum of their sides, linear in where they begin

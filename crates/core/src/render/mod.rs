@@ -1,6 +1,8 @@
 //! From a view to a picture: tiles, passes, samples, in parallel.
 
 mod defaults;
+#[cfg(test)]
+mod instance_tests;
 mod job;
 mod parallel;
 mod pass;

@@ -1,7 +1,6 @@
-use super::mesh::Attribute;
 use super::{
-    Color, ColorRule, Material, Mesh, Object, Projector, Quantity, Scalar, ScalarAt, Scene,
-    Texture, TextureMapping, TextureProjection, Transform, Wrap,
+    Attribute, Color, ColorRule, Material, Mesh, Object, Projector, Quantity, Scalar, ScalarAt,
+    Scene, Texture, TextureMapping, TextureProjection, Transform, Wrap,
 };
 use crate::digest::{Digest, Digester};
 use glam::{DAffine3, DVec3, Vec2, Vec3};

@@ -22,6 +22,16 @@ pub enum TextureProjection {
 }
 
 impl TextureProjection {
+    /// Each of them.
+    pub const ALL: [Self; 6] = [
+        Self::Uv,
+        Self::Triplanar,
+        Self::PerTriangle,
+        Self::Plane,
+        Self::Sphere,
+        Self::Cylinder,
+    ];
+
     /// Whether a [`Projector`] says where its image stands.
     pub fn is_placed(self) -> bool {
         matches!(self, Self::Plane | Self::Sphere | Self::Cylinder)

@@ -10,6 +10,8 @@ pub(super) struct Measures {
     pub(super) area_range: OnceLock<Option<[f32; 2]>>,
     pub(super) curvatures: OnceLock<Curvatures>,
     pub(super) curvature_ranges: OnceLock<[Option<[f32; 2]>; 2]>,
+    /// The vertices that kept triangles have; `None` where those are all.
+    pub(super) kept_vertices: OnceLock<Option<Vec<u32>>>,
 }
 
 /// Of areas and curvatures, the share at each end that a fitted range leaves out: single slivers and sharp

@@ -1,69 +1,11 @@
 use super::measures::Measures;
-use super::{Bounds, Color, Scalar, Texture};
+use super::mesh_data::recentring_offset;
+use super::rounding::{Measure, Moves, Rounding};
+use super::{Attribute, Bounds, COORDINATE_LIMIT, Color, Material, MeshData};
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use robust::{Coord, orient2d};
-use std::mem::size_of;
-use std::sync::{Arc, OnceLock};
-
-/// The largest distance from zero along an axis at which a vertex is kept: beyond it, products
-/// of single-precision coordinates would near the end of their range.
-pub const COORDINATE_LIMIT: f64 = 1e18;
-
-/// Values at vertices, with indices of their own where the file keeps them apart from positions.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Attribute<T> {
-    /// The values.
-    pub values: Vec<T>,
-    /// Three indices into `values` a triangle; `None` when positions and values share indices.
-    pub indices: Option<Vec<[u32; 3]>>,
-}
-
-impl<T> Attribute<T> {
-    fn bytes(&self) -> usize {
-        let indices = self.indices.as_ref().map_or(0, Vec::len);
-        self.values.len() * size_of::<T>() + indices * size_of::<[u32; 3]>()
-    }
-}
-
-impl<T: Copy> Attribute<T> {
-    /// The values at the corners of a triangle whose position indices are `shared`.
-    ///
-    /// `None` where an index is out of range (a triangle without this attribute).
-    pub fn corners(&self, triangle: u32, shared: [u32; 3]) -> Option<[T; 3]> {
-        let indices = match &self.indices {
-            Some(indices) => *indices.get(triangle as usize)?,
-            None => shared,
-        };
-        let [a, b, c] = indices.map(|i| self.values.get(i as usize).copied());
-        Some([a?, b?, c?])
-    }
-}
-
-/// A named colour of the file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Material {
-    /// The file's name for it.
-    pub name: String,
-    /// Diffuse colour.
-    pub color: Color,
-    /// An image for the surfaces that have it.
-    pub texture: Option<Arc<Texture>>,
-    /// Whether the file's colours of vertices go before its own, where all three corners have one.
-    pub by_vertex: bool,
-}
-
-impl Material {
-    /// One colour alone.
-    pub fn new(name: impl Into<String>, color: Color) -> Self {
-        Self {
-            name: name.into(),
-            color,
-            texture: None,
-            by_vertex: false,
-        }
-    }
-}
+use std::sync::OnceLock;
 
 /// How many triangles were dropped, by reason. They keep their numbers and are never met.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -85,91 +27,6 @@ impl Dropped {
     pub fn total(&self) -> u32 {
         self.not_finite + self.too_far + self.bad_index + self.zero_area + self.rounded_away
     }
-}
-
-/// How far storing a mesh in single precision has moved its corners: those of kept triangles.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Rounding {
-    /// The furthest, in the file's units; to some 15 digits.
-    pub distance: f64,
-    /// The furthest as a share of the shortest edge, in the file, of a triangle that has the corner.
-    pub share_of_edge: f64,
-    /// How many triangles have a corner that was moved by more than [`BENT`] of their shortest edge.
-    pub bent: u32,
-}
-
-/// The share of an edge by which rounding may move a corner before that is worth a warning: at 2 % a
-/// right angle is off by a degree or so, which shading shows.
-pub const BENT: f64 = 0.02;
-
-/// A mesh as read, before anything is checked.
-#[derive(Clone, Debug, Default)]
-pub struct MeshData {
-    /// Vertices in the file's coordinates.
-    pub positions: Vec<DVec3>,
-    /// Three indices a triangle, in the file's order of faces.
-    pub triangles: Vec<[u32; 3]>,
-    /// Unit normals at the corners.
-    pub normals: Option<Attribute<Vec3>>,
-    /// Texture coordinates at the corners, origin bottom-left.
-    pub uvs: Option<Attribute<Vec2>>,
-    /// The file's materials.
-    pub materials: Vec<Material>,
-    /// A material a triangle (`u32::MAX`: none); empty when the file has none.
-    pub material_of_triangle: Vec<u32>,
-    /// A colour a vertex, as far as there are any: none behind the last.
-    pub colors: Vec<Option<Color>>,
-    /// The file's numbers of vertices and triangles.
-    pub scalars: Vec<Scalar>,
-}
-
-impl MeshData {
-    /// What [`Mesh::offset`] will be.
-    pub(crate) fn offset(&self) -> DVec3 {
-        let usable = self.triangles.iter().filter_map(|triangle| {
-            let corners = self.corners(*triangle)?;
-            corners.iter().all(|c| is_storable(*c)).then_some(corners)
-        });
-        recentring_offset(&Bounds::around(usable.flatten()))
-    }
-
-    /// Bytes that it holds, at least.
-    pub(crate) fn bytes(&self) -> u64 {
-        let bytes = self.positions.len() * size_of::<DVec3>() + self.shared_bytes();
-        bytes as u64
-    }
-
-    /// Bytes that a [`Mesh`] of it holds.
-    pub(crate) fn stored_bytes(&self) -> u64 {
-        let bytes = self.positions.len() * size_of::<Vec3>()
-            + self.triangles.len() * size_of::<u32>()
-            + self.shared_bytes();
-        bytes as u64
-    }
-
-    /// Bytes of what a [`Mesh`] takes over as it is.
-    fn shared_bytes(&self) -> usize {
-        self.triangles.len() * size_of::<[u32; 3]>()
-            + self.normals.as_ref().map_or(0, Attribute::bytes)
-            + self.uvs.as_ref().map_or(0, Attribute::bytes)
-            + self.material_of_triangle.len() * size_of::<u32>()
-            + self.colors.len() * size_of::<Option<Color>>()
-            + self
-                .scalars
-                .iter()
-                .map(|s| s.values.len() * size_of::<f32>())
-                .sum::<usize>()
-    }
-
-    fn corners(&self, triangle: [u32; 3]) -> Option<[DVec3; 3]> {
-        let [a, b, c] = triangle.map(|i| self.positions.get(i as usize).copied());
-        Some([a?, b?, c?])
-    }
-}
-
-/// Whether a vertex can be kept.
-pub(crate) fn is_storable(position: DVec3) -> bool {
-    position.is_finite() && position.abs().max_element() <= COORDINATE_LIMIT
 }
 
 /// Triangles, checked and stored for casting.
@@ -380,45 +237,6 @@ impl Mesh {
     }
 }
 
-/// The offset that brings a far mesh near zero, an axis at a time.
-///
-/// Along an axis where the mesh [lo, hi] lies further from zero than it is long, every coordinate
-/// is at least `hi − lo` away from zero. One that was single precision is then a multiple of
-/// `ulp = 2^(e−23)`, e the exponent of the nearer end, and `hi − lo < 2^(e+1) = 2^24 ulp`. The
-/// offset is a multiple of the power of two just below `hi − lo`, so it is one of `ulp` or finer
-/// differences stay exact; it is within half of that power of the middle, so what is left is at
-/// most `hi − lo` long: 24 bits hold it exactly.
-pub(crate) fn recentring_offset(bounds: &Bounds) -> DVec3 {
-    if bounds.is_empty() {
-        return DVec3::ZERO;
-    }
-    let axis = |lo: f64, hi: f64| {
-        let nearest = lo.abs().min(hi.abs());
-        let length = hi - lo;
-        if lo.signum() != hi.signum() || nearest <= length {
-            return 0.0;
-        }
-        let nearest_ulp = power_of_two_below(nearest) * 2f64.powi(-23);
-        let grain = if length > 0.0 {
-            power_of_two_below(length)
-        } else {
-            0.0
-        };
-        let grain = grain.max(nearest_ulp);
-        ((lo + length * 0.5) / grain).round() * grain
-    };
-    DVec3::new(
-        axis(bounds.min.x, bounds.max.x),
-        axis(bounds.min.y, bounds.max.y),
-        axis(bounds.min.z, bounds.max.z),
-    )
-}
-
-/// The largest power of two not above a positive normal `x`.
-fn power_of_two_below(x: f64) -> f64 {
-    f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)
-}
-
 /// Whether a triangle has exactly no area.
 ///
 /// Its three projections along the axes must all be flat; each is a 2D orientation, whose sign
@@ -489,84 +307,6 @@ fn usable(data: &MeshData) -> (Vec<u32>, Dropped, Bounds) {
         bounds = bounds.union(around);
     }
     (numbers, dropped, bounds)
-}
-
-/// By how much storing each vertex moves it.
-struct Moves<'m> {
-    positions: &'m [DVec3],
-    /// Squared; empty if none was moved.
-    squared: Vec<f64>,
-}
-
-impl<'m> Moves<'m> {
-    fn new(positions: &'m [DVec3], stored: &[Vec3], offset: DVec3) -> Self {
-        let moved = |(from, to): (&DVec3, &Vec3)| {
-            // Both differences are exact or nearly: of numbers that are close.
-            ((*from - offset) - to.as_dvec3()).length_squared()
-        };
-        let all = positions.par_iter().zip(stored).with_min_len(CHUNK);
-        // NaN is a move, as of what is not finite.
-        let is_moved = all.clone().any(|pair| moved(pair) != 0.0);
-        let squared = if is_moved {
-            all.map(moved).collect()
-        } else {
-            Vec::new()
-        };
-        Self { positions, squared }
-    }
-}
-
-/// Measures how far corners were moved.
-struct Measure<'m> {
-    moves: &'m Moves<'m>,
-    /// The furthest, squared.
-    distance: f64,
-    /// The furthest as a share of an edge, squared.
-    share: f64,
-    bent: u32,
-}
-
-impl<'m> Measure<'m> {
-    fn new(moves: &'m Moves<'m>) -> Self {
-        Self {
-            moves,
-            distance: 0.0,
-            share: 0.0,
-            bent: 0,
-        }
-    }
-
-    /// Takes note of a kept triangle.
-    #[inline]
-    fn add(&mut self, triangle: [u32; 3]) {
-        let Moves { positions, squared } = self.moves;
-        if squared.is_empty() {
-            return;
-        }
-        let [a, b, c] = triangle.map(|i| positions[i as usize]);
-        let [i, j, k] = triangle.map(|i| squared[i as usize]);
-        let moved = i.max(j).max(k);
-        let edge = |from: DVec3, to: DVec3| from.distance_squared(to);
-        let edge = edge(a, b).min(edge(b, c)).min(edge(c, a));
-        self.distance = self.distance.max(moved);
-        self.share = self.share.max(moved / edge);
-        self.bent += u32::from(moved > BENT * BENT * edge);
-    }
-
-    /// Takes over what another has noted.
-    fn join(&mut self, other: &Self) {
-        self.distance = self.distance.max(other.distance);
-        self.share = self.share.max(other.share);
-        self.bent += other.bent;
-    }
-
-    fn rounding(&self) -> Rounding {
-        Rounding {
-            distance: self.distance.sqrt(),
-            share_of_edge: self.share.sqrt(),
-            bent: self.bent,
-        }
-    }
 }
 
 #[cfg(test)]

@@ -1,16 +1,21 @@
 //! What there is to see: meshes, the objects that place them, their colours and textures.
 
+mod attribute;
 mod bounds;
 mod clipping;
 mod color;
 mod color_map;
 mod content;
 mod curvature;
+mod extent;
 mod mapping;
+mod material;
 mod measures;
 mod mesh;
+mod mesh_data;
 mod object;
 mod quantity;
+mod rounding;
 mod scalar;
 mod shape;
 mod texture;
@@ -20,16 +25,20 @@ mod values;
 mod weld;
 mod wrap;
 
+pub use attribute::Attribute;
 pub use bounds::Bounds;
 pub use clipping::{CLIPPING_PLANES, ClippingError, ClippingPlane, ClippingPlanes};
 pub use color::{Color, ColorRule};
 pub use color_map::{COLOR_MAP_STEPS, ColorMap, ColorScale};
 pub use mapping::{Projector, ProjectorError, TextureMapping, TextureProjection};
+pub use material::Material;
 pub use measures::OUTLIERS;
-pub use mesh::{Attribute, BENT, COORDINATE_LIMIT, Dropped, Material, Mesh, MeshData, Rounding};
-pub(crate) use mesh::{is_storable, recentring_offset};
+pub use mesh::{Dropped, Mesh};
+pub use mesh_data::{COORDINATE_LIMIT, MeshData};
+pub(crate) use mesh_data::{is_storable, recentring_offset};
 pub use object::{Object, Scene, SceneError};
 pub use quantity::{Curvature, Quantity};
+pub use rounding::{BENT, Rounding};
 pub use scalar::{Scalar, ScalarAt};
 pub use shape::{Shape, ShapeError};
 pub use texture::{Crop, Texture};

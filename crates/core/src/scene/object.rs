@@ -1,6 +1,7 @@
-use super::{Bounds, Color, ColorRule, Mesh, Shape, Texture, TextureMapping, Transform, UpAxis};
+use super::{Color, ColorRule, Mesh, Shape, Texture, TextureMapping, Transform, UpAxis};
 use crate::quote::shorten;
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -190,58 +191,18 @@ impl Scene {
             .sum()
     }
 
-    /// The box around everything that is visible, in world space; empty if there is nothing, or no valid
-    /// placement.
-    pub fn bounds(&self) -> Bounds {
-        let Ok(transforms) = self.world_from_objects() else {
-            return Bounds::EMPTY;
-        };
-        self.objects
-            .iter()
-            .zip(transforms)
-            .filter(|(object, _)| object.visible)
-            .map(|(object, world_from_object)| {
-                if world_from_object == DAffine3::IDENTITY {
-                    return object.mesh.bounds();
-                }
-                let mesh = &object.mesh;
-                Bounds::around(
-                    mesh.kept()
-                        .iter()
-                        .filter_map(|&number| mesh.corners(number))
-                        .flatten()
-                        .map(|p| world_from_object.transform_point3(mesh.offset() + p.as_dvec3()))
-                        // What a transform has moved out of all numbers is not seen.
-                        .filter(|point| point.is_finite()),
-                )
-            })
-            .fold(Bounds::EMPTY, Bounds::union)
-    }
-
-    /// The smallest sphere about the bounds' middle that holds everything visible: centre and radius.
-    ///
-    /// The origin and zero for an empty scene.
-    pub fn bounding_sphere(&self) -> (DVec3, f64) {
-        let center = self.bounds().center();
-        let Ok(transforms) = self.world_from_objects() else {
-            return (center, 0.0);
-        };
-        let mut squared: f64 = 0.0;
-        let placed = self.objects.iter().zip(transforms);
-        for (object, world_from_object) in placed.filter(|(object, _)| object.visible) {
-            let mesh = &object.mesh;
-            for corner in mesh
-                .kept()
-                .iter()
-                .filter_map(|&n| mesh.corners(n))
-                .flatten()
-            {
-                let point = world_from_object.transform_point3(mesh.offset() + corner.as_dvec3());
-                if point.is_finite() {
-                    squared = squared.max(point.distance_squared(center));
-                }
-            }
-        }
-        (center, squared.sqrt())
+    /// Bytes that the smaller versions of its textures take once a filter needs them; a texture that several
+    /// objects or materials share is counted once.
+    pub fn level_bytes(&self) -> u64 {
+        let objects = self.objects.iter();
+        let textures = objects.flat_map(|object| {
+            let materials = object.mesh.materials().iter();
+            let of_materials = materials.filter_map(|material| material.texture.as_ref());
+            object.texture.iter().chain(of_materials)
+        });
+        let distinct: BTreeMap<_, _> = textures
+            .map(|texture| (Arc::as_ptr(texture), texture.level_bytes()))
+            .collect();
+        distinct.values().sum()
     }
 }

@@ -103,6 +103,20 @@ impl Texture {
         self.levels.0.get_or_init(|| make(self))
     }
 
+    /// Columns and rows of its smaller versions: halves, rounded down, to one texel.
+    pub(crate) fn level_sizes(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
+        let half = |&(width, height): &(u32, u32)| {
+            (width.max(height) > 1).then_some(((width / 2).max(1), (height / 2).max(1)))
+        };
+        std::iter::successors(Some((self.width, self.height)), half).skip(1)
+    }
+
+    /// Bytes that its smaller versions take once a filter needs them: a third of its own, and more for narrow ones.
+    pub fn level_bytes(&self) -> u64 {
+        let texels = |(width, height)| u64::from(width) * u64::from(height);
+        self.level_sizes().map(texels).sum::<u64>() * size_of::<[u8; 4]>() as u64
+    }
+
     /// Bytes that its texels take, and those of its smaller versions once a filter has needed them.
     pub fn retained_bytes(&self) -> usize {
         let levels = self.levels.0.get().map_or(&[][..], Vec::as_slice);
@@ -144,7 +158,26 @@ impl Texture {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{Mesh, MeshData, Scene};
     use super::*;
+    use std::sync::Arc;
+
+    #[test]
+    fn a_shared_textures_levels_are_counted_once() {
+        let texture = |side: u32| {
+            let texels = vec![[0; 4]; (side * side) as usize];
+            Arc::new(Texture::new(side, side, texels).expect("a good texture"))
+        };
+        let (shared, own) = (texture(4), texture(2));
+        let mut scene = Scene::from(Mesh::new(MeshData::default()));
+        scene.objects = vec![scene.objects[0].clone(); 3];
+        assert_eq!(scene.level_bytes(), 0);
+        scene.objects[0].texture = Some(Arc::clone(&shared));
+        scene.objects[1].texture = Some(shared);
+        scene.objects[2].texture = Some(own);
+        // 2 × 2 and 1 × 1 of the one, 1 × 1 of the other.
+        assert_eq!(scene.level_bytes(), 4 * (4 + 1 + 1));
+    }
 
     #[test]
     fn a_crop_of_a_crop_is_told_in_the_files_pixels() {

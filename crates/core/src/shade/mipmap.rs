@@ -8,8 +8,10 @@ use crate::scene::Texture;
 pub(super) fn levels(texture: &Texture) -> &[Texture] {
     texture.levels(|texture| {
         let mut levels: Vec<Texture> = Vec::new();
-        while let Some(smaller) = halved(levels.last().unwrap_or(texture)) {
-            levels.push(smaller);
+        for size in texture.level_sizes() {
+            let larger = levels.last().unwrap_or(texture);
+            // Its texels are as many as its sides say.
+            levels.extend(halved(larger, size));
         }
         levels
     })
@@ -23,16 +25,12 @@ pub(super) fn level<'t>(texture: &'t Texture, levels: &'t [Texture], number: usi
     }
 }
 
-/// A texture of half as many columns and rows, rounded down, but one at least; `None` for one texel.
+/// A texture of half as many columns and rows.
 ///
 /// Each texel is the mean of those that it covers, by their parts (of an odd side three in place of two),
 /// in linear light with alpha multiplied in, rounded to 8-bit sRGB: by half a byte a level at most.
-fn halved(texture: &Texture) -> Option<Texture> {
+fn halved(texture: &Texture, (width, height): (u32, u32)) -> Option<Texture> {
     let (columns, rows) = (texture.width(), texture.height());
-    if columns == 1 && rows == 1 {
-        return None;
-    }
-    let (width, height) = ((columns / 2).max(1), (rows / 2).max(1));
     let across: Vec<Span> = (0..width).map(|x| Span::new(x, width, columns)).collect();
     let tables = srgb::tables();
     let mut texels = Vec::with_capacity(width as usize * height as usize);
@@ -140,6 +138,8 @@ mod tests {
                 }
             }
             assert_eq!(sizes, (1, 1));
+            let taken: usize = levels(&texture).iter().map(Texture::retained_bytes).sum();
+            assert_eq!(texture.level_bytes(), taken as u64);
         }
     }
 

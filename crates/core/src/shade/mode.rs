@@ -24,6 +24,21 @@ pub enum Mode {
     Wireframe,
 }
 
+impl Mode {
+    /// Each of them.
+    pub const ALL: [Self; 9] = [
+        Self::Color,
+        Self::Flat,
+        Self::Smooth,
+        Self::Normals,
+        Self::Depth,
+        Self::Barycentric,
+        Self::Uv,
+        Self::Texture,
+        Self::Wireframe,
+    ];
+}
+
 /// How a texture is read between its texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filter {
@@ -40,8 +55,9 @@ pub enum Filter {
 }
 
 impl Filter {
-    /// Whether a pixel's colour depends on how much of the texture it sees.
-    pub(crate) fn has_footprint(self) -> bool {
+    /// Whether a pixel's colour depends on how much of the texture it sees; the texture's smaller versions are then
+    /// needed.
+    pub fn has_footprint(self) -> bool {
         matches!(self, Self::Trilinear | Self::Ewa)
     }
 }

@@ -29,17 +29,29 @@ pub(super) struct Placed<'a> {
 }
 
 impl OwnColors {
-    pub(super) fn new(scene: &Scene, camera: &Camera, shading: &Shading, colored: bool) -> Self {
+    pub(super) fn new<'s>(
+        scene: &'s Scene,
+        camera: &Camera,
+        shading: &Shading,
+        colored: bool,
+    ) -> Self {
         let objects = if colored { &scene.objects[..] } else { &[] };
         let rules = || objects.iter().map(|object| &object.color);
         let values = rules().any(|rule| matches!(rule, ColorRule::Value(_)));
         let scale = shading.scale.unwrap_or_default();
-        let span = |rule: &ColorRule| match rule {
-            ColorRule::Value(quantity) => {
-                let fitted = || fitted_range(scene, camera, quantity);
-                Some(Span::of(scale.range.or_else(fitted)))
+        // Of a thousand objects most show the same.
+        let mut known: Vec<(&Quantity, Span)> = Vec::new();
+        let mut span = |rule: &'s ColorRule| {
+            let ColorRule::Value(quantity) = rule else {
+                return None;
+            };
+            if let Some((_, span)) = known.iter().find(|(known, _)| *known == quantity) {
+                return Some(*span);
             }
-            _ => None,
+            let fitted = || fitted_range(scene, camera, quantity);
+            let span = Span::of(scale.range.or_else(fitted));
+            known.push((quantity, span));
+            Some(span)
         };
         let within = |object: &Object| match &object.color {
             ColorRule::File => !object.mesh.vertex_colors().is_empty(),
@@ -54,7 +66,7 @@ impl OwnColors {
         };
         Self {
             spans: match values {
-                true => rules().map(span).collect(),
+                true => rules().map(&mut span).collect(),
                 false => Vec::new(),
             },
             ramp: values.then(|| Box::new(Ramp::new(scale.map))),

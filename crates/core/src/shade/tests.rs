@@ -14,27 +14,6 @@ use std::sync::Arc;
 const COLUMNS: u32 = 40;
 const ROWS: u32 = 30;
 
-const ALL_MODES: [Mode; 9] = [
-    Mode::Color,
-    Mode::Flat,
-    Mode::Smooth,
-    Mode::Normals,
-    Mode::Depth,
-    Mode::Barycentric,
-    Mode::Uv,
-    Mode::Texture,
-    Mode::Wireframe,
-];
-
-const PROJECTIONS: [TextureProjection; 6] = [
-    TextureProjection::Uv,
-    TextureProjection::Triplanar,
-    TextureProjection::PerTriangle,
-    TextureProjection::Plane,
-    TextureProjection::Sphere,
-    TextureProjection::Cylinder,
-];
-
 /// A square from −1 to 1 at z = 0, of two triangles, with texture coordinates over it.
 fn square() -> MeshData {
     let corner = |x: f64, y: f64| DVec3::new(x, y, 0.0);
@@ -245,7 +224,7 @@ fn textures_mix_with_colors_in_linear_light() {
     textured.texture = Some(Arc::new(texture));
     let bench = Bench::new(vec![textured], front());
     let (own, image) = (linear([200, 100, 50]), linear([0, 200, 255]));
-    for projection in PROJECTIONS {
+    for projection in TextureProjection::ALL {
         for blend in [0.0, 0.25, 1.0] {
             let shading = Shading {
                 blend,
@@ -311,7 +290,7 @@ fn a_texture_stands_upright() {
     textured.texture = texture.map(Arc::new);
     let bench = Bench::new(vec![textured], front());
     // Its diagonal is the bottom of a triangle that is laid into the image.
-    let upright = PROJECTIONS
+    let upright = TextureProjection::ALL
         .iter()
         .filter(|p| **p != TextureProjection::PerTriangle);
     for &projection in upright {
@@ -410,7 +389,7 @@ fn check_tiles(with_normals: bool) {
         .flat_map(|y| (rect.x..rect.right()).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)))
         .collect();
     let hits: Hits = places.iter().map(|&(x, y)| bench.hit(x, y)).collect();
-    for shown in ALL_MODES {
+    for shown in Mode::ALL {
         for wireframe in [None, Some(Wireframe::default())] {
             let filters = [
                 Filter::Nearest,
@@ -418,7 +397,7 @@ fn check_tiles(with_normals: bool) {
                 Filter::Trilinear,
                 Filter::Ewa,
             ];
-            for (index, projection) in PROJECTIONS.into_iter().enumerate() {
+            for (index, projection) in TextureProjection::ALL.into_iter().enumerate() {
                 let shading = Shading {
                     wireframe,
                     blend: if index == 0 { 0.0 } else { 0.7 },

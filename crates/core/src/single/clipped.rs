@@ -22,9 +22,9 @@ impl Accel {
         }
     }
 
-    /// [`Accel::meet`], for hits whose points are kept.
+    /// [`Accel::intersect`], for hits whose points are kept.
     #[inline(always)]
-    pub(crate) fn meet_kept(
+    pub(crate) fn intersect_kept(
         &self,
         clip: &Clip,
         ray: &PreparedRay,
@@ -32,7 +32,7 @@ impl Accel {
         nearest: &mut Nearest,
     ) {
         if clip.is_empty() || self.is_kept(clip, ray, primitive) {
-            self.meet(ray, primitive, nearest);
+            self.intersect(ray, primitive, nearest);
         }
     }
 
@@ -40,7 +40,7 @@ impl Accel {
     #[inline(never)]
     fn is_kept(&self, clip: &Clip, ray: &PreparedRay, primitive: u32) -> bool {
         let mut hit = Nearest::NONE;
-        self.meet(ray, primitive, &mut hit);
+        self.intersect(ray, primitive, &mut hit);
         !hit.is_miss() && clip.keeps(&ray.ray, self.corners(primitive), &hit)
     }
 }
@@ -62,7 +62,7 @@ impl Clipped<'_> {
         let mut nearest = Nearest::NONE;
         for primitive in self.accel.primitives() {
             self.accel
-                .meet_kept(&self.clip, &ray, primitive, &mut nearest);
+                .intersect_kept(&self.clip, &ray, primitive, &mut nearest);
         }
         self.accel.to_hit(nearest)
     }

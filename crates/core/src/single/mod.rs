@@ -32,7 +32,7 @@ impl Accel {
         let ray = PreparedRay::new(ray, self.origin, cull, Precision::Exact)?;
         let mut nearest = Nearest::NONE;
         for primitive in self.primitives() {
-            self.meet(&ray, primitive, &mut nearest);
+            self.intersect(&ray, primitive, &mut nearest);
         }
         self.to_hit(nearest)
     }
@@ -44,8 +44,9 @@ impl Accel {
         }
     }
 
-    pub(crate) fn meet(&self, ray: &PreparedRay, primitive: u32, nearest: &mut Nearest) {
-        ray.meet(
+    /// Intersects a ray with a triangle: see [`PreparedRay::intersect`].
+    pub(crate) fn intersect(&self, ray: &PreparedRay, primitive: u32, nearest: &mut Nearest) {
+        ray.intersect(
             primitive,
             |primitive| self.corners(primitive),
             |primitive| self.id(primitive),
@@ -103,7 +104,7 @@ mod tests {
                     .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
                     .collect();
                 let accel = accel(positions.clone(), triangles);
-                let mut met = 0;
+                let mut hits = 0;
                 for i in 0..500 {
                     let origin = random.point() * 2.0 * size;
                     let target = match positions.get(i % positions.len().max(1)) {
@@ -114,16 +115,16 @@ mod tests {
                     for cull in [Cull::None, Cull::Back] {
                         let hit = accel.cast(&ray, cull);
                         assert_eq!(hit, accel.cast_brute_force(&ray, cull), "{ray:?}");
-                        met += u32::from(hit.is_some());
+                        hits += u32::from(hit.is_some());
                     }
                 }
-                assert!(count < 100 || met > 300, "{count} {met}");
+                assert!(count < 100 || hits > 300, "{count} {hits}");
             }
         }
     }
 
     #[test]
-    fn what_leaves_the_range_is_counted_and_the_rest_is_met() {
+    fn what_leaves_the_range_is_counted_and_the_rest_is_hit() {
         let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::ONE * 1e10];
         let mesh = |triangles| {
             Arc::new(Mesh::new(MeshData {

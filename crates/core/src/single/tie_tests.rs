@@ -1,5 +1,5 @@
-//! Single rays where a bound is met exactly: ties at the very limit of the traversal, and boxes whose
-//! touch only the origin's own error tells.
+//! Single rays at the limits of the bounds: ties exactly at the traversal's limit, and boxes that are touched only
+//! within the origin's error.
 
 use super::slab::SlabRay;
 use crate::bvh::Accel;
@@ -52,7 +52,7 @@ fn ties_at_nothing_go_to_the_lowest_number() {
 }
 
 /// The origin relative to the frame is rounded to a single's value, a nanometre beside the truth; the ray
-/// crosses that nanometre over a hundredth of a unit, and meets a box that is but a point there.
+/// crosses that nanometre over a hundredth of a unit, and hits a box that is but a point there.
 #[test]
 fn boxes_are_looked_for_within_the_origins_error() {
     let far = f64::from(1 << 25);
@@ -78,10 +78,10 @@ fn boxes_are_looked_for_within_the_origins_error() {
     }
 }
 
-/// From far away distances are measured from next to the scene: boxes of 1e-12 at a distance of 5 are
-/// told apart, and those that are met are entered, whatever the range.
+/// From far away distances are measured from next to the scene: of two boxes of 1e-12 at a
+/// distance of 5 the one that is hit is entered and the other is not, whatever the range.
 #[test]
-fn far_and_tiny_boxes_are_told_apart() {
+fn of_far_and_tiny_boxes_those_that_are_hit_are_entered() {
     let size = 1e-12;
     let eye = DVec3::new(3.0, 2.0, 4.0);
     let bounds = Box32 {
@@ -104,7 +104,7 @@ fn far_and_tiny_boxes_are_told_apart() {
             let prepared = PreparedRay::new(ray, DVec3::ZERO, Cull::None, Precision::Exact);
             let slab = SlabRay::new(&prepared.expect("a valid ray"), &bounds);
             let limit = slab.limit(ray.t_max, 0.0);
-            slab.enter(&pair, limit).map(|(_, is_met)| is_met)
+            slab.enter(&pair, limit).map(|(_, is_hit)| is_hit)
         };
         assert_eq!(enter(&ray), [true, false], "{length}");
         let backwards = Ray {
@@ -113,7 +113,7 @@ fn far_and_tiny_boxes_are_told_apart() {
         };
         assert_eq!(enter(&backwards), [false; 2]);
         let t = 1.0 / length;
-        for (t_min, t_max, is_met) in [
+        for (t_min, t_max, is_hit) in [
             (0.0, t * 1.000001, true),
             (t * 0.999999, f64::INFINITY, true),
             (0.0, t * 0.999, false),
@@ -125,7 +125,7 @@ fn far_and_tiny_boxes_are_told_apart() {
                 t_max,
                 ..ray
             };
-            assert_eq!(enter(&ranged)[0], is_met, "{t_min} {t_max}");
+            assert_eq!(enter(&ranged)[0], is_hit, "{t_min} {t_max}");
         }
     }
 }

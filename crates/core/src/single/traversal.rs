@@ -20,9 +20,9 @@ pub(crate) fn nearest(accel: &Accel, clip: &Clip, ray: &PreparedRay) -> Nearest 
     loop {
         if let Some(index) = subtree.node() {
             let mut opened = None;
-            let (boxes, [a, b]) = accel.open::<true>(index, &mut opened);
-            let [(near_a, meets_a), (near_b, meets_b)] = slab.enter(boxes, limit);
-            match (meets_a, meets_b) {
+            let (boxes, [a, b]) = accel.open_any(index, &mut opened);
+            let [(near_a, hits_a), (near_b, hits_b)] = slab.enter(boxes, limit);
+            match (hits_a, hits_b) {
                 (true, true) => {
                     let (first, second) = if near_b < near_a {
                         ((b, near_b), (a, near_a))
@@ -46,7 +46,7 @@ pub(crate) fn nearest(accel: &Accel, clip: &Clip, ray: &PreparedRay) -> Nearest 
             }
         } else {
             for primitive in subtree.primitives() {
-                accel.meet_kept(clip, ray, primitive, &mut nearest);
+                accel.intersect_kept(clip, ray, primitive, &mut nearest);
             }
             if !nearest.is_miss() {
                 limit = slab.limit(nearest.t, nearest.t_error);

@@ -295,3 +295,84 @@ impl Plane {
 fn add<I: Integer>(a: &Vector<I>, b: &Vector<I>) -> Vector<I> {
     std::array::from_fn(|i| a[i].plus(&b[i]))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::num::double_double::DoubleDouble;
+    use crate::random::Random;
+
+    /// Planes through corners but for rounding, near the origin and far from it. The truth is integer arithmetic, and
+    /// twice double precision. With any term of the bounds but the underflow's at zero this fails.
+    #[test]
+    fn what_double_precision_decides_about_corners_is_so() {
+        let mut random = Random(71);
+        let [mut sure, mut exact] = [0; 2];
+        for round in 0..30_000 {
+            let far = [0.0, 1e6, 1e9][round % 3];
+            let origin = random.point() * far;
+            let corner = random.point().as_vec3();
+            let mut normal = random.point();
+            if round % 2 == 0 {
+                // The products cancel, and the offset is small.
+                let way = corner.as_dvec3() + origin;
+                normal -= way * (normal.dot(way) / way.length_squared());
+            }
+            let way = corner.as_dvec3() + origin;
+            let beside = way.length() * 1e-17 * crate::math::pow(10.0, 3.0 * random.unit());
+            let offset = normal.dot(way) + beside * random.signed();
+            let plane = ClippingPlane::new(normal, offset).expect("a plane");
+            let planes = ClippingPlanes::new(&[plane]).expect("one plane");
+            let clip = Clip::new(&planes, origin);
+            let (value, error) = clip.planes[0].at(corner);
+            let truth = clip.exact_sign(&clip.planes[0], corner);
+            if value.abs() > error {
+                assert_eq!(value.total_cmp(&0.0), truth, "{plane:?} {corner} {origin}");
+                sure += 1;
+            } else {
+                exact += 1;
+            }
+            let others = [corner, Vec3::X, Vec3::Y].map(|other| corner + (other - corner) * 1e-7);
+            for at in clip.through(others) {
+                let values = others.map(|corner| {
+                    let product = |axis: usize| {
+                        let place =
+                            DoubleDouble::difference(origin[axis], -f64::from(corner[axis]));
+                        DoubleDouble::from(normal[axis]) * place
+                    };
+                    (product(0) + product(1) + product(2) - plane.offset.into()).high
+                });
+                let greatest = others.map(|corner| clip.planes[0].at(corner).0.abs());
+                let greatest = greatest.into_iter().fold(TINY, f64::max);
+                for (value, found) in values.into_iter().zip(at.values) {
+                    let off = (value / greatest - f64::from(found)).abs();
+                    let rounding = f64::from(f32::EPSILON) * f64::from(found.abs());
+                    assert!(off <= f64::from(at.error) + rounding, "{off} {at:?}");
+                }
+            }
+        }
+        assert!(sure > 5_000 && exact > 5_000, "{sure} {exact}");
+    }
+
+    /// The hit is off by its bound: a plane that it may lie on either side of is left to exact arithmetic.
+    #[test]
+    fn what_a_hit_is_off_by_leaves_planes_undecided() {
+        let ray = Ray::new(DVec3::ZERO, DVec3::X);
+        let hit = Nearest {
+            primitive: 0,
+            t: 1.0,
+            t_error: 0.25,
+            ..Nearest::NONE
+        };
+        for (offset, sign) in [
+            (0.5, Some(Ordering::Greater)),
+            (0.875, None),
+            (1.125, None),
+            (1.5, Some(Ordering::Less)),
+        ] {
+            let plane = ClippingPlane::new(DVec3::X, offset).expect("a plane");
+            let plane = Plane::new(&plane, DVec3::ZERO);
+            assert_eq!(plane.sign_along(&ray, &hit), sign, "{offset}");
+        }
+    }
+}

@@ -1,5 +1,5 @@
-//! Determinants of a ray and a triangle in double precision, each with its own error bound. They decide most of
-//! what the bounds of [`Edges`](super::watertight::Edges), which go by the triangle's greatest coordinate, leave
+//! Determinants of a ray and a triangle in double precision, each with an error bound of its terms. They decide most of
+//! what the bounds of [`Edges`](super::edges::Edges), which go by the triangle's greatest coordinate, leave
 //! undecided.
 //!
 //! The bound is relative to the determinant's permanent, the sum of its terms' magnitudes (Shewchuk, "Adaptive

@@ -8,8 +8,8 @@ use super::exact::lies_in_plane;
 use crate::hit::MISS;
 use glam::Vec3;
 
-/// How many answers are cached, in 12 kB, by a hash of the two primitive indices: pairs that share it evict one
-/// another, and are decided again.
+/// Pairs of triangles in the cache: 12 kB, beside the packet in the first-level cache. Pairs with the same hash evict
+/// one another: fewer entries decide pairs again, more push the packet out.
 const CACHED: usize = 1024;
 
 /// Whether two triangles lie in exactly one plane. Neither is degenerate, or the answer says nothing.
@@ -29,10 +29,10 @@ pub(super) fn are_coplanar(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
     corners.all(|(corner, sure)| sure == Some(false) || lies_in_plane(corner, a))
 }
 
-/// Remembers which triangles lie in one plane.
+/// A cache of which pairs of triangles lie in one plane.
 #[derive(Debug)]
 pub(crate) struct Coplanar {
-    /// Pairs of primitive indices, the lower one first, and what was decided about them.
+    /// Pairs of primitive indices, the lower one first, and whether they lie in one plane.
     decided: Vec<([u32; 2], bool)>,
 }
 
@@ -45,7 +45,7 @@ impl Coplanar {
 
     /// Whether two triangles lie in exactly one plane; `corners` gives those of a primitive index.
     pub(crate) fn are(&mut self, a: u32, b: u32, corners: impl Fn(u32) -> [Vec3; 3]) -> bool {
-        // Most pictures never ask.
+        // Most pictures need no cache.
         if self.decided.is_empty() {
             self.decided.resize(CACHED, ([MISS; 2], false));
         }
@@ -68,7 +68,7 @@ mod tests {
     /// Planes through whole points times powers of two, corners on them or a rounding away. The truth is by
     /// construction: a corner moved along an axis that the plane is not parallel to has left it.
     #[test]
-    fn one_plane_is_told_from_two_a_rounding_apart() {
+    fn one_plane_and_two_a_rounding_apart_are_distinguished() {
         let mut random = Random(31);
         for round in 0..2000usize {
             let whole = |random: &mut Random, most: f64| (random.signed() * most).round();
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn answers_are_remembered_by_pair() {
+    fn decisions_are_cached_by_pair() {
         let corners = |primitive: u32| {
             let height = (primitive % 3) as f32;
             [Vec3::X, Vec3::Y, Vec3::ONE].map(|corner| corner.with_z(height + corner.x))

@@ -6,11 +6,11 @@ use crate::camera::{Camera, Projection};
 use crate::hit::MISS;
 use glam::{DVec3, Vec3};
 
-/// How many answers are cached, in 2 kB, by the low bits of the primitive index: triangles that share those
-/// evict one another, and are decided again.
-const KEPT: usize = 256;
+/// Triangles in the cache: 2 kB, by the low bits of the primitive index. Triangles with the same bits evict one
+/// another: fewer entries decide triangles again, more push the packet out of the first-level cache.
+const CACHED: usize = 256;
 
-/// What all rays of a camera share.
+/// What all rays of a camera have in common.
 #[derive(Clone, Copy, Debug)]
 enum Shared {
     /// Their origin.
@@ -19,7 +19,7 @@ enum Shared {
     Direction(DVec3, Option<Level>),
 }
 
-/// A coordinate that the origins of all rays share exactly: where the image plane is square to an axis.
+/// A coordinate that the origins of all rays have exactly, if the image plane is perpendicular to an axis.
 #[derive(Clone, Copy, Debug)]
 struct Level {
     axis: usize,
@@ -73,8 +73,8 @@ pub(crate) struct EdgeOn {
     shared: Shared,
     /// What corners are relative to.
     frame: DVec3,
-    /// Primitive indices and what was decided about them.
-    decided: [(u32, bool); KEPT],
+    /// Primitive indices, and whether each is edge-on.
+    decided: [(u32, bool); CACHED],
 }
 
 impl EdgeOn {
@@ -88,14 +88,14 @@ impl EdgeOn {
         Self {
             shared,
             frame,
-            decided: [(MISS, false); KEPT],
+            decided: [(MISS, false); CACHED],
         }
     }
 
     /// Whether no ray hits the triangle for that reason.
     #[inline(never)]
     pub(crate) fn is(&mut self, primitive: u32, corners: [Vec3; 3]) -> bool {
-        let at = primitive as usize % KEPT;
+        let at = primitive as usize % CACHED;
         if self.decided[at].0 != primitive {
             self.decided[at] = (primitive, self.decide(corners));
         }
@@ -103,7 +103,7 @@ impl EdgeOn {
     }
 
     fn decide(&self, corners: [Vec3; 3]) -> bool {
-        let doubles = corners.map(Vec3::as_dvec3);
+        let in_double = corners.map(Vec3::as_dvec3);
         match self.shared {
             Shared::Eye(eye) => {
                 let rounded = eye - self.frame;
@@ -113,7 +113,7 @@ impl EdgeOn {
                 } else {
                     rounded.abs().max_element()
                 };
-                let misses = plane_misses(doubles, rounded, off);
+                let misses = plane_misses(in_double, rounded, off);
                 let placed = Placed {
                     corners,
                     origin: self.frame,
@@ -126,7 +126,7 @@ impl EdgeOn {
                     let mut relative = corners.iter().map(|corner| corner[level.axis]);
                     relative.all(|relative| level.is_not_before(frame, relative))
                 });
-                let crosses = || plane_crosses(direction, doubles);
+                let crosses = || plane_crosses(direction, in_double);
                 is_not_before || !crosses().unwrap_or_else(|| !plane_is_along(direction, corners))
             }
         }
@@ -137,6 +137,7 @@ impl EdgeOn {
 mod tests {
     use super::*;
     use crate::camera::{ImagePlane, Placement};
+    use crate::random::Random;
 
     fn camera(eye: DVec3, target: DVec3, projection: Projection) -> Camera {
         let plane = ImagePlane::new(8, 8, 0.1).expect("a good plane");
@@ -146,7 +147,7 @@ mod tests {
 
     /// Triangles with the eye at a corner, on an edge, in the plane beside, and next to it.
     #[test]
-    fn planes_through_the_eye_are_told_exactly() {
+    fn planes_through_the_eye_are_decided_exactly() {
         let eye = DVec3::new(0.75, -2.5, 3.0);
         let (u, v) = (DVec3::new(0.5, 0.25, 4.0), DVec3::new(-1.0, 3.0, 0.125));
         for frame in [DVec3::ZERO, DVec3::new(4096.0, -64.0, 0.5)] {
@@ -169,7 +170,7 @@ mod tests {
                     assert_eq!(edge_on.is(7, corners), expected);
                     // Another triangle in the same place of the cache.
                     let other = [Vec3::X * 50.0, Vec3::Y * 50.0, Vec3::Z * 50.0];
-                    assert!(!edge_on.is(7 + KEPT as u32, other));
+                    assert!(!edge_on.is(7 + CACHED as u32, other));
                     assert_eq!(edge_on.is(7, corners), expected);
                 }
             }
@@ -185,14 +186,14 @@ mod tests {
         let corners = corners.map(|[y, z]: [f32; 2]| Vec3::new(y - 4096.0, y, z));
         let rounded = eye - frame;
         assert_ne!(rounded.x + 4096.0, rounded.y);
-        let doubles = corners.map(Vec3::as_dvec3);
-        assert_eq!(plane_misses(doubles, rounded, 0.0), Some(true));
+        let in_double = corners.map(Vec3::as_dvec3);
+        assert_eq!(plane_misses(in_double, rounded, 0.0), Some(true));
         let camera = camera(eye, DVec3::ZERO, Projection::Perspective);
         assert!(EdgeOn::new(&camera, frame).is(0, corners));
     }
 
     #[test]
-    fn planes_along_the_rays_are_told_exactly() {
+    fn planes_along_the_rays_are_decided_exactly() {
         let along = camera(DVec3::Z * 5.0, DVec3::ZERO, Projection::Orthographic);
         let mut edge_on = EdgeOn::new(&along, DVec3::ZERO);
         let (a, b) = (Vec3::new(0.1, 0.2, 0.3), Vec3::new(0.1, -7.0, 1e-9));
@@ -201,8 +202,30 @@ mod tests {
         assert!(!edge_on.is(2, [a, b, b.with_x(b.x.next_up())]));
     }
 
+    /// Planes parallel to a direction but for the rounding of one corner, and exactly. The truth is integer arithmetic.
     #[test]
-    fn what_is_not_before_the_image_plane_is_told_exactly() {
+    fn what_double_precision_decides_about_planes_along_rays_is_so() {
+        let mut random = Random(67);
+        let (mut sure, mut along) = (0, 0);
+        for _ in 0..20_000 {
+            let [a, b] = [(); 2].map(|()| random.point().as_vec3());
+            let direction = random.point();
+            let to_c = (b - a).as_dvec3() * random.signed() + direction * random.signed();
+            let c = (a.as_dvec3() + to_c).as_vec3();
+            // In the plane's span but for roundings of double precision.
+            let [to_b, to_c] = [b, c].map(|corner| corner.as_dvec3() - a.as_dvec3());
+            let direction = to_b * random.signed() + to_c * random.signed();
+            let is_along = plane_is_along(direction, [a, b, c]);
+            let crosses = plane_crosses(direction, [a, b, c].map(Vec3::as_dvec3));
+            assert!(crosses.is_none_or(|crosses| crosses != is_along));
+            sure += usize::from(crosses.is_some());
+            along += usize::from(is_along);
+        }
+        assert!(sure < 20_000 && along < 20_000, "{sure} {along}");
+    }
+
+    #[test]
+    fn what_is_not_before_the_image_plane_is_decided_exactly() {
         for (frame, height) in [(0.0, 3.0), (4096.0, 0.1), (1_000_000.1, 0.3)] {
             let (frame, up) = (DVec3::Z * frame, DVec3::Z * f64::from(height as f32));
             let triangle = |z: f32| {

@@ -253,6 +253,10 @@ mod tests {
         let found = hit(&ray, &here, Cull::None, 0).expect("a hit");
         assert_eq!((found.t, found.u, found.v), (2.5, 0.25, 0.5));
         assert!(hit(&ray, &here, Cull::Back, 0).is_some());
+        // A third is greater than the nearest number by 2e-17.
+        let third = Ray::new(DVec3::new(1.0, 2.0, 1.0), DVec3::NEG_Z * 3.0);
+        let third = hit(&third, &here, Cull::None, 0).expect("a hit");
+        assert!(third.t == 1.0 / 3.0 && third.t_error > 2e-17);
         let [a, b, c] = corners;
         let turned = placed([a, c, b], DVec3::ZERO);
         assert!(hit(&ray, &turned, Cull::Back, 0).is_none());
@@ -311,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn planes_that_hold_an_eye_are_told_from_those_next_to_it() {
+    fn planes_through_an_eye_and_those_next_to_it_are_distinguished() {
         let corners = [
             Vec3::ZERO,
             Vec3::new(3.0, 1.0, 0.5),

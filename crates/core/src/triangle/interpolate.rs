@@ -4,8 +4,8 @@
 //! Each lane does what [`PreparedRay`](super::PreparedRay) does for one ray, operation by operation: the bits are
 //! the same.
 
-use super::watertight::{Edges, axes, greater, major_axis};
-use crate::camera::{Camera, Lattice, Projection};
+use super::edges::{Edges, axes, greater, major_axis};
+use crate::camera::{Camera, Lattice, Projection, Vectors};
 use glam::DVec3;
 
 pub(crate) use crate::num::simd::LANES;
@@ -18,7 +18,7 @@ pub(crate) struct RowHits {
     pub(crate) t: [f32; LANES],
     pub(crate) u: [f32; LANES],
     pub(crate) v: [f32; LANES],
-    /// Whether the lane is sure; one that is not must be interpolated alone.
+    /// Whether the lane has the single ray's bits; others must be interpolated alone.
     pub(crate) sure: [bool; LANES],
 }
 
@@ -34,6 +34,13 @@ pub(crate) struct Places {
 }
 
 impl Places {
+    const NONE: Self = Self {
+        first: 0.0,
+        stride: 0.0,
+        offset: 0.0,
+        y: 0.0,
+    };
+
     /// A column of a lattice's row, and the seven after it.
     #[inline(always)]
     pub(crate) fn new(lattice: &Lattice, column: u32, row: u32) -> Self {
@@ -64,7 +71,7 @@ impl Places {
     }
 }
 
-/// Interpolates each ray's hit of the triangle in its lane. Corners are relative to `frame`.
+/// Interpolates where each ray hits the triangle in its lane. Corners are relative to `frame`.
 #[inline(always)]
 pub(crate) fn interpolate_row(
     camera: &Camera,
@@ -74,16 +81,60 @@ pub(crate) fn interpolate_row(
 ) -> RowHits {
     let (x, y) = places.get(0);
     let DVec3 { x, y, z } = camera.direction(x, y);
+    let rays = (places, &[[0.0; LANES]; 3]);
     // Neighbouring rays nearly always share their major axis; a lane that does not is not sure.
     match (major_axis(x, y, z), camera.projection()) {
-        (0, Projection::Perspective) => interpolate::<0, true>(camera, frame, places, corners),
-        (1, Projection::Perspective) => interpolate::<1, true>(camera, frame, places, corners),
-        (_, Projection::Perspective) => interpolate::<2, true>(camera, frame, places, corners),
-        (0, _) => interpolate::<0, false>(camera, frame, places, corners),
-        (1, _) => interpolate::<1, false>(camera, frame, places, corners),
-        (_, _) => interpolate::<2, false>(camera, frame, places, corners),
+        (0, Projection::Perspective) => interpolate::<0, FROM_EYE>(camera, frame, rays, corners),
+        (1, Projection::Perspective) => interpolate::<1, FROM_EYE>(camera, frame, rays, corners),
+        (_, Projection::Perspective) => interpolate::<2, FROM_EYE>(camera, frame, rays, corners),
+        (0, _) => interpolate::<0, PARALLEL>(camera, frame, rays, corners),
+        (1, _) => interpolate::<1, PARALLEL>(camera, frame, rays, corners),
+        (_, _) => interpolate::<2, PARALLEL>(camera, frame, rays, corners),
     }
 }
+
+/// [`interpolate_row`] for a panorama's rays, with these directions in its camera's axes. Their major axis is that of
+/// one lane.
+#[inline(always)]
+#[allow(
+    clippy::needless_range_loop,
+    reason = "a lane is an index into all the arrays at once"
+)]
+pub(crate) fn interpolate_around(
+    camera: &Camera,
+    frame: DVec3,
+    (directions, lane): (&Vectors, usize),
+    corners: &Corners,
+) -> RowHits {
+    let mut in_world = [[0.0; LANES]; 3];
+    let [right, up, forward] =
+        [camera.right(), camera.up(), camera.forward()].map(|v| v.to_array());
+    let [x, y, z] = directions;
+    for lane in 0..LANES {
+        // `Camera::ray`, a coordinate at a time.
+        let mut direction = [0.0; 3];
+        for axis in 0..3 {
+            direction[axis] = right[axis] * x[lane] + up[axis] * y[lane] + forward[axis] * z[lane];
+        }
+        let [x, y, z] = direction;
+        let length = (x * x + y * y + z * z).sqrt();
+        for axis in 0..3 {
+            in_world[axis][lane] = direction[axis] / length;
+        }
+    }
+    let [x, y, z] = in_world.map(|all| all[lane % LANES]);
+    let rays = (Places::NONE, &in_world);
+    match major_axis(x, y, z) {
+        0 => interpolate::<0, AROUND>(camera, frame, rays, corners),
+        1 => interpolate::<1, AROUND>(camera, frame, rays, corners),
+        _ => interpolate::<2, AROUND>(camera, frame, rays, corners),
+    }
+}
+
+/// Rays through places of the plane from one eye, side by side, and rays with directions of their own.
+const FROM_EYE: u8 = 0;
+const PARALLEL: u8 = 1;
+const AROUND: u8 = 2;
 
 /// One loop over plain numbers, which compilers vectorise.
 #[inline(always)]
@@ -91,10 +142,10 @@ pub(crate) fn interpolate_row(
     clippy::needless_range_loop,
     reason = "a lane is an index into all the arrays at once"
 )]
-fn interpolate<const MAJOR: usize, const PERSPECTIVE: bool>(
+fn interpolate<const MAJOR: usize, const RAYS: u8>(
     camera: &Camera,
     frame: DVec3,
-    places: Places,
+    (places, directions): (Places, &Vectors),
     corners: &Corners,
 ) -> RowHits {
     let [kx, ky, kz] = const { axes(MAJOR) };
@@ -118,13 +169,15 @@ fn interpolate<const MAJOR: usize, const PERSPECTIVE: bool>(
         let mut direction = forward;
         for axis in 0..3 {
             let on_plane = right[axis] * across + up[axis] * along;
-            if PERSPECTIVE {
+            if RAYS == AROUND {
+                direction[axis] = directions[axis][lane];
+            } else if RAYS == FROM_EYE {
                 direction[axis] = on_plane + forward[axis] * distance;
             } else {
                 origin[axis] = eye[axis] + on_plane;
             }
         }
-        if PERSPECTIVE {
+        if RAYS == FROM_EYE {
             let [x, y, z] = direction;
             let length = (x * x + y * y + z * z).sqrt();
             direction = [x / length, y / length, z / length];
@@ -150,7 +203,7 @@ fn interpolate<const MAJOR: usize, const PERSPECTIVE: bool>(
             origin_error,
         );
         let [t, u, v] = edges.weights(advance);
-        // A camera's rays begin behind zero and have no end. What is off by far less than itself has its own sign.
+        // A camera's rays begin behind zero and have no end. The sign of t is right: its error is far less than t.
         hits.sure[lane] = same_major & edges.surely_inside() & edges.surely_single() & (t > 0.0);
         hits.t[lane] = t as f32;
         hits.u[lane] = u as f32;

@@ -7,7 +7,7 @@
 //! > u = D·((c−a) × a) / D·N,  v = D·(a × (b−a)) / D·N,  t = |D| · a·N / D·N
 //!
 //! D is linear in the ray's place. The numbers are those of [`PreparedRay`](super::PreparedRay), which works on
-//! another path: a lane is sure only where all numbers that either path could give round to one single.
+//! another path: a lane is sure only where all numbers that either path could give round to one number of single precision.
 //!
 //! # Error bound
 //! ε = 2⁻⁵³ (notation: `docs/error-bounds.md`); m the greatest coordinate of a corner relative to the eye, e that of
@@ -25,6 +25,8 @@
 //! * **t.** There the depth is off by 4E·e/|determinant| + 2δ, less than K·e/|D·N| + 2δ, and t by √3 times that, since
 //!   a unit vector's longest coordinate is at least 1/√3. Here a·N is off by 54εme² + 6ηe², t by less than a tenth of
 //!   K·e/|D·N| for that, and as much for D·N. With the roundings of t and |D|: 2K·e/|D·N| + 4δ + 32εt.
+//! * **What covers what.** |D·N| ≤ 6Re², so K/|D·N| ≥ 183εm/e. Then t's first term is more than 366εm, and covers 4δ and
+//!   the roundings: t ≤ √3·m. As e ≤ 2m, a weight's 8ε are covered too. Where K/|D·N| ≤ 2⁻²⁸, δ is less than 2⁻³²e.
 //! * **The same path.** Where K/|D·N| ≤ 2⁻²⁸ and each weight is greater than its bound, the edge functions there are
 //!   beyond E and well conditioned; where t's bound is at most 2⁻²⁸t, t is good to single precision there.
 
@@ -35,11 +37,11 @@ use glam::{DVec3, Vec3};
 /// The unit roundoff of double precision.
 const EPSILON: f64 = f64::EPSILON / 2.0;
 
-/// What is good to single precision: an eighth of its unit roundoff, half of what the single ray asks for.
+/// What is good to single precision: an eighth of its unit roundoff, half of the single ray's limit.
 const SINGLE: f64 = 1.0 / (1u64 << 28) as f64;
 
-/// The bound of a weight in a triangle's middle beyond which the linear functions are not tried. Eight rays have 24
-/// numbers, and numbers that are off by 2⁻³³ straddle two singles once in some hundred.
+/// The bound of a weight in a triangle's middle beyond which the linear functions are not tried: they would be in vain. Eight rays have 24
+/// numbers, and numbers that are off by 2⁻³³ straddle the border of two single-precision numbers once in some hundred.
 const HOPELESS: f64 = 1.0 / (1u64 << 33) as f64;
 
 /// Lengths and their products between which nothing overflows, or underflows by as much as the bounds.
@@ -66,7 +68,7 @@ pub(crate) struct PencilRow {
 }
 
 impl Pencil {
-    /// The rays of a lattice; `None` where they do not share an eye.
+    /// The rays of a lattice; `None` unless they begin at one eye.
     pub(crate) fn new(lattice: &Lattice, frame: DVec3) -> Option<Self> {
         let camera = &lattice.camera;
         if camera.projection() != Projection::Perspective || lattice.is_empty() {
@@ -159,7 +161,7 @@ impl LinearHit {
         }
     }
 
-    /// Whether [`LinearHit::interpolate`] may be asked, and is worth it.
+    /// Whether the bounds of [`LinearHit::interpolate`] hold, and its lanes are likely sure.
     #[inline(always)]
     pub(crate) fn is_useful(&self) -> bool {
         self.is_useful
@@ -214,45 +216,37 @@ impl LinearHit {
 mod tests {
     use super::super::PreparedRay;
     use super::super::interpolate::Places;
+    use super::super::row_tests::{SCENES, triangle_and_rays};
     use super::*;
-    use crate::camera::{Camera, ImagePlane, Placement};
     use crate::hit::{Cull, Precision};
     use crate::random::Random;
 
-    /// What came of rays at triangles from as large as they are far to a hundred thousandth of that.
-    #[derive(Default)]
+    /// What came of rays at triangles.
+    #[derive(Debug, Default)]
     struct Tally {
         sure: u32,
         unsure: u32,
         wrong: u32,
     }
 
-    /// Rows of eight rays through triangles, with the error bounds K and η's and t's fixed part scaled.
-    fn tally(frame: DVec3, scale: f64) -> Tally {
+    /// Rows of eight rays at triangles, with error terms changed.
+    fn tally(
+        scene: (DVec3, f64),
+        change_eye: impl Fn(&mut Pencil),
+        change: impl Fn(&mut LinearHit),
+    ) -> Tally {
         let mut random = Random(7);
         let mut tally = Tally::default();
-        for _ in 0..3000 {
-            let distance = 4.0;
-            let size = distance * crate::math::pow(10.0, -5.0 * random.unit());
-            let middle = random.point() * 3.0;
-            let corners = [(); 3].map(|()| (middle + random.point() * size).as_vec3());
-            let target = frame + (corners.iter().sum::<Vec3>() / 3.0).as_dvec3();
-            let placement = Placement {
-                eye: target + random.point().normalize_or(DVec3::X) * distance,
-                target,
-                up: DVec3::new(0.1, 1.0, 0.2),
-            };
-            let plane = ImagePlane::new(8, 8, size * 0.02).expect("a size and a step");
-            let camera = Camera::new(placement, Projection::Perspective, plane);
-            let lattice = camera.whole().lattice();
-            let pencil = Pencil::new(&lattice, frame).expect("rays of one eye");
+        for _ in 0..4000 {
+            let (corners, lattice) = triangle_and_rays(&mut random, scene);
+            let mut pencil = Pencil::new(&lattice, scene.0).expect("rays of one eye");
+            change_eye(&mut pencil);
             let mut hit = LinearHit::new(&pencil, corners);
-            hit.error *= scale;
-            hit.t_error = hit.t_error.map(|error| error * scale);
+            change(&mut hit);
             for row in 0..lattice.rows {
                 let (_, y) = lattice.place(0, row);
-                let across = Places::new(&lattice, 0, row).across(&camera);
-                let pencil_row = pencil.row(camera.across_and_along(0.0, y).1);
+                let across = Places::new(&lattice, 0, row).across(&lattice.camera);
+                let pencil_row = pencil.row(lattice.camera.across_and_along(0.0, y).1);
                 let found = hit.interpolate(&pencil_row, &across);
                 for column in 0..LANES {
                     if !found.sure[column] {
@@ -261,7 +255,7 @@ mod tests {
                     }
                     tally.sure += 1;
                     let ray = lattice.ray(column as u32, row);
-                    let ray = PreparedRay::new(&ray, frame, Cull::None, Precision::Exact);
+                    let ray = PreparedRay::new(&ray, scene.0, Cull::None, Precision::Exact);
                     let ray = ray.expect("a valid ray");
                     let expected = ray.evaluate(0, corners).to_primitive_hit();
                     let numbers = [found.t[column], found.u[column], found.v[column]];
@@ -275,20 +269,21 @@ mod tests {
 
     #[test]
     fn sure_lanes_have_the_bits_of_the_single_ray() {
-        // A frame of its own rounds the eye.
-        for frame in [DVec3::ZERO, DVec3::new(1e7, -0.1, 3e3)] {
-            let Tally {
-                sure,
-                unsure,
-                wrong,
-            } = tally(frame, 1.0);
-            assert_eq!(wrong, 0, "of {sure}");
-            assert!(sure > 60_000, "{sure} sure, {unsure} not");
+        for scene in SCENES {
+            let tally = tally(scene, |_| {}, |_| {});
+            assert_eq!(tally.wrong, 0, "{tally:?}");
+            assert!(tally.sure > 5_000 && tally.unsure > 5_000, "{tally:?}");
         }
     }
 
+    /// The terms that no other covers, each at zero: the eye's error, K, and t's.
     #[test]
-    fn without_the_bounds_lanes_would_have_other_bits() {
-        assert!(tally(DVec3::new(1e7, -0.1, 3e3), 0.0).wrong > 0);
+    fn without_any_term_of_the_bound_lanes_would_have_other_bits() {
+        let without_eye_error = tally(SCENES[2], |pencil| pencil.eye_error = 0.0, |_| {});
+        assert!(without_eye_error.wrong > 0, "{without_eye_error:?}");
+        let without_k = tally(SCENES[0], |_| {}, |hit| hit.error = 0.0);
+        assert!(without_k.wrong > 0, "{without_k:?}");
+        let without_t = tally(SCENES[0], |_| {}, |hit| hit.t_error[0] = 0.0);
+        assert!(without_t.wrong > 0, "{without_t:?}");
     }
 }

@@ -1,13 +1,16 @@
-//! One triangle and rays: which meet it, where, and which of two triangles is nearer, decided exactly.
+//! Rays against one triangle: whether a ray hits it, where, and which of two triangles it hits first, decided exactly.
 
 pub(crate) mod clip;
 mod componentwise;
 pub(crate) mod coplanar;
 pub(crate) mod edge_on;
+mod edges;
 pub(crate) mod exact;
 pub(crate) mod interpolate;
 pub(crate) mod linear;
 mod nearest;
+#[cfg(test)]
+mod row_tests;
 mod watertight;
 
 pub(crate) use nearest::Nearest;

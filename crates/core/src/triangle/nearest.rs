@@ -29,7 +29,7 @@ impl Nearest {
         self.primitive == MISS
     }
 
-    /// Whether this hit is surely the nearer one.
+    /// Whether this hit is surely nearer than another.
     pub(crate) fn is_surely_before(&self, other: &Self) -> bool {
         // The sums round by less than the slack of a few per cent in either bound.
         self.t + self.t_error < other.t - other.t_error
@@ -46,5 +46,27 @@ impl Nearest {
             u: self.u as f32,
             v: self.v as f32,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// With either error at zero this fails.
+    #[test]
+    fn hits_whose_intervals_touch_are_not_ordered() {
+        let at = |t: f64, t_error: f64| Nearest {
+            primitive: 0,
+            t,
+            t_error,
+            ..Nearest::NONE
+        };
+        let hit = at(2.0, 0.5);
+        for (t, t_error) in [(3.0, 0.5), (2.25, 0.0), (2.0, 0.0), (1.0, 0.5), (1.75, 0.0)] {
+            let other = at(t, t_error);
+            assert!(!hit.is_surely_before(&other) && !other.is_surely_before(&hit));
+        }
+        assert!(hit.is_surely_before(&at(3.25, 0.5)) && hit.is_surely_before(&Nearest::NONE));
     }
 }

@@ -14,8 +14,8 @@ mod texture;
 
 pub(crate) use range::Single;
 
-use crate::fault::{Fault, GRAZING, T_BOUND, UV_BOUND, ulp};
 use crate::stage::Stage;
+use crate::wrong_answer::{GRAZING, T_BOUND, UV_BOUND, WrongAnswer, ulp};
 use light::Lights;
 use normal::ToWorld;
 use own_color::Numbers;
@@ -375,7 +375,7 @@ fn fraction(range: Single) -> Single {
 
 /// Whether an 8-bit pixel may show light that its samples have sent, alpha multiplied in; `None` where
 /// that cannot be told.
-pub(crate) fn shows(pixel: [u8; 4], [r, g, b, a]: [Single; 4]) -> Option<Result<(), Fault>> {
+pub(crate) fn shows(pixel: [u8; 4], [r, g, b, a]: [Single; 4]) -> Option<Result<(), WrongAnswer>> {
     if ![r, g, b, a].iter().all(|channel| channel.is_known()) {
         return None;
     }
@@ -383,7 +383,7 @@ pub(crate) fn shows(pixel: [u8; 4], [r, g, b, a]: [Single; 4]) -> Option<Result<
         if (low..=high).contains(&found) {
             Ok(())
         } else {
-            Err(Fault::Channel {
+            Err(WrongAnswer::Channel {
                 channel,
                 found: found.into(),
                 low: low.into(),

@@ -3,8 +3,8 @@
 use super::Section;
 use crate::budget::ReportBudget;
 use crate::chart::{Axis, Better, Chart, Form, Ink, Series, number};
-use crate::checked::{Checked, pixels_by_lot};
 use crate::embree::Embree;
+use crate::known_answers::{KnownAnswers, pixels_by_lot};
 use crate::meshes::{grid, mesh};
 use crate::progress::ReportProgress;
 use crate::stage::scene_of;
@@ -198,7 +198,7 @@ pub fn measure(
         };
         let subject = Subject::new(&input, budget.simd, library)?;
         let pixels = pixels_by_lot(&camera, budget.breaking);
-        let checked = Checked::new(&subject.stage, Vec::new(), vec![(camera, pixels)]);
+        let checked = KnownAnswers::new(&subject.stage, Vec::new(), vec![(camera, pixels)]);
         for caster in &subject.casters {
             let errors = checked.errors(caster.as_ref(), budget.tests);
             let point = (place, errors.rays, errors.wrong());
@@ -224,85 +224,16 @@ pub fn measure(
     Ok(curves)
 }
 
+/// Wrong triangles in a million rays.
+fn rate(&(_, rays, wrong): &(f64, u64, u64)) -> f64 {
+    wrong as f64 / rays.max(1) as f64 * 1e6
+}
+
 /// Adds the plot of one axis, its numbers, and what is to be read from it.
 pub fn show(section: &mut Section, sweep: BreakingSweep, curves: &[BreakingCurve]) {
-    let places = sweep.places();
-    let rate = |&(_, rays, wrong): &(f64, u64, u64)| wrong as f64 / rays.max(1) as f64 * 1e6;
-    let rates = || {
-        curves
-            .iter()
-            .flat_map(|curve| curve.points.iter().map(rate))
-    };
-    let broken: Vec<&BreakingCurve> = curves
-        .iter()
-        .filter(|c| c.points.iter().any(|p| p.2 > 0))
-        .collect();
-    let whole: Vec<&BreakingCurve> = curves
-        .iter()
-        .filter(|c| c.points.iter().all(|p| p.2 == 0))
-        .collect();
-    let mut series: Vec<Series> = Vec::new();
-    for alike in alike(&broken) {
-        let first = alike[0];
-        series.push(Series {
-            label: match alike.len() {
-                1 => first.caster.clone(),
-                count => format!("{} (+{} alike)", first.caster, count - 1),
-            },
-            points: first
-                .points
-                .iter()
-                .map(|point| (point.0, rate(point)))
-                .collect(),
-            ink: Ink::of_caster(&first.caster),
-            form: if first.caster.contains("f64") || first.caster.contains("robust") {
-                Form::Dashes
-            } else {
-                Form::Line
-            },
-        });
-    }
-    // Casters that are never wrong share one line, and one name.
-    if let Some(first) = whole.first() {
-        series.push(Series::line(
-            if whole.len() == 1 {
-                first.caster.clone()
-            } else {
-                format!("{} casters, never wrong", whole.len())
-            },
-            places.iter().map(|&place| (place, 0.0)).collect(),
-            Ink::of_caster(&first.caster),
-        ));
-    }
-    let worst = broken.iter().map(|curve| {
-        let worst = curve.points.iter().map(rate).fold(0.0, f64::max);
-        (worst, curve.caster.as_str())
-    });
-    let worst = worst.max_by(|a, b| a.0.total_cmp(&b.0));
-    let chart = Chart {
-        title: match worst {
-            Some((rate, caster)) => format!(
-                "{}: {caster} is wrong for up to {} % of rays",
-                sweep.title(),
-                number(rate / 1e4)
-            ),
-            None => format!("{}: no caster was wrong", sweep.title()),
-        },
-        subtitle:
-            "Wrong triangles against exact arithmetic, each caster with the very rays that it was \
-                   given. Broken lines: double precision, or Embree's robust mode."
-                .to_owned(),
-        x: sweep.axis(&places),
-        y: Axis::log(
-            "wrong triangles in a million rays",
-            // Three decades at least, whatever was found.
-            rates().chain([100.0, 100_000.0]),
-        )
-        .with_zero("none"),
-        series,
-        better: Better::Lower,
-    };
-    section.chart(sweep.name(), chart);
+    let is_broken = |curve: &&BreakingCurve| curve.points.iter().any(|point| point.2 > 0);
+    let (broken, whole): (Vec<_>, Vec<_>) = curves.iter().partition(is_broken);
+    section.chart(sweep.name(), chart(sweep, curves, &broken, &whole));
     let rays = curves
         .iter()
         .flat_map(|curve| curve.points.iter().map(|point| point.1));
@@ -330,6 +261,82 @@ pub fn show(section: &mut Section, sweep: BreakingSweep, curves: &[BreakingCurve
         }
     }
     section.numbers(sweep.name(), table);
+}
+
+/// The plot of one axis: a line for each caster that is wrong somewhere, and one for all others.
+fn chart(
+    sweep: BreakingSweep,
+    curves: &[BreakingCurve],
+    broken: &[&BreakingCurve],
+    whole: &[&BreakingCurve],
+) -> Chart {
+    let places = sweep.places();
+    let mut series: Vec<Series> = alike(broken).iter().map(|alike| line(alike)).collect();
+    // Casters that are never wrong share one line, and one name.
+    if let Some(first) = whole.first() {
+        series.push(Series::line(
+            if whole.len() == 1 {
+                first.caster.clone()
+            } else {
+                format!("{} casters, never wrong", whole.len())
+            },
+            places.iter().map(|&place| (place, 0.0)).collect(),
+            Ink::of_caster(&first.caster),
+        ));
+    }
+    let worst = broken.iter().map(|curve| {
+        let worst = curve.points.iter().map(rate).fold(0.0, f64::max);
+        (worst, curve.caster.as_str())
+    });
+    let worst = worst.max_by(|a, b| a.0.total_cmp(&b.0));
+    let rates = curves
+        .iter()
+        .flat_map(|curve| curve.points.iter().map(rate));
+    Chart {
+        title: match worst {
+            Some((rate, caster)) => format!(
+                "{}: {caster} is wrong for up to {} % of rays",
+                sweep.title(),
+                number(rate / 1e4)
+            ),
+            None => format!("{}: no caster was wrong", sweep.title()),
+        },
+        subtitle:
+            "Wrong triangles against exact arithmetic, each caster with the very rays that it was \
+                   given. Broken lines: double precision, or Embree's robust mode."
+                .to_owned(),
+        x: sweep.axis(&places),
+        y: Axis::log(
+            "wrong triangles in a million rays",
+            // Three decades at least, whatever was found.
+            rates.chain([100.0, 100_000.0]),
+        )
+        .with_zero("none"),
+        series,
+        better: Better::Lower,
+    }
+}
+
+/// The line of casters whose curves are the same.
+fn line(alike: &[&BreakingCurve]) -> Series {
+    let first = alike[0];
+    Series {
+        label: match alike.len() {
+            1 => first.caster.clone(),
+            count => format!("{} (+{} alike)", first.caster, count - 1),
+        },
+        points: first
+            .points
+            .iter()
+            .map(|point| (point.0, rate(point)))
+            .collect(),
+        ink: Ink::of_caster(&first.caster),
+        form: if first.caster.contains("f64") || first.caster.contains("robust") {
+            Form::Dashes
+        } else {
+            Form::Line
+        },
+    }
 }
 
 /// Curves that are the same, of casters of the same family, together.

@@ -52,25 +52,10 @@ pub fn measure(
     let normals = ball(count, true, false);
     let mapped = ball(count, false, true);
     let texture = checkers();
-    let of = |mesh: &Arc<Mesh>, texture: Option<&Arc<Texture>>| {
-        let mut object = Object::new("ball", Arc::clone(mesh));
-        object.texture = texture.map(Arc::clone);
-        Scene {
-            objects: vec![object],
-        }
-    };
     let eight = Scene {
         objects: (0..8)
             .map(|part| Object::new("part", Arc::new(eighth(&plain, part))))
             .collect(),
-    };
-    let shaded = |mode: Mode| Settings {
-        shading: Shading {
-            mode,
-            ..Shading::default()
-        },
-        samples: 1,
-        ..Settings::default()
     };
     let wired = {
         let mut settings = shaded(Mode::Flat);
@@ -81,34 +66,21 @@ pub fn measure(
         layers: true,
         ..shaded(Mode::Flat)
     };
-    let picture = |scene: Scene, settings: Settings| -> Result<Repeated, ReportError> {
-        let camera = views::filling(&scene, budget.size, views::FOV, 1.0)?;
-        let accel = Arc::new(Accel::build(&scene)?.with_simd(budget.simd));
-        let view = View {
-            scene: Arc::new(scene),
-            accel,
-            camera,
-            settings,
-        };
-        Ok(Repeated {
-            view,
-            counted: false,
-        })
-    };
-    let flat = || picture(of(&plain, None), shaded(Mode::Flat));
-    let flat_textured = picture(of(&mapped, texture.as_ref()), shaded(Mode::Flat))?;
+    let picture = |scene: Scene, settings: Settings| Repeated::new(scene, settings, budget);
+    let flat = || picture(scene_of(&plain, None), shaded(Mode::Flat));
+    let flat_textured = picture(scene_of(&mapped, texture.as_ref()), shaded(Mode::Flat))?;
     let counted = Repeated {
         counted: true,
         ..flat()?
     };
     let pictures = [
         flat()?,
-        picture(of(&normals, None), shaded(Mode::Smooth))?,
-        picture(of(&normals, None), shaded(Mode::Flat))?,
-        picture(of(&mapped, texture.as_ref()), shaded(Mode::Texture))?,
+        picture(scene_of(&normals, None), shaded(Mode::Smooth))?,
+        picture(scene_of(&normals, None), shaded(Mode::Flat))?,
+        picture(scene_of(&mapped, texture.as_ref()), shaded(Mode::Texture))?,
         flat_textured,
-        picture(of(&plain, None), wired)?,
-        picture(of(&plain, None), layered)?,
+        picture(scene_of(&plain, None), wired)?,
+        picture(scene_of(&plain, None), layered)?,
         picture(eight, shaded(Mode::Flat))?,
         counted,
     ];
@@ -181,7 +153,42 @@ pub fn measure(
     Ok(costs)
 }
 
+/// A scene of one object.
+fn scene_of(mesh: &Arc<Mesh>, texture: Option<&Arc<Texture>>) -> Scene {
+    let mut object = Object::new("ball", Arc::clone(mesh));
+    object.texture = texture.map(Arc::clone);
+    Scene {
+        objects: vec![object],
+    }
+}
+
+fn shaded(mode: Mode) -> Settings {
+    Settings {
+        shading: Shading {
+            mode,
+            ..Shading::default()
+        },
+        samples: 1,
+        ..Settings::default()
+    }
+}
+
 impl Repeated {
+    fn new(scene: Scene, settings: Settings, budget: &ReportBudget) -> Result<Self, ReportError> {
+        let camera = views::filling(&scene, budget.size, views::FOV, 1.0)?;
+        let accel = Arc::new(Accel::build(&scene)?.with_simd(budget.simd));
+        let view = View {
+            scene: Arc::new(scene),
+            accel,
+            camera,
+            settings,
+        };
+        Ok(Self {
+            view,
+            counted: false,
+        })
+    }
+
     fn render(&self) {
         let started = Instant::now();
         let rays = AtomicU64::new(0);

@@ -5,9 +5,9 @@ use super::numerics::{self, Standing};
 use crate::budget::ReportBudget;
 use crate::cases::{self, Case, CaseTheme, Setting};
 use crate::casters::{Caster, Rays};
-use crate::checked::{Checked, pixels_by_lot};
 use crate::embree::Embree;
 use crate::errors::Errors;
+use crate::known_answers::{KnownAnswers, pixels_by_lot};
 use crate::progress::ReportProgress;
 use crate::subject::{self, Input, Subject};
 use crate::table::{ReportError, Table, grouped};
@@ -62,7 +62,7 @@ pub fn measure(
             let each = budget.hard / setting.cameras.len().max(1);
             let pictures = setting.cameras.iter();
             let pictures = pictures.map(|camera| (*camera, pixels_by_lot(camera, each)));
-            let checked = Checked::new(&subject.stage, rays, pictures.collect());
+            let checked = KnownAnswers::new(&subject.stage, rays, pictures.collect());
             for caster in &subject.casters {
                 let caster = caster.as_ref();
                 let outcome = by_caster.entry(caster.name().to_owned()).or_default();
@@ -93,7 +93,7 @@ fn as_input(case: &Case, setting: &Setting) -> Input {
 /// How many rays a caster has cast on one worker, and the least time of a few that it took.
 fn speed(
     caster: &dyn Caster,
-    checked: &Checked<'_>,
+    checked: &KnownAnswers<'_>,
     setting: &Setting,
     budget: &ReportBudget,
 ) -> (usize, Duration) {

@@ -12,7 +12,7 @@ use std::collections::HashSet;
 
 /// A tile's way down the tree, in numbers and as a picture.
 #[derive(Clone, Debug)]
-pub struct Shown {
+pub struct Descent {
     name: String,
     table: Table,
     png: Vec<u8>,
@@ -24,7 +24,7 @@ pub struct Shown {
 ///
 /// # Errors
 /// A scene that cannot be cast at, a figure that cannot be drawn.
-pub fn measure(input: &Input, simd: Simd) -> Result<Option<Shown>, ReportError> {
+pub fn measure(input: &Input, simd: Simd) -> Result<Option<Descent>, ReportError> {
     let accel = Accel::build(&input.scene)?.with_simd(simd);
     let camera = views::filling(&input.scene, SIZE, views::FOV, 1.1)?;
     let Some(chosen) = choose(&accel, &camera) else {
@@ -32,7 +32,7 @@ pub fn measure(input: &Input, simd: Simd) -> Result<Option<Shown>, ReportError> 
     };
     let (center, radius) = input.scene.bounding_sphere();
     let figure = LevelFigure::new(&accel, &camera, &chosen, center, radius)?;
-    Ok(Some(Shown {
+    Ok(Some(Descent {
         name: input.name.clone(),
         table: numbers(&accel, &chosen),
         png: figure.sheet()?,
@@ -103,7 +103,7 @@ fn distinct<'a>(primitives: impl Iterator<Item = &'a Vec<u32>>) -> usize {
 }
 
 /// Adds the picture and the numbers.
-pub fn show(section: &mut Section, shown: Shown) {
+pub fn show(section: &mut Section, shown: Descent) {
     section.say("## F. A tile's way down the tree");
     section.say(format!(
         "One tile of a picture of {}, as it is cast. Its frustum walks down the tree until it has a short \

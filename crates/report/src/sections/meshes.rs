@@ -4,8 +4,8 @@ use super::Section;
 use crate::budget::ReportBudget;
 use crate::casters::Caster;
 use crate::chart::number;
-use crate::checked::{self, Checked};
 use crate::errors::Errors;
+use crate::known_answers::{self, KnownAnswers};
 use crate::progress::ReportProgress;
 use crate::subject::{Subject, cast_tiles, stride, tiles};
 use crate::table::{Cell, ReportError, Table, grouped};
@@ -64,8 +64,8 @@ pub fn measure(
     );
     let speeds = speeds(&subject.casters, &camera, budget, progress);
     progress.begin("errors", subject.casters.len() as u64 + 1);
-    let pixels = checked::pixels_by_lot(&camera, budget.checked);
-    let checked = Checked::new(stage, Vec::new(), vec![(camera, pixels)]);
+    let pixels = known_answers::pixels_by_lot(&camera, budget.checked);
+    let checked = KnownAnswers::new(stage, Vec::new(), vec![(camera, pixels)]);
     progress.step();
     let errors = subject.casters.iter().map(|caster| {
         let errors = checked.errors(caster.as_ref(), 5 * budget.tests);

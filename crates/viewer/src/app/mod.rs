@@ -7,6 +7,7 @@
 //! here waits.
 
 pub mod frames;
+mod keys;
 pub mod log;
 pub mod open;
 pub mod settings;
@@ -116,6 +117,9 @@ impl App {
         let renderer =
             Renderer::start(Arc::clone(&clock), Arc::clone(&wake), outbox, tasks.fault())?;
         state.limits = limits;
+        if remembers && let Some(path) = keys::path() {
+            tasks.read_keys(path, false);
+        }
         tasks.open(files, Keep::Nothing);
         Ok(Self {
             state,
@@ -264,11 +268,9 @@ impl App {
             }
             Some(Effect::LoadTexture(path, which)) => self.files.load_texture(path, which),
             Some(Effect::Dialog(kind)) => {
-                let suggested = match kind {
-                    PromptKind::Picture | PromptKind::Scene | PromptKind::Measurements => {
-                        update::suggested_name(&self.state, kind)
-                    }
-                    _ => String::new(),
+                let suggested = match kind.saves() {
+                    true => update::suggested_name(&self.state, kind),
+                    false => String::new(),
                 };
                 self.files.ask(kind, suggested);
             }
@@ -280,12 +282,29 @@ impl App {
             Some(Effect::SavePicture { path, replace }) => self.save_picture(path, replace),
             Some(Effect::SaveScene { path, replace }) => self.save_scene(path, replace),
             Some(Effect::SaveMeasurements { path, replace }) => {
-                let text = self.state.measuring.csv();
+                let text = self.state.measuring.csv(&self.state.lengths());
                 self.files
                     .save_text(text, path, PromptKind::Measurements, replace);
             }
+            Some(Effect::SaveOutline {
+                plane: index,
+                path,
+                replace,
+            }) => {
+                let plane = self.state.settings.clip.all().get(index);
+                if let Some((document, plane)) = self.state.document.as_ref().zip(plane) {
+                    let cut = (Arc::clone(&document.accel), *plane);
+                    let by = PromptKind::Outline(index);
+                    self.files.save_outline(cut, path, by, replace);
+                }
+            }
             Some(Effect::Weigh(object)) => self.weigh(object),
             Some(Effect::Check(objects)) => self.check(&objects),
+            Some(Effect::OpenKeysFile) => keys::open(&mut self.state, &self.files),
+            Some(Effect::ReadKeysFile) => keys::read_again(&mut self.state, &self.files),
+            Some(Effect::SetKeys { text, asked }) => {
+                keys::set(&mut self.state, context, &text, asked);
+            }
             Some(Effect::Copy(text)) => context.copy_text(text),
             Some(Effect::Close) => {
                 self.may_close = true;

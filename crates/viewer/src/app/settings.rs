@@ -3,6 +3,7 @@
 use crate::state::preferences::{Mouse, Preferences, SCALE_RANGE, Theme};
 use crate::state::{Overlay, State, Tint, default_threads};
 use raycast_core::camera::{FrameLock, Grid};
+use raycast_core::formats::LengthUnit;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -27,6 +28,7 @@ pub struct Remembered {
     smooth: bool,
     refine: bool,
     watch: bool,
+    unit: Option<String>,
     recent: Vec<PathBuf>,
     views: Vec<(PathBuf, Vec<String>)>,
 }
@@ -77,6 +79,7 @@ impl Remembered {
             smooth: state.preferences.smooth,
             refine: state.preferences.refine,
             watch: state.preferences.watch,
+            unit: state.preferences.unit.map(|unit| unit.name().to_owned()),
             recent: state.preferences.recent.clone(),
             views: state.preferences.views.clone(),
         }
@@ -130,6 +133,9 @@ impl Remembered {
             smooth: self.smooth,
             refine: self.refine,
             watch: self.watch,
+            unit: LengthUnit::ALL
+                .into_iter()
+                .find(|unit| self.unit.as_deref() == Some(unit.name())),
             recent: self.recent.clone(),
             views: self.views.clone(),
         };
@@ -162,6 +168,7 @@ mod tests {
                 smooth: false,
                 refine: false,
                 watch: false,
+                unit: Some(LengthUnit::Inch),
                 recent: vec!["/a/b.obj".into()],
                 views: vec![("/a/b.obj".into(), vec!["--eye 0,0,1".to_owned()])],
             },

@@ -28,6 +28,7 @@ struct FileFigures {
     build_ms: f64,
     threads: usize,
     simd: &'static str,
+    instances: bool,
     precision: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     builds: Option<Vec<BuildFigures>>,
@@ -145,9 +146,18 @@ fn measure(
     progress: &TerminalProgress,
 ) -> Result<FileFigures, Failure> {
     progress.building();
-    memory::check_tree(&name, scene.triangle_count())?;
+    // Other casters take triangles one by one.
+    let build = match args.baselines {
+        true => setup::single_tree,
+        false => setup::tree,
+    };
+    let stored = match args.baselines {
+        true => scene.triangle_count(),
+        false => setup::stored_triangles(&scene),
+    };
+    memory::check_tree(&name, stored)?;
     let building = Instant::now();
-    let accel = Arc::new(pool.install(|| setup::tree(&scene))?);
+    let accel = Arc::new(pool.install(|| build(&scene))?);
     let build_time = building.elapsed();
     let (builds, baselines) = if args.baselines {
         let embree = Embree::load(pool.current_num_threads());
@@ -191,6 +201,7 @@ fn measure(
         build_ms: milliseconds(build_time),
         threads: pool.current_num_threads(),
         simd: accel.simd().name(),
+        instances: accel.has_instances(),
         precision: match args.casting.precision {
             Precision::Fast => "fast",
             Precision::Exact => "exact",
@@ -210,7 +221,7 @@ fn measure_builds(
     let (mut ours, mut theirs) = (Vec::new(), Vec::new());
     for _ in 0..BUILDS {
         let begin = Instant::now();
-        let tree = setup::tree(scene)?;
+        let tree = setup::single_tree(scene)?;
         ours.push(begin.elapsed());
         drop(tree);
         match embree.map(|library| library.scene(&corners, true)) {

@@ -65,7 +65,7 @@ pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
     progress.building();
     let building = Instant::now();
     let name = setup::name_of(&args.files);
-    memory::check_tree(&name, scene.triangle_count())?;
+    memory::check_tree(&name, setup::stored_triangles(&scene))?;
     let accel = pool.install(|| setup::visible_tree(&name, &scene))?;
     let build_time = building.elapsed();
 
@@ -115,6 +115,7 @@ pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
         mrays_per_s: stats::mrays_per_s(counts.rays, cast_time),
         threads: pool.current_num_threads(),
         simd: accel.simd().name(),
+        instances: accel.has_instances(),
         peak_bytes: stats::peak_bytes(),
         ..Stats::default()
     })?;

@@ -26,6 +26,8 @@ struct FileInfo {
     build_ms: f64,
     tree_bytes: usize,
     tree_bytes_per_triangle: f64,
+    /// Whether there is a tree for each mesh instead of one over all triangles.
+    instances: bool,
     objects: Vec<ObjectInfo>,
     warnings: Vec<String>,
     /// What the file is, says of itself, and holds that is not used.
@@ -298,6 +300,7 @@ fn inspect(path: &Path, reading: &ReadingArgs, looks: bool) -> Result<FileInfo, 
         build_ms: milliseconds(build_time),
         tree_bytes,
         tree_bytes_per_triangle: tree_bytes as f64 / accel.len().max(1) as f64,
+        instances: accel.has_instances(),
         objects,
         warnings,
         notes,
@@ -317,8 +320,14 @@ fn describe(info: &FileInfo) -> String {
     line(
         "tree",
         format!(
-            "{:.1} bytes a triangle, built in {:.1} ms",
-            info.tree_bytes_per_triangle, info.build_ms
+            "{:.1} bytes a triangle{}, built in {:.1} ms",
+            info.tree_bytes_per_triangle,
+            if info.instances {
+                ", one for each mesh"
+            } else {
+                ""
+            },
+            info.build_ms
         ),
     );
     for note in &info.notes {
@@ -328,67 +337,72 @@ fn describe(info: &FileInfo) -> String {
         line("warning", warning.clone());
     }
     for object in &info.objects {
-        let _ = writeln!(text, "  object {:?}", object.name);
-        let mut line = |name: &str, value: String| {
-            let _ = writeln!(text, "    {name:<10} {value}");
-        };
-        line(
-            "triangles",
-            triangles(object.triangles as u64, &object.dropped),
-        );
-        line("vertices", object.vertices.to_string());
-        if info.objects.len() > 1 {
-            bounds(&mut line, object.bounds.as_ref());
-        }
-        line("normals", yes_no(object.normals));
-        line("uvs", yes_no(object.uvs));
-        if object.vertex_colors {
-            line("colors", "at vertices".to_owned());
-        }
-        for scalar in &object.scalars {
-            line("scalar", scalar.told());
-        }
-        if !object.materials.is_empty() {
-            line("materials", some_of(&object.materials));
-        }
-        if let Some([width, height]) = object.texture {
-            line("texture", format!("{width}x{height}"));
-        }
-        if let Some(health) = &object.health {
-            let closed = if health.closed {
-                "closed"
-            } else {
-                "not closed"
-            };
-            let (shells, euler) = (health.shells, health.euler_characteristic);
-            let plural = if shells == 1 { "" } else { "s" };
-            line(
-                "joined",
-                format!("{closed}, {shells} shell{plural}, Euler characteristic {euler}"),
-            );
-            line("faults", health.faults());
-            line("area", health.area.to_string());
-            if let Some(volume) = health.volume {
-                line("volume", volume.to_string());
-            }
-        }
-        if object.offset != [0.0; 3] {
-            line("recentred", format!("by {}", vector(object.offset)));
-        }
-        let RoundingInfo {
-            distance,
-            share_of_edge,
-            ..
-        } = object.rounding;
-        if distance > 0.0 {
-            let share = 100.0 * share_of_edge;
-            line(
-                "rounded",
-                format!("by at most {distance:.2e}, and {share:.2e} % of an edge"),
-            );
-        }
+        describe_object(&mut text, object, info.objects.len() > 1);
     }
     text
+}
+
+/// Adds what there is to say of an object; its bounds where they are not the file's.
+fn describe_object(text: &mut String, object: &ObjectInfo, is_one_of_several: bool) {
+    let _ = writeln!(text, "  object {:?}", object.name);
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(text, "    {name:<10} {value}");
+    };
+    line(
+        "triangles",
+        triangles(object.triangles as u64, &object.dropped),
+    );
+    line("vertices", object.vertices.to_string());
+    if is_one_of_several {
+        bounds(&mut line, object.bounds.as_ref());
+    }
+    line("normals", yes_no(object.normals));
+    line("uvs", yes_no(object.uvs));
+    if object.vertex_colors {
+        line("colors", "at vertices".to_owned());
+    }
+    for scalar in &object.scalars {
+        line("scalar", scalar.told());
+    }
+    if !object.materials.is_empty() {
+        line("materials", some_of(&object.materials));
+    }
+    if let Some([width, height]) = object.texture {
+        line("texture", format!("{width}x{height}"));
+    }
+    if let Some(health) = &object.health {
+        let closed = if health.closed {
+            "closed"
+        } else {
+            "not closed"
+        };
+        let (shells, euler) = (health.shells, health.euler_characteristic);
+        let plural = if shells == 1 { "" } else { "s" };
+        line(
+            "joined",
+            format!("{closed}, {shells} shell{plural}, Euler characteristic {euler}"),
+        );
+        line("faults", health.faults());
+        line("area", health.area.to_string());
+        if let Some(volume) = health.volume {
+            line("volume", volume.to_string());
+        }
+    }
+    if object.offset != [0.0; 3] {
+        line("recentred", format!("by {}", vector(object.offset)));
+    }
+    let RoundingInfo {
+        distance,
+        share_of_edge,
+        ..
+    } = object.rounding;
+    if distance > 0.0 {
+        let share = 100.0 * share_of_edge;
+        line(
+            "rounded",
+            format!("by at most {distance:.2e}, and {share:.2e} % of an edge"),
+        );
+    }
 }
 
 fn triangles(count: u64, dropped: &DroppedInfo) -> String {
@@ -453,6 +467,7 @@ mod tests {
             build_ms: 2.0,
             tree_bytes: 100,
             tree_bytes_per_triangle: 100.0,
+            instances: false,
             objects: scene.objects.iter().map(ObjectInfo::from).collect(),
             warnings: vec!["part.obj: no such material".to_owned()],
             notes: vec!["binary".to_owned()],

@@ -10,6 +10,7 @@ mod info;
 mod plan;
 mod render;
 mod report;
+mod schedulers;
 mod section;
 mod stitch;
 mod sub_cameras;
@@ -18,7 +19,7 @@ mod verify;
 
 use crate::failure::Failure;
 
-use crate::cli::{Cli, Command};
+use crate::cli::{Cli, Subcommand};
 use crate::output::say;
 use crate::{app::open, output, setup};
 use raycast_core::Accel;
@@ -42,7 +43,7 @@ pub fn run(cli: Cli) -> ExitCode {
                 limits: cli.reading.limits(),
             });
         }
-        Some(Command::View {
+        Some(Subcommand::View {
             files,
             log,
             reading,
@@ -53,21 +54,21 @@ pub fn run(cli: Cli) -> ExitCode {
         Some(command) => command,
     };
     let done = match command {
-        Command::View { .. } => Ok(()),
-        Command::Render(args) => match args.animation.range() {
+        Subcommand::View { .. } => Ok(()),
+        Subcommand::Render(args) => match args.animation.range() {
             Some(range) => frames::run(&args, range),
             None => render::run(&args),
         },
-        Command::Cast(args) => cast::run(&args),
-        Command::Stitch(args) => stitch::run(&args),
-        Command::Plan(args) => plan::run(&args),
-        Command::Convert(args) => convert::run(&args),
-        Command::TextureMap(args) => texture_map::run(&args),
-        Command::Section(args) => section::run(&args),
-        Command::Info(args) => info::run(&args),
-        Command::Bench(args) => bench::run(&args),
-        Command::Report(args) => report::run(&args),
-        Command::Verify(args) => verify::run(&args),
+        Subcommand::Cast(args) => cast::run(&args),
+        Subcommand::Stitch(args) => stitch::run(&args),
+        Subcommand::Plan(args) => plan::run(&args),
+        Subcommand::Convert(args) => convert::run(&args),
+        Subcommand::TextureMap(args) => texture_map::run(&args),
+        Subcommand::Section(args) => section::run(&args),
+        Subcommand::Info(args) => info::run(&args),
+        Subcommand::Bench(args) => bench::run(&args),
+        Subcommand::Report(args) => report::run(&args),
+        Subcommand::Verify(args) => verify::run(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

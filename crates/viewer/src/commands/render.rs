@@ -7,7 +7,7 @@ use crate::output::Output;
 use crate::progress::TerminalProgress;
 use crate::stats::{self, Shares, Stats, StatsTarget, milliseconds};
 use crate::{memory, setup};
-use raycast_core::camera::{Camera, CameraPath, Grid, SubCamera};
+use raycast_core::camera::{Camera, CameraPath, Grid, Rect, SubCamera};
 use raycast_core::formats::{CameraFile, SceneFile};
 use raycast_core::picture::{Format, Fragment, Picture, Recipe};
 use raycast_core::render::{Cancel, Clock, Pass, Settings, TileStats, View, from_the_middle};
@@ -24,21 +24,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         true => Format::Png,
         false => Format::from_name(&args.output.to_string_lossy())?,
     };
-    if deep_zoom
-        && (args.tiles.sub_camera.is_some() || args.tiles.unfinished.is_some() || args.resume)
-    {
-        return Err(Failure::usage(
-            "a deep zoom (.dzi) is of a whole picture: leave out --sub-camera, --unfinished and --resume",
-        ));
-    }
-    if args.tiles.sub_camera.is_some() {
-        check_fragment(&args.tiles, format)?;
-    }
-    if args.tiles.unfinished.is_some() && format == Format::Exr {
-        return Err(Failure::usage(
-            "an unfinished picture has no layers: write it as .png, .ppm, .jpg or .tif",
-        ));
-    }
+    check_options(args, format, deep_zoom)?;
     let mut inputs: Vec<&Path> = args.files.iter().map(AsRef::as_ref).collect();
     inputs.extend(args.shading.texture.as_deref());
     let output = Output::at(&args.output, &inputs)?;
@@ -66,99 +52,162 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
             "--legend has no effect: the picture shows no numbers as colors (--color area, --mode depth, …)",
         );
     }
-    let camera = view.camera;
-    let plane = camera.plane();
     let grid = args.tiles.grid();
     let part = match args.tiles.sub_camera {
-        Some(cell) => Some(sub_camera_at(camera, grid, cell)?),
+        Some(cell) => Some(sub_camera_at(view.camera, grid, cell)?),
         None => None,
     };
-
-    let size = match part {
-        Some(SubCamera { rect, .. }) => (rect.width, rect.height),
-        None => (plane.columns, plane.rows),
+    let rendering = Rendering {
+        args,
+        view,
+        grid,
+        output: &output,
+        pool: &pool,
+        progress: &progress,
+        started: Instant::now(),
     };
-    let otherwise = match format {
-        Format::Png | Format::Exr => {
-            ", or its parts one by one (--tiles COLUMNSxROWS --sub-camera C,R)"
-        }
-        _ => "",
-    };
-    let recipe = Recipe::of(view);
     if let Some(deep_zoom) = deep_zoom {
-        let rendering = Instant::now();
-        let mut sum = TileStats::default();
-        let clock = || rendering.elapsed();
-        pool.install(|| {
-            deep_zoom.write((plane.columns, plane.rows), &progress, |rect| {
-                let part = camera.sub_camera(rect);
-                let (picture, tiles) = render_rect(view, part, grid, &clock, &|_| {})?;
-                sum += tiles;
-                Ok(picture)
-            })
-        })?;
+        let (tiles, wall) = rendering.deep_zoom(&deep_zoom)?;
         progress.clear();
-        let wall = rendering.elapsed();
-        return tell(&opened, &stats_target, &sum, wall, started, &pool);
+        return tell(&opened, &stats_target, &tiles, wall, started, &pool);
     }
+    let recipe = Recipe::of(view);
     let banded = match (part, args.tiles.unfinished) {
         (None, None) => Banded::of(&args.output, format, &recipe, &output, args.resume)?,
         _ => None,
     };
-    if args.resume && banded.is_none() {
-        let (columns, rows) = size;
-        warn(&format!(
-            "{}: --resume has no effect: a picture of {columns}x{rows} is written in one piece",
-            args.output.display()
-        ));
-    }
-    if banded.is_none() {
-        let memory_for = |columns, rows| format.memory_for(columns, rows);
-        memory::check_picture(&args.output, size, memory_for, otherwise)?;
-    }
-
-    let rendering = Instant::now();
-    let clock = || rendering.elapsed();
-    let (file, tiles, wall) = match (part, banded) {
-        (Some(part), _) => {
-            let (picture, tiles) = pool.install(|| render_part(view, part, &clock, &progress))?;
-            let wall = rendering.elapsed();
-            let fragment = Fragment {
-                rect: part.rect,
-                recipe,
-                picture,
-            };
-            let file = output.write(&fragment.encode(format)?)?;
-            (Written::whole(file), tiles, wall)
-        }
-        (None, Some(banded)) => {
-            let mut sum = TileStats::default();
-            let file = pool.install(|| {
-                banded.write(&progress, |rect| {
-                    let part = view.camera.sub_camera(rect);
-                    let (picture, tiles) = render_rect(view, part, grid, &clock, &|_| {})?;
-                    sum += tiles;
-                    Ok(picture)
-                })
-            })?;
-            (file, sum, rendering.elapsed())
-        }
-        (None, None) => {
-            let (picture, tiles) = pool.install(|| match args.tiles.unfinished {
-                Some(done) => render_unfinished(view, grid, done, &clock),
-                None => render_whole(view, grid, &clock, &progress),
-            })?;
-            let wall = rendering.elapsed();
-            // What is unfinished is not what its recipe makes.
-            let is_whole = args.tiles.unfinished.is_none();
-            let recipe = is_whole.then_some(&recipe);
-            let bytes = picture.encode_with(format, recipe)?;
-            (Written::whole(output.write(&bytes)?), tiles, wall)
+    let (file, tiles, wall) = match banded {
+        Some(banded) => rendering.by_bands(banded)?,
+        None => {
+            rendering.check_memory(format, part)?;
+            match part {
+                Some(part) => rendering.fragment(format, recipe, part)?,
+                None => rendering.in_one_piece(format, &recipe)?,
+            }
         }
     };
     progress.clear();
     tell(&opened, &stats_target, &tiles, wall, started, &pool)?;
     file.finish()
+}
+
+/// Whether the options go together.
+fn check_options(args: &RenderArgs, format: Format, deep_zoom: bool) -> Result<(), Failure> {
+    if deep_zoom
+        && (args.tiles.sub_camera.is_some() || args.tiles.unfinished.is_some() || args.resume)
+    {
+        return Err(Failure::usage(
+            "a deep zoom (.dzi) is of a whole picture: leave out --sub-camera, --unfinished and --resume",
+        ));
+    }
+    if args.tiles.sub_camera.is_some() {
+        check_fragment(&args.tiles, format)?;
+    }
+    if args.tiles.unfinished.is_some() && format == Format::Exr {
+        return Err(Failure::usage(
+            "an unfinished picture has no layers: write it as .png, .ppm, .jpg or .tif",
+        ));
+    }
+    Ok(())
+}
+
+/// A picture on its way to a file.
+struct Rendering<'a> {
+    args: &'a RenderArgs,
+    view: &'a View,
+    grid: Grid,
+    output: &'a Output,
+    pool: &'a ThreadPool,
+    progress: &'a TerminalProgress,
+    started: Instant,
+}
+
+/// The file, what its tiles took together, and how long it was under way.
+type Rendered = (Written, TileStats, Duration);
+
+impl Rendering<'_> {
+    fn size(&self, part: Option<SubCamera>) -> (u32, u32) {
+        let plane = self.view.camera.plane();
+        let whole = (plane.columns, plane.rows);
+        part.map_or(whole, |part| (part.rect.width, part.rect.height))
+    }
+
+    /// Refuses a picture that is held whole where there is not the memory.
+    fn check_memory(&self, format: Format, part: Option<SubCamera>) -> Result<(), Failure> {
+        let name = &self.args.output;
+        let (columns, rows) = self.size(part);
+        if self.args.resume {
+            warn(&format!(
+                "{}: --resume has no effect: a picture of {columns}x{rows} is written in one piece",
+                name.display()
+            ));
+        }
+        let otherwise = match format {
+            Format::Png | Format::Exr => {
+                ", or its parts one by one (--tiles COLUMNSxROWS --sub-camera C,R)"
+            }
+            _ => "",
+        };
+        let memory_for = |columns, rows| format.memory_for(columns, rows);
+        memory::check_picture(name, (columns, rows), memory_for, otherwise)
+    }
+
+    /// A rectangle of the picture, with what its tiles took added to `sum`.
+    fn rect(&self, rect: Rect, sum: &mut TileStats) -> Result<Picture, Failure> {
+        let part = self.view.camera.sub_camera(rect);
+        let clock = || self.started.elapsed();
+        let (picture, tiles) = render_rect(self.view, part, self.grid, &clock, &|_| {})?;
+        *sum += tiles;
+        Ok(picture)
+    }
+
+    fn deep_zoom(&self, deep_zoom: &DeepZoom) -> Result<(TileStats, Duration), Failure> {
+        let mut sum = TileStats::default();
+        let size = self.size(None);
+        self.pool
+            .install(|| deep_zoom.write(size, self.progress, |rect| self.rect(rect, &mut sum)))?;
+        Ok((sum, self.started.elapsed()))
+    }
+
+    fn by_bands(&self, banded: Banded) -> Result<Rendered, Failure> {
+        let mut sum = TileStats::default();
+        let write = || banded.write(self.progress, |rect| self.rect(rect, &mut sum));
+        let file = self.pool.install(write)?;
+        Ok((file, sum, self.started.elapsed()))
+    }
+
+    fn fragment(
+        &self,
+        format: Format,
+        recipe: Recipe,
+        part: SubCamera,
+    ) -> Result<Rendered, Failure> {
+        let clock = || self.started.elapsed();
+        let render = || render_part(self.view, part, &clock, self.progress);
+        let (picture, tiles) = self.pool.install(render)?;
+        let wall = self.started.elapsed();
+        let fragment = Fragment {
+            rect: part.rect,
+            recipe,
+            picture,
+        };
+        let file = self.output.write(&fragment.encode(format)?)?;
+        Ok((Written::whole(file), tiles, wall))
+    }
+
+    fn in_one_piece(&self, format: Format, recipe: &Recipe) -> Result<Rendered, Failure> {
+        let clock = || self.started.elapsed();
+        let unfinished = self.args.tiles.unfinished;
+        let (picture, tiles) = self.pool.install(|| match unfinished {
+            Some(done) => render_unfinished(self.view, self.grid, done, &clock),
+            None => render_whole(self.view, self.grid, &clock, self.progress),
+        })?;
+        let wall = self.started.elapsed();
+        // What is unfinished is not what its recipe makes.
+        let recipe = unfinished.is_none().then_some(recipe);
+        let bytes = picture.encode_with(format, recipe)?;
+        Ok((Written::whole(self.output.write(&bytes)?), tiles, wall))
+    }
 }
 
 /// A scene that was opened, and how it is to be seen.
@@ -211,7 +260,11 @@ pub(super) fn open(
         ..
     } = file;
     let name = setup::name_of(&args.files);
-    memory::check_tree(&name, scene.triangle_count())?;
+    let levels = match settings.shading.filter.has_footprint() {
+        true => scene.level_bytes(),
+        false => 0,
+    };
+    memory::check_scene(&name, setup::stored_triangles(&scene), levels)?;
     let accel = pool.install(|| setup::visible_tree(&name, &scene))?;
     let build_time = building.elapsed();
     let bounds = setup::bounds(&scene, &accel);
@@ -263,6 +316,7 @@ pub(super) fn tell(
         mrays_per_s: stats::mrays_per_s(tiles.rays, shares.cast),
         threads: pool.current_num_threads(),
         simd: view.accel.simd().name(),
+        instances: view.accel.has_instances(),
         peak_bytes: stats::peak_bytes(),
     })
 }

@@ -93,7 +93,11 @@ fn read_scenes(
                 progress.loaded(share)
             })?;
         let parsing = started.elapsed();
-        let accel = setup::visible_tree(&path.display().to_string(), &file.scene)?;
+        let accel = setup::visible(
+            &path.display().to_string(),
+            &file.scene,
+            setup::single_tree(&file.scene)?,
+        )?;
         warn_of_reading(&file.warnings, &file.scene, &accel);
         opened.extend(file.opened);
         let name = path.file_stem().unwrap_or(path.as_os_str());

@@ -29,7 +29,9 @@ pub(super) fn run(args: &SectionArgs) -> Result<(), Failure> {
     progress.building();
     let scene_name = setup::name_of(&args.files);
     memory::check_tree(&scene_name, file.scene.triangle_count())?;
-    let accel = setup::visible_tree(&scene_name, &file.scene)?;
+    // Where more than two lines meet, their order is that of the tree.
+    let accel = setup::single_tree(&file.scene)?;
+    let accel = setup::visible(&scene_name, &file.scene, accel)?;
     let lines = section(&accel, plane).map_err(|error| Failure::usage(error.to_string()))?;
     progress.clear();
     warn_of_reading(&file.warnings, &file.scene, &accel);

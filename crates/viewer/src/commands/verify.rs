@@ -7,10 +7,12 @@ use raycast_core::Cull;
 use raycast_core::camera::{Camera, Grid, Rect};
 use raycast_core::formats::SceneFile;
 use raycast_core::picture::{self, ImageError, ImageFile, Picture, Recipe, RowReader};
+use raycast_core::render::View;
 use raycast_core::scene::{ClippingPlanes, Scene};
 use raycast_core::shade::Shading;
 use raycast_report::verify::{Channels, Claim, Verification, WrongPixel, verify};
-use raycast_report::{Fault, Stage};
+use raycast_report::{Stage, WrongAnswer};
+use rayon::ThreadPool;
 use std::fmt::Write;
 use std::fs::File;
 use std::io::BufReader;
@@ -41,7 +43,8 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     progress.building();
     let name = setup::name_of(files);
     let scene = std::mem::take(&mut file.scene);
-    memory::check_tree(&name, scene.triangle_count())?;
+    // Which filter it is is known with the recipe, once there is a tree.
+    memory::check_scene(&name, scene.triangle_count(), scene.level_bytes())?;
     let mut stage = pool.install(|| stage(&name, scene))?;
     let asked = Asked {
         args,
@@ -70,51 +73,15 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     };
     let band_memory = picture::memory_of(rect.width, rows, true);
     memory::check_band(Path::new(&name), band_memory)?;
-    let most = if args.all {
-        rect.area()
-    } else {
-        args.checks as usize
+    let checking = Checking {
+        args,
+        stage: &stage,
+        view: &view,
+        ways: &ways,
+        pool: &pool,
+        progress: &progress,
     };
-    progress.counting("verifying", most.min(rect.area()) as u64);
-    let done = |more| progress.done(more);
-    let mut image = image;
-    let mut found = Verification::default();
-    let mut drawn = 0;
-    for y in (0..rect.height).step_by(rows as usize) {
-        let band = Rect {
-            y: rect.y + y,
-            height: rows.min(rect.height - y),
-            ..rect
-        };
-        let picture = match &mut image {
-            Some(Image::Whole(image)) => {
-                std::mem::replace(&mut image.picture, Picture::blank(0, 0, false))
-            }
-            Some(Image::Rows(path, reader)) => reader
-                .rows(rows)
-                .map_err(|error| cannot_read(path, &error))?,
-            None => {
-                let part = ways.camera.sub_camera(band);
-                let no_clock = || Duration::ZERO;
-                let render = || render_rect(&view, part, Grid::default(), &no_clock, &|_| {});
-                pool.install(render)?.0
-            }
-        };
-        let claim = Claim {
-            camera: ways.camera,
-            rect: band,
-            cull: ways.cull,
-            shading: ways.shading,
-            samples: ways.samples,
-            picture: &picture,
-        };
-        // Of the pixels down to here so many are to be drawn in all.
-        let down = u128::from(y + band.height) * u128::from(rect.width);
-        let share = most.min(rect.area()) as u128 * down / rect.area().max(1) as u128;
-        let seed = args.seed.wrapping_add(u64::from(y) << 32);
-        found += pool.install(|| verify(&stage, &claim, share as usize - drawn, seed, &done));
-        drawn = share as usize;
-    }
+    let found = checking.by_bands(rect, rows, image)?;
     progress.clear();
 
     warn_of_reading(&file.warnings, &stage.scene, &stage.accel);
@@ -126,6 +93,81 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
         )));
     }
     Ok(())
+}
+
+/// A picture that is checked.
+struct Checking<'a> {
+    args: &'a VerifyArgs,
+    stage: &'a Stage,
+    view: &'a View,
+    ways: &'a Ways,
+    pool: &'a ThreadPool,
+    progress: &'a TerminalProgress,
+}
+
+impl Checking<'_> {
+    /// Checks a part of the picture, so many rows at a time; what there is no image of is rendered.
+    fn by_bands(
+        &self,
+        rect: Rect,
+        rows: u32,
+        mut image: Option<Image>,
+    ) -> Result<Verification, Failure> {
+        let Self {
+            args, stage, ways, ..
+        } = *self;
+        let most = match args.all {
+            true => rect.area(),
+            false => rect.area().min(args.checks as usize),
+        };
+        self.progress.counting("verifying", most as u64);
+        let done = |more| self.progress.done(more);
+        let mut found = Verification::default();
+        let mut drawn = 0;
+        for y in (0..rect.height).step_by(rows as usize) {
+            let band = Rect {
+                y: rect.y + y,
+                height: rows.min(rect.height - y),
+                ..rect
+            };
+            let picture = self.picture(band, &mut image)?;
+            let claim = Claim {
+                camera: ways.camera,
+                rect: band,
+                cull: ways.cull,
+                shading: ways.shading,
+                samples: ways.samples,
+                picture: &picture,
+            };
+            // Of the pixels down to here so many are to be drawn in all.
+            let down = u128::from(y + band.height) * u128::from(rect.width);
+            let share = most as u128 * down / rect.area().max(1) as u128;
+            let seed = args.seed.wrapping_add(u64::from(y) << 32);
+            let check = || verify(stage, &claim, share as usize - drawn, seed, &done);
+            found += self.pool.install(check);
+            drawn = share as usize;
+        }
+        Ok(found)
+    }
+
+    /// A band's pixels: the image's, or rendered.
+    fn picture(&self, band: Rect, image: &mut Option<Image>) -> Result<Picture, Failure> {
+        match image {
+            Some(Image::Whole(image)) => {
+                let nothing = Picture::blank(0, 0, false);
+                Ok(std::mem::replace(&mut image.picture, nothing))
+            }
+            Some(Image::Rows(path, reader)) => reader
+                .rows(band.height)
+                .map_err(|error| cannot_read(path, &error)),
+            None => {
+                let part = self.ways.camera.sub_camera(band);
+                let no_clock = || Duration::ZERO;
+                let render = || render_rect(self.view, part, Grid::default(), &no_clock, &|_| {});
+                Ok(self.pool.install(render)?.0)
+            }
+        }
+    }
 }
 
 /// What was asked for, of which files.
@@ -312,7 +354,7 @@ fn cannot_read(path: &Path, error: &ImageError) -> Failure {
 }
 
 fn stage(name: &str, scene: Scene) -> Result<Stage, Failure> {
-    let accel = setup::visible_tree(name, &scene)?;
+    let accel = setup::visible(name, &scene, setup::single_tree(&scene)?)?;
     Ok(Stage::of_parts(Arc::new(scene), Arc::new(accel))?)
 }
 
@@ -383,7 +425,9 @@ fn told(found: &Verification) -> String {
             |truth| meeting(truth.object, truth.triangle, truth.t),
         );
         let _ = match (shown, fault) {
-            (Some((object, triangle, depth)), fault) if !matches!(fault, Fault::Channel { .. }) => {
+            (Some((object, triangle, depth)), fault)
+                if !matches!(fault, WrongAnswer::Channel { .. }) =>
+            {
                 let found = meeting(*object, *triangle, f64::from(*depth));
                 writeln!(
                     text,
@@ -470,7 +514,7 @@ mod tests {
             first_wrong: vec![WrongPixel {
                 x: 3,
                 y: 4,
-                fault: Fault::Hit,
+                fault: WrongAnswer::Hit,
                 shown: Some((1, 7, 2.5)),
                 truth: None,
             }],
@@ -479,7 +523,7 @@ mod tests {
         let line = "  column 3, row 4: a hit where there is a miss: expected nothing, found object 1, triangle 7 at 2.5\n";
         assert!(told(&bad).ends_with(line), "{}", told(&bad));
         let mut repainted = bad;
-        repainted.first_wrong[0].fault = Fault::Channel {
+        repainted.first_wrong[0].fault = WrongAnswer::Channel {
             channel: "G",
             found: 7.0,
             low: 9.0,

@@ -3,10 +3,11 @@
 use super::journal::Journal;
 use super::part_file::{PartFile, sweep};
 use super::place::{Identity, directory_of, follow};
+use super::unfinished::{Sink, Unfinished, cannot_write};
 use crate::failure::Failure;
 use std::fmt::Display;
-use std::fs::{self, File, Metadata, Permissions};
-use std::io::{self, Seek, SeekFrom, Write};
+use std::fs::{self, File, Metadata};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// A place to write to, checked.
@@ -138,10 +139,7 @@ impl Output {
                 permissions: replaced.map(|replaced| replaced.permissions()),
             }
         };
-        Ok(Unfinished {
-            sink,
-            output: self.clone(),
-        })
+        Ok(self.under_way(sink))
     }
 
     /// Begins to write behind a `head`, or goes on where an earlier command was ended that wrote the file of
@@ -173,8 +171,15 @@ impl Output {
             part,
             permissions: replaced.map(|replaced| replaced.permissions()),
         };
-        let output = self.clone();
-        Ok((Unfinished { sink, output }, journal))
+        Ok((self.under_way(sink), journal))
+    }
+
+    fn under_way(&self, sink: Sink) -> Unfinished {
+        Unfinished {
+            sink,
+            name: self.name.clone(),
+            path: self.path.clone(),
+        }
     }
 
     /// Whether bytes that were written can be written over.
@@ -237,10 +242,6 @@ fn used_already(name: &Path, input: &Path) -> Failure {
     ))
 }
 
-fn cannot_write(name: &Path, reason: &dyn Display) -> Failure {
-    Failure::could_not(format!("{}: cannot be written: {reason}", name.display()))
-}
-
 /// Whether a path ends with a separator: no file can be called that.
 fn ends_as_folder(path: &Path) -> bool {
     let last = path.as_os_str().as_encoded_bytes().last();
@@ -271,90 +272,10 @@ fn give_to_owner_of(_: &Metadata, _: &File) -> Result<(), String> {
     Ok(())
 }
 
-/// A file under way: gone when dropped, unless [`Unfinished::finish`] puts it in its place.
-#[derive(Debug)]
-pub struct Unfinished {
-    sink: Sink,
-    output: Output,
-}
-
-#[derive(Debug)]
-enum Sink {
-    Part {
-        part: PartFile,
-        /// Those of the file that it replaces.
-        permissions: Option<Permissions>,
-    },
-    Device(File),
-}
-
-impl Unfinished {
-    /// Puts the file in its place, at once.
-    ///
-    /// # Errors
-    /// A file that cannot be put there.
-    pub fn finish(self) -> Result<(), Failure> {
-        let Self { sink, output } = self;
-        match sink {
-            Sink::Part { part, permissions } => part
-                .put(&output.path, permissions)
-                .map_err(|error| output.cannot(&error)),
-            Sink::Device(_) => Ok(()),
-        }
-    }
-
-    fn file(&mut self) -> &mut File {
-        match &mut self.sink {
-            Sink::Part { part, .. } => part.file(),
-            Sink::Device(device) => device,
-        }
-    }
-}
-
-impl Unfinished {
-    /// Writes, as [`Write::write_all`]; tells which file cannot be written.
-    ///
-    /// # Errors
-    /// A full disk.
-    pub fn append(&mut self, bytes: &[u8]) -> Result<(), Failure> {
-        let written = self.file().write_all(bytes);
-        written.map_err(|error| self.output.cannot(&error))
-    }
-
-    /// Writes over what the file begins with.
-    ///
-    /// # Errors
-    /// As [`Unfinished::append`]; a device that cannot go back.
-    pub fn rewrite_head(&mut self, bytes: &[u8]) -> Result<(), Failure> {
-        let file = self.file();
-        let written = (file.seek(SeekFrom::Start(0))).and_then(|_| file.write_all(bytes));
-        let written = written.and_then(|()| file.seek(SeekFrom::End(0)).map(drop));
-        written.map_err(|error| self.output.cannot(&error))
-    }
-
-    /// Notes in the file's journal what was written since it was last noted.
-    ///
-    /// # Errors
-    /// As [`Unfinished::append`].
-    pub fn note(&mut self, journal: &mut Journal) -> Result<(), Failure> {
-        let noted = journal.note(self.file());
-        noted.map_err(|error| self.output.cannot(&error))
-    }
-}
-
-impl Write for Unfinished {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file().write(bytes)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.file().flush()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs::Permissions;
 
     fn names(directory: &Path) -> Vec<String> {
         let mut names: Vec<_> = fs::read_dir(directory)

@@ -5,11 +5,9 @@ use super::widgets::select_all;
 use super::{Commands, Status};
 use crate::state::command::Command;
 use crate::state::{Answer, Pending, Prompt, PromptKind, Replacing, State};
+use crate::ui::registry::{Keymap, action};
 use crate::ui::theme;
 use egui::{Align2, Area, Button, Context, Frame, Id, Margin, Order, RichText, Stroke, Ui, vec2};
-
-/// What an empty window says.
-const HINT: &str = "Open a mesh (Ctrl+O) or drop one here";
 
 /// Shows them over `room`, the picture's place.
 pub(super) fn show(
@@ -28,7 +26,12 @@ pub(super) fn show(
             .show(context, |ui| {
                 // Before the backdrop, which is dark in either theme.
                 let quiet = theme::of(&egui::Visuals::dark()).quiet;
-                let text = RichText::new(HINT).color(quiet).size(15.0);
+                let key = match Keymap::of(context).key(action("file.open")) {
+                    key if key.is_empty() => key,
+                    key => format!(" ({key})"),
+                };
+                let hint = format!("Open a mesh{key} or drop one here");
+                let text = RichText::new(hint).color(quiet).size(15.0);
                 ui.add(egui::Label::new(text).extend());
             });
     }
@@ -132,6 +135,7 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
             "a name ending in .png, .ppm, .jpg, .tif or .exr",
         ),
         PromptKind::Measurements => ("Save the measurements", "Save", "a name ending in .csv"),
+        PromptKind::Outline(_) => ("Save the outline", "Save", "a name ending in .svg or .dxf"),
         PromptKind::Scene => ("Save the scene", "Save", "a name ending in .raycast.toml"),
         PromptKind::Texture | PromptKind::TextureOf(_) => {
             ("Load a texture", "Load", "path of an image")
@@ -155,16 +159,11 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
             // Before the field is shown: it takes what is typed in this very frame. A name that is
             // suggested is marked up to its ending, as file dialogs do it, and gives way to what is typed.
             ui.memory_mut(|memory| memory.request_focus(id));
-            let stem = match prompt.kind {
-                PromptKind::Picture | PromptKind::Scene | PromptKind::Measurements => prompt
-                    .text
-                    .split('.')
-                    .next()
-                    .unwrap_or_default()
-                    .chars()
-                    .count(),
-                _ => prompt.text.chars().count(),
+            let stem = match prompt.kind.saves() {
+                true => prompt.text.split('.').next().unwrap_or_default(),
+                false => prompt.text.as_str(),
             };
+            let stem = stem.chars().count();
             select_all(ui.ctx(), id, stem);
         }
         ui.horizontal(|ui| {

@@ -5,7 +5,7 @@ use super::transform::three;
 use super::widgets::section;
 use crate::state::State;
 use crate::state::command::Command;
-use crate::ui::registry::action;
+use crate::ui::registry::{self, action};
 use egui::{Button, Ui, vec2};
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
@@ -29,7 +29,10 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
             for id in ["view.bookmark", "view.copy"] {
                 let action = action(id);
                 let response = ui.add(Button::new(action.name).small());
-                if response.on_hover_text(action.hint()).clicked() {
+                if response
+                    .on_hover_text(registry::hint(ui.ctx(), action.id))
+                    .clicked()
+                {
                     out.push((action.command)(state));
                 }
             }

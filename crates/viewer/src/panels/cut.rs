@@ -3,10 +3,10 @@
 use super::Commands;
 use super::highlight::{before, line};
 use super::widgets::{Number, section};
-use crate::state::State;
 use crate::state::command::Command;
 use crate::state::cut::{at_distance, distance, outline, range};
-use crate::ui::registry::action;
+use crate::state::{PromptKind, State};
+use crate::ui::registry::{self, action};
 use crate::ui::theme;
 use egui::{Button, Color32, Id, Pos2, Rect, Sense, Stroke, Ui, Vec2, vec2};
 use raycast_core::glam::DVec3;
@@ -36,7 +36,10 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
                 response.widget_info(|| {
                     egui::WidgetInfo::labeled(egui::Role::Button, true, action.name)
                 });
-                if response.on_hover_text(action.hint()).clicked() {
+                if response
+                    .on_hover_text(registry::hint(ui.ctx(), action.id))
+                    .clicked()
+                {
                     out.push((action.command)(state));
                 }
             }
@@ -122,17 +125,29 @@ fn planes(ui: &mut Ui, state: &State, index: usize, plane: &ClippingPlane, out: 
         (least, most)
     };
     let mut value = sign * distance(plane);
-    ui.spacing_mut().slider_width = ui.available_width();
-    // A plane beyond the box stays where it is until the slider is moved.
-    let reach = least.min(value)..=most.max(value);
-    let slider = egui::Slider::new(&mut value, reach)
-        .show_value(false)
-        .step_by(0.0);
-    let response = ui.add(slider);
-    response.widget_info(|| egui::WidgetInfo::slider(true, value, format!("Position of {spoken}")));
-    if response.changed() {
-        out.push(Command::SetPlane(index, at_distance(plane, sign * value)));
-    }
+    ui.horizontal(|ui| {
+        ui.spacing_mut().slider_width = ui.available_width() - 74.0;
+        // A plane beyond the box stays where it is until the slider is moved.
+        let reach = least.min(value)..=most.max(value);
+        let slider = egui::Slider::new(&mut value, reach)
+            .show_value(false)
+            .step_by(0.0);
+        let response = ui.add(slider);
+        response
+            .widget_info(|| egui::WidgetInfo::slider(true, value, format!("Position of {spoken}")));
+        if response.changed() {
+            out.push(Command::SetPlane(index, at_distance(plane, sign * value)));
+        }
+        let outline = ui.add(Button::new("Outline…").small());
+        outline.widget_info(|| {
+            let spoken = format!("Save the outline of {spoken}");
+            egui::WidgetInfo::labeled(egui::Role::Button, true, spoken)
+        });
+        let hint = "Write the lines in which it cuts all that is visible as SVG or DXF";
+        if outline.on_hover_text(hint).clicked() {
+            out.push(Command::Ask(PromptKind::Outline(index)));
+        }
+    });
     if is_removed {
         out.push(Command::RemovePlane(index));
     }

@@ -4,7 +4,7 @@ use super::Commands;
 use crate::state::State;
 use crate::state::command::Command;
 use crate::state::viewpoint::StandardView;
-use crate::ui::registry::ACTIONS;
+use crate::ui::registry;
 use egui::{Align2, Color32, FontId, Id, Rect, Sense, Stroke, Ui, pos2, vec2};
 use raycast_core::glam::DVec3;
 
@@ -66,20 +66,21 @@ pub(super) fn show(ui: &Ui, room: Rect, state: &State, out: &mut Commands) {
             let font = FontId::proportional(11.0);
             painter.text(at, Align2::CENTER_CENTER, name, font, ink);
         }
-        let action = ACTIONS.iter().find(|action| action.id == id);
-        let hint = action.map_or_else(String::new, |action| action.hint());
         response.widget_info(|| {
             let name = format!("Look from {name}");
             egui::WidgetInfo::labeled(egui::Role::Button, true, name)
         });
-        if response.on_hover_text(hint).clicked() {
+        let hint = |ui: &mut Ui| {
+            ui.label(registry::hint(ui.ctx(), id));
+        };
+        if response.on_hover_ui(hint).clicked() {
             out.push(Command::Look(view));
         }
     }
 }
 
 /// Red, green and blue, as everywhere.
-fn axis_color(letter: &str) -> Color32 {
+pub(super) fn axis_color(letter: &str) -> Color32 {
     match letter {
         "X" => Color32::from_rgb(0xf0, 0x6a, 0x6a),
         "Y" => Color32::from_rgb(0x86, 0xd0, 0x5a),

@@ -6,7 +6,7 @@ use crate::state::State;
 use crate::state::command::Command;
 use crate::state::inspection::{Checked, Fault, Shown};
 use crate::ui::format;
-use crate::ui::registry::action;
+use crate::ui::registry::{self, action};
 use crate::ui::theme;
 use egui::{Button, RichText, Ui, vec2};
 use std::sync::Arc;
@@ -29,7 +29,10 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
         let response = ui.add_enabled((check.applies)(state), button);
         response
             .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Check the mesh"));
-        if response.on_hover_text(check.hint()).clicked() {
+        if response
+            .on_hover_text(registry::hint(ui.ctx(), check.id))
+            .clicked()
+        {
             out.push((check.command)(state));
         }
         let objects = &document.scene.objects;

@@ -4,7 +4,7 @@ use super::Commands;
 use crate::state::State;
 use crate::state::command::Command;
 use crate::ui::input;
-use crate::ui::registry::{ACTIONS, Chord, Menu};
+use crate::ui::registry::{Chord, Keymap, Menu, actions};
 use crate::ui::theme;
 use egui::{Grid, Id, Modal, RichText, ScrollArea, Ui};
 
@@ -31,14 +31,15 @@ pub(super) fn show(context: &egui::Context, state: &State, out: &mut Commands) {
                 let gestures = input::gestures(state.preferences.mouse);
                 let gestures = gestures.map(|g| (g.gesture.to_owned(), g.does));
                 table(ui, "Mouse", gestures);
+                let keymap = Keymap::of(context);
                 for menu in Menu::ALL {
-                    let actions = ACTIONS.iter();
-                    let actions = actions.filter(|a| a.menu == menu && !a.keys.is_empty());
                     let keys = |keys: &[Chord]| {
                         let names: Vec<_> = keys.iter().map(Chord::name).collect();
                         names.join("   ")
                     };
-                    table(ui, menu.name(), actions.map(|a| (keys(a.keys), a.name)));
+                    let actions = actions().filter(|action| action.menu == menu);
+                    let keys = actions.map(|action| (keys(keymap.keys(action)), action.name));
+                    table(ui, menu.name(), keys.filter(|(keys, _)| !keys.is_empty()));
                 }
             });
     });

@@ -6,6 +6,7 @@ use crate::state::PromptKind;
 use crate::state::State;
 use crate::state::command::Command;
 use crate::ui::modes::MODES;
+use crate::ui::registry;
 use egui::{Button, Ui, vec2};
 use raycast_core::ranges::WIDEST_LINE;
 use raycast_core::shade::{Background, Mode};
@@ -27,17 +28,14 @@ fn modes(ui: &mut Ui, state: &State, out: &mut Commands) {
         ui.spacing_mut().item_spacing = vec2(gap, gap);
         for (line, modes) in MODES.chunks(3).enumerate() {
             ui.horizontal(|ui| {
-                for (column, &(mode, name, hint)) in modes.iter().enumerate() {
+                for (column, &(mode, name, _)) in modes.iter().enumerate() {
                     let selected = state.settings.shading.mode == mode;
                     let button = Button::new(name)
                         .selected(selected)
                         .min_size(vec2(width, 0.0));
-                    let key = line * 3 + column + 1;
-                    if ui
-                        .add(button)
-                        .on_hover_text(format!("{hint} (Alt+{key})"))
-                        .clicked()
-                    {
+                    let id = format!("look.mode.{}", line * 3 + column + 1);
+                    let hint = registry::hint(ui.ctx(), &id);
+                    if ui.add(button).on_hover_text(hint).clicked() {
                         out.push(Command::SetMode(mode));
                     }
                 }
@@ -59,7 +57,7 @@ fn lines(ui: &mut Ui, state: &State, out: &mut Commands) {
                     ui,
                     lines.is_some(),
                     "Wireframe",
-                    "Lines along the triangles' edges, over any mode (W)",
+                    &registry::hint(ui.ctx(), "look.wireframe"),
                 )
                 .map(Command::SetWireframe),
             );
@@ -93,7 +91,7 @@ fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
     });
     row(ui, "Texture", "An image on the surface", |ui, _| {
         let load = Button::new("Load…").min_size(vec2(60.0, 0.0));
-        let hint = "Put an image on every object";
+        let hint = registry::hint(ui.ctx(), "look.texture");
         if ui
             .add_enabled(state.document.is_some(), load)
             .on_hover_text(hint)

@@ -3,6 +3,7 @@
 use super::highlight::{before, line};
 use super::measure::text;
 use crate::state::State;
+use crate::state::lengths::Lengths;
 use crate::state::measure::{Circle, Kind, Measurement};
 use crate::ui::theme;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, vec2};
@@ -69,13 +70,19 @@ pub(super) fn show(painter: &Painter, state: &State, place: impl Fn((f64, f64)) 
     };
     faults(&pen, state);
     let accent = theme::of(&egui::Visuals::dark()).accent;
+    let lengths = state.lengths();
     for measurement in &state.measuring.list {
-        measured(&pen, measurement, accent);
+        measured(&pen, measurement, &lengths, accent);
     }
     under_way(&pen, state);
 }
 
-fn measured<P: Fn((f64, f64)) -> Pos2>(pen: &Pen<'_, P>, of: &Measurement, color: Color32) {
+fn measured<P: Fn((f64, f64)) -> Pos2>(
+    pen: &Pen<'_, P>,
+    of: &Measurement,
+    lengths: &Lengths,
+    color: Color32,
+) {
     let points = &of.points;
     if let Some(circle) = of.circle() {
         round(pen, &circle, color);
@@ -96,7 +103,7 @@ fn measured<P: Fn((f64, f64)) -> Pos2>(pen: &Pen<'_, P>, of: &Measurement, color
         (_, points) => points.last().copied(),
     };
     if let Some(middle) = middle.or(points.first().copied()) {
-        pen.label(middle, text(of));
+        pen.label(middle, text(of, lengths));
     }
 }
 
@@ -134,7 +141,7 @@ fn under_way<P: Fn((f64, f64)) -> Pos2>(pen: &Pen<'_, P>, state: &State) {
         points.push(target.point);
         let so_far = Measurement { kind, points };
         if so_far.value().is_some() {
-            pen.label(target.point, text(&so_far));
+            pen.label(target.point, text(&so_far, &state.lengths()));
         }
     }
     if let Some(at) = pen.at(target.point) {

@@ -1,18 +1,22 @@
 //! Measurements: tools, what was measured, and the size of the marked object.
 
 use super::Commands;
-use super::widgets::{fact, section, tick};
+use super::widgets::{fact, row, section, select, tick};
 use crate::state::State;
 use crate::state::command::Command;
+use crate::state::lengths::Lengths;
 use crate::state::measure::{Kind, Measurement};
 use crate::ui::format;
-use crate::ui::registry::action;
+use crate::ui::registry::{self, action};
 use egui::{Button, RichText, Ui, vec2};
+use raycast_core::formats::LengthUnit;
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     let measuring = &state.measuring;
     section(ui, "Measure", false, |ui| {
         tools(ui, state, out);
+        let lengths = state.lengths();
+        unit(ui, state, out);
         let hint = "Points jump to a triangle's vertex that is near the cursor";
         let snaps = tick(ui, measuring.snaps, "Snap to vertices", hint);
         out.extend(snaps.map(Command::SetSnaps));
@@ -20,7 +24,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
             ui.weak(tool.hint());
         }
         for (number, measurement) in measuring.list.iter().enumerate() {
-            measured(ui, number, measurement, out);
+            measured(ui, number, measurement, &lengths, out);
         }
         if !measuring.list.is_empty() {
             ui.horizontal(|ui| {
@@ -30,12 +34,15 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
                     .on_hover_text("All of them, with all digits and the points")
                     .clicked()
                 {
-                    out.push(Command::Copy(measuring.csv()));
+                    out.push(Command::Copy(measuring.csv(&state.lengths())));
                 }
                 for id in ["measure.save", "measure.clear"] {
                     let action = action(id);
                     let response = ui.add(Button::new(action.name).small());
-                    if response.on_hover_text(action.hint()).clicked() {
+                    if response
+                        .on_hover_text(registry::hint(ui.ctx(), action.id))
+                        .clicked()
+                    {
                         out.push((action.command)(state));
                     }
                 }
@@ -55,10 +62,34 @@ fn tools(ui: &mut Ui, state: &State, out: &mut Commands) {
                 .selected(state.measuring.tool == Some(kind))
                 .min_size(vec2(width, 0.0));
             let response = ui.add_enabled((action.applies)(state), button);
-            if response.on_hover_text(action.hint()).clicked() {
+            if response
+                .on_hover_text(registry::hint(ui.ctx(), action.id))
+                .clicked()
+            {
                 out.push((action.command)(state));
             }
         }
+    });
+}
+
+/// In which unit lengths are told.
+fn unit(ui: &mut Ui, state: &State, out: &mut Commands) {
+    let scene = state.document.as_ref().and_then(|document| document.unit);
+    let (files, hint) = match scene {
+        Some(unit) => (
+            format!("{} (as in the file)", unit.name()),
+            "The file says what its coordinates are in: lengths are converted",
+        ),
+        None => (
+            "scene units".to_owned(),
+            "The file does not say what its coordinates are in: they are taken to be in this unit",
+        ),
+    };
+    row(ui, "Unit", hint, |ui, label| {
+        let mut options = vec![(None, files.as_str(), hint)];
+        options.extend(LengthUnit::ALL.map(|unit| (Some(unit), unit.name(), unit.symbol())));
+        let chosen = select(ui, "unit", label, state.preferences.unit, &options);
+        out.extend(chosen.map(Command::SetUnit));
     });
 }
 
@@ -71,17 +102,24 @@ const TOOLS: [&str; 4] = [
 ];
 
 /// What a measurement says.
-pub(super) fn text(measurement: &Measurement) -> String {
-    match (measurement.kind, measurement.value()) {
+pub(super) fn text(measurement: &Measurement, lengths: &Lengths) -> String {
+    let length = |length| format!("{}{}", format::length(length), lengths.suffix(1));
+    match (measurement.kind, measurement.told(lengths)) {
         (Kind::Angle, Some(degrees)) => format!("{degrees:.3}°"),
-        (Kind::Radius, Some(radius)) => format!("R {}", format::length(radius)),
-        (_, Some(length)) => format::length(length),
+        (Kind::Radius, Some(radius)) => format!("R {}", length(radius)),
+        (_, Some(along)) => length(along),
         (Kind::Radius, None) => "on a line".to_owned(),
         (_, None) => "–".to_owned(),
     }
 }
 
-fn measured(ui: &mut Ui, number: usize, measurement: &Measurement, out: &mut Commands) {
+fn measured(
+    ui: &mut Ui,
+    number: usize,
+    measurement: &Measurement,
+    lengths: &Lengths,
+    out: &mut Commands,
+) {
     ui.horizontal(|ui| {
         let name = measurement.kind.name();
         ui.weak(format!("{} {name}", number + 1));
@@ -94,14 +132,14 @@ fn measured(ui: &mut Ui, number: usize, measurement: &Measurement, out: &mut Com
             if remove.on_hover_text("Remove").clicked() {
                 out.push(Command::RemoveMeasurement(number));
             }
-            let shown = text(measurement);
+            let shown = text(measurement, lengths);
             let button = Button::new(RichText::new(&shown).monospace()).frame(false);
-            let copied = measurement.value().map(|value| value.to_string());
+            let copied = measurement.told(lengths).map(|value| value.to_string());
             let response = ui.add(button);
             if let Some(copied) = copied {
                 let mut hint = format!("Click to copy: {copied}");
                 if let (Kind::Distance, [a, b]) = (measurement.kind, &measurement.points[..]) {
-                    let d = *b - *a;
+                    let d = (*b - *a).map(|way| lengths.converted(way, 1));
                     hint = format!("Along x, y, z: {} {} {}\n{hint}", d.x, d.y, d.z);
                 }
                 if response.on_hover_text(hint).clicked() {
@@ -117,10 +155,17 @@ fn size(ui: &mut Ui, state: &State) {
     let Some(document) = &state.document else {
         return;
     };
+    let lengths = state.lengths();
     let numbers = |size: raycast_core::glam::DVec3| {
-        let [x, y, z] = size.to_array().map(format::length);
-        format!("{x} × {y} × {z}")
+        let sides = size.to_array().map(|side| lengths.converted(side, 1));
+        let [x, y, z] = sides.map(format::length);
+        format!("{x} × {y} × {z}{}", lengths.suffix(1))
     };
+    let told = |value: f64, power| {
+        let number = format::length(lengths.converted(value, power));
+        format!("{number}{}", lengths.suffix(power))
+    };
+    let name = lengths.name();
     let scene = &document.scene;
     let marked = state.selected.and_then(|number| {
         let object = scene.objects.get(number)?;
@@ -133,8 +178,9 @@ fn size(ui: &mut Ui, state: &State) {
     ui.add_space(2.0);
     let Some((number, object, world_from_object)) = marked else {
         if !document.bounds.is_empty() {
-            let hint = "Of the box around all that is visible, along x, y and z, in scene units";
-            fact(ui, "Scene's box", hint, &numbers(document.bounds.size()));
+            let hint =
+                format!("Of the box around all that is visible, along x, y and z, in {name}");
+            fact(ui, "Scene's box", &hint, &numbers(document.bounds.size()));
         }
         ui.weak("Mark an object for its area and volume");
         return;
@@ -148,10 +194,10 @@ fn size(ui: &mut Ui, state: &State) {
         ui.weak("It has no triangle that can be seen");
         return;
     }
-    let hint = "Of the box around it, along x, y and z, in scene units";
-    fact(ui, "Box", hint, &numbers(size.bounds.size()));
-    let hint = "Of all its triangles, in square scene units";
-    fact(ui, "Area", hint, &format::length(size.area));
+    let hint = format!("Of the box around it, along x, y and z, in {name}");
+    fact(ui, "Box", &hint, &numbers(size.bounds.size()));
+    let hint = format!("Of all its triangles, in square {name}");
+    fact(ui, "Area", &hint, &told(size.area, 2));
     let is_closed = state
         .inspection
         .of(scene, number)
@@ -159,16 +205,18 @@ fn size(ui: &mut Ui, state: &State) {
     let (volume, hint) = match is_closed {
         Some(false) => (
             "none: it is open".to_owned(),
-            "An open mesh encloses nothing: see Health for its open edges",
+            "An open mesh encloses nothing: see Health for its open edges".to_owned(),
         ),
         Some(true) => (
-            format::length(size.volume.abs()),
-            "What it encloses, in cubic scene units",
+            told(size.volume.abs(), 3),
+            format!("What it encloses, in cubic {name}"),
         ),
         None => (
-            format!("{} if closed", format::length(size.volume.abs())),
-            "What it encloses, in cubic scene units, if it is closed: Health tells whether it is",
+            format!("{} if closed", told(size.volume.abs(), 3)),
+            format!(
+                "What it encloses, in cubic {name}, if it is closed: Health tells whether it is"
+            ),
         ),
     };
-    fact(ui, "Volume", hint, &volume);
+    fact(ui, "Volume", &hint, &volume);
 }

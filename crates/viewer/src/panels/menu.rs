@@ -4,7 +4,7 @@ use super::Commands;
 use super::widgets::item;
 use crate::state::State;
 use crate::state::command::Command;
-use crate::ui::registry::{ACTIONS, Menu};
+use crate::ui::registry::{Menu, actions};
 use egui::{Button, MenuBar, Ui};
 use raycast_report::cases::{self, CaseTheme};
 
@@ -14,7 +14,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
         for menu in Menu::ALL {
             ui.menu_button(menu.name(), |ui| {
                 ui.set_min_width(190.0);
-                for action in ACTIONS.iter().filter(|action| action.menu == menu) {
+                for action in actions().filter(|action| action.menu == menu) {
                     if action.is_first_of_group {
                         ui.separator();
                     }

@@ -10,6 +10,7 @@ mod help;
 mod highlight;
 mod legend;
 mod look;
+mod manipulator;
 mod marks;
 mod measure;
 mod menu;

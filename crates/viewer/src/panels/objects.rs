@@ -5,7 +5,7 @@ use super::{Commands, transform};
 use crate::state::State;
 use crate::state::command::Command;
 use crate::ui::format;
-use crate::ui::registry::{ACTIONS, action};
+use crate::ui::registry::{self, action, actions};
 use crate::ui::theme;
 use egui::{Align, Button, Id, Key, Layout, RichText, ScrollArea, Sense, TextEdit, Ui, vec2};
 use raycast_core::scene::{Color, ColorRule, Object};
@@ -117,7 +117,7 @@ fn object_row(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &
                         out.push(Command::Select(Some(number)));
                     }
                     response.context_menu(|ui| {
-                        for action in ACTIONS.iter().filter(|a| a.id.starts_with("object.")) {
+                        for action in actions().filter(|a| a.id.starts_with("object.")) {
                             item(ui, state, action, out);
                         }
                     });
@@ -178,7 +178,7 @@ fn padlock(ui: &mut Ui, spoken: &str) -> bool {
     let shackle = egui::Rect::from_center_size(middle - vec2(0.0, 2.0), vec2(6.0, 8.0));
     let stroke = egui::Stroke::new(1.4, color);
     painter.rect_stroke(shackle, 3.0, stroke, egui::StrokeKind::Middle);
-    let hint = format!("{spoken} (L, where it is marked): it is kept as it is");
+    let hint = format!("{spoken}: it is kept as it is");
     response.on_hover_text(hint).clicked()
 }
 
@@ -266,7 +266,10 @@ fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut 
                 response.widget_info(|| {
                     egui::WidgetInfo::labeled(egui::Role::Button, true, "Load its texture")
                 });
-                if response.on_hover_text(load.hint()).clicked() {
+                if response
+                    .on_hover_text(registry::hint(ui.ctx(), load.id))
+                    .clicked()
+                {
                     out.push((load.command)(state));
                 }
             });
@@ -296,7 +299,10 @@ fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut 
             let is_on = action.is_on.is_some_and(|is_on| is_on(state));
             let button = Button::new(action.name).small().selected(is_on);
             let response = ui.add_enabled((action.applies)(state), button);
-            if response.on_hover_text(action.hint()).clicked() {
+            if response
+                .on_hover_text(registry::hint(ui.ctx(), action.id))
+                .clicked()
+            {
                 out.push((action.command)(state));
             }
         }

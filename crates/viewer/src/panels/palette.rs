@@ -3,7 +3,7 @@
 use super::Commands;
 use crate::state::command::Command;
 use crate::state::{Palette, State};
-use crate::ui::registry::{self, Action};
+use crate::ui::registry::{self, Action, Keymap};
 use crate::ui::theme;
 use egui::{Align2, Area, Button, Frame, Id, Key, Order, RichText, ScrollArea, TextEdit, Ui, vec2};
 
@@ -66,6 +66,7 @@ fn contents(ui: &mut Ui, state: &State, palette: &Palette, room: f32, out: &mut 
     if found.is_empty() {
         ui.weak("No command has such a name");
     }
+    let keymap = Keymap::of(ui.ctx());
     ScrollArea::vertical()
         .max_height(room)
         .auto_shrink([false, true])
@@ -73,7 +74,7 @@ fn contents(ui: &mut Ui, state: &State, palette: &Palette, room: f32, out: &mut 
             for (number, action) in found.iter().enumerate() {
                 let name = RichText::new(action.name);
                 let quiet = theme::colors(ui).quiet;
-                let key = RichText::new(action.key()).color(quiet);
+                let key = RichText::new(keymap.key(action)).color(quiet);
                 let menu = RichText::new(action.menu.name()).color(quiet).small();
                 let button = Button::new((name, menu))
                     .selected(number == marked)

@@ -6,6 +6,7 @@ use crate::state::command::Command;
 use crate::state::viewpoint::fov_range;
 use crate::state::{Resolution, SAMPLES_LIMIT, State};
 use crate::ui::format;
+use crate::ui::registry::{self, action};
 use egui::Ui;
 use raycast_core::camera::{FrameLock, Panorama, Projection};
 
@@ -136,27 +137,15 @@ fn step(ui: &mut Ui, state: &State, out: &mut Commands) {
             };
             out.extend(number.show(ui, label).map(Command::SetStep));
             let side = egui::vec2(24.0, 0.0);
-            for (name, spoken, hint, factor) in [
-                (
-                    "÷2",
-                    "Halve the step",
-                    "Half the step: denser rays (+)",
-                    0.5,
-                ),
-                (
-                    "×2",
-                    "Double the step",
-                    "Double the step: sparser rays (−)",
-                    2.0,
-                ),
-            ] {
+            for (name, id) in [("÷2", "look.denser"), ("×2", "look.sparser")] {
+                let action = action(id);
                 let response = ui
                     .add(egui::Button::new(name).min_size(side))
-                    .on_hover_text(hint);
-                response
-                    .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, spoken));
+                    .on_hover_text(registry::hint(ui.ctx(), id));
+                let role = egui::Role::Button;
+                response.widget_info(|| egui::WidgetInfo::labeled(role, true, action.name));
                 if response.clicked() {
-                    out.push(Command::ScaleStep(factor));
+                    out.push((action.command)(state));
                 }
             }
         },
@@ -168,12 +157,12 @@ const PROJECTIONS: [(Projection, &str, &str); 9] = [
     (
         Projection::Perspective,
         "Perspective",
-        "All rays from the eye (5 switches)",
+        "All rays from the eye",
     ),
     (
         Projection::Orthographic,
         "Orthographic",
-        "Rays side by side (5 switches)",
+        "Rays side by side",
     ),
     (
         Projection::Panoramic(Panorama::Equirectangular),

@@ -5,6 +5,7 @@ use super::widgets::{Number, choice, row};
 use crate::state::State;
 use crate::state::command::Command;
 use crate::state::turn::Turning;
+use crate::ui::registry::{self, action};
 use egui::{Button, Ui, vec2};
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{Object, Transform};
@@ -44,6 +45,32 @@ pub(super) fn show(ui: &mut Ui, state: &State, number: usize, object: &Object, o
             put(Transform { scale, ..transform });
         }
         turn(ui, state, number, out);
+    });
+    handles(ui, state, out);
+}
+
+/// Handles in the picture that do the same.
+fn handles(ui: &mut Ui, state: &State, out: &mut Commands) {
+    row(ui, "Handles", "Handles in the picture, to drag", |ui, _| {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        let width = (ui.available_width() - 4.0) / 3.0;
+        for (name, id) in [
+            ("Move", "object.move"),
+            ("Turn", "object.turn"),
+            ("Scale", "object.scale"),
+        ] {
+            let action = action(id);
+            let is_on = action.is_on.is_some_and(|is_on| is_on(state));
+            let button = Button::new(name).selected(is_on).min_size(vec2(width, 0.0));
+            let response = ui.add_enabled((action.applies)(state), button);
+            response.widget_info(|| {
+                egui::WidgetInfo::selected(egui::Role::Button, true, is_on, action.name)
+            });
+            let hint = registry::hint(ui.ctx(), id);
+            if response.on_hover_text(hint).clicked() {
+                out.push((action.command)(state));
+            }
+        }
     });
 }
 

@@ -1,7 +1,7 @@
 //! The picture, and the mouse over it.
 
 use super::overlay::TileOverlay;
-use super::{Commands, cut, gizmo, highlight, legend, marks};
+use super::{Commands, cut, gizmo, highlight, legend, manipulator, marks};
 use crate::state::{Resolution, State};
 use crate::ui::canvas::Canvas;
 use crate::ui::input;
@@ -66,10 +66,12 @@ pub fn show(
     let place = |(x, y): (f64, f64)| rect.min + vec2((x / scale) as f32, (y / scale) as f32);
     highlight::show(&painter, state, place);
     marks::show(&painter, state, place);
+    let is_taken = manipulator::show(ui, &response, state, scale, (&at, &place), out);
     out.extend(input::mouse(
         ui,
         &response,
         (state.preferences.mouse, state.walk.is_some()),
+        !is_taken,
         scale,
         at,
     ));
@@ -77,6 +79,7 @@ pub fn show(
     gizmo::show(ui, room, state, out);
     cut::handles(ui, room, state, place, out);
     if response.dragged()
+        && !is_taken
         && let Some(camera) = state.camera()
         && let Some(pivot) = camera.project(state.viewpoint.orbit.pivot)
     {
@@ -92,7 +95,7 @@ pub fn show(
     let hover = response.hover_pos().map(at).filter(|&(x, y)| {
         (0.0..f64::from(columns)).contains(&x) && (0.0..f64::from(rows)).contains(&y)
     });
-    if response.dragged() {
+    if response.dragged() && !is_taken {
         ui.ctx().set_cursor_icon(egui::CursorIcon::Grabbing);
     }
     PicturePlace { pixels, hover }

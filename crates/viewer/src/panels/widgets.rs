@@ -3,7 +3,7 @@
 use super::Commands;
 use crate::state::State;
 use crate::ui::format;
-use crate::ui::registry::Action;
+use crate::ui::registry::{Action, Keymap};
 use crate::ui::theme;
 use egui::{Button, CollapsingHeader, DragValue, Id, Response, RichText, Ui, vec2};
 use raycast_core::scene::Color;
@@ -24,7 +24,7 @@ pub(super) fn item(ui: &mut Ui, state: &State, action: &Action, out: &mut Comman
     if let Some(what) = what {
         name = format!("{name}: {what}");
     }
-    let mut button = Button::new(name).shortcut_text(action.key());
+    let mut button = Button::new(name).shortcut_text(Keymap::of(ui.ctx()).key(action));
     if let Some(is_on) = action.is_on {
         button = button.selected(is_on(state));
     }

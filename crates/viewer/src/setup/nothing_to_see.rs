@@ -1,4 +1,4 @@
-use super::reasons;
+use super::dropped::reasons;
 use crate::failure::{Failure, Reason};
 use raycast_core::scene::Dropped;
 

@@ -38,7 +38,7 @@ pub(super) fn copy(state: &mut State) -> Option<Effect> {
     }
     if !is_on_disk || document.paths.is_empty() {
         let message = "No command can make this picture: its meshes are in the program, and in no file. Open \
-                       meshes from files (Ctrl+O) first.";
+                       meshes from files (File, Open) first.";
         state.report(message.to_owned());
         return None;
     }

@@ -1,6 +1,7 @@
 //! What a person can ask for. Panels and keys make commands; `update` carries them out.
 
 use super::cut::PlaneBy;
+use super::handle::{Handle, Tool};
 use super::inspection::Shown;
 use super::measure::Kind;
 use super::preferences::{Mouse, Theme};
@@ -9,6 +10,7 @@ use super::viewpoint::StandardView;
 use super::{Answer, PromptKind, Tint};
 use raycast_core::Cull;
 use raycast_core::camera::{FrameLock, Grid, Projection};
+use raycast_core::formats::LengthUnit;
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{ClippingPlane, Color, ColorRule, ColorScale, Transform};
 use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
@@ -177,6 +179,27 @@ pub enum Command {
     /// How objects are turned and scaled.
     SetTurning(Turning),
 
+    /// What the handles in the picture do to the marked object; there are none, for `None`.
+    SetManipulator(Option<Tool>),
+    /// Take hold of a handle.
+    GrabHandle {
+        /// Which.
+        handle: Handle,
+        /// At this place.
+        at: (f64, f64),
+        /// How long the handles are, in pixels of the picture.
+        length: f64,
+    },
+    /// Bring the handle that is held to a place.
+    DragHandle {
+        /// The place.
+        to: (f64, f64),
+        /// Whether it comes to round numbers alone.
+        snaps: bool,
+    },
+    /// Let go of it.
+    ReleaseHandle,
+
     /// Cut away what is before a new plane.
     AddPlane(PlaneBy),
     /// Put another clipping plane in the place of one, by its place in the list.
@@ -188,6 +211,8 @@ pub enum Command {
 
     /// What clicks on the picture measure; nothing, if they pick.
     SetTool(Option<Kind>),
+    /// In which unit lengths are told; in that of the files, for `None`.
+    SetUnit(Option<LengthUnit>),
     /// Whether measured points snap to vertices.
     SetSnaps(bool),
     /// Take back the last point of what is being measured.
@@ -278,6 +303,10 @@ pub enum Command {
     TogglePanel,
     /// Show or hide the keys.
     ToggleHelp,
+    /// Open the file that changes keys, in the desktop's editor.
+    OpenKeysFile,
+    /// Read that file again.
+    ReloadKeys,
     /// Show or hide the list of all commands.
     TogglePalette,
     /// What was typed there.

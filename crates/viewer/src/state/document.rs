@@ -2,6 +2,7 @@
 
 use raycast_core::Accel;
 use raycast_core::camera::CameraPath;
+use raycast_core::formats::LengthUnit;
 use raycast_core::scene::{Bounds, Scene};
 use raycast_core::shade::Shading;
 use std::path::PathBuf;
@@ -21,6 +22,8 @@ pub struct Document {
     pub opened: Vec<PathBuf>,
     /// The scene file that it came from or was saved as.
     pub file: Option<PathBuf>,
+    /// The unit that its files say their coordinates are in.
+    pub unit: Option<LengthUnit>,
     /// The camera's keyframes, which are saved as they were read.
     pub animation: Option<CameraPath>,
     /// The shading that its files tell.
@@ -52,6 +55,7 @@ impl Document {
             paths: Vec::new(),
             opened: Vec::new(),
             file: None,
+            unit: None,
             animation: None,
             shading: None,
             read: Arc::clone(&scene),

@@ -58,10 +58,30 @@ pub enum Effect {
         /// Whether another file may be there.
         replace: bool,
     },
+    /// Write the outline that a clipping plane cuts, likewise.
+    SaveOutline {
+        /// Which plane.
+        plane: usize,
+        /// Where.
+        path: PathBuf,
+        /// Whether another file may be there.
+        replace: bool,
+    },
     /// Work out the size of an object.
     Weigh(usize),
     /// Look objects over.
     Check(Vec<usize>),
+    /// Open the file that changes keys in the desktop's editor; write one that changes nothing if there is none.
+    OpenKeysFile,
+    /// Read the file that changes keys.
+    ReadKeysFile,
+    /// Give commands the keys that this text says; tell how many have others, if a person has `asked`.
+    SetKeys {
+        /// What the file says; nothing, if there is none.
+        text: String,
+        /// Whether a person wants to know that it was read.
+        asked: bool,
+    },
     /// Put text on the clipboard.
     Copy(String),
     /// Close the window.

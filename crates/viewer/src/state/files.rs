@@ -4,18 +4,15 @@ use super::as_command;
 use super::effect::{Effect, Keep};
 use super::names::suggested_name;
 use super::{Answer, Pending, Prompt, PromptKind, Replacing, State};
+use raycast_core::formats::DrawingFormat;
 use raycast_core::picture::Format;
 use std::path::{Path, PathBuf};
 
 /// Opens the path line, and the desktop's dialog.
 pub(super) fn ask(state: &mut State, kind: PromptKind) -> Effect {
-    let text = match kind {
-        PromptKind::Picture | PromptKind::Scene | PromptKind::Measurements => {
-            suggested_name(state, kind)
-        }
-        PromptKind::Open | PromptKind::Add | PromptKind::Texture | PromptKind::TextureOf(_) => {
-            String::new()
-        }
+    let text = match kind.saves() {
+        true => suggested_name(state, kind),
+        false => String::new(),
     };
     state.palette = None;
     state.prompt = Some(Prompt {
@@ -56,6 +53,7 @@ pub(super) fn take(
         PromptKind::Picture => save_picture(state, paths.pop()?, asked),
         PromptKind::Scene => save_scene_as(state, paths.pop()?, asked),
         PromptKind::Measurements => Some(save_measurements(state, paths.pop()?, asked)),
+        PromptKind::Outline(plane) => save_outline(state, plane, paths.pop()?, asked),
         PromptKind::Texture | PromptKind::TextureOf(_) => {
             state.prompt = None;
             let which = match kind {
@@ -142,7 +140,7 @@ pub(super) fn save_scene(state: &mut State) -> Option<Effect> {
             "There is no object to save."
         } else {
             "This scene cannot be saved: its meshes are in the program, and in no file that a scene file \
-             could name. Open meshes from files (Ctrl+O) to make a scene of them."
+             could name. Open meshes from files (File, Open) to make a scene of them."
         };
         state.report(message.to_owned());
         return None;
@@ -191,6 +189,7 @@ pub(super) fn replace(state: &mut State) -> Option<Effect> {
     match by {
         PromptKind::Scene => save_scene_as(state, path, true),
         PromptKind::Measurements => Some(save_measurements(state, path, true)),
+        PromptKind::Outline(plane) => save_outline(state, plane, path, true),
         _ => save_picture(state, path, true),
     }
 }
@@ -203,6 +202,31 @@ fn save_measurements(state: &mut State, mut path: PathBuf, replace: bool) -> Eff
         path.set_extension("csv");
     }
     Effect::SaveMeasurements { path, replace }
+}
+
+/// Saves the outline that a clipping plane cuts; a name without an ending gets one, and one that is not known is told
+/// while it can still be changed.
+fn save_outline(
+    state: &mut State,
+    plane: usize,
+    mut path: PathBuf,
+    replace: bool,
+) -> Option<Effect> {
+    if path.extension().is_none() {
+        path.set_extension("svg");
+    }
+    if DrawingFormat::from_name(&path.to_string_lossy()).is_none() {
+        let name = path.display();
+        state.report(format!("{name}: expected a name that ends in .svg or .dxf"));
+        return None;
+    }
+    state.prompt = None;
+    state.replacing = None;
+    Some(Effect::SaveOutline {
+        plane,
+        path,
+        replace,
+    })
 }
 
 /// Notes that files were opened by a person.

@@ -1,6 +1,7 @@
 //! Distances, angles and radii between points of the scene.
 
 use super::State;
+use super::lengths::Lengths;
 use super::pick::Pick;
 use raycast_core::glam::DVec3;
 use raycast_core::math;
@@ -96,6 +97,15 @@ impl Measurement {
         }
     }
 
+    /// The same length in the unit that lengths are told in; an angle as it is.
+    pub fn told(&self, lengths: &Lengths) -> Option<f64> {
+        let value = self.value()?;
+        Some(match self.kind {
+            Kind::Angle => value,
+            _ => lengths.converted(value, 1),
+        })
+    }
+
     /// The circle through three points; `None` where they are on a line.
     pub fn circle(&self) -> Option<Circle> {
         let (Kind::Radius, &[a, b, c]) = (self.kind, &self.points[..]) else {
@@ -140,15 +150,16 @@ impl Default for Measuring {
 }
 
 impl Measuring {
-    /// All that was measured as comma-separated values, a measurement a line, numbers with all their digits.
-    pub fn csv(&self) -> String {
+    /// All that was measured as comma-separated values, a measurement a line, numbers with all their digits. Points
+    /// are in the scene's coordinates.
+    pub fn csv(&self, lengths: &Lengths) -> String {
         let mut text = "number,kind,value,unit,points\n".to_owned();
         for (number, measurement) in (1..).zip(&self.list) {
-            let value = measurement.value();
+            let value = measurement.told(lengths);
             let value = value.map_or_else(String::new, |value| value.to_string());
             let unit = match measurement.kind {
                 Kind::Angle => "degrees",
-                _ => "scene units",
+                _ => lengths.symbol(),
             };
             let points: Vec<_> = measurement
                 .points
@@ -291,7 +302,7 @@ mod tests {
         measuring.add(DVec3::new(0.1, 1.0, 0.0));
         measuring.end_path();
         assert_eq!(
-            measuring.csv(),
+            measuring.csv(&Lengths::default()),
             "number,kind,value,unit,points\n1,Distance,1,scene units,0 0 0; 1 0 0\n\
              2,Path,0.1,scene units,0 1 0; 0.1 1 0\n"
         );

@@ -11,9 +11,12 @@ pub mod cut;
 pub mod document;
 pub mod effect;
 mod files;
+pub mod handle;
 pub mod history;
 mod inspect;
 pub mod inspection;
+pub mod lengths;
+pub mod manipulator;
 pub mod measure;
 pub mod motion;
 mod names;
@@ -33,6 +36,7 @@ pub use session::{Answer, Palette, Pending, Prompt, PromptKind, Replacing, Toast
 use document::Document;
 use history::{History, Snapshot};
 use inspection::Inspection;
+use manipulator::Manipulating;
 use measure::Measuring;
 use motion::{Motion, Trail};
 use pick::{Pick, Pinned};
@@ -134,6 +138,8 @@ pub struct State {
     pub locked: Arc<Vec<bool>>,
     /// How objects are turned and scaled.
     pub turning: Turning,
+    /// The handles in the picture.
+    pub manipulating: Manipulating,
     /// The object whose name is being typed.
     pub naming: Option<usize>,
     /// What is being measured, and what was.
@@ -205,6 +211,7 @@ impl Default for State {
             selected: None,
             locked: Arc::default(),
             turning: Turning::default(),
+            manipulating: Manipulating::default(),
             naming: None,
             measuring: Measuring::default(),
             cutting: None,

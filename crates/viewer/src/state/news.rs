@@ -6,6 +6,7 @@ use super::effect::{Effect, Keep};
 use super::files;
 use super::history::{History, Renewed};
 use super::inspection::{Checked, Inspection, Sized};
+use super::manipulator;
 use super::measure::Measuring;
 use super::navigate;
 use super::objects;
@@ -14,7 +15,7 @@ use super::plane;
 use super::viewpoint::{DEFAULT_FOV, Viewpoint};
 use super::{Pending, PromptKind, Replacing, Resolution, SAMPLES_LIMIT, State};
 use raycast_core::camera::{Orbit, Projection};
-use raycast_core::formats::CameraFile;
+use raycast_core::formats::{CameraFile, LengthUnit};
 use raycast_core::picture::Recipe;
 use raycast_core::render::Settings;
 use raycast_core::scene::{ClippingPlanes, Object, Scene, Texture};
@@ -35,6 +36,8 @@ pub enum News {
         objects: Vec<Object>,
         /// Every file that was read for them.
         opened: Vec<PathBuf>,
+        /// The unit that they say their coordinates are in.
+        unit: Option<LengthUnit>,
         /// The files that were asked for.
         paths: Vec<PathBuf>,
         /// What could be read only in part.
@@ -62,6 +65,15 @@ pub enum News {
     SceneSaved(PathBuf, u64),
     /// It was not: a file is there.
     Taken(Replacing),
+    /// The file that changes keys was read; because a person `asked` for it, or as the window opened.
+    Keys {
+        /// What it says; nothing, if there is none.
+        text: String,
+        /// Whether a person wants to know.
+        asked: bool,
+    },
+    /// Something was done: a short message.
+    Done(String),
     /// Something could not be done: the whole message.
     Failed(String),
     /// The scene could not be written: the whole message.
@@ -129,6 +141,7 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
         News::Added {
             objects,
             opened,
+            unit,
             paths,
             notes,
             errors,
@@ -139,6 +152,8 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
             errors.into_iter().for_each(|error| state.report(error));
             if let Some(document) = &mut state.document {
                 document.opened.extend(opened);
+                // Of two units neither is the scene's.
+                document.unit = document.unit.filter(|own| unit == Some(*own));
             }
             return change(state, "Add", |state| {
                 objects::edit(state, |all| {
@@ -212,6 +227,8 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
             state.after_saving = None;
             state.report(message);
         }
+        News::Keys { text, asked } => return Some(Effect::SetKeys { text, asked }),
+        News::Done(message) => state.tell(message),
         News::Failed(message) => state.report(message),
         News::Changed(path) => {
             let name = path
@@ -222,7 +239,9 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
                 return None;
             }
             if state.has_unsaved() && !files::keeps_changes(state) {
-                state.tell(format!("{name} has changed on the disk: F5 reads it again"));
+                state.tell(format!(
+                    "{name} has changed on the disk: File, Reload reads it again"
+                ));
                 return None;
             }
             return files::proceed(state, Pending::Reload);
@@ -238,6 +257,8 @@ fn change(
     name: &'static str,
     change: impl FnOnce(&mut State) -> Option<Effect>,
 ) -> Option<Effect> {
+    // A drag is a step of its own.
+    manipulator::release(state);
     let before = state.snapshot();
     let effect = change(state);
     let now = state.now;
@@ -297,6 +318,7 @@ fn show(state: &mut State, loaded: Loaded) {
     state.inspection = Inspection::default();
     state.hover = None;
     state.pinned = None;
+    state.manipulating.drag = None;
     state.naming = None;
     state.selected = state.selected.filter(|_| keeps_all);
     state.typed = None;

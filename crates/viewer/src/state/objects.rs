@@ -50,7 +50,7 @@ pub(super) fn is_free(state: &mut State, which: usize) -> bool {
     let is_free = !state.is_locked(which);
     if !is_free && let Some(document) = &state.document {
         let name = document.scene.objects.get(which).map_or("It", |o| &o.name);
-        let text = format!("{name} is locked: L unlocks it");
+        let text = format!("{name} is locked: Edit, Lock unlocks it");
         state.tell(text);
     }
     is_free

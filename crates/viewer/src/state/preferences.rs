@@ -1,5 +1,6 @@
 //! How a person likes to work: kept from one session to the next, never part of a scene.
 
+use raycast_core::formats::LengthUnit;
 use std::path::{Path, PathBuf};
 
 /// The most files that are remembered as opened.
@@ -48,6 +49,8 @@ pub struct Preferences {
     pub refine: bool,
     /// Whether files that change are read again.
     pub watch: bool,
+    /// In which unit lengths are told; in that of the files, for `None`.
+    pub unit: Option<LengthUnit>,
     /// Files that were opened, newest first.
     pub recent: Vec<PathBuf>,
     /// Views that were kept, as options of the command line: for each file, the newest first.
@@ -63,6 +66,7 @@ impl Default for Preferences {
             smooth: true,
             refine: true,
             watch: true,
+            unit: None,
             recent: Vec::new(),
             views: Vec::new(),
         }

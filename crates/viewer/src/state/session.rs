@@ -16,10 +16,22 @@ pub enum PromptKind {
     Scene,
     /// Where to save what was measured.
     Measurements,
+    /// Where to save the outline that this clipping plane cuts.
+    Outline(usize),
     /// A texture for every object.
     Texture,
     /// A texture for this object.
     TextureOf(usize),
+}
+
+impl PromptKind {
+    /// Whether it asks for a file to write, and suggests a name.
+    pub fn saves(self) -> bool {
+        match self {
+            Self::Picture | Self::Scene | Self::Measurements | Self::Outline(_) => true,
+            Self::Open | Self::Add | Self::Texture | Self::TextureOf(_) => false,
+        }
+    }
 }
 
 /// A line for a path, shown over the picture.
@@ -66,7 +78,7 @@ pub enum Answer {
 pub struct Replacing {
     /// Which.
     pub path: PathBuf,
-    /// By what: a picture, a scene or measurements.
+    /// By what: a picture, a scene, measurements or an outline.
     pub by: PromptKind,
 }
 

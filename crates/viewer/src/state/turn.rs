@@ -58,7 +58,8 @@ pub fn axis_in(world_from_parent: &DAffine3, axis: DVec3) -> DVec3 {
     inner.try_normalize().unwrap_or(axis)
 }
 
-fn rotation(degrees: DVec3) -> DMat3 {
+/// The rotation by angles about x, then y, then z in degrees.
+pub(super) fn rotation(degrees: DVec3) -> DMat3 {
     let turn = Transform {
         rotate: degrees,
         ..Transform::IDENTITY

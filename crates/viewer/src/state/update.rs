@@ -2,6 +2,7 @@
 
 use super::command::Command;
 use super::effect::Effect;
+use super::manipulator;
 use super::measure::Kind;
 use super::pick::Pinned;
 use super::viewpoint::fov_range;
@@ -16,7 +17,13 @@ pub use super::names::suggested_name;
 
 /// Carries out one command. What changes the document can be undone.
 pub fn update(state: &mut State, command: Command) -> Option<Effect> {
-    let Some((name, goes_on)) = command.edit() else {
+    let edit = command.edit();
+    let is_step = edit.is_some() || matches!(command, Command::Undo | Command::Redo);
+    if is_step && state.manipulating.drag.is_some() {
+        // A drag is one step of its own.
+        manipulator::release(state);
+    }
+    let Some((name, goes_on)) = edit else {
         return carry_out(state, command);
     };
     let kind: Option<history::Kind> =
@@ -169,19 +176,33 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::Duplicate(which) => return objects::duplicate(state, which),
         Command::Delete(which) => return objects::delete(state, which),
 
+        Command::SetManipulator(tool) => {
+            state.cutting = None;
+            state.measuring.tool = None;
+            state.manipulating.tool = tool;
+        }
+        Command::GrabHandle { handle, at, length } => {
+            manipulator::grab(state, handle, at, length);
+        }
+        Command::DragHandle { to, snaps } => return manipulator::drag(state, to, snaps),
+        Command::ReleaseHandle => return manipulator::release(state),
+
         Command::AddPlane(by) => cut::add(state, by),
         Command::SetPlane(index, plane) => cut::set(state, index, plane),
         Command::RemovePlane(index) => cut::remove(state, index),
         Command::SetCutting(on) => {
             state.cutting = on.then(Vec::new);
             state.measuring.tool = None;
+            state.manipulating.tool = None;
         }
 
         Command::SetTool(tool) => {
             state.cutting = None;
             state.measuring.points.clear();
             state.measuring.tool = tool;
+            state.manipulating.tool = None;
         }
+        Command::SetUnit(unit) => state.preferences.unit = unit,
         Command::SetSnaps(on) => state.measuring.snaps = on,
         Command::TakePointBack => {
             state.measuring.points.pop();
@@ -240,6 +261,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
 
         Command::Ask(PromptKind::Picture) if state.document.is_none() => {}
         Command::Ask(PromptKind::Measurements) if state.measuring.list.is_empty() => {}
+        Command::Ask(PromptKind::Outline(plane)) if plane >= state.settings.clip.all().len() => {}
         Command::Ask(kind) => return Some(files::ask(state, kind)),
         Command::SetAdding(adding) => {
             if let Some(prompt) = &mut state.prompt {
@@ -308,6 +330,8 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
 
         Command::TogglePanel => state.panel = !state.panel,
         Command::ToggleHelp => state.help = !state.help,
+        Command::OpenKeysFile => return Some(Effect::OpenKeysFile),
+        Command::ReloadKeys => return Some(Effect::ReadKeysFile),
         Command::TogglePalette => {
             state.palette = match state.palette {
                 Some(_) => None,
@@ -319,6 +343,9 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             if let Some(palette) = &mut state.palette {
                 palette.marked = marked;
             }
+        }
+        Command::Dismiss if state.manipulating.drag.is_some() => {
+            return manipulator::cancel(state);
         }
         Command::Dismiss => dismiss(state),
         Command::DismissError(index) => {
@@ -370,6 +397,8 @@ fn dismiss(state: &mut State) {
         state.measuring.points.clear();
     } else if state.measuring.tool.is_some() {
         state.measuring.tool = None;
+    } else if state.manipulating.tool.is_some() {
+        state.manipulating.tool = None;
     } else if state.inspection.shown.is_some() {
         state.inspection.shown = None;
     } else {

@@ -1,15 +1,16 @@
 //! The picture as the window holds it: pixels in memory, and their copy on the graphics side.
 
-use super::pixels::{copy, few, part};
-use super::present::{Dirty, Presenter};
-use super::theme;
-use crate::worker::outbox::{Arrival, Batch, Layout, PassReport};
-use egui::{Color32, ColorImage, TextureHandle, TextureOptions};
+mod surface;
+
+use super::present::Presenter;
+use crate::worker::layout::Layout;
+use crate::worker::outbox::{Arrival, Batch, PassReport};
 use raycast_core::camera::Rect;
 use raycast_core::render::{Pass, TileStats};
 use raycast_core::shade::{Background, Legend};
 use std::sync::Arc;
 use std::time::Duration;
+use surface::Surface;
 
 /// What is known of one tile of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,28 +51,10 @@ pub struct PictureProgress {
     pub elapsed: Duration,
 }
 
-/// How the picture gets to the window in this frame.
-#[derive(Clone, Copy, Default)]
-enum Shown {
-    /// Not at all.
-    #[default]
-    Not,
-    /// By the [`Presenter`].
-    Copied,
-    /// As a texture.
-    Painted,
-}
-
 /// Pixels, what is known of the tiles, and the texture.
 #[derive(Default)]
 pub struct Canvas {
-    image: Arc<ColorImage>,
-    /// Whether pixels hold blue first, for the [`Presenter`], in place of red.
-    blue_first: bool,
-    presenter: Option<Presenter>,
-    texture: Option<TextureHandle>,
-    dirty: Dirty,
-    shown: Shown,
+    surface: Surface,
     generation: u64,
     layout: Arc<Layout>,
     notes: Vec<Option<TileNote>>,
@@ -85,14 +68,14 @@ impl Canvas {
     /// A canvas that copies its picture to the window where it can.
     pub fn with_presenter(presenter: Option<Presenter>) -> Self {
         Self {
-            presenter,
+            surface: Surface::with_presenter(presenter),
             ..Self::default()
         }
     }
 
     /// Columns and rows of what is shown; zero before the first picture.
     pub fn size(&self) -> (u32, u32) {
-        (self.image.width() as u32, self.image.height() as u32)
+        self.surface.size()
     }
 
     /// Which request the picture is of.
@@ -122,10 +105,8 @@ impl Canvas {
     /// Forgets the picture: another scene is coming, and nothing older than `generation` is shown.
     pub fn clear(&mut self, generation: u64) {
         self.generation = generation;
-        let nothing = self.nothing();
-        Arc::make_mut(&mut self.image).pixels.fill(nothing);
+        self.surface.clear();
         self.notes.fill(None);
-        self.dirty = Dirty::All;
         self.progress = PictureProgress::default();
     }
 
@@ -138,7 +119,7 @@ impl Canvas {
         if batch.generation > self.generation || self.size() != batch.layout.size {
             self.generation = batch.generation;
             self.progress = PictureProgress::default();
-            self.resize(batch.layout.size);
+            self.surface.resize(batch.layout.size);
         }
         if !Arc::ptr_eq(&self.layout, &batch.layout) {
             self.notes = vec![None; batch.layout.tiles.len()];
@@ -160,12 +141,9 @@ impl Canvas {
             }
             let empty = note.and_then(|note| note.empty);
             // A moving camera sees much of nothing, which stays as it is.
-            if empty.is_none() || empty != new.empty {
-                let image = Arc::make_mut(&mut self.image);
-                if !copy(image, &arrival.tile, self.blue_first) {
-                    continue;
-                }
-                self.dirty.add(arrival.tile.rect);
+            let is_new = empty.is_none() || empty != new.empty;
+            if is_new && !self.surface.put(&arrival.tile) {
+                continue;
             }
             *note = Some(new);
             self.progress.pass = Some(arrival.pass);
@@ -179,128 +157,31 @@ impl Canvas {
         self.notes_version += 1;
     }
 
-    /// A picture of another size starts from the last one, scaled, so that nothing flashes.
-    fn resize(&mut self, (columns, rows): (u32, u32)) {
-        let (old_columns, old_rows) = self.size();
-        if (columns, rows) == (old_columns, old_rows) {
-            return;
-        }
-        let mut image = ColorImage::filled([columns as usize, rows as usize], self.nothing());
-        if old_columns > 0 && old_rows > 0 && columns > 0 {
-            let source = |at: usize, new: u32, old: u32| at * old as usize / new as usize;
-            let from: Vec<_> = (0..columns as usize)
-                .map(|x| source(x, columns, old_columns))
-                .collect();
-            for (y, row) in image.pixels.chunks_exact_mut(columns as usize).enumerate() {
-                let start = source(y, rows, old_rows) * old_columns as usize;
-                for (pixel, &x) in row.iter_mut().zip(&from) {
-                    *pixel = self.image.pixels[start + x];
-                }
-            }
-        }
-        self.image = Arc::new(image);
-        self.dirty = Dirty::All;
-    }
-
     /// What shows the picture by copying its pixels as they are over `rect`, which is of their number;
     /// `None` where the window has no such way. To be followed by [`Canvas::hand_over`].
     pub fn copy_to(&mut self, rect: egui::Rect) -> Option<egui::Shape> {
-        let shape = self.presenter.as_ref()?.shape(rect);
-        self.arrange(true);
-        self.shown = Shown::Copied;
-        Some(shape)
-    }
-
-    /// Hands the picture over, with what has come since it was put into this frame: the last thing
-    /// before the frame is painted.
-    pub fn hand_over(&mut self) {
-        match (std::mem::take(&mut self.shown), &self.presenter) {
-            (Shown::Copied, Some(presenter)) => {
-                let dirty = std::mem::take(&mut self.dirty);
-                presenter.hand_over(Arc::clone(&self.image), dirty);
-            }
-            (Shown::Painted, _) => self.upload(),
-            _ => {}
-        }
-    }
-
-    /// A pixel of which nothing is known: clear, or what is behind it where nothing shows through.
-    fn nothing(&self) -> Color32 {
-        let [r, g, b, _] = theme::BACKDROP.to_array();
-        match (&self.presenter, self.blue_first) {
-            (None, _) => Color32::TRANSPARENT,
-            (Some(_), false) => theme::BACKDROP,
-            (Some(_), true) => Color32::from_rgb(b, g, r),
-        }
-    }
-
-    /// Orders each pixel's bytes.
-    fn arrange(&mut self, blue_first: bool) {
-        if self.blue_first != blue_first {
-            self.blue_first = blue_first;
-            self.dirty = Dirty::All;
-            for pixel in &mut Arc::make_mut(&mut self.image).pixels {
-                let [r, g, b, a] = pixel.to_array();
-                *pixel = Color32::from_rgba_premultiplied(b, g, r, a);
-            }
-        }
+        self.surface.copy_to(rect)
     }
 
     /// The texture that shows the picture, of its size: brought up to date by [`Canvas::hand_over`].
     /// `None` before the first picture.
     pub fn texture(&mut self, context: &egui::Context) -> Option<egui::TextureId> {
-        if self.image.pixels.is_empty() {
-            return None;
-        }
-        self.arrange(false);
-        self.shown = Shown::Painted;
-        let size = self.image.size;
-        if self.texture.as_ref().map(TextureHandle::size) != Some(size) {
-            let image = Arc::clone(&self.image);
-            self.texture = Some(context.load_texture("picture", image, OPTIONS));
-            self.dirty = Dirty::Nothing;
-        }
-        self.texture.as_ref().map(TextureHandle::id)
+        self.surface.texture(context)
     }
 
-    /// Brings the texture up to date: at most one transfer of the whole picture, or the few tiles
-    /// that are new.
-    fn upload(&mut self) {
-        let size = self.image.size;
-        let Some(texture) = self.texture.as_mut().filter(|of| of.size() == size) else {
-            return;
-        };
-        match std::mem::take(&mut self.dirty) {
-            Dirty::Nothing => {}
-            Dirty::Tiles(rects) if few(&rects, size) => {
-                for rect in rects {
-                    let corner = [rect.x as usize, rect.y as usize];
-                    texture.set_partial(corner, part(&self.image, rect), OPTIONS);
-                }
-            }
-            // All at once, shared, without a copy: and into the storage that is there.
-            _ => texture.set_partial([0, 0], Arc::clone(&self.image), OPTIONS),
-        }
-    }
-}
-
-/// Nearest: few rays show as the blocks that they are.
-const OPTIONS: TextureOptions = TextureOptions::NEAREST;
-
-impl Dirty {
-    fn add(&mut self, rect: Rect) {
-        match self {
-            Self::All => {}
-            Self::Nothing => *self = Self::Tiles(vec![rect]),
-            Self::Tiles(rects) => rects.push(rect),
-        }
+    /// Hands the picture over, with what has come since it was put into this frame: the last thing
+    /// before the frame is painted.
+    pub fn hand_over(&mut self) {
+        self.surface.hand_over();
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ui::present::Dirty;
     use crate::worker::outbox::Arrival;
+    use egui::Color32;
     use raycast_core::camera::Grid;
     use raycast_core::packet::CastCounts;
     use raycast_core::render::Tile;
@@ -347,7 +228,13 @@ mod tests {
     }
 
     fn values(canvas: &Canvas) -> Vec<u8> {
-        canvas.image.pixels.iter().map(|pixel| pixel.r()).collect()
+        canvas
+            .surface
+            .image
+            .pixels
+            .iter()
+            .map(|pixel| pixel.r())
+            .collect()
     }
 
     #[test]
@@ -367,6 +254,7 @@ mod tests {
         canvas.take_in(batch(1, (8, 4), &[0, 1], 10));
         assert!(
             canvas
+                .surface
                 .image
                 .pixels
                 .iter()
@@ -405,7 +293,7 @@ mod tests {
             batch.tiles[0].tile.stats.counts.hits = hits;
             canvas.take_in(batch);
             canvas.hand_over();
-            canvas.image.pixels[0].r()
+            canvas.surface.image.pixels[0].r()
         };
         let here = Background::default();
         let other = Background::Gradient(Color([1; 3]), Color([2; 3]));
@@ -489,14 +377,21 @@ mod tests {
         let id = canvas.texture(&context);
         assert!(id.is_some());
         canvas.take_in(batch(2, (64, 64), &[5], 20));
-        assert_eq!(canvas.dirty, Dirty::Tiles(vec![canvas.layout.tiles[5]]));
+        assert_eq!(
+            canvas.surface.dirty,
+            Dirty::Tiles(vec![canvas.layout.tiles[5]])
+        );
         assert_eq!(canvas.texture(&context), id);
-        assert_ne!(canvas.dirty, Dirty::Nothing, "more may come");
+        assert_ne!(canvas.surface.dirty, Dirty::Nothing, "more may come");
         canvas.hand_over();
-        assert_eq!(canvas.dirty, Dirty::Nothing);
+        assert_eq!(canvas.surface.dirty, Dirty::Nothing);
         canvas.take_in(batch(2, (64, 64), &[6], 20));
         canvas.hand_over();
-        assert_ne!(canvas.dirty, Dirty::Nothing, "this frame does not show it");
+        assert_ne!(
+            canvas.surface.dirty,
+            Dirty::Nothing,
+            "this frame does not show it"
+        );
         let delta = context.tex_manager().write().take_delta();
         assert_eq!(
             id.and_then(|id| delta.set.get(&id)).map(|sets| sets.len()),

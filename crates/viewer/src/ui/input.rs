@@ -1,6 +1,6 @@
 //! Keys and mouse to commands.
 
-use super::registry;
+use super::registry::{self, Keymap};
 use crate::state::State;
 use crate::state::command::Command;
 use crate::state::preferences::Mouse;
@@ -83,6 +83,7 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
     let in_menu = egui::Popup::is_any_open(context);
     let is_asked = state.question.is_some() || state.replacing.is_some();
     let walks = state.walk.is_some() && !typing && !is_asked;
+    let keymap = Keymap::of(context);
     let mut steps = None;
     let mut commands = context.input(|input| {
         let mut commands = Vec::new();
@@ -133,7 +134,7 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
             if is_asked || (is_arrow && is_in_controls && !modifiers.alt) {
                 continue;
             }
-            let of = |key| registry::pressed(state, typing, key, modifiers);
+            let of = |key| registry::pressed(&keymap, state, typing, key, modifiers);
             // Where digits are on the second level, as in France, the key counts, not what it types.
             let digit = physical_key.filter(|key| DIGITS.contains(key));
             commands.extend(of(key).or_else(|| digit.and_then(of)));
@@ -199,12 +200,14 @@ fn drag_of(habits: Mouse, button: egui::PointerButton, shift: bool, ctrl: bool) 
     }
 }
 
-/// Mouse over the picture to commands, by these habits, or those of who walks. `at` maps a point of the window to the picture's pixels,
-/// `scale` is how many of those a point of the window is wide.
+/// Mouse over the picture to commands, by these habits, or those of who walks; nothing by the left button, unless that
+/// `is_free`. `at` maps a point of the window to the picture's pixels, `scale` is how many of those a point of the
+/// window is wide.
 pub fn mouse(
     ui: &egui::Ui,
     response: &egui::Response,
     (habits, walks): (Mouse, bool),
+    is_free: bool,
     scale: f64,
     at: impl Fn(egui::Pos2) -> (f64, f64),
 ) -> Vec<Command> {
@@ -212,13 +215,16 @@ pub fn mouse(
     let mut commands = Vec::new();
     let shift = ui.input(|input| input.modifiers.shift);
     let command = ui.input(|input| input.modifiers.command);
+    let is_primary = response.dragged_by(Primary);
     if response.drag_started()
+        && (is_free || !is_primary)
         && let Some(origin) = ui.input(|input| input.pointer.press_origin())
     {
         commands.push(Command::Grab { at: at(origin) });
     }
     let drags = [Primary, Middle, Secondary].into_iter();
-    let mut drags = drags.filter(|button| response.dragged_by(*button));
+    let is_ours = |button: &egui::PointerButton| is_free || *button != Primary;
+    let mut drags = drags.filter(|button| response.dragged_by(*button) && is_ours(button));
     let drag = match walks {
         true => drags.next().map(|_| Drag::Look),
         false => drags.find_map(|button| drag_of(habits, button, shift, command)),
@@ -245,7 +251,8 @@ pub fn mouse(
             },
         }));
     }
-    if response.clicked_by(Primary)
+    if is_free
+        && response.clicked_by(Primary)
         && !response.double_clicked_by(Primary)
         && let Some(position) = response.interact_pointer_pos()
     {
@@ -255,7 +262,8 @@ pub fn mouse(
             at: (x.floor() + 0.5, y.floor() + 0.5),
         });
     }
-    if response.double_clicked_by(Primary)
+    if is_free
+        && response.double_clicked_by(Primary)
         && let Some(position) = response.interact_pointer_pos()
     {
         commands.push(Command::SetPivot { at: at(position) });

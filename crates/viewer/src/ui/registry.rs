@@ -3,39 +3,65 @@
 
 mod action;
 mod chord;
-mod list;
+mod edit;
+mod file;
+mod help;
+mod keymap;
+mod keys_file;
+mod look;
+mod tools;
+mod view;
+mod when;
+mod window;
 
 pub use action::{Action, Menu};
 pub use chord::Chord;
-pub use list::ACTIONS;
+pub use keymap::Keymap;
+pub use keys_file::KeysFile;
 
 use crate::state::State;
 use crate::state::command::Command;
 use egui::Key;
+
+/// All entries, in the order of their menus.
+pub fn actions() -> impl Iterator<Item = &'static Action> + Clone {
+    [
+        file::ACTIONS,
+        edit::ACTIONS,
+        view::ACTIONS,
+        look::ACTIONS,
+        tools::ACTIONS,
+        window::ACTIONS,
+        help::ACTIONS,
+    ]
+    .into_iter()
+    .flatten()
+}
 
 /// The entry of this id.
 ///
 /// # Panics
 /// Where there is none: ids are written in this program alone, and a test asks for each.
 pub fn action(id: &str) -> &'static Action {
-    ACTIONS
-        .iter()
+    actions()
         .find(|action| action.id == id)
         .unwrap_or_else(|| panic!("there is no command {id}"))
 }
 
+/// For tooltips: the name of the entry of this id, its key in this window, and what it does.
+pub fn hint(context: &egui::Context, id: &str) -> String {
+    Keymap::of(context).hint(action(id))
+}
+
 /// What a key asks for; while a person types, only keys that cannot be meant for the text do.
 pub fn pressed(
+    keymap: &Keymap,
     state: &State,
     is_typing: bool,
     key: Key,
     modifiers: egui::Modifiers,
 ) -> Option<Command> {
-    let is_it =
-        |chord: &&Chord| chord.is(key, modifiers) && (!is_typing || chord.works_while_typing());
-    let action = ACTIONS
-        .iter()
-        .find(|action| action.keys.iter().any(|chord| is_it(&chord)))?;
+    let action = actions().find(|action| keymap.has(action, is_typing, key, modifiers))?;
     (action.applies)(state).then(|| (action.command)(state))
 }
 
@@ -43,8 +69,7 @@ pub fn pressed(
 pub fn found(text: &str) -> Vec<&'static Action> {
     let text = text.trim().to_lowercase();
     let words: Vec<_> = text.split_whitespace().collect();
-    let mut found: Vec<_> = ACTIONS
-        .iter()
+    let mut found: Vec<_> = actions()
         .filter(|action| {
             let name = format!("{} {} {}", action.menu.name(), action.name, action.does);
             let name = name.to_lowercase();
@@ -72,22 +97,12 @@ mod tests {
 
     #[test]
     fn no_two_commands_have_the_same_key_or_id() {
-        for (number, one) in ACTIONS.iter().enumerate() {
-            for other in &ACTIONS[number + 1..] {
+        let all: Vec<_> = actions().collect();
+        for (number, one) in all.iter().enumerate() {
+            for other in &all[number + 1..] {
                 assert_ne!(one.id, other.id);
                 for chord in one.keys {
-                    // Shift does not tell symbols apart.
-                    let modifiers = Modifiers {
-                        alt: chord.alt,
-                        ctrl: chord.ctrl,
-                        command: chord.ctrl,
-                        shift: chord.shift,
-                        ..Modifiers::NONE
-                    };
-                    let clash = other
-                        .keys
-                        .iter()
-                        .any(|other| other.is(chord.key, modifiers));
+                    let clash = other.keys.iter().any(|other| other.clashes(chord));
                     assert!(!clash, "{}: {} and {}", chord.name(), one.id, other.id);
                 }
             }
@@ -96,7 +111,7 @@ mod tests {
 
     #[test]
     fn every_command_says_what_it_does_and_has_its_menu() {
-        for action in ACTIONS {
+        for action in actions() {
             assert!(
                 !action.name.is_empty() && action.does.len() > 4,
                 "{}",
@@ -105,7 +120,7 @@ mod tests {
             assert!(Menu::ALL.contains(&action.menu));
         }
         // Menus are read off in order: each is in one piece.
-        let mut menus: Vec<_> = ACTIONS.iter().map(|action| action.menu).collect();
+        let mut menus: Vec<_> = actions().map(|action| action.menu).collect();
         menus.dedup();
         assert_eq!(menus, Menu::ALL);
     }
@@ -113,7 +128,8 @@ mod tests {
     #[test]
     fn keys_ask_for_what_the_registry_says() {
         let mut state = State::default();
-        let press = |state: &State, key, modifiers| pressed(state, false, key, modifiers);
+        let keymap = Keymap::default();
+        let press = |state: &State, key, modifiers| pressed(&keymap, state, false, key, modifiers);
         assert_eq!(
             press(&state, Key::Num5, Modifiers::ALT),
             Some(Command::SetMode(Mode::Depth))
@@ -136,18 +152,35 @@ mod tests {
             None,
             "nothing to undo"
         );
-        assert_eq!(pressed(&state, true, Key::W, Modifiers::NONE), None);
         assert_eq!(
-            pressed(&state, true, Key::O, Modifiers::COMMAND),
+            pressed(&keymap, &state, true, Key::W, Modifiers::NONE),
+            None
+        );
+        assert_eq!(
+            pressed(&keymap, &state, true, Key::O, Modifiers::COMMAND),
             Some(Command::Ask(PromptKind::Open))
         );
+    }
+
+    #[test]
+    fn keys_are_read_as_they_are_written() {
+        for chord in actions().flat_map(|action| action.keys) {
+            assert_eq!(Chord::read(&chord.name()), Ok(*chord), "{}", chord.name());
+        }
+        assert_eq!(
+            Chord::read("control + pagedown"),
+            Chord::read("Ctrl+Page Down")
+        );
+        for text in ["", "Shift", "Ctrl+C", "Ctrl+Nothing", "Escape", "Hyper+A"] {
+            assert!(Chord::read(text).is_err(), "{text}");
+        }
     }
 
     #[test]
     fn commands_are_found_by_words_of_their_names() {
         assert_eq!(found("fit")[0].id, "view.fit");
         assert_eq!(found("save pic")[0].id, "file.picture");
-        assert_eq!(found("").len(), ACTIONS.len());
+        assert_eq!(found("").len(), actions().count());
         assert!(found("no such thing").is_empty());
     }
 }

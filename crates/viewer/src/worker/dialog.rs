@@ -37,6 +37,10 @@ pub(super) fn dialog(kind: PromptKind, suggested: &str) -> DialogAnswer {
             .set_title("Save the measurements")
             .set_file_name(suggested)
             .save_file()),
+        PromptKind::Outline(_) => one(dialog
+            .set_title("Save the outline")
+            .set_file_name(suggested)
+            .save_file()),
         PromptKind::Scene => one(dialog
             .set_title("Save the scene")
             .set_file_name(suggested)

@@ -4,9 +4,9 @@
 use super::check::check;
 use super::dialog::{DIALOG_ENDINGS, dialog};
 use super::load::{Load, scene_name, tree};
-use super::save::{save, save_scene, save_text};
+use super::save::{save, save_outline, save_scene, save_text};
 use super::tasks::{ANY, LoadStage, Progress, Shared, lock};
-use super::{Wake, case, neighbors, panic_text};
+use super::{Wake, case, keys, neighbors, panic_text};
 use crate::memory;
 use crate::state::effect::Keep;
 use crate::state::inspection::Sized;
@@ -16,7 +16,7 @@ use raycast_core::Accel;
 use raycast_core::formats::{self, Limits, SceneFile};
 use raycast_core::glam::DAffine3;
 use raycast_core::health;
-use raycast_core::scene::{Mesh, Scene};
+use raycast_core::scene::{ClippingPlane, Mesh, Scene};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -303,6 +303,35 @@ impl Files {
         });
     }
 
+    /// Writes the outline that a plane cuts, likewise.
+    pub fn save_outline(
+        &self,
+        (accel, plane): (Arc<Accel>, ClippingPlane),
+        path: PathBuf,
+        by: PromptKind,
+        replace: bool,
+    ) {
+        self.shared.saves.fetch_add(1, Ordering::Relaxed);
+        self.shared.spawn("raycast-save", ANY, move |shared| {
+            let saved = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+                save_outline((&accel, &plane), &path, replace, shared)
+            }));
+            shared.saves.fetch_sub(1, Ordering::Relaxed);
+            match saved.map_err(|panic| panic_text(&*panic))? {
+                Ok(Some((open, all))) => {
+                    if open > 0 {
+                        let said =
+                            format!("{open} of {all} lines are not closed: the mesh is open there");
+                        shared.tell(ANY, News::Done(said));
+                    }
+                    Ok(News::PictureSaved(path))
+                }
+                Ok(None) => Ok(News::Taken(Replacing { path, by })),
+                Err(failure) => Err(failure.to_string()),
+            }
+        });
+    }
+
     /// Works out the size of a mesh in its place.
     pub fn weigh(&self, mesh: Arc<Mesh>, world_from_object: DAffine3) {
         let ticket = self.shared.newest_size.fetch_add(1, Ordering::Relaxed) + 1;
@@ -339,6 +368,30 @@ impl Files {
             drop(under_way);
             let checked = checked.map_err(|panic| panic_text(&*panic))?;
             Ok(checked.map_or(News::Nothing, News::Checked))
+        });
+    }
+
+    /// Reads the file that changes keys.
+    pub fn read_keys(&self, path: PathBuf, asked: bool) {
+        self.shared.spawn("raycast-keys", ANY, move |_| {
+            let text = keys::read(&path)?;
+            Ok(match text {
+                None if !asked => News::Nothing,
+                text => News::Keys {
+                    text: text.unwrap_or_default(),
+                    asked,
+                },
+            })
+        });
+    }
+
+    /// Opens the file that changes keys in the desktop's editor; writes this one first if there is none.
+    pub fn open_keys(&self, path: PathBuf, template: String) {
+        self.shared.spawn("raycast-keys", ANY, move |shared| {
+            keys::write(&path, &template)?;
+            let said = format!("Keys are changed in {}", path.display());
+            shared.tell(ANY, News::Done(said));
+            keys::edit(&path).map(|()| News::Nothing)
         });
     }
 
@@ -430,6 +483,32 @@ mod tests {
             wait(&files),
             News::Added { objects, errors, .. } if objects.len() == 1 && errors.len() == 1
         ));
+    }
+
+    #[test]
+    fn an_outline_is_written_and_replaces_nothing_unasked() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("cut.svg");
+        let file = demo::scene().expect("the demo scene");
+        let accel = Arc::new(Accel::build(&file.scene).expect("a valid scene"));
+        let (files, by) = (files(), PromptKind::Outline(0));
+        let save = |offset, replace| {
+            let plane = ClippingPlane::new(raycast_core::glam::DVec3::Y, offset);
+            let cut = (Arc::clone(&accel), plane.expect("a plane"));
+            files.save_outline(cut, path.clone(), by, replace);
+            wait(&files)
+        };
+        assert!(matches!(save(1.5, false), News::PictureSaved(_)));
+        let text = std::fs::read_to_string(&path).expect("written");
+        assert!(text.starts_with("<svg") && text.contains("<path"), "{text}");
+        assert!(matches!(save(0.5, false), News::Taken(taken) if taken.by == by));
+        assert_eq!(std::fs::read_to_string(&path).expect("as it was"), text);
+        assert!(matches!(save(0.5, true), News::PictureSaved(_)));
+        assert_ne!(std::fs::read_to_string(&path).expect("another"), text);
+        assert!(
+            matches!(save(1e6, true), News::Failed(text) if text.contains("cuts nothing")),
+            "beside everything"
+        );
     }
 
     #[test]

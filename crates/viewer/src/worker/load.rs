@@ -128,6 +128,7 @@ impl Load<'_> {
         Ok(News::Added {
             objects: file.scene.objects,
             opened: file.opened,
+            unit: file.unit,
             paths,
             notes: file.warnings,
             errors,
@@ -206,7 +207,9 @@ impl Load<'_> {
         scene.objects.iter().for_each(|object| {
             object.mesh.bounds();
         });
-        memory::check_tree(&called, Accel::stored_triangles(&scene))
+        // Filters that need mip levels can be chosen at any time.
+        let triangles = Accel::stored_triangles(&scene);
+        memory::check_scene(&called, triangles, scene.level_bytes())
             .map_err(|error| error.to_string())?;
         let has_hidden = scene.objects.iter().any(|object| !object.visible);
         let accel = setup::tree_to_edit(&scene).and_then(|accel| match has_hidden {
@@ -239,6 +242,7 @@ impl Load<'_> {
         let document = Document {
             paths,
             opened: file.opened,
+            unit: file.unit,
             animation: file.animation,
             shading: file.shading,
             file: own,

@@ -8,6 +8,8 @@ mod check;
 pub mod demo;
 mod dialog;
 pub mod files;
+mod keys;
+pub mod layout;
 mod load;
 pub mod mailbox;
 mod neighbors;

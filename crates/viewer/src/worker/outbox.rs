@@ -4,10 +4,9 @@
 //! coarser one that nobody has fetched, so that at most one picture waits, and the first pass of
 //! the one before it. A window that is slow, or hidden, costs nothing and misses nothing.
 
-use raycast_core::camera::Rect;
+use super::layout::Layout;
 use raycast_core::render::{Pass, Tile, TileStats};
 use raycast_core::shade::{Background, Legend};
-use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -19,38 +18,6 @@ pub const HOLD: Duration = super::pace::BUDGET;
 const FILLING: Duration = Duration::from_millis(50);
 /// How often it looks while a picture that is whole gets finer.
 const REFINED: Duration = Duration::from_millis(100);
-
-/// A picture's tiles in reading order, and the place of each in that order.
-#[derive(Debug, Default)]
-pub struct Layout {
-    /// Columns and rows of the picture.
-    pub size: (u32, u32),
-    /// The tiles.
-    pub tiles: Vec<Rect>,
-    places: HashMap<(u32, u32), u32>,
-}
-
-impl Layout {
-    /// The layout of these tiles.
-    pub fn new(size: (u32, u32), tiles: Vec<Rect>) -> Self {
-        let places = tiles
-            .iter()
-            .zip(0..)
-            .map(|(rect, place)| ((rect.x, rect.y), place))
-            .collect();
-        Self {
-            size,
-            tiles,
-            places,
-        }
-    }
-
-    /// Which tile this rectangle is.
-    pub fn place(&self, rect: Rect) -> Option<usize> {
-        let place = *self.places.get(&(rect.x, rect.y))? as usize;
-        (self.tiles[place] == rect).then_some(place)
-    }
-}
 
 /// What a finished pass took.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,8 @@
 //! The thread that renders: it owns the pool, takes the newest request, and fills the outbox.
 
+use super::layout::Layout;
 use super::mailbox::Mailbox;
-use super::outbox::{Layout, Outbox, PassReport};
+use super::outbox::{Outbox, PassReport};
 use super::pace::Pace;
 use super::priority;
 use super::{SharedClock, Wake};

@@ -4,10 +4,13 @@ use super::tasks::{Shared, lock};
 use crate::failure::Failure;
 use crate::memory;
 use crate::output::Output;
+use raycast_core::Accel;
 use raycast_core::camera::Grid;
-use raycast_core::formats::SceneFile;
+use raycast_core::formats::{DrawingFormat, SceneFile, write_section};
 use raycast_core::picture::{Format, Recipe};
 use raycast_core::render::{Cancel, View};
+use raycast_core::scene::ClippingPlane;
+use raycast_core::section::{SectionAxes, section};
 use std::path::Path;
 use std::time::Duration;
 
@@ -85,6 +88,34 @@ pub(super) fn save(
     output.check_against(lock(&shared.opened).clone())?;
     file.finish()?;
     Ok(true)
+}
+
+/// Whether the outline that a plane cuts was written, likewise; and how many of its lines are open, and of how many.
+pub(super) fn save_outline(
+    (accel, plane): (&Accel, &ClippingPlane),
+    path: &Path,
+    replace: bool,
+    shared: &Shared,
+) -> Result<Option<(usize, usize)>, Failure> {
+    let name = path.display();
+    let format = DrawingFormat::from_name(&path.to_string_lossy()).ok_or_else(|| {
+        Failure::could_not(format!("{name}: expected a name that ends in .svg or .dxf"))
+    })?;
+    let Some(output) = place(path, replace, shared)? else {
+        return Ok(None);
+    };
+    let lines = section(accel, plane).map_err(|error| Failure::could_not(error.to_string()))?;
+    if lines.is_empty() {
+        return Err(Failure::could_not(format!(
+            "The plane cuts nothing that is visible: {name} was not written"
+        )));
+    }
+    let mut bytes = Vec::new();
+    write_section(&lines, &SectionAxes::of(plane), format, &mut bytes)
+        .map_err(|error| Failure::could_not(format!("{name}: {error}")))?;
+    output.write(&bytes)?.finish()?;
+    let open = lines.iter().filter(|line| !line.is_closed).count();
+    Ok(Some((open, lines.len())))
 }
 
 /// Whether the text was written: not where a file is there that it may not replace.

@@ -9,6 +9,7 @@ mod material;
 mod mesh;
 mod nodes;
 
+use super::length_unit::LengthUnit;
 use crate::formats::Progress;
 use crate::formats::error::{FormatError, quote};
 use crate::formats::files::Files;
@@ -91,6 +92,7 @@ pub(super) fn read(
         };
         return Err(FormatError::unexpected(path, None, "triangles", found));
     }
+    placed.unit = Some(LengthUnit::Metre);
     placed.notes = notes(&root, &materials);
     placed.warnings = warnings(path, &mesh_nodes, &told);
     placed.warnings.append(&mut materials.warnings);

@@ -1,5 +1,5 @@
 use crate::formats::SceneFile;
-use crate::formats::files::Held;
+use crate::formats::held::Held;
 use crate::formats::limits::Budget;
 use crate::formats::read_scene_from;
 use crate::scene::{Color, Mesh, Wrap};

@@ -306,7 +306,7 @@ fn attribute<T>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::files::Held;
+    use crate::formats::held::Held;
     use crate::formats::limits::Budget;
     use crate::scene::Color;
     use glam::{DVec3, Vec2};

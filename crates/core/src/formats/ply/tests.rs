@@ -1,4 +1,6 @@
 use super::*;
+use crate::scene::{Color, ScalarAt};
+use glam::{DVec3, Vec2};
 
 fn parse(bytes: &[u8]) -> Result<Parsed, String> {
     let read = read(Path::new("a/b.ply"), bytes, &Budget::default(), &|_| ());
@@ -148,6 +150,27 @@ fn scalars_of_triangles_alone_are_those_of_any_faces() {
         let expected = [("before", &[1.5f32, 2.5][..]), ("after", &[-4.0, 7.0])];
         assert_eq!(found, expected);
     }
+}
+
+#[test]
+fn a_name_of_vertices_and_faces_both_is_two_scalars() {
+    let text = TRIANGLE
+        .replace(
+            "property float z",
+            "property float z\nproperty float quality",
+        )
+        .replace("vertex_indices", "vertex_indices\nproperty float quality")
+        .replace(
+            "0 0 0\n1 0 0\n0 1 0\n3 0 1 2",
+            "0 0 0 1\n1 0 0 2\n0 1 0 3\n3 0 1 2 9",
+        );
+    let scalars = parse(text.as_bytes()).expect("a good file").mesh.scalars;
+    let found: Vec<_> = scalars.iter().map(|s| (&*s.name, &*s.values)).collect();
+    let expected = [
+        ("quality", &[1.0f32, 2.0, 3.0][..]),
+        ("quality of faces", &[9.0]),
+    ];
+    assert_eq!(found, expected);
 }
 
 #[test]

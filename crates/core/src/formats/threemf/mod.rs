@@ -1,8 +1,10 @@
 //! 3MF, with colours, base materials and the production extension.
 
 mod model;
+mod model_reader;
 mod package;
 
+use super::length_unit::LengthUnit;
 use crate::formats::Progress;
 use crate::formats::error::{FormatError, quote};
 use crate::formats::limits::Budget;
@@ -60,7 +62,7 @@ pub(super) fn read(
         held += bytes_of(&part.text);
         share.grow(path, "the models", held)?;
         let left = budget.triangles_left().saturating_sub(triangles);
-        let model = model::read(package, &part, left)?;
+        let model = model_reader::read(package, &part, left)?;
         let meshes = model.objects.values().map(|object| match &object.shape {
             Shape::Mesh(mesh) => mesh.triangles.len() as u64,
             Shape::Components(_) | Shape::Taken(_) => 0,
@@ -194,7 +196,9 @@ fn tell(path: &Path, models: &Models, root: usize, placed: &mut Placed) {
             quote::path(path)
         ));
     }
-    let unit = quote(&models.models[root].unit);
+    let unit = &models.models[root].unit;
+    placed.unit = LengthUnit::from_threemf(unit);
+    let unit = quote(unit);
     placed
         .notes
         .push(format!("unit: {}; up axis: Z", unit.trim_matches('"')));

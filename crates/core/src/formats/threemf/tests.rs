@@ -1,3 +1,4 @@
+use crate::formats::LengthUnit;
 use crate::formats::limits::{Budget, Limits};
 use crate::formats::placed::Placed;
 use crate::scene::Color;
@@ -77,6 +78,7 @@ fn items_and_components_are_nodes_depth_first() {
     assert_eq!(at(1, DVec3::Y), DVec3::new(8.0, 0.0, 1.0));
     assert_eq!(at(2, DVec3::X), DVec3::new(2.0, 0.0, 1.0));
     assert_eq!(placed.meshes.len(), 2);
+    assert_eq!(placed.unit, Some(LengthUnit::Inch));
     assert_eq!(
         placed.notes,
         [

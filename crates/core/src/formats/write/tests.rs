@@ -1,6 +1,6 @@
 use super::*;
 use crate::formats::error::FormatError;
-use crate::formats::files::Held;
+use crate::formats::held::Held;
 use crate::formats::limits::Budget;
 use crate::formats::mesh_file;
 use crate::render::Cancel;

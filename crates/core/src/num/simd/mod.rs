@@ -1,6 +1,6 @@
 //! One source for several instruction sets: the same code, compiled for each, picked at run time.
 //!
-//! Loops over doubles are left to the compiler. Rows of eight numbers in single precision, where it would
+//! Loops in double precision are left to the compiler to vectorise. Rows of eight numbers in single precision, where it would
 //! not see that they can be laid side by side, are spelt out as [`F32x8`]. Nothing contracts a product and a sum into one
 //! rounding, so the bits are the same on each.
 
@@ -137,7 +137,7 @@ pub(crate) trait Lanes: Copy {
     fn load(self, from: &[f32; LANES]) -> Self::F32;
     /// Eight rows as eight columns.
     fn transpose(self, rows: [Self::F32; LANES]) -> [Self::F32; LANES];
-    /// Asks for an item of a slice to be brought near, if there is such an item.
+    /// Prefetches an item of a slice, if there is such an item.
     fn prefetch<T>(self, from: &[T], index: usize);
 
     /// The mask of a lane and those after it.

@@ -22,13 +22,13 @@ const U: f32 = f32::EPSILON / 2.0;
 
 /// One more edge: values at the corners, and the bound on the error of their weighted sum.
 #[derive(Clone, Copy)]
-struct Cut {
-    values: [f32; 3],
-    error: f32,
+pub(super) struct Cut {
+    pub(super) values: [f32; 3],
+    pub(super) error: f32,
 }
 
 impl Cut {
-    fn new(at: &AtCorners, edge_error: f32) -> Self {
+    pub(super) fn new(at: &AtCorners, edge_error: f32) -> Self {
         let sum: f32 = at.values.iter().map(|value| value.abs()).sum();
         // A hundredth covers the rounding of the bound itself.
         let error = 1.01 * (sum * (edge_error + 12.0 * U) + 6.0 * at.error) + f32::MIN_POSITIVE;
@@ -131,9 +131,9 @@ impl IntervalZBuffer {
                 outside = outside | value.lt(lanes.splat(-cut.error));
                 inside = inside & lanes.splat(cut.error).lt(value);
             }
-            let open = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
-            if open.rays != 0 {
-                self.leave_undecided(merge.primitive, open, first, decisions);
+            let undecided = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
+            if undecided.rays != 0 {
+                self.leave_undecided(merge.primitive, undecided, first, decisions);
             }
             a = a + step_a;
             b = b + step_b;

@@ -110,3 +110,42 @@ fn there_are_no_more_planes_than_can_be() {
     do_all(&mut state, vec![Command::AddPlane(PlaneBy::View); 12]);
     assert_eq!(planes(&state).len(), raycast_core::scene::CLIPPING_PLANES);
 }
+
+#[test]
+fn the_outline_of_a_plane_is_saved_where_the_person_says() {
+    let mut state = opened(1);
+    let kind = PromptKind::Outline(0);
+    assert_eq!(update(&mut state, Command::Ask(kind)), None, "no plane");
+    update(&mut state, Command::AddPlane(PlaneBy::Axis(0)));
+    assert_eq!(
+        update(&mut state, Command::Ask(kind)),
+        Some(Effect::Dialog(kind))
+    );
+    let prompt = state.prompt.as_ref().expect("a line for the path");
+    assert_eq!(prompt.text, "mesh-section.svg");
+    let mut give = |name: &str| {
+        update(&mut state, Command::TypePath(name.to_owned()));
+        let effect = update(&mut state, Command::ConfirmPath);
+        (effect, state.errors.pop())
+    };
+    let (effect, error) = give("cut.pdf");
+    assert_eq!(effect, None);
+    assert_eq!(
+        error.as_deref(),
+        Some("cut.pdf: expected a name that ends in .svg or .dxf")
+    );
+    let saved = |path: &str, replace| {
+        Some(Effect::SaveOutline {
+            plane: 0,
+            path: path.into(),
+            replace,
+        })
+    };
+    assert_eq!(give("cut").0, saved("cut.svg", false));
+    let taken = Replacing {
+        path: "cut.svg".into(),
+        by: kind,
+    };
+    receive(&mut state, News::Taken(taken), Duration::ZERO);
+    assert_eq!(update(&mut state, Command::Replace), saved("cut.svg", true));
+}

@@ -234,6 +234,7 @@ fn files_come_beside_what_is_open_and_undo_takes_them_away() {
     let news = News::Added {
         objects: vec![document(&state).scene.objects[1].clone(), child],
         opened: Vec::new(),
+        unit: None,
         paths: vec!["more.obj".into()],
         notes: Vec::new(),
         errors: vec!["worse.obj: not a mesh".to_owned()],

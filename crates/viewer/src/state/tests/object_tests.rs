@@ -87,6 +87,7 @@ fn objects_of_many_are_hidden_moved_copied_and_brought_back_at_once() {
     let added = News::Added {
         objects: vec![Object::new("new", Arc::new(Mesh::new(MeshData::default())))],
         opened: Vec::new(),
+        unit: None,
         paths: Vec::new(),
         notes: Vec::new(),
         errors: Vec::new(),

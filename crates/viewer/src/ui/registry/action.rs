@@ -57,7 +57,7 @@ pub struct Action {
     pub name: &'static str,
     /// What it does, in a sentence for tooltips and help.
     pub does: &'static str,
-    /// Keys, the first of which is shown.
+    /// Its usual keys, which a person may change.
     pub keys: &'static [Chord],
     /// Its menu.
     pub menu: Menu,
@@ -72,19 +72,6 @@ pub struct Action {
 }
 
 impl Action {
-    /// Its first key as text; empty where it has none.
-    pub fn key(&self) -> String {
-        self.keys.first().map(Chord::name).unwrap_or_default()
-    }
-
-    /// What it does, and its key: for tooltips.
-    pub fn hint(&self) -> String {
-        match self.keys.first() {
-            Some(key) => format!("{} ({})", self.does, key.name()),
-            None => self.does.to_owned(),
-        }
-    }
-
     pub(super) const fn of(
         menu: Menu,
         id: &'static str,

@@ -99,6 +99,63 @@ impl Chord {
         name
     }
 
+    /// Reads what [`Chord::name`] writes, and what people write: `ctrl+shift+s`, `Alt+Left`, `PageUp`.
+    ///
+    /// # Errors
+    /// What was expected.
+    pub fn read(text: &str) -> Result<Self, String> {
+        // What stands behind the last plus; a plus itself stands behind none, or behind another.
+        let (held, name) = match text.strip_suffix('+') {
+            Some(held) => (held, "+"),
+            None => text.rsplit_once('+').unwrap_or(("", text)),
+        };
+        let mut chord = plain(Key::Escape);
+        let mac = held.contains('⌘') || name.starts_with('⌘');
+        chord.ctrl = mac;
+        let (held, name) = (held.replace('⌘', ""), name.trim_start_matches('⌘'));
+        for word in held
+            .split('+')
+            .map(str::trim)
+            .filter(|word| !word.is_empty())
+        {
+            match word.to_ascii_lowercase().as_str() {
+                "ctrl" | "control" | "cmd" | "command" => chord.ctrl = true,
+                "shift" => chord.shift = true,
+                "alt" | "option" => chord.alt = true,
+                _ => {
+                    return Err(format!(
+                        "expected Ctrl, Shift or Alt before the key, found {word:?}"
+                    ));
+                }
+            }
+        }
+        let name: String = name.split_whitespace().collect();
+        let known = Key::ALL
+            .iter()
+            .find(|key| key.name().eq_ignore_ascii_case(&name))
+            .copied();
+        let key = Key::from_name(&name).or(known).ok_or("expected a key")?;
+        chord.key = key;
+        let is_clipboard = chord.ctrl && matches!(key, Key::C | Key::V | Key::X);
+        if is_clipboard
+            || matches!(
+                key,
+                Key::Escape | Key::Tab | Key::Copy | Key::Cut | Key::Paste
+            )
+        {
+            return Err("this key has a use that cannot be changed".to_owned());
+        }
+        // Shift does not tell symbols apart.
+        chord.shift &= !is_symbol(key);
+        Ok(chord)
+    }
+
+    /// Whether one press is both.
+    pub fn clashes(&self, other: &Self) -> bool {
+        (self.ctrl, self.alt, self.key) == (other.ctrl, other.alt, other.key)
+            && (self.shift == other.shift || is_symbol(self.key))
+    }
+
     /// Whether it means the same while a person types: it is no letter, and not what fields for text use
     /// themselves.
     pub(super) fn works_while_typing(&self) -> bool {
@@ -110,6 +167,23 @@ impl Chord {
 fn is_symbol(key: Key) -> bool {
     matches!(
         key,
-        Key::Plus | Key::Equals | Key::Minus | Key::Questionmark | Key::Comma | Key::Period
+        Key::Plus
+            | Key::Equals
+            | Key::Minus
+            | Key::Questionmark
+            | Key::Exclamationmark
+            | Key::Comma
+            | Key::Period
+            | Key::Colon
+            | Key::Semicolon
+            | Key::Slash
+            | Key::Backslash
+            | Key::Pipe
+            | Key::OpenBracket
+            | Key::CloseBracket
+            | Key::OpenCurlyBracket
+            | Key::CloseCurlyBracket
+            | Key::Backtick
+            | Key::Quote
     )
 }

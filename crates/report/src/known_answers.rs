@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 /// Rays that are no camera's, and pixels of cameras, each as given and rounded to single precision,
 /// with the truth about all of them.
-pub struct Checked<'a> {
+pub struct KnownAnswers<'a> {
     stage: &'a Stage,
     /// Rays as given, those of the cameras last.
     double: Asked,
@@ -28,7 +28,7 @@ struct Asked {
     truths: Vec<Option<Truth>>,
 }
 
-impl<'a> Checked<'a> {
+impl<'a> KnownAnswers<'a> {
     /// Asks the oracle about these rays, and about these pixels of these cameras.
     pub fn new(
         stage: &'a Stage,

@@ -12,7 +12,7 @@ pub const UV_BOUND: f64 = 4.0 / (1 << 23) as f64;
 
 /// In what an answer is not the truth.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum Fault {
+pub enum WrongAnswer {
     /// A leak, where there is a triangle.
     #[error("a miss where there is a hit")]
     Miss,
@@ -51,30 +51,30 @@ pub enum Fault {
 ///
 /// # Errors
 /// The first thing that is wrong.
-pub fn compare(hit: Option<&Hit>, truth: Option<&Truth>) -> Result<(), Fault> {
+pub fn compare(hit: Option<&Hit>, truth: Option<&Truth>) -> Result<(), WrongAnswer> {
     let (hit, truth) = match (hit, truth) {
         (None, None) => return Ok(()),
         (Some(hit), Some(truth)) => (hit, truth),
-        (None, Some(_)) => return Err(Fault::Miss),
-        (Some(_), None) => return Err(Fault::Hit),
+        (None, Some(_)) => return Err(WrongAnswer::Miss),
+        (Some(_), None) => return Err(WrongAnswer::Hit),
     };
     if (hit.object, hit.triangle) != (truth.object, truth.triangle) {
-        return Err(Fault::Triangle);
+        return Err(WrongAnswer::Triangle);
     }
     let weights = 0.0..=1.0;
     if !(hit.t.is_finite() && weights.contains(&hit.u) && weights.contains(&hit.v)) {
-        return Err(Fault::Range);
+        return Err(WrongAnswer::Range);
     }
     if truth.cosine <= GRAZING {
         return Ok(());
     }
     let off = ulps(hit.t, truth.t);
     if off > T_BOUND {
-        return Err(Fault::Distance(off));
+        return Err(WrongAnswer::Distance(off));
     }
     let off = (hit.u - truth.u).abs().max((hit.v - truth.v).abs());
     if off > UV_BOUND {
-        return Err(Fault::Weights(off));
+        return Err(WrongAnswer::Weights(off));
     }
     Ok(())
 }
@@ -89,7 +89,7 @@ pub fn compare_pixel(
     triangle: u32,
     depth: f32,
     truth: Option<&Truth>,
-) -> Result<(), Fault> {
+) -> Result<(), WrongAnswer> {
     let is_miss = (object, triangle) == (u32::MAX, u32::MAX);
     let hit = Hit {
         object,
@@ -100,7 +100,7 @@ pub fn compare_pixel(
         v: truth.map_or(0.0, |truth| truth.v),
     };
     if is_miss && truth.is_none() && depth != f32::INFINITY {
-        return Err(Fault::Range);
+        return Err(WrongAnswer::Range);
     }
     compare((!is_miss).then_some(&hit), truth)
 }
@@ -141,13 +141,13 @@ mod tests {
         let ulp = 2f64.powi(-22);
         assert_eq!(compare(None, None), Ok(()));
         assert_eq!(compare(Some(&HIT), Some(&TRUTH)), Ok(()));
-        assert_eq!(compare(None, Some(&TRUTH)), Err(Fault::Miss));
-        assert_eq!(compare(Some(&HIT), None), Err(Fault::Hit));
+        assert_eq!(compare(None, Some(&TRUTH)), Err(WrongAnswer::Miss));
+        assert_eq!(compare(Some(&HIT), None), Err(WrongAnswer::Hit));
         for (hit, expected) in [
-            (Hit { triangle: 6, ..HIT }, Err(Fault::Triangle)),
-            (Hit { object: 1, ..HIT }, Err(Fault::Triangle)),
-            (Hit { t: f64::NAN, ..HIT }, Err(Fault::Range)),
-            (Hit { u: -1e-9, ..HIT }, Err(Fault::Range)),
+            (Hit { triangle: 6, ..HIT }, Err(WrongAnswer::Triangle)),
+            (Hit { object: 1, ..HIT }, Err(WrongAnswer::Triangle)),
+            (Hit { t: f64::NAN, ..HIT }, Err(WrongAnswer::Range)),
+            (Hit { u: -1e-9, ..HIT }, Err(WrongAnswer::Range)),
             (
                 Hit {
                     t: 3.0 + 4.0 * ulp,
@@ -160,7 +160,7 @@ mod tests {
                     t: 3.0 - 5.0 * ulp,
                     ..HIT
                 },
-                Err(Fault::Distance(5.0)),
+                Err(WrongAnswer::Distance(5.0)),
             ),
             (
                 Hit {
@@ -174,7 +174,7 @@ mod tests {
                     v: 0.5 + 4.0 * ulp,
                     ..HIT
                 },
-                Err(Fault::Weights(4.0 * ulp)),
+                Err(WrongAnswer::Weights(4.0 * ulp)),
             ),
         ] {
             assert_eq!(compare(Some(&hit), Some(&TRUTH)), expected);

@@ -1,0 +1,377 @@
+//! Directions of a panorama's rays on a lattice: what the rays of a column or of a row share is worked out once.
+
+#![allow(
+    clippy::needless_range_loop,
+    reason = "a lane is an index into all the arrays at once"
+)]
+
+use super::panorama::Face;
+use super::{Lattice, Panorama, Rect};
+use crate::math;
+use crate::num::simd::LANES;
+use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// The half angle in radians from which on a cone is wide.
+const WIDE: f64 = 0.6;
+
+/// x, y and z of eight vectors.
+pub(crate) type Vectors = [[f64; LANES]; 3];
+
+/// The rays of a panorama on a lattice, eight of a row at a time.
+pub(crate) struct PanoramaRays {
+    panorama: Panorama,
+    columns: Places,
+    rows: Places,
+}
+
+/// Places along one side of the picture, in radians at its middle, the last one repeated for lanes beyond the end;
+/// their sines and cosines, where the panorama asks for them.
+#[derive(Default)]
+struct Places {
+    at: Vec<f64>,
+    sin: Vec<f64>,
+    cos: Vec<f64>,
+}
+
+impl Places {
+    fn new(at: Vec<f64>, has_angles: bool) -> Self {
+        let mut all = Self {
+            at,
+            ..Self::default()
+        };
+        let last = all.at.last().copied().unwrap_or(0.0);
+        all.at.resize(all.at.len() + LANES, last);
+        if has_angles {
+            (all.sin, all.cos) = all.at.iter().map(|&angle| math::sin_cos(angle)).unzip();
+        }
+        all
+    }
+
+    /// Eight of the numbers; zeros where there are none.
+    #[inline(always)]
+    fn eight(numbers: &[f64], first: usize) -> [f64; LANES] {
+        let eight = numbers.get(first..).and_then(|rest| rest.first_chunk());
+        eight.copied().unwrap_or([0.0; LANES])
+    }
+
+    #[inline(always)]
+    fn one(numbers: &[f64], at: usize) -> f64 {
+        numbers.get(at).copied().unwrap_or(0.0)
+    }
+}
+
+impl PanoramaRays {
+    /// The rays of a lattice; `None` where it is none of a panorama.
+    pub(crate) fn new(lattice: &Lattice) -> Option<Self> {
+        let camera = &lattice.camera;
+        let panorama = camera.projection().panorama()?;
+        let across = |column| {
+            let (x, y) = lattice.place(column, 0);
+            camera.panoramic_place(x, y).0
+        };
+        let along = |row| {
+            let (x, y) = lattice.place(0, row);
+            camera.panoramic_place(x, y).1
+        };
+        let (has_longitudes, has_latitudes) = match panorama {
+            Panorama::Equirectangular => (true, true),
+            Panorama::Cylindrical => (true, false),
+            _ => (false, false),
+        };
+        Some(Self {
+            panorama,
+            columns: Places::new((0..lattice.columns).map(across).collect(), has_longitudes),
+            rows: Places::new((0..lattice.rows).map(along).collect(), has_latitudes),
+        })
+    }
+
+    /// The greatest magnitude of a place.
+    pub(crate) fn reach(&self) -> f64 {
+        let ends = |places: &Places| [places.at.first().copied(), places.at.last().copied()];
+        let all = ends(&self.columns).into_iter().chain(ends(&self.rows));
+        // NaN is greater than any.
+        let greater = |a: f64, b: f64| if b <= a { a } else { b };
+        all.flatten().map(f64::abs).fold(0.0, greater)
+    }
+
+    /// A cone around a rectangle's rays: its axis in the camera's axes, and the tangent of its half angle. `None` where
+    /// it is wide, or its middle is no place of the picture.
+    ///
+    /// From place to place directions turn by no more than places are apart: on each kind of picture directions turn
+    /// fastest in its middle, one radian a unit, but for an equisolid fisheye, which along ρ turns by 1/√(1 − ρ²/4).
+    /// What a picture has, or the face of a cube, is convex: the way from the middle to each ray is on it.
+    pub(crate) fn cone(&self, rect: Rect) -> Option<(DVec3, f64)> {
+        let ends = |places: &[f64], first: u32, count: u32| {
+            let last = first + count.max(1) - 1;
+            Some((*places.get(first as usize)?, *places.get(last as usize)?))
+        };
+        let (left, right) = ends(&self.columns.at, rect.x, rect.width)?;
+        let (top, bottom) = ends(&self.rows.at, rect.y, rect.height)?;
+        let (across, along) = ((right - left) * 0.5, (bottom - top) * 0.5);
+        let axis = self.panorama.direction(left + across, top + along)?;
+        let turn = if self.panorama == Panorama::Equisolid {
+            let (a, b) = (left.abs().max(right.abs()), top.abs().max(bottom.abs()));
+            1.0 / (1.0 - (a * a + b * b) * 0.25).max(0.0).sqrt()
+        } else {
+            1.0
+        };
+        // Far more than the roundings of places and directions.
+        let angle = math::hypot(across, along) * turn * (1.0 + 1e-9) + 1e-9;
+        (angle < WIDE).then(|| (axis, math::tan(angle)))
+    }
+
+    /// Columns before which faces of a cube change, and rows.
+    pub(crate) fn borders(&self) -> [Vec<u32>; 2] {
+        let is_cube = matches!(self.panorama, Panorama::CubeStrip | Panorama::CubeCross);
+        // Faces are two units wide. Columns of them meet in the picture's middle, rows of them do not.
+        let changes = |places: &[f64], shift: f64| {
+            let band = |at: f64| ((at + shift) * 0.5).floor();
+            let pairs = places.windows(2).zip(1..);
+            pairs
+                .filter(|(pair, _)| is_cube && band(pair[0]) != band(pair[1]))
+                .map(|(_, at)| at)
+                .collect()
+        };
+        [changes(&self.columns.at, 0.0), changes(&self.rows.at, 1.0)]
+    }
+
+    /// Directions of eight rays of a row from a column on, as [`Panorama::direction`] gives them, bit for bit, and
+    /// which of them there are, as bits. Those that there are not may have any direction.
+    #[inline(always)]
+    pub(crate) fn eight(&self, column: u32, row: u32, out: &mut Vectors) -> u32 {
+        let (a, b) = self.places(column, row);
+        match self.panorama {
+            Panorama::Equirectangular | Panorama::Cylindrical => self.around(column, row, out),
+            _ => {
+                if let Some(axes) = self.face_of_eight(&a, b) {
+                    return on_face(axes, &a, b, out);
+                }
+                let mut has = 0;
+                for lane in 0..LANES {
+                    let direction = self.panorama.direction(a[lane], b);
+                    has |= u32::from(direction.is_some()) << lane;
+                    let direction = direction.unwrap_or_default();
+                    for (out, one) in out.iter_mut().zip(direction.to_array()) {
+                        out[lane] = one;
+                    }
+                }
+                has
+            }
+        }
+    }
+
+    /// The same but for roundings: each coordinate is off by less than 320ε of the direction's length, ε = 2⁻⁵³.
+    #[inline(always)]
+    pub(crate) fn nearly_eight(&self, column: u32, row: u32, out: &mut Vectors) -> u32 {
+        let (a, b) = self.places(column, row);
+        let mut squared = [0.0; LANES];
+        for lane in 0..LANES {
+            squared[lane] = a[lane] * a[lane] + b * b;
+        }
+        match self.panorama {
+            Panorama::Equidistant => equidistant(&a, b, &squared, out),
+            Panorama::Equisolid => {
+                for lane in 0..LANES {
+                    let rest = 1.0 - squared[lane] * 0.25;
+                    let share = if rest > 0.0 { rest } else { 0.0 }.sqrt();
+                    out[0][lane] = a[lane] * share;
+                    out[1][lane] = b * share;
+                    out[2][lane] = 1.0 - squared[lane] * 0.5;
+                }
+                at_most(&squared, 4.0)
+            }
+            Panorama::Stereographic => {
+                for lane in 0..LANES {
+                    out[0][lane] = a[lane];
+                    out[1][lane] = b;
+                    out[2][lane] = 1.0 - squared[lane] * 0.25;
+                }
+                at_most(&squared, f64::MAX)
+            }
+            _ => self.eight(column, row, out),
+        }
+    }
+
+    #[inline(always)]
+    fn places(&self, column: u32, row: u32) -> ([f64; LANES], f64) {
+        (
+            Places::eight(&self.columns.at, column as usize),
+            Places::one(&self.rows.at, row as usize),
+        )
+    }
+
+    /// Those of a picture that goes around the up axis.
+    #[inline(always)]
+    fn around(&self, column: u32, row: u32, out: &mut Vectors) -> u32 {
+        let (a, b) = self.places(column, row);
+        let sin = Places::eight(&self.columns.sin, column as usize);
+        let cos = Places::eight(&self.columns.cos, column as usize);
+        if self.panorama == Panorama::Cylindrical {
+            *out = [sin, [b; LANES], cos];
+            return if b.is_finite() {
+                at_most(&a.map(f64::abs), PI)
+            } else {
+                0
+            };
+        }
+        let sin_b = Places::one(&self.rows.sin, row as usize);
+        let cos_b = Places::one(&self.rows.cos, row as usize);
+        for lane in 0..LANES {
+            out[0][lane] = sin[lane] * cos_b;
+            out[1][lane] = sin_b;
+            out[2][lane] = cos[lane] * cos_b;
+        }
+        if b.abs() <= FRAC_PI_2 {
+            at_most(&a.map(f64::abs), PI)
+        } else {
+            0
+        }
+    }
+
+    /// The face of a cube that all eight places are on: the first's, if it is the last's. What lies between them is no
+    /// other's.
+    #[inline(always)]
+    fn face_of_eight(&self, a: &[f64; LANES], b: f64) -> Option<Face> {
+        let (first, last) = (
+            self.panorama.face(a[0], b)?,
+            self.panorama.face(a[LANES - 1], b)?,
+        );
+        (first == last).then_some(first)
+    }
+}
+
+/// Those of one face.
+#[inline(always)]
+fn on_face((x, y, [right, up, forward]): Face, a: &[f64; LANES], b: f64, out: &mut Vectors) -> u32 {
+    for axis in 0..3 {
+        for lane in 0..LANES {
+            out[axis][lane] = right[axis] * (a[lane] - x) + up[axis] * (b - y) + forward[axis];
+        }
+    }
+    (1 << LANES) - 1
+}
+
+/// Which of eight numbers are no greater than another, as bits.
+#[inline(always)]
+fn at_most(numbers: &[f64; LANES], most: f64) -> u32 {
+    let mut all = 0;
+    for (lane, number) in numbers.iter().enumerate() {
+        all |= u32::from(*number <= most) << lane;
+    }
+    all
+}
+
+/// Terms of the series below: π²⁸/28!, the first one left out, is below 3ε.
+const TERMS: usize = 14;
+
+/// Coefficients of cos √s and of sin √s / √s as series of s: (−1)ᵏ/(2k)! and (−1)ᵏ/(2k + 1)!.
+const COSINE: [f64; TERMS] = series(0);
+const SINE_SHARE: [f64; TERMS] = series(1);
+
+const fn series(first: usize) -> [f64; TERMS] {
+    let mut all = [0.0; TERMS];
+    let (mut value, mut k) = (1.0, 0);
+    while k < TERMS {
+        all[k] = value;
+        let next = (2 * k + first) as f64;
+        value /= -((next + 1.0) * (next + 2.0));
+        k += 1;
+    }
+    all
+}
+
+/// Directions of an equidistant fisheye, by series of ρ² ≤ π².
+///
+/// Horner's scheme rounds each term 27 times at most, and coefficients by as many: the terms' magnitudes add up to
+/// cosh π < 11.6, or sinh π / π < 3.7, which is multiplied by at most π. With what is left out: off by less than 320ε.
+#[inline(always)]
+fn equidistant(a: &[f64; LANES], b: f64, squared: &[f64; LANES], out: &mut Vectors) -> u32 {
+    let [mut share, mut cosine] = [[0.0; LANES]; 2];
+    for k in (0..TERMS).rev() {
+        for lane in 0..LANES {
+            let s = if squared[lane] < PI * PI {
+                squared[lane]
+            } else {
+                PI * PI
+            };
+            cosine[lane] = cosine[lane] * s + COSINE[k];
+            share[lane] = share[lane] * s + SINE_SHARE[k];
+        }
+    }
+    for lane in 0..LANES {
+        out[0][lane] = a[lane] * share[lane];
+        out[1][lane] = b * share[lane];
+        out[2][lane] = cosine[lane];
+    }
+    at_most(squared, PI * PI)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Camera, ImagePlane, Placement, Projection, Rect};
+    use crate::random::Random;
+
+    /// Lattices that begin and end anywhere, with places beyond the picture's end and at the borders of faces.
+    fn lattices() -> impl Iterator<Item = Lattice> {
+        let mut random = Random(81);
+        Panorama::ALL.into_iter().flat_map(move |(_, panorama)| {
+            [0.11, 0.125, 1e-4].map(|step| {
+                let eye = random.point();
+                let placement = Placement::towards(eye, eye + random.point() * 3.0);
+                let step = step * eye.distance(placement.target);
+                let plane = ImagePlane::new(150, 90, step).expect("a good plane");
+                let camera = Camera::new(placement, Projection::Panoramic(panorama), plane);
+                let rect = Rect {
+                    x: 1,
+                    y: 2,
+                    width: 149,
+                    height: 88,
+                };
+                let stride = if random.unit() < 0.5 { 1 } else { 3 };
+                let mut lattice = camera.sub_camera(rect).sparse_lattice(stride, (0, 0));
+                if random.unit() < 0.5 {
+                    lattice.offset = (random.unit(), random.unit());
+                }
+                lattice
+            })
+        })
+    }
+
+    #[test]
+    fn eight_directions_are_those_of_single_rays() {
+        let mut count = 0;
+        for lattice in lattices() {
+            let camera = &lattice.camera;
+            let panorama = camera.projection().panorama().expect("a panorama");
+            let rays = PanoramaRays::new(&lattice).expect("a panorama");
+            for row in 0..lattice.rows {
+                for first in (0..lattice.columns).step_by(5) {
+                    let [mut exact, mut near] = [[[0.0; LANES]; 3]; 2];
+                    let has = rays.eight(first, row, &mut exact);
+                    let nearly_has = rays.nearly_eight(first, row, &mut near);
+                    for lane in 0..LANES {
+                        let column = first + lane as u32;
+                        if column >= lattice.columns {
+                            continue;
+                        }
+                        let (x, y) = lattice.place(column, row);
+                        let (a, b) = camera.panoramic_place(x, y);
+                        let expected = panorama.direction(a, b);
+                        assert_eq!(has >> lane & 1 != 0, expected.is_some());
+                        assert_eq!(nearly_has >> lane & 1 != 0, expected.is_some());
+                        let Some(expected) = expected else { continue };
+                        let at = |all: &Vectors| DVec3::from_array(all.map(|axis| axis[lane]));
+                        assert_eq!(at(&exact), expected, "{panorama:?} {a} {b}");
+                        let off = (at(&near) - expected).abs().max_element();
+                        let bound = 160.0 * f64::EPSILON * expected.length();
+                        assert!(off <= bound, "{panorama:?} {a} {b}: {off:e}");
+                        count += 1;
+                    }
+                }
+            }
+        }
+        assert!(count > 50_000, "{count}");
+    }
+}

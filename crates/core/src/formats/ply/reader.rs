@@ -1,0 +1,413 @@
+use super::header::{Element, Scalar as Kind};
+use super::layout::{
+    COLOR, Columns, Layout, NONE, NORMAL, POSITION, Row, SCALAR, UNUSED, UV, index,
+};
+use super::values::Values;
+use crate::formats::error::FormatError;
+use crate::formats::limits::Budget;
+use crate::formats::polygon::Polygon;
+use crate::formats::tokens::Found;
+use crate::quote;
+use crate::scene::{Color, MeshData, Scalar, ScalarAt};
+use glam::{DVec3, Vec2, Vec3};
+use std::mem::size_of;
+use std::path::Path;
+
+/// Reads a PLY's elements.
+pub(super) struct Reader<'a, V> {
+    pub(super) path: &'a Path,
+    pub(super) budget: &'a Budget,
+    pub(super) values: V,
+    /// How many vertices the header says there are.
+    pub(super) vertices: u32,
+    pub(super) mesh: MeshData,
+    pub(super) normals: Vec<Vec3>,
+    pub(super) uvs: Vec<Vec2>,
+    pub(super) polygons: Vec<Polygon>,
+    /// Texture coordinates at faces' corners, and the triangles that have them.
+    pub(super) corner_uvs: Vec<Vec2>,
+    pub(super) uv_triangles: Vec<[u32; 3]>,
+    /// A colour a triangle, where faces have colours.
+    pub(super) face_colors: Vec<Option<Color>>,
+    /// What else faces have: a value a triangle.
+    pub(super) face_scalars: Vec<Scalar>,
+    /// Faces of fewer than three corners.
+    pub(super) small: usize,
+    pub(super) notes: Vec<String>,
+}
+
+impl<V: Values> Reader<'_, V> {
+    #[cold]
+    fn fault(&self, element: &Element, found: &Found) -> FormatError {
+        let expected = format!("a number of element {}", plain(&element.name));
+        self.values.fault(self.path, &expected, found)
+    }
+
+    /// An error at an element that lacks properties.
+    fn other_properties(&self, element: &Element, expected: &str) -> FormatError {
+        let found = element.property_names();
+        FormatError::unexpected(self.path, Some(element.line), expected, found)
+    }
+
+    /// An element's count, if the file is long enough to hold as many.
+    fn count(&self, element: &Element) -> Result<usize, FormatError> {
+        let least: u64 = element
+            .properties
+            .iter()
+            .map(|property| V::least_bytes(property.length.unwrap_or(property.kind)) as u64)
+            .sum();
+        let left = self.values.left() as u64;
+        // The last number of a text has nothing behind it.
+        if least > 0 && element.count > (left + 1) / least {
+            let expected = format!("{} of element {}", element.count, plain(&element.name));
+            let found = Found::Word(format!("{left} bytes for them: it is cut short"));
+            return Err(self.values.fault(self.path, &expected, &found));
+        }
+        let count = usize::try_from(element.count).unwrap_or(usize::MAX);
+        // Elements without properties are nothing at all.
+        Ok(if least == 0 { 0 } else { count })
+    }
+
+    pub(super) fn vertices(
+        &mut self,
+        element: &Element,
+        step: &dyn Fn(f32),
+    ) -> Result<(), FormatError> {
+        let mut layout = Layout::of(
+            element,
+            &[
+                (&["x", "y", "z"], POSITION),
+                (&["nx", "ny", "nz"], NORMAL),
+                (&["red", "green", "blue"], COLOR),
+                (&["diffuse_red", "diffuse_green", "diffuse_blue"], COLOR),
+                (&["r", "g", "b"], COLOR),
+                (&["s", "t"], UV),
+                (&["u", "v"], UV),
+                (&["texture_u", "texture_v"], UV),
+                (&["texture_s", "texture_t"], UV),
+            ],
+        );
+        if !layout.has(POSITION) {
+            let expected = "vertices with properties `x`, `y` and `z`";
+            return Err(self.other_properties(element, expected));
+        }
+        let scalars = layout.take_scalars();
+        self.note_scalars("vertices", &scalars);
+        self.note_unused("vertices", layout.unused());
+        let count = self.count(element)?;
+        let of = |slot| if layout.has(slot) { count } else { 0 };
+        let (normals, colors, uvs) = (of(NORMAL), of(COLOR), of(UV));
+        let bytes = count * size_of::<DVec3>()
+            + normals * size_of::<Vec3>()
+            + colors * size_of::<Option<Color>>()
+            + uvs * size_of::<Vec2>()
+            + scalars.len() * count * size_of::<f32>();
+        // What is read is counted again as a mesh once all is there.
+        drop(self.budget.share(self.path, "the mesh", bytes as u64)?);
+        self.mesh.positions = vec![DVec3::ZERO; count];
+        self.mesh.colors = vec![None; colors];
+        self.normals = vec![Vec3::ZERO; normals];
+        self.uvs = vec![Vec2::ZERO; uvs];
+        let scalar = |name| Scalar {
+            name,
+            at: ScalarAt::Vertices,
+            values: vec![0.0; count],
+        };
+        self.mesh.scalars = scalars.into_iter().map(scalar).collect();
+        let columns = Columns {
+            positions: &mut self.mesh.positions,
+            normals: &mut self.normals,
+            colors: &mut self.mesh.colors,
+            uvs: &mut self.uvs,
+            scalars: self
+                .mesh
+                .scalars
+                .iter_mut()
+                .map(|s| &mut *s.values)
+                .collect(),
+        };
+        let read = self.values.vertices(&layout, columns, step);
+        read.map_err(|found| self.fault(element, &found))
+    }
+
+    fn note_scalars(&mut self, of: &str, names: &[String]) {
+        if !names.is_empty() {
+            let names: Vec<_> = names.iter().map(|name| plain(name)).collect();
+            let names = quote::shorten(&names.join(", "));
+            self.notes.push(format!("scalars of {of}: {names}"));
+        }
+    }
+
+    fn note_unused(&mut self, of: &str, unused: Vec<String>) {
+        if !unused.is_empty() {
+            let names: Vec<_> = unused.iter().map(|name| plain(name)).collect();
+            let names = quote::shorten(&names.join(", "));
+            self.notes
+                .push(format!("not used: properties of {of}: {names}"));
+        }
+    }
+
+    pub(super) fn faces(
+        &mut self,
+        element: &Element,
+        step: &dyn Fn(f32),
+    ) -> Result<(), FormatError> {
+        let mut layout = Layout::of(element, &[(&["red", "green", "blue"], COLOR)]);
+        let list = |layout: &Layout, names: &[&str]| {
+            let mut properties = layout.properties.iter();
+            properties.position(|(property, _)| {
+                property.length.is_some() && names.contains(&property.name.as_str())
+            })
+        };
+        let count = self.count(element)?;
+        let Some(indices) = list(&layout, &["vertex_indices", "vertex_index"]) else {
+            if count == 0 {
+                return Ok(());
+            }
+            let expected = "faces with a list `vertex_indices` or `vertex_index`";
+            return Err(self.other_properties(element, expected));
+        };
+        let texcoords = list(&layout, &["texcoord"]);
+        let has_colors = layout.has(COLOR);
+        // Named as used.
+        for place in [Some(indices), texcoords].into_iter().flatten() {
+            layout.properties[place].1 = POSITION;
+        }
+        let mut scalars = layout.take_scalars();
+        // MeshLab gives vertices and faces a `quality` each.
+        for name in &mut scalars {
+            if self.mesh.scalars.iter().any(|scalar| scalar.name == *name) {
+                name.push_str(" of faces");
+            }
+        }
+        self.note_scalars("faces", &scalars);
+        self.note_unused("faces", layout.unused());
+        let first = self.mesh.triangles.len();
+        if texcoords.is_none() && !has_colors && first == 0 {
+            // At first as if all were triangles, which most files have.
+            let each = size_of::<[u32; 3]>() + scalars.len() * size_of::<f32>();
+            let bytes = count as u64 * each as u64;
+            if count as u64 <= self.budget.triangles_left() {
+                drop(self.budget.share(self.path, "the mesh", bytes)?);
+                let mut values = vec![Vec::new(); scalars.len()];
+                let vertices = self.vertices;
+                let read = self
+                    .values
+                    .triangles(&layout, indices, count, vertices, &mut values);
+                if let Some(triangles) = read {
+                    self.mesh.triangles = triangles;
+                    self.face_scalars = named(scalars, values);
+                    return Ok(());
+                }
+            }
+        }
+        let mut share = self.budget.share(self.path, "the mesh", 0)?;
+        let mut corners = Vec::new();
+        let mut uvs = Vec::new();
+        let mut values = vec![vec![f32::NAN; first]; scalars.len()];
+        let mut of_face = vec![0.0; scalars.len()];
+        for number in 0..count {
+            let mut row: Row = [0.0; UNUSED + 1];
+            corners.clear();
+            uvs.clear();
+            for (place, (property, slot)) in layout.properties.iter().enumerate() {
+                let read = match property.length {
+                    None => {
+                        self.values
+                            .value(property.kind)
+                            .map(|value| match row.get_mut(*slot) {
+                                Some(place) => *place = value,
+                                None => of_face[*slot - SCALAR] = value as f32,
+                            })
+                    }
+                    Some(length) if place == indices => {
+                        self.corners(length, property.kind, &mut corners)?;
+                        Ok(())
+                    }
+                    Some(length) if Some(place) == texcoords => {
+                        self.values
+                            .list(length, property.kind, |value| uvs.push(value as f32))
+                    }
+                    Some(length) => self.values.list(length, property.kind, |_| ()),
+                };
+                read.map_err(|found| self.fault(element, &found))?;
+            }
+            let before = self.mesh.triangles.len();
+            self.face(&corners)?;
+            let after = self.mesh.triangles.len();
+            for (values, value) in values.iter_mut().zip(&of_face) {
+                values.resize(after, *value);
+            }
+            if has_colors {
+                self.face_colors.resize(before, None);
+                self.face_colors.resize(after, Some(layout.color(&row)));
+            }
+            let has_uvs =
+                uvs.len() == 2 * corners.len() && uvs.iter().all(|uv: &f32| uv.is_finite());
+            if has_uvs && after > before {
+                let (pairs, _) = uvs.as_chunks::<2>();
+                let first = self.corner_uvs.len() as u32;
+                self.corner_uvs
+                    .extend(pairs.iter().map(|uv| Vec2::from_array(*uv)));
+                self.uv_triangles.resize(before, [NONE; 3]);
+                let fan = 1..corners.len() as u32 - 1;
+                let triangles = fan.map(|next| [first, first + next, first + next + 1]);
+                self.uv_triangles.extend(triangles);
+            }
+            if number % 16_384 == 0 {
+                let held = after * size_of::<[u32; 3]>()
+                    + self.polygons.len() * size_of::<Polygon>()
+                    + self.corner_uvs.len() * size_of::<Vec2>()
+                    + self.uv_triangles.len() * size_of::<[u32; 3]>()
+                    + self.face_colors.len() * size_of::<Option<Color>>()
+                    + values.len() * after * size_of::<f32>();
+                // A list that is full doubles, and the old one stays until the new one is filled.
+                share.grow(self.path, "the mesh", 3 * held as u64)?;
+                step(number as f32 / count as f32);
+            }
+        }
+        self.face_scalars = named(scalars, values);
+        if !self.uv_triangles.is_empty() {
+            let triangles = self.mesh.triangles.len();
+            self.uv_triangles.resize(triangles, [NONE; 3]);
+        }
+        Ok(())
+    }
+
+    /// The indices of a list, each of a vertex that is there.
+    fn corners(
+        &mut self,
+        length: Kind,
+        kind: Kind,
+        corners: &mut Vec<u32>,
+    ) -> Result<(), FormatError> {
+        let read = self
+            .values
+            .list(length, kind, |value| corners.push(index(value)));
+        read.map_err(|found| {
+            self.values
+                .fault(self.path, "a list of vertex indices", &found)
+        })?;
+        match corners.iter().find(|corner| **corner >= self.vertices) {
+            None => Ok(()),
+            Some(_) => Err(self.bad_index()),
+        }
+    }
+
+    #[cold]
+    fn bad_index(&self) -> FormatError {
+        let expected = match self.vertices {
+            0 => "vertices in the file".to_owned(),
+            vertices => format!("vertex indices from 0 to {}", vertices - 1),
+        };
+        let found = Found::Word("another in the list that ends here".to_owned());
+        self.values.fault(self.path, &expected, &found)
+    }
+
+    /// Adds a face as a fan.
+    fn face(&mut self, corners: &[u32]) -> Result<(), FormatError> {
+        let [first, second, ref rest @ ..] = *corners else {
+            self.small += 1;
+            return Ok(());
+        };
+        if rest.is_empty() {
+            self.small += 1;
+            return Ok(());
+        }
+        self.check_sum(rest.len())?;
+        if rest.len() > 1 {
+            self.polygons.push(Polygon {
+                first: self.mesh.triangles.len() as u32,
+                triangles: rest.len() as u32,
+            });
+        }
+        let mut last = second;
+        for &next in rest {
+            self.mesh.triangles.push([first, last, next]);
+            last = next;
+        }
+        Ok(())
+    }
+
+    fn check_sum(&self, more: usize) -> Result<(), FormatError> {
+        let sum = (self.mesh.triangles.len() + more) as u64;
+        if sum > self.budget.triangles_left() {
+            self.budget.add_triangles(self.path, sum)?;
+        }
+        Ok(())
+    }
+
+    /// Triangle strips, one behind the other, each ended by −1; every second triangle is turned.
+    pub(super) fn strips(&mut self, element: &Element) -> Result<(), FormatError> {
+        let count = self.count(element)?;
+        let mut share = self.budget.share(self.path, "the mesh", 0)?;
+        for _ in 0..count {
+            for property in &element.properties {
+                let is_strip = ["vertex_indices", "vertex_index"].contains(&&*property.name);
+                let read = match property.length {
+                    None => self.values.value(property.kind).map(|_| ()),
+                    Some(length) if !is_strip => self.values.list(length, property.kind, |_| ()),
+                    Some(length) => {
+                        let mut strip = Vec::new();
+                        let push = |value: f64| strip.push((value != -1.0).then(|| index(value)));
+                        let read = self.values.list(length, property.kind, push);
+                        let held = (size_of::<[u32; 3]>() + 8) * strip.len();
+                        share.grow(self.path, "the mesh", 3 * held as u64)?;
+                        for strip in strip.split(Option::is_none) {
+                            self.check_sum(strip.len())?;
+                            for (number, corners) in strip.windows(3).enumerate() {
+                                let corner = |i: usize| corners[i].unwrap_or(NONE);
+                                let [a, b, c] = [0, 1, 2].map(corner);
+                                if [a, b, c].iter().any(|corner| *corner >= self.vertices) {
+                                    return Err(self.bad_index());
+                                }
+                                let turned = if number % 2 == 0 {
+                                    [a, b, c]
+                                } else {
+                                    [b, a, c]
+                                };
+                                self.mesh.triangles.push(turned);
+                            }
+                        }
+                        read
+                    }
+                };
+                read.map_err(|found| self.fault(element, &found))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Passes over an element.
+    pub(super) fn pass(&mut self, element: &Element) -> Result<(), FormatError> {
+        for _ in 0..self.count(element)? {
+            for property in &element.properties {
+                let read = match property.length {
+                    None => self.values.value(property.kind).map(|_| ()),
+                    Some(length) => self.values.list(length, property.kind, |_| ()),
+                };
+                read.map_err(|found| self.fault(element, &found))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Scalars of faces.
+fn named(names: Vec<String>, values: Vec<Vec<f32>>) -> Vec<Scalar> {
+    let at = ScalarAt::Triangles;
+    let scalars = names.into_iter().zip(values);
+    scalars
+        .map(|(name, values)| Scalar { name, at, values })
+        .collect()
+}
+
+/// A name of the file as it is, or quoted where it is unlike names.
+pub(super) fn plain(name: &str) -> String {
+    let is_plain = name.bytes().all(|byte| byte.is_ascii_graphic());
+    if is_plain {
+        quote::shorten(name)
+    } else {
+        quote::quote(name)
+    }
+}

@@ -1,0 +1,532 @@
+//! Reading a model part of a 3MF file.
+
+use super::model::{Instance, Model, ModelObject, Shape};
+use super::package::{Package, Part, line_at};
+use crate::formats::error::{FormatError, quote, shorten};
+use crate::scene::{Color, Material, MeshData};
+use glam::{DAffine3, DMat3, DVec3};
+use quick_xml::events::{BytesStart, Event};
+use quick_xml::{Reader, XmlVersion};
+use std::collections::{HashMap, HashSet};
+use std::str::FromStr;
+
+/// No number.
+const NONE: u32 = u32::MAX;
+
+/// Where in the tree of elements an element stands. What a name means depends on that.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    Document,
+    Model,
+    Resources,
+    BaseMaterials,
+    ColorGroup,
+    Object,
+    Mesh,
+    Vertices,
+    Triangles,
+    Components,
+    Build,
+    /// Of no interest, with all that is in it.
+    Other,
+}
+
+/// Extensions that a model may need, by a piece of their namespace.
+const KNOWN: [&str; 5] = [
+    "/core/",
+    "/production/",
+    "/material/",
+    "/trianglesets/",
+    "/beamlattice/",
+];
+
+/// An object while it is read.
+#[derive(Default)]
+struct Open {
+    id: u32,
+    name: Option<String>,
+    /// What triangles without properties of their own have.
+    property: (u32, u32),
+    mesh: Option<MeshData>,
+    components: Vec<Instance>,
+    /// A group and an index a triangle; empty where none has any.
+    properties: Vec<(u32, u32)>,
+    line: usize,
+}
+
+/// Properties of an object's triangles, whose groups may stand behind it.
+struct Pending {
+    object: u32,
+    /// As in [`Open`].
+    properties: Vec<(u32, u32)>,
+    line: usize,
+}
+
+struct ModelReader<'r, 'b> {
+    package: &'r Package<'b>,
+    part: &'r Part<'b>,
+    line: usize,
+    model: Model,
+    open: Open,
+    groups: HashMap<u32, Vec<Material>>,
+    group: u32,
+    /// Groups of kinds that are not shown.
+    other_groups: HashSet<u32>,
+    /// Objects with properties that stand for later.
+    pending: Vec<Pending>,
+    unused: HashMap<&'static str, usize>,
+    triangles: u64,
+    triangles_left: u64,
+}
+
+/// Reads a model part. No more triangles than `triangles_left` are read.
+pub(super) fn read(
+    package: &Package<'_>,
+    part: &Part<'_>,
+    triangles_left: u64,
+) -> Result<Model, FormatError> {
+    let mut reader = ModelReader {
+        package,
+        part,
+        line: 1,
+        model: Model::default(),
+        open: Open::default(),
+        groups: HashMap::new(),
+        group: 0,
+        other_groups: HashSet::new(),
+        pending: Vec::new(),
+        unused: HashMap::new(),
+        triangles: 0,
+        triangles_left,
+    };
+    reader.document()?;
+    reader.finish()
+}
+
+impl ModelReader<'_, '_> {
+    fn fault(&self, reason: &str) -> FormatError {
+        self.package.fault(&self.part.name, Some(self.line), reason)
+    }
+
+    fn unexpected(&self, expected: &str, found: &str) -> FormatError {
+        self.fault(&format!("expected {expected}, found {found}"))
+    }
+
+    fn document(&mut self) -> Result<(), FormatError> {
+        let text = &self.part.text[..];
+        let mut reader = Reader::from_reader(text);
+        let mut places = vec![Place::Document];
+        // Lines are counted as they go by.
+        let mut counted = 0;
+        let mut has_model = false;
+        loop {
+            let event = reader.read_event();
+            let at = (reader.buffer_position() as usize).clamp(counted, text.len());
+            let place = places.last().copied().unwrap_or(Place::Document);
+            let event = match event {
+                Ok(event) => event,
+                Err(error) => {
+                    self.line = line_at(text, reader.error_position());
+                    return Err(self.fault(&shorten(&error.to_string())));
+                }
+            };
+            match &event {
+                Event::Start(tag) | Event::Empty(tag) => {
+                    let inner = self.element(tag, place)?;
+                    has_model |= inner == Place::Model;
+                    if matches!(event, Event::Start(_)) {
+                        places.push(inner);
+                    } else {
+                        self.leave(inner);
+                    }
+                }
+                Event::End(_) => {
+                    places.pop();
+                    self.leave(place);
+                }
+                Event::Eof => {
+                    self.line += memchr::memchr_iter(b'\n', &text[counted..at]).count();
+                    if places.len() > 1 {
+                        return Err(self.unexpected("the end of its elements", "the part's end"));
+                    }
+                    break;
+                }
+                _ => {}
+            }
+            self.line += memchr::memchr_iter(b'\n', &text[counted..at]).count();
+            counted = at;
+        }
+        if has_model {
+            Ok(())
+        } else {
+            Err(self.unexpected("a model", "none"))
+        }
+    }
+
+    /// Takes in an element's own tag; where what is in it stands.
+    fn element(&mut self, tag: &BytesStart<'_>, place: Place) -> Result<Place, FormatError> {
+        let name = tag.local_name();
+        Ok(match (place, name.as_ref()) {
+            (Place::Document, b"model") => {
+                self.start_model(tag)?;
+                Place::Model
+            }
+            (Place::Model, b"resources") => Place::Resources,
+            (Place::Model, b"build") => Place::Build,
+            (Place::Build, b"item") => {
+                let item = self.instance(tag)?;
+                self.model.items.push(item);
+                Place::Other
+            }
+            (Place::Resources, b"basematerials" | b"colorgroup") => {
+                self.group = self.need(tag, b"id")?;
+                self.groups.insert(self.group, Vec::new());
+                if name.as_ref() == b"colorgroup" {
+                    Place::ColorGroup
+                } else {
+                    Place::BaseMaterials
+                }
+            }
+            (Place::BaseMaterials, b"base") => {
+                let name = self.text(tag, b"name")?;
+                self.color(tag, b"displaycolor", name)?;
+                Place::Other
+            }
+            (Place::ColorGroup, b"color") => {
+                self.color(tag, b"color", None)?;
+                Place::Other
+            }
+            (Place::Resources, b"texture2dgroup" | b"compositematerials" | b"multiproperties") => {
+                self.other_groups.insert(self.need(tag, b"id")?);
+                *self
+                    .unused
+                    .entry("groups of textures or mixtures")
+                    .or_default() += 1;
+                Place::Other
+            }
+            (Place::Resources, b"object") => {
+                let id = self.need(tag, b"id")?;
+                if self.model.objects.contains_key(&id) {
+                    let found = format!("{id} once more");
+                    return Err(self.unexpected("a number that no other object has", &found));
+                }
+                self.open = Open {
+                    id,
+                    name: self.text(tag, b"name")?.filter(|name| !name.is_empty()),
+                    property: (
+                        self.number(tag, b"pid")?.unwrap_or(NONE),
+                        self.number(tag, b"pindex")?.unwrap_or(0),
+                    ),
+                    line: self.line,
+                    ..Open::default()
+                };
+                Place::Object
+            }
+            (Place::Object, b"mesh") => {
+                self.open.mesh.get_or_insert_default();
+                Place::Mesh
+            }
+            (Place::Object, b"components") => Place::Components,
+            (Place::Components, b"component") => {
+                let component = self.instance(tag)?;
+                self.open.components.push(component);
+                Place::Other
+            }
+            (Place::Mesh, b"vertices") => Place::Vertices,
+            (Place::Mesh, b"triangles") => Place::Triangles,
+            (Place::Mesh, b"beamlattice") => {
+                *self.unused.entry("lattices of beams").or_default() += 1;
+                Place::Other
+            }
+            (Place::Vertices, b"vertex") => {
+                let position = self.vertex(tag)?;
+                if let Some(mesh) = &mut self.open.mesh {
+                    mesh.positions.push(position);
+                }
+                Place::Other
+            }
+            (Place::Triangles, b"triangle") => {
+                self.triangle(tag)?;
+                Place::Other
+            }
+            _ => Place::Other,
+        })
+    }
+
+    /// Closes an element.
+    fn leave(&mut self, place: Place) {
+        if place != Place::Object {
+            return;
+        }
+        let Open {
+            id,
+            name,
+            mesh,
+            components,
+            properties,
+            line,
+            ..
+        } = std::mem::take(&mut self.open);
+        if !properties.is_empty() {
+            self.pending.push(Pending {
+                object: id,
+                properties,
+                line,
+            });
+        }
+        let shape = match mesh {
+            Some(mesh) => Shape::Mesh(Box::new(mesh)),
+            None => Shape::Components(components),
+        };
+        self.model.objects.insert(id, ModelObject { name, shape });
+    }
+
+    fn start_model(&mut self, tag: &BytesStart<'_>) -> Result<(), FormatError> {
+        let unit = self.text(tag, b"unit")?;
+        self.model.unit = unit.unwrap_or_else(|| "millimeter".to_owned());
+        let required = self.text(tag, b"requiredextensions")?.unwrap_or_default();
+        for prefix in required.split_whitespace() {
+            let mut namespace = String::new();
+            for attribute in tag.attributes().with_checks(false).flatten() {
+                if attribute.key.as_ref().strip_prefix(b"xmlns:") == Some(prefix.as_bytes()) {
+                    namespace = String::from_utf8_lossy(&attribute.value).into_owned();
+                }
+            }
+            if !KNOWN.iter().any(|known| namespace.contains(known)) {
+                let found = if namespace.is_empty() {
+                    prefix
+                } else {
+                    &namespace
+                };
+                let expected = "no extensions that it needs but those that are read";
+                return Err(self.unexpected(expected, &quote(found)));
+            }
+        }
+        Ok(())
+    }
+
+    fn vertex(&self, tag: &BytesStart<'_>) -> Result<DVec3, FormatError> {
+        let mut position = [None; 3];
+        for attribute in tag.attributes().with_checks(false) {
+            let attribute = attribute.map_err(|error| self.fault(&error.to_string()))?;
+            let axis = match attribute.key.as_ref() {
+                b"x" => 0,
+                b"y" => 1,
+                b"z" => 2,
+                _ => continue,
+            };
+            position[axis] = Some(self.parse(&attribute.value, "a number")?);
+        }
+        match position {
+            [Some(x), Some(y), Some(z)] => Ok(DVec3::new(x, y, z)),
+            _ => Err(self.unexpected("a vertex with x, y and z", "one without")),
+        }
+    }
+
+    fn triangle(&mut self, tag: &BytesStart<'_>) -> Result<(), FormatError> {
+        let mut corners = [None; 3];
+        let mut group = None;
+        let mut indices: [Option<u32>; 3] = [None; 3];
+        for attribute in tag.attributes().with_checks(false) {
+            let attribute = attribute.map_err(|error| self.fault(&error.to_string()))?;
+            let whole = || self.parse(&attribute.value, "a whole number");
+            match attribute.key.as_ref() {
+                b"v1" => corners[0] = Some(whole()?),
+                b"v2" => corners[1] = Some(whole()?),
+                b"v3" => corners[2] = Some(whole()?),
+                b"pid" => group = Some(whole()?),
+                b"p1" => indices[0] = Some(whole()?),
+                b"p2" => indices[1] = Some(whole()?),
+                b"p3" => indices[2] = Some(whole()?),
+                _ => {}
+            }
+        }
+        let [Some(a), Some(b), Some(c)] = corners else {
+            return Err(self.unexpected("a triangle with v1, v2 and v3", "one without"));
+        };
+        self.triangles += 1;
+        if self.triangles > self.triangles_left {
+            let most = self.triangles_left;
+            return Err(self.fault(&format!(
+                "it has more triangles than the {most} that are left"
+            )));
+        }
+        let [first, others @ ..] = indices;
+        if others.iter().flatten().any(|&other| Some(other) != first) {
+            self.model.mixed += 1;
+        }
+        let own = self.open.property;
+        let property = match (group, first) {
+            (group, Some(index)) => (group.unwrap_or(own.0), index),
+            (_, None) => own,
+        };
+        let Some(mesh) = &mut self.open.mesh else {
+            return Ok(());
+        };
+        let vertices = mesh.positions.len();
+        if let Some(outside) = [a, b, c]
+            .into_iter()
+            .find(|&v: &u32| v as usize >= vertices)
+        {
+            let expected = format!("the number of one of {vertices} vertices");
+            return Err(self.unexpected(&expected, &outside.to_string()));
+        }
+        let before = mesh.triangles.len();
+        mesh.triangles.push([a, b, c]);
+        if property.0 != NONE || !self.open.properties.is_empty() {
+            self.open.properties.resize(before, (NONE, 0));
+            self.open.properties.push(property);
+        }
+        Ok(())
+    }
+
+    fn color(
+        &mut self,
+        tag: &BytesStart<'_>,
+        key: &[u8],
+        name: Option<String>,
+    ) -> Result<(), FormatError> {
+        let Some(text) = self.text(tag, key)? else {
+            return Err(self.unexpected("a colour as #RRGGBB or #RRGGBBAA", "none"));
+        };
+        let (opaque, alpha) = match text.len() {
+            9 if text.is_ascii() => text.split_at(7),
+            _ => (&*text, "FF"),
+        };
+        let color: Color = match opaque.parse() {
+            Ok(color) if opaque.starts_with('#') && opaque.len() == 7 => color,
+            _ => {
+                return Err(self.unexpected("a colour as #RRGGBB or #RRGGBBAA", &quote(&text)));
+            }
+        };
+        if !alpha.eq_ignore_ascii_case("FF") {
+            *self.unused.entry("opacity of colours").or_default() += 1;
+        }
+        let group = self.groups.entry(self.group).or_default();
+        let name = name.unwrap_or_else(|| format!("color {}", group.len()));
+        group.push(Material::new(name, color));
+        Ok(())
+    }
+
+    fn instance(&self, tag: &BytesStart<'_>) -> Result<Instance, FormatError> {
+        let outer_from_object = match self.text(tag, b"transform")? {
+            Some(text) => self.transform(&text)?,
+            None => DAffine3::IDENTITY,
+        };
+        Ok(Instance {
+            part: self.text(tag, b"path")?,
+            object: self.need(tag, b"objectid")?,
+            outer_from_object,
+            line: self.line,
+        })
+    }
+
+    /// Twelve numbers: what the axes become, each in turn, and the translation.
+    fn transform(&self, text: &str) -> Result<DAffine3, FormatError> {
+        let mut numbers = [0.0; 12];
+        let mut words = text.split_ascii_whitespace();
+        for number in &mut numbers {
+            let word = words.next().unwrap_or_default();
+            *number = word
+                .parse()
+                .ok()
+                .filter(|number: &f64| number.is_finite())
+                .ok_or_else(|| self.unexpected("twelve numbers as a transform", &quote(text)))?;
+        }
+        if words.next().is_some() {
+            return Err(self.unexpected("twelve numbers as a transform", "more"));
+        }
+        let [x, y, z, t] = [0, 3, 6, 9].map(|at| DVec3::from_slice(&numbers[at..]));
+        Ok(DAffine3 {
+            matrix3: DMat3::from_cols(x, y, z),
+            translation: t,
+        })
+    }
+
+    fn parse<T: FromStr>(&self, value: &[u8], expected: &str) -> Result<T, FormatError> {
+        let text = std::str::from_utf8(value).ok().map(str::trim);
+        text.and_then(|text| text.parse().ok())
+            .ok_or_else(|| self.unexpected(expected, &quote(&String::from_utf8_lossy(value))))
+    }
+
+    /// An attribute's text, by its name without a prefix.
+    fn text(&self, tag: &BytesStart<'_>, key: &[u8]) -> Result<Option<String>, FormatError> {
+        for attribute in tag.attributes().with_checks(false) {
+            let attribute = attribute.map_err(|error| self.fault(&error.to_string()))?;
+            if attribute.key.local_name().as_ref() == key {
+                let value = attribute.normalized_value(XmlVersion::Implicit1_0);
+                let value = value.map_err(|error| self.fault(&shorten(&error.to_string())))?;
+                return Ok(Some(value.into_owned()));
+            }
+        }
+        Ok(None)
+    }
+
+    fn number(&self, tag: &BytesStart<'_>, key: &[u8]) -> Result<Option<u32>, FormatError> {
+        let text = self.text(tag, key)?;
+        text.map(|text| self.parse(text.as_bytes(), "a whole number"))
+            .transpose()
+    }
+
+    fn need(&self, tag: &BytesStart<'_>, key: &[u8]) -> Result<u32, FormatError> {
+        self.number(tag, key)?.ok_or_else(|| {
+            let key = String::from_utf8_lossy(key);
+            let name = String::from_utf8_lossy(tag.name().as_ref()).into_owned();
+            self.unexpected(
+                &format!("`{key}` of an element"),
+                &format!("{} without", quote(&name)),
+            )
+        })
+    }
+
+    /// Gives triangles their materials, now that all groups are known.
+    fn finish(mut self) -> Result<Model, FormatError> {
+        for pending in std::mem::take(&mut self.pending) {
+            let Pending {
+                object: id,
+                properties,
+                line,
+            } = pending;
+            self.line = line;
+            let mut materials = Vec::new();
+            let mut numbers: HashMap<(u32, u32), u32> = HashMap::new();
+            let mut of_triangle = Vec::with_capacity(properties.len());
+            for (group, index) in properties {
+                if group == NONE || self.other_groups.contains(&group) {
+                    of_triangle.push(NONE);
+                    continue;
+                }
+                if let Some(&number) = numbers.get(&(group, index)) {
+                    of_triangle.push(number);
+                    continue;
+                }
+                let Some(colors) = self.groups.get(&group) else {
+                    let expected = format!("object {id} to name groups of colours or materials");
+                    return Err(self.unexpected(&expected, &format!("{group}")));
+                };
+                let Some(material) = colors.get(index as usize) else {
+                    let count = colors.len();
+                    let expected =
+                        format!("object {id} to name one of group {group}'s {count} colours");
+                    return Err(self.unexpected(&expected, &format!("number {index}")));
+                };
+                let number = materials.len() as u32;
+                materials.push(material.clone());
+                numbers.insert((group, index), number);
+                of_triangle.push(number);
+            }
+            if let Some(ModelObject {
+                shape: Shape::Mesh(mesh),
+                ..
+            }) = self.model.objects.get_mut(&id)
+            {
+                of_triangle.resize(mesh.triangles.len(), NONE);
+                mesh.materials = materials;
+                mesh.material_of_triangle = of_triangle;
+            }
+        }
+        self.model.unused = self.unused.into_iter().collect();
+        self.model.unused.sort_unstable();
+        Ok(self.model)
+    }
+}

@@ -1,0 +1,100 @@
+//! Lattices of panoramas: packets whose rays lie at places of their own on a plane each
+//! ([`places`](crate::packet::places)). Packets that see too wide for a plane are split, the smallest ones cast ray by ray.
+
+use super::Find;
+use crate::camera::{PanoramaRays, Rect};
+use crate::num::simd::{Lanes, Work};
+use crate::packet::interval_zbuffer::IntervalZBuffer;
+use crate::packet::params::{LARGE_SIDE, ROW, SIDE};
+use crate::packet::places::{Places, Span};
+use crate::packet::traversal::{RayRect, Traversal};
+use glam::DVec3;
+
+/// [`Find`] for a panorama's lattice.
+pub(super) struct FindAround<'a>(pub(super) Find<'a, true>);
+
+impl Work for FindAround<'_> {
+    #[inline(always)]
+    fn run(self, lanes: impl Lanes) {
+        let Self(mut find) = self;
+        let whole = RayRect {
+            column: 0,
+            row: 0,
+            columns: find.lattice.columns,
+            rows: find.lattice.rows,
+        };
+        let mut traversal =
+            Traversal::<true>::new(find.accel, find.clip, find.lattice, find.precision);
+        let mut zbuffer = IntervalZBuffer::new();
+        let mut places = Places::new(&find.lattice.camera);
+        let mut rest: Vec<RayRect> = Vec::new();
+        let Some(rays) = PanoramaRays::new(find.lattice) else {
+            return;
+        };
+        let camera = &find.lattice.camera;
+        let in_world = |v: DVec3| camera.right() * v.x + camera.up() * v.y + camera.forward() * v.z;
+        let faces = whole.split_at(rays.borders());
+        for large in faces.flat_map(|face| face.split(LARGE_SIDE)) {
+            let cone = rays.cone(large.rect());
+            let cone = cone.map(|(axis, tangent)| (in_world(axis).normalize_or_zero(), tangent));
+            if !traversal.list_around(lanes, cone) {
+                continue;
+            }
+            rest.extend(large.split(SIDE as u32));
+            while let Some(part) = rest.pop() {
+                match places.find(lanes, (camera, &rays), part.rect()) {
+                    Span::Empty => {}
+                    Span::Wide if part.columns.max(part.rows) > ROW as u32 => {
+                        let half = part.columns.max(part.rows).div_ceil(2);
+                        rest.extend(part.split(half));
+                    }
+                    Span::Wide => find.cast_each(&part),
+                    Span::Packet => {
+                        if traversal.cast_at_places(lanes, &places, find.cull, &mut zbuffer) {
+                            find.keep(&part, &mut zbuffer);
+                        }
+                    }
+                }
+            }
+        }
+        find.counts.nodes += traversal.counts.nodes;
+        find.counts.triangles += traversal.counts.triangles;
+    }
+}
+
+impl RayRect {
+    fn rect(&self) -> Rect {
+        Rect {
+            x: self.column,
+            y: self.row,
+            width: self.columns,
+            height: self.rows,
+        }
+    }
+
+    /// Cuts it before these columns and rows.
+    fn split_at(self, [columns, rows]: [Vec<u32>; 2]) -> impl Iterator<Item = Self> {
+        let ends = |cuts: Vec<u32>, first: u32, count: u32| {
+            let end = first + count;
+            let cuts = cuts
+                .into_iter()
+                .filter(move |cut| (first + 1..end).contains(cut));
+            let mut from = first;
+            let ranges = cuts
+                .chain([end])
+                .map(move |to| (std::mem::replace(&mut from, to), to));
+            ranges.collect::<Vec<_>>()
+        };
+        let columns = ends(columns, self.column, self.columns);
+        let rows = ends(rows, self.row, self.rows);
+        rows.into_iter().flat_map(move |(top, bottom)| {
+            let part = move |&(left, right): &(u32, u32)| Self {
+                column: left,
+                row: top,
+                columns: right - left,
+                rows: bottom - top,
+            };
+            columns.iter().map(part).collect::<Vec<_>>()
+        })
+    }
+}

@@ -1,0 +1,283 @@
+//! Rasterising where rays lie at places of their own: the packets of panoramas.
+//!
+//! Functions are evaluated at each ray's place instead of stepping from ray to ray; cells and rows are found by their
+//! bounds. The bounds on errors are those of lattices, which allow for more roundings
+//! ([`places`](crate::packet::places)).
+
+use super::cut_triangles::Cut;
+use super::{
+    ALL, DepthMerge, EdgeFunctions, IntervalZBuffer, RAYS, ROW, SIDE, UNDECIDED, for_each_bit,
+    stored_primitive,
+};
+use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
+use crate::packet::decisions::Decisions;
+use crate::packet::place_box::PlaceBox;
+use crate::packet::places::{Places, first_of};
+use crate::packet::ray_box::RayBox;
+use crate::packet::setup::{CornerLanes, PacketSpace};
+use crate::scene::CLIPPING_PLANES;
+
+const NO_CUT: Cut = Cut {
+    values: [0.0; 3],
+    error: 0.0,
+};
+
+/// Functions are set up for all of a packet.
+const WHOLE: RayBox = RayBox {
+    left: 0,
+    right: SIDE as i32 - 1,
+    top: 0,
+    bottom: SIDE as i32 - 1,
+};
+
+/// A function at eight places. No closure: what is called in one may not be compiled for the instruction set.
+#[inline(always)]
+fn value<L: Lanes>(lanes: L, f: [f32; 3], (x, y): (L::F32, L::F32)) -> L::F32 {
+    let below = lanes.splat(f[0]) + lanes.splat(f[2]) * y;
+    below + lanes.splat(f[1]) * x
+}
+
+/// By how much a function differs within half extents.
+#[inline(always)]
+fn swing<F: F32x8>(f: [f32; 3], (half_x, half_y): (F, F)) -> F {
+    half_x * f[1].abs() + half_y * f[2].abs()
+}
+
+impl IntervalZBuffer {
+    /// Clears it for a panorama's packet. Rays that the packet does not have accept nothing.
+    #[inline(always)]
+    pub(in crate::packet) fn clear_places(&mut self, lanes: impl Lanes, places: &Places) {
+        self.clear(lanes, SIDE as u32, SIDE as u32, f32::INFINITY);
+        let mut is_whole = true;
+        for has_ray in places.has_ray {
+            is_whole &= has_ray == u32::MAX;
+        }
+        if is_whole {
+            return;
+        }
+        for (row, has_ray) in places.has_ray.into_iter().enumerate() {
+            for_each_bit(u64::from(!has_ray), |column| {
+                self.low[row * SIDE + column] = f32::INFINITY;
+                self.high[row * SIDE + column] = f32::INFINITY;
+            });
+        }
+        self.dirty = u32::MAX;
+        self.update_hi_z(lanes);
+    }
+
+    /// [`IntervalZBuffer::rasterize`] at places.
+    #[inline(always)]
+    pub(in crate::packet) fn rasterize_at_places(
+        &mut self,
+        lanes: impl Lanes,
+        (space, places): (&PacketSpace, &Places),
+        corners: &CornerLanes,
+        bounds: &[PlaceBox; LANES],
+        primitives: &[u32],
+        decisions: &mut Decisions<'_>,
+    ) {
+        let mut set_up = space.set_up(corners, &[WHOLE; LANES]);
+        let any_rough = set_up.is_rough.iter().fold(false, |any, &is| any | is);
+        let never_hit = if any_rough {
+            self.refine(space, &mut set_up, corners, primitives, decisions)
+        } else {
+            0
+        };
+        for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
+            if never_hit >> l & 1 != 0 || set_up.boxes[l].right < 0 {
+                continue;
+            }
+            let functions = EdgeFunctions::of(&set_up, l, primitive);
+            let (mut cuts, mut count) = ([NO_CUT; CLIPPING_PLANES], 0);
+            if !decisions.clip().is_empty() {
+                for at in decisions.clipped(primitive) {
+                    cuts[count % CLIPPING_PLANES] = Cut::new(&at, set_up.edge_error[l]);
+                    count += 1;
+                }
+            }
+            // What was set up by component has a scale for each edge, and cuts go by one.
+            if set_up.ill_conditioned[l] || count > 0 && set_up.is_rough[l] {
+                self.mark_places_undecided(lanes, places, &functions, &bounds[l]);
+            } else {
+                let cuts = &cuts[..count.min(CLIPPING_PLANES)];
+                self.rasterize_cells_at(lanes, places, (&functions, cuts), &bounds[l], decisions);
+            }
+        }
+        self.update_hi_z(lanes);
+    }
+
+    /// Rasterises a triangle, and what clipping planes leave of it, cell by cell.
+    #[inline(always)]
+    fn rasterize_cells_at(
+        &mut self,
+        lanes: impl Lanes,
+        places: &Places,
+        (functions, cuts): (&EdgeFunctions, &[Cut]),
+        bounds: &PlaceBox,
+        decisions: &mut Decisions<'_>,
+    ) {
+        let EdgeFunctions {
+            edges,
+            edge_error,
+            depth_key,
+            depth_key_error,
+            ..
+        } = *functions;
+        let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
+        let touched = places.cells_touched(lanes, bounds);
+        for half in 0..RAYS / (ROW * ROW * LANES) {
+            let touched = touched >> (half * LANES) & ((1 << LANES) - 1);
+            if touched == 0 {
+                continue;
+            }
+            let cells = places.centres(half);
+            let (x, y) = (lanes.load(&cells.x), lanes.load(&cells.y));
+            let (half_x, half_y) = (lanes.load(&cells.half_x), lanes.load(&cells.half_y));
+            let [e, f, g] = edges;
+            let (a, b, c) = (
+                value(lanes, e, (x, y)),
+                value(lanes, f, (x, y)),
+                value(lanes, g, (x, y)),
+            );
+            let (p, q, r) = (
+                swing(e, (half_x, half_y)),
+                swing(f, (half_x, half_y)),
+                swing(g, (half_x, half_y)),
+            );
+            let greatest = (a + p).min(b + q).min(c + r);
+            let least = (a - p).min(b - q).min(c - r);
+            let outside = greatest.lt(minus_error).bits();
+            let inside = error.lt(least).bits();
+            let mut nearest = [0.0; ROW];
+            let near = value(lanes, depth_key, (x, y)) + swing(depth_key, (half_x, half_y));
+            (near + depth_key_error).store(&mut nearest);
+
+            let mut queued = touched & !outside;
+            while queued != 0 {
+                let lane = queued.trailing_zeros() as usize % LANES;
+                queued &= queued - 1;
+                let cell = half * LANES + lane;
+                if nearest[lane] < self.hi_z[cell] {
+                    continue;
+                }
+                if inside >> lane & 1 != 0 && cuts.is_empty() {
+                    self.cover_at(lanes, places, functions, cell, decisions);
+                } else {
+                    let rows = (cell, places.rows_touched(lanes, cell, bounds));
+                    self.rasterize_rows_at(lanes, places, (functions, cuts), rows, decisions);
+                }
+                self.dirty |= 1 << cell;
+            }
+        }
+    }
+
+    /// Rasterises rows, as bits, of a cell.
+    #[inline(always)]
+    fn rasterize_rows_at(
+        &mut self,
+        lanes: impl Lanes,
+        places: &Places,
+        (functions, cuts): (&EdgeFunctions, &[Cut]),
+        (cell, mut rows): (usize, u32),
+        decisions: &mut Decisions<'_>,
+    ) {
+        let EdgeFunctions {
+            edges: [e, f, g],
+            edge_error,
+            depth_key,
+            ..
+        } = *functions;
+        let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
+        let merge = DepthMerge::new(lanes, functions, self.begin);
+        while rows != 0 {
+            let first = first_of(cell, rows.trailing_zeros() as usize);
+            rows &= rows - 1;
+            let Some((x, y)) = places.eight(first) else {
+                return;
+            };
+            let at = (lanes.load(x), lanes.load(y));
+            let (a, b, c) = (
+                value(lanes, e, at),
+                value(lanes, f, at),
+                value(lanes, g, at),
+            );
+            let least = a.min(b).min(c);
+            let mut outside = least.lt(minus_error);
+            if outside.bits() & ALL == ALL {
+                continue;
+            }
+            let mut inside = error.lt(least);
+            for cut in cuts {
+                let [p, q, r] = cut.values;
+                let value = lanes.splat(p) * a + lanes.splat(q) * b + lanes.splat(r) * c;
+                outside = outside | value.lt(lanes.splat(-cut.error));
+                inside = inside & lanes.splat(cut.error).lt(value);
+            }
+            let Some((low, high, primitives)) = self.rays(first) else {
+                return;
+            };
+            let near = value(lanes, depth_key, at);
+            let open = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
+            if open.rays != 0 {
+                self.leave_undecided(merge.primitive, open, first, decisions);
+            }
+        }
+    }
+
+    /// Merges a triangle into a cell whose rays all lie surely inside its edges.
+    #[inline(always)]
+    fn cover_at(
+        &mut self,
+        lanes: impl Lanes,
+        places: &Places,
+        functions: &EdgeFunctions,
+        cell: usize,
+        decisions: &mut Decisions<'_>,
+    ) {
+        let merge = DepthMerge::new(lanes, functions, self.begin);
+        for row in 0..ROW {
+            let first = first_of(cell, row);
+            let (Some((x, y)), Some((low, high, primitives))) =
+                (places.eight(first), self.rays(first))
+            else {
+                return;
+            };
+            let near = value(lanes, functions.depth_key, (lanes.load(x), lanes.load(y)));
+            let open = merge.row(lanes, near, None, low, high, primitives);
+            if open.rays != 0 {
+                self.leave_undecided(merge.primitive, open, first, decisions);
+            }
+        }
+    }
+
+    /// Marks every ray undecided that an ill-conditioned triangle may hit: those within its bounds where the signs of
+    /// its edge functions do not surely differ.
+    #[inline(never)]
+    fn mark_places_undecided(
+        &mut self,
+        lanes: impl Lanes,
+        places: &Places,
+        functions: &EdgeFunctions,
+        bounds: &PlaceBox,
+    ) {
+        let error = functions.edge_error;
+        for_each_bit(places.cells_touched(lanes, bounds).into(), |cell| {
+            for_each_bit(places.rows_touched(lanes, cell, bounds).into(), |row| {
+                let first = first_of(cell, row);
+                for ray in first..first + ROW {
+                    let (x, y) = (places.x[ray], places.y[ray]);
+                    let values = functions.edges.map(|f| (f[0] + f[2] * y) + f[1] * x);
+                    let below = values.iter().any(|&value| value < -error);
+                    let above = values.iter().any(|&value| value > error);
+                    let has_ray = places.has_ray[ray / SIDE] >> (ray % SIDE) & 1 != 0;
+                    if has_ray && !(below & above) {
+                        self.high[ray] = f32::INFINITY;
+                        let held = std::mem::replace(&mut self.primitives[ray], UNDECIDED);
+                        self.rivals
+                            .push_both(ray, stored_primitive(held), functions.primitive);
+                    }
+                }
+            });
+        });
+    }
+}

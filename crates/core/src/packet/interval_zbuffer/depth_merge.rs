@@ -1,0 +1,71 @@
+//! Merging a triangle's depths into rows of eight rays: intervals that do not overlap are ordered.
+
+use super::{ALL, EdgeFunctions, ROW};
+use crate::num::simd::{F32x8, Lanes, Mask8};
+
+/// Of eight rays, as bits, those that merging a triangle leaves undecided: neither won by it nor surely nearer.
+#[derive(Clone, Copy)]
+pub(super) struct UndecidedRays {
+    pub(super) rays: u32,
+    /// Those of all eight that are surely inside the triangle.
+    pub(super) inside: u32,
+}
+
+/// What merging a triangle into rows needs, the same for every row.
+pub(super) struct DepthMerge<L: Lanes> {
+    pub(super) primitive: u32,
+    error: L::F32,
+    begin: L::F32,
+    never: L::F32,
+}
+
+impl<L: Lanes> DepthMerge<L> {
+    #[inline(always)]
+    pub(super) fn new(lanes: L, functions: &EdgeFunctions, begin: f32) -> Self {
+        Self {
+            primitive: functions.primitive,
+            error: lanes.splat(functions.depth_key_error),
+            begin: lanes.splat(begin),
+            never: lanes.splat(f32::NEG_INFINITY),
+        }
+    }
+
+    /// Merges a triangle of depth key `near` into a row of rays. `sides` has the rays surely inside and
+    /// surely outside of it; without it, all are inside.
+    ///
+    /// No value here is NaN: a triangle whose functions are not finite is ill-conditioned.
+    #[inline(always)]
+    pub(super) fn row(
+        &self,
+        lanes: L,
+        near: L::F32,
+        sides: Option<(L::Mask, L::Mask)>,
+        low: &mut [f32; ROW],
+        high: &mut [f32; ROW],
+        primitives: &mut [u32; ROW],
+    ) -> UndecidedRays {
+        let (old_low, old_high) = (lanes.load(low), lanes.load(high));
+        let near_low = near - self.error;
+        let near_high = near + self.error;
+        let began = near_high.lt(self.begin);
+        let unbegun = self.begin.lt(near_low);
+        let (hit, missed) = match sides {
+            Some((inside, outside)) => (inside & began, outside | unbegun),
+            None => (began, unbegun),
+        };
+        // The nearest hit is at least as near as every sure hit, and at most as near as every possible one.
+        // A triangle surely further moves neither bound.
+        let if_hit = hit.select(near_low, self.never);
+        let unless_missed = missed.select(self.never, near_high);
+        old_low.max(if_hit).store(low);
+        old_high.max(unless_missed).store(high);
+        let wins = hit & old_high.lt(near_low);
+        let loses = missed | near_high.lt(old_low);
+        wins.store(self.primitive, primitives);
+        // Rays where neither holds stay undecided until something nearer wins them.
+        UndecidedRays {
+            rays: !(wins | loses).bits() & ALL,
+            inside: hit.bits(),
+        }
+    }
+}

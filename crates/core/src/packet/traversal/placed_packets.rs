@@ -1,0 +1,152 @@
+//! Packet traversal for the rays of a panorama, which lie at places of their own.
+
+use super::{Batch, BoxPair, Descent, EntryPair, LANES, MANY_RAYS, RayRect, Traversal};
+use crate::bvh::tree::{Box32, Subtree};
+use crate::camera::Camera;
+use crate::hit::Cull;
+use crate::num::simd::Lanes;
+use crate::packet::depth_reference::DepthReference;
+use crate::packet::frustum::{CellFrusta, Frustum, Viewpoint, Window};
+use crate::packet::interval_zbuffer::IntervalZBuffer;
+use crate::packet::params::ROW;
+use crate::packet::place_box::PlaceBox;
+use crate::packet::places::Places;
+use crate::packet::setup::place_bounds::PlaceBounds;
+use glam::{DVec3, Vec3};
+
+/// A box that is outside of every frustum.
+const NOTHING: Box32 = Box32 {
+    min: Vec3::MAX,
+    max: Vec3::MIN,
+};
+
+impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
+    /// Finds the entry points of a large packet of a panorama, which looks along an axis in world space and within a
+    /// cone of this tangent; all of the tree where that is not known. Whether there are any.
+    #[inline(always)]
+    pub(in crate::packet) fn list_around(
+        &mut self,
+        lanes: impl Lanes,
+        cone: Option<(DVec3, f64)>,
+    ) -> bool {
+        let tree = &self.accel.tree;
+        let Some(root) = tree.root else { return false };
+        if let Some((axis, tangent)) = cone {
+            let view = Camera::along(axis);
+            let window = Window {
+                across: (-tangent, tangent),
+                along: (-tangent, tangent),
+            };
+            let frustum = Frustum::new(self.seen_from(&view), &window);
+            self.list_in(lanes, &frustum, &view);
+        } else {
+            self.list.clear();
+            self.pairs.clear();
+            self.list.push((root, tree.bounds, f32::NEG_INFINITY));
+            self.pairs.push(EntryPair {
+                boxes: BoxPair::of([tree.bounds, NOTHING]),
+                subtrees: [root, Subtree::default()],
+                near: f32::NEG_INFINITY,
+            });
+        }
+        // A packet has a view axis of its own.
+        for pair in &mut self.pairs {
+            pair.near = f32::NEG_INFINITY;
+        }
+        !self.list.is_empty()
+    }
+
+    /// The eye, as a camera's whose axes are other ones.
+    fn seen_from<'v>(&'v self, view: &'v Camera) -> Viewpoint<'v> {
+        Viewpoint {
+            camera: view,
+            eye: self.eye,
+            eye_error: self.eye_error,
+            bounds: &self.accel.tree.bounds,
+        }
+    }
+
+    /// Casts a panorama's packet from the entry points of its large packet on. Returns `false`, and
+    /// leaves `zbuffer` as it is, where no triangle is near its rays.
+    #[inline(always)]
+    pub(in crate::packet) fn cast_at_places(
+        &mut self,
+        lanes: impl Lanes,
+        places: &Places,
+        cull: Cull,
+        zbuffer: &mut IntervalZBuffer,
+    ) -> bool {
+        if self.decisions.are_exact() {
+            let boxes = self.list.iter().map(|entry| entry.1);
+            self.reference = DepthReference::of(boxes, &places.view, self.eye);
+        }
+        let from = self.seen_from(&places.view);
+        let frustum = Frustum::new(from, &places.window);
+        let cells = CellFrusta::new(from, &places.cell_windows());
+        let space = places.space(self.eye, self.eye_error, cull);
+        let space = space.relative_to(self.reference);
+        let mut descent = Descent::new(frustum, self.small_boxes());
+        descent.cells = Some(cells);
+        // The cells' frusta are there: nothing else is made of this.
+        let part = RayRect {
+            column: 0,
+            row: 0,
+            columns: places.columns,
+            rows: places.rows_of_rays,
+        };
+        let mut bounds = PlaceBounds::NONE;
+        let mut boxes = [PlaceBox::EMPTY; LANES];
+        let mut begun = false;
+        loop {
+            let mut covered = 0;
+            while self.queued.len < LANES {
+                if bounds.seen != 0 {
+                    let lane = bounds.seen.trailing_zeros() as usize & (LANES - 1);
+                    bounds.seen &= bounds.seen - 1;
+                    let near = self.reference.relative_above(bounds.nearest[lane]);
+                    let around = bounds.of(lane);
+                    let cells = places.cells_touched(lanes, &around);
+                    if !zbuffer.occludes_cells(lanes, cells, near) {
+                        boxes[self.queued.len & (LANES - 1)] = around;
+                        self.queued.push(self.batch.primitives[lane]);
+                        covered += (cells.count_ones() as usize * ROW) as i32;
+                    }
+                    continue;
+                }
+                if covered >= MANY_RAYS {
+                    break;
+                }
+                self.fill_batch(lanes, &mut descent, &part, zbuffer, &mut ());
+                if self.batch.len == 0 {
+                    break;
+                }
+                if !self.clip.is_empty() && !self.clip_batch() {
+                    continue;
+                }
+                if !begun {
+                    begun = true;
+                    zbuffer.clear_places(lanes, places);
+                }
+                let corners = self.corners(lanes, Batch::primitives(&self.batch));
+                space.bound_places(&corners, self.batch.len, &mut bounds);
+            }
+            if self.queued.len == 0 {
+                return begun;
+            }
+            let corners = self.corners(lanes, self.queued.primitives());
+            let primitives = &self.queued.primitives[..self.queued.len];
+            let decisions = &mut self.decisions;
+            zbuffer.rasterize_at_places(
+                lanes,
+                (&space, places),
+                &corners,
+                &boxes,
+                primitives,
+                decisions,
+            );
+            self.counts.triangles += primitives.len() as u64;
+            self.queued.len = 0;
+            descent.limits = self.limits(lanes, zbuffer);
+        }
+    }
+}

@@ -1,0 +1,382 @@
+//! A recipe's text: a line for each key.
+
+use super::{ImageError, Recipe};
+use crate::camera::{Camera, ImagePlane, Placement, Projection};
+use crate::digest::Digest;
+use crate::hit::{Cull, Precision};
+use crate::scene::{ClippingPlane, ClippingPlanes, Color, ColorMap, ColorScale};
+use crate::shade::{Background, Filter, Mode, Shading, TextureProjection, Wireframe};
+use glam::DVec3;
+use std::fmt::{self, LowerExp};
+use std::str::FromStr;
+
+/// The version of the text. A reader refuses others.
+const VERSION: &str = "1";
+
+impl Recipe {
+    /// All lines but the last.
+    pub(super) fn lines(&self) -> String {
+        let Self {
+            scene,
+            camera,
+            samples,
+            cull,
+            clip,
+            precision,
+            shading,
+        } = self;
+        let ImagePlane {
+            columns,
+            rows,
+            step,
+        } = camera.plane();
+        let Placement { eye, target, up } = camera.placement();
+        let Shading {
+            mode,
+            wireframe,
+            background,
+            blend,
+            filter,
+            projection,
+            scale,
+        } = shading;
+        let lines = match wireframe {
+            None => "\"none\"".to_owned(),
+            Some(Wireframe { width, color }) => format!("[{}, \"{color}\"]", float(width)),
+        };
+        let background = match background {
+            Background::Transparent => "\"transparent\"".to_owned(),
+            Background::Gradient(top, bottom) => format!("[\"{top}\", \"{bottom}\"]"),
+        };
+        // Pictures without planes keep the text that they had before there were any.
+        let clip: String = (clip.all().iter())
+            .map(|ClippingPlane { normal, offset, .. }| {
+                let numbers = [normal.x, normal.y, normal.z, *offset].map(|number| float(&number));
+                format!("clip = [{}]\n", numbers.join(", "))
+            })
+            .collect();
+        // What few pictures have has a line where they do.
+        let mut more = String::new();
+        if let Some(scale) = scale {
+            more += &format!("color-scale = {}\n", scale_text(scale));
+        }
+        format!(
+            "raycast-recipe = {VERSION}\n\
+             scene = \"{scene}\"\n\
+             size = [{columns}, {rows}]\n\
+             step = {}\n\
+             projection = \"{}\"\n\
+             eye = {}\n\
+             target = {}\n\
+             up = {}\n\
+             samples = {samples}\n\
+             cull = \"{}\"\n\
+             {clip}\
+             precision = \"{}\"\n\
+             mode = \"{}\"\n\
+             wireframe = {lines}\n\
+             background = {background}\n\
+             blend = {}\n\
+             filter = \"{}\"\n\
+             texture-projection = \"{}\"\n{more}",
+            float(&step),
+            camera.projection(),
+            vector(eye),
+            vector(target),
+            vector(up),
+            cull_word(*cull),
+            precision_word(*precision),
+            mode_word(*mode),
+            float(blend),
+            filter_word(*filter),
+            texture_projection_word(*projection),
+        )
+    }
+}
+
+impl fmt::Display for Recipe {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let lines = self.lines();
+        let digest = Digest::of(lines.as_bytes());
+        writeln!(f, "{lines}digest = \"{digest}\"")
+    }
+}
+
+impl FromStr for Recipe {
+    type Err = ImageError;
+
+    fn from_str(text: &str) -> Result<Self, ImageError> {
+        read(text).map_err(|reason| ImageError::Decode(format!("its recipe: {reason}")))
+    }
+}
+
+fn read(text: &str) -> Result<Recipe, String> {
+    let mut lines = Lines::new(text);
+    let version = lines.value("raycast-recipe")?;
+    if version != VERSION {
+        return Err(format!(
+            "it is of version {}, and this program knows version {VERSION}",
+            crate::quote::quote(version)
+        ));
+    }
+    let scene = lines.quoted("scene")?.parse()?;
+    let [columns, rows] = lines.list("size", "two whole numbers")?;
+    let step = lines.one("step", "a number")?;
+    let projection = lines.word("projection", |word| word.parse::<Projection>().ok())?;
+    let [eye, target, up] = [
+        lines.vector("eye")?,
+        lines.vector("target")?,
+        lines.vector("up")?,
+    ];
+    let samples = lines.one("samples", "a whole number")?;
+    let cull = lines.word("cull", cull_of)?;
+    let clip = lines.clip()?;
+    let precision = lines.word("precision", precision_of)?;
+    let mode = lines.word("mode", mode_of)?;
+    let wireframe = lines.wireframe()?;
+    let background = lines.background()?;
+    let blend = lines.one("blend", "a number")?;
+    let filter = lines.word("filter", filter_of)?;
+    let texture_projection = lines.word("texture-projection", texture_projection_of)?;
+    let scale = lines.scale()?;
+    let digest: Digest = lines.quoted("digest")?.parse()?;
+    let plane = ImagePlane::new(columns, rows, step).map_err(|error| error.to_string())?;
+    let recipe = Recipe {
+        scene,
+        camera: Camera::new(Placement { eye, target, up }, projection, plane),
+        samples,
+        cull,
+        clip,
+        precision,
+        shading: Shading {
+            mode,
+            wireframe,
+            background,
+            blend,
+            filter,
+            projection: texture_projection,
+            scale,
+        },
+    };
+    // Whatever was read must be written as it was: a damaged line is not believed.
+    if digest != recipe.digest() || recipe.to_string() != text {
+        return Err("it was changed since it was written: its digest is another".to_owned());
+    }
+    Ok(recipe)
+}
+
+/// The lines of a recipe, from the first.
+struct Lines<'t> {
+    number: usize,
+    lines: std::str::Lines<'t>,
+}
+
+impl<'t> Lines<'t> {
+    fn new(text: &'t str) -> Self {
+        Self {
+            number: 0,
+            lines: text.lines(),
+        }
+    }
+
+    fn wrong(&self, expected: &str, found: &str) -> String {
+        format!("line {}: expected {expected}, found {found:?}", self.number)
+    }
+
+    /// What stands behind the key in the next line.
+    fn value(&mut self, key: &str) -> Result<&'t str, String> {
+        self.number += 1;
+        let line = self.lines.next().unwrap_or_default();
+        line.strip_prefix(key)
+            .and_then(|rest| rest.strip_prefix(" = "))
+            .ok_or_else(|| self.wrong(&format!("`{key} = `"), line))
+    }
+
+    fn quoted(&mut self, key: &str) -> Result<&'t str, String> {
+        let value = self.value(key)?;
+        unquoted(value).ok_or_else(|| self.wrong("a word in quotes", value))
+    }
+
+    fn one<T: FromStr>(&mut self, key: &str, expected: &str) -> Result<T, String> {
+        let value = self.value(key)?;
+        value.parse().map_err(|_| self.wrong(expected, value))
+    }
+
+    fn word<T>(&mut self, key: &str, meaning: fn(&str) -> Option<T>) -> Result<T, String> {
+        let value = self.value(key)?;
+        unquoted(value)
+            .and_then(meaning)
+            .ok_or_else(|| self.wrong(&format!("a {key} that this program knows"), value))
+    }
+
+    fn list<T: FromStr, const N: usize>(
+        &mut self,
+        key: &str,
+        expected: &str,
+    ) -> Result<[T; N], String> {
+        let value = self.value(key)?;
+        items(value)
+            .and_then(|items| {
+                let items: Option<Vec<T>> = items.map(|item| item.parse().ok()).collect();
+                items?.try_into().ok()
+            })
+            .ok_or_else(|| self.wrong(expected, value))
+    }
+
+    fn vector(&mut self, key: &str) -> Result<DVec3, String> {
+        self.list(key, "three numbers").map(DVec3::from_array)
+    }
+
+    /// Clipping planes, a line each; none where there are no such lines.
+    fn clip(&mut self) -> Result<ClippingPlanes, String> {
+        let mut planes = ClippingPlanes::NONE;
+        while self
+            .lines
+            .clone()
+            .next()
+            .is_some_and(|line| line.starts_with("clip = "))
+        {
+            let [x, y, z, offset] = self.list("clip", "four numbers")?;
+            ClippingPlane::new(DVec3::new(x, y, z), offset)
+                .and_then(|plane| planes.push(plane))
+                .map_err(|error| format!("line {}: {error}", self.number))?;
+        }
+        Ok(planes)
+    }
+
+    fn wireframe(&mut self) -> Result<Option<Wireframe>, String> {
+        let value = self.value("wireframe")?;
+        if value == "\"none\"" {
+            return Ok(None);
+        }
+        let read = || {
+            let mut items = items(value)?;
+            let (width, color) = (items.next()?, unquoted(items.next()?)?);
+            Some(Wireframe {
+                width: width.parse().ok()?,
+                color: color.parse().ok()?,
+            })
+        };
+        read()
+            .map(Some)
+            .ok_or_else(|| self.wrong("a width and a colour, or \"none\"", value))
+    }
+
+    /// What stands behind the key, where that is the next line's.
+    fn optional(&mut self, key: &str) -> Option<&'t str> {
+        let line = self.lines.clone().next()?;
+        line.strip_prefix(key)?.strip_prefix(" = ")?;
+        self.value(key).ok()
+    }
+
+    fn scale(&mut self) -> Result<Option<ColorScale>, String> {
+        let Some(value) = self.optional("color-scale") else {
+            return Ok(None);
+        };
+        let read = || {
+            let mut items = items(value)?.peekable();
+            let map = color_map_of(unquoted(items.next()?)?)?;
+            let range = match items.next()? {
+                "\"fitted\"" => None,
+                low => Some([low.parse().ok()?, items.next()?.parse().ok()?]),
+            };
+            let legend = items.next().is_some();
+            Some(ColorScale { map, range, legend })
+        };
+        read().map(Some).ok_or_else(|| {
+            self.wrong(
+                "a color map, \"fitted\" or two numbers, and perhaps \"legend\"",
+                value,
+            )
+        })
+    }
+
+    fn background(&mut self) -> Result<Background, String> {
+        let value = self.value("background")?;
+        if value == "\"transparent\"" {
+            return Ok(Background::Transparent);
+        }
+        let read = || {
+            let mut colors = items(value)?.map(|item| unquoted(item)?.parse::<Color>().ok());
+            Some(Background::Gradient(colors.next()??, colors.next()??))
+        };
+        read().ok_or_else(|| self.wrong("two colours, or \"transparent\"", value))
+    }
+}
+
+fn scale_text(ColorScale { map, range, legend }: &ColorScale) -> String {
+    let range = match range {
+        None => "\"fitted\"".to_owned(),
+        Some([low, high]) => format!("{}, {}", float(low), float(high)),
+    };
+    let legend = if *legend { ", \"legend\"" } else { "" };
+    format!("[\"{}\", {range}{legend}]", color_map_word(*map))
+}
+
+/// What stands between quotes.
+fn unquoted(value: &str) -> Option<&str> {
+    value.strip_prefix('"')?.strip_suffix('"')
+}
+
+/// What stands between brackets, item by item.
+fn items(value: &str) -> Option<std::str::Split<'_, &'static str>> {
+    Some(value.strip_prefix('[')?.strip_suffix(']')?.split(", "))
+}
+
+/// The fewest digits that read back as the same number.
+fn float(number: &impl LowerExp) -> String {
+    format!("{number:e}")
+}
+
+fn vector(vector: DVec3) -> String {
+    let [x, y, z] = vector.to_array().map(|number| float(&number));
+    format!("[{x}, {y}, {z}]")
+}
+
+/// The word for each of an enum's variants, and back. A variant without a word does not compile.
+macro_rules! words {
+    ($word:ident, $of:ident: $kind:ident { $($variant:ident = $text:literal),+ $(,)? }) => {
+        fn $word(value: $kind) -> &'static str {
+            match value { $($kind::$variant => $text),+ }
+        }
+
+        fn $of(word: &str) -> Option<$kind> {
+            match word { $($text => Some($kind::$variant),)+ _ => None }
+        }
+    };
+}
+
+words!(color_map_word, color_map_of: ColorMap {
+    Viridis = "viridis",
+    Magma = "magma",
+    Turbo = "turbo",
+    Cividis = "cividis",
+    Diverging = "diverging",
+});
+words!(cull_word, cull_of: Cull { None = "none", Back = "back" });
+words!(precision_word, precision_of: Precision { Fast = "fast", Exact = "exact" });
+words!(mode_word, mode_of: Mode {
+    Color = "color",
+    Flat = "flat",
+    Smooth = "smooth",
+    Normals = "normals",
+    Depth = "depth",
+    Barycentric = "barycentric",
+    Uv = "uv",
+    Texture = "texture",
+    Wireframe = "wireframe",
+});
+words!(filter_word, filter_of: Filter {
+    Nearest = "nearest",
+    Bilinear = "bilinear",
+    Trilinear = "trilinear",
+    Ewa = "ewa",
+});
+words!(texture_projection_word, texture_projection_of: TextureProjection {
+    Uv = "uv",
+    Triplanar = "triplanar",
+    PerTriangle = "per-triangle",
+    Plane = "plane",
+    Sphere = "sphere",
+    Cylinder = "cylinder",
+});

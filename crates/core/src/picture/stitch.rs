@@ -1,0 +1,288 @@
+use super::{Fragment, FragmentError, Picture, Recipe};
+use crate::camera::Rect;
+
+/// What a fragment is, without its pixels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// What its file is called in errors.
+    pub name: String,
+    /// Its place in the full picture.
+    pub rect: Rect,
+    /// What the full picture is made of.
+    pub recipe: Recipe,
+    /// Whether it has layers.
+    pub has_layers: bool,
+}
+
+impl Part {
+    /// What a fragment is.
+    pub fn of(name: &str, fragment: &Fragment) -> Self {
+        Self {
+            name: name.to_owned(),
+            rect: fragment.rect,
+            recipe: fragment.recipe,
+            has_layers: fragment.picture.layers.is_some(),
+        }
+    }
+
+    fn full_size(&self) -> (u32, u32) {
+        let plane = self.recipe.camera.plane();
+        (plane.columns, plane.rows)
+    }
+}
+
+/// Whether fragments are all of one picture, and hold each of its pixels once.
+///
+/// # Errors
+/// None at all, recipes that differ, parts that are missing, or that overlap.
+pub fn check_parts(parts: &[Part]) -> Result<(), FragmentError> {
+    let Some(first) = parts.first() else {
+        return Err(FragmentError::None);
+    };
+    for part in parts {
+        if let Some(reason) = difference(first, part) {
+            return Err(FragmentError::Different {
+                name: part.name.clone(),
+                first: first.name.clone(),
+                reason,
+            });
+        }
+    }
+    for (index, part) in parts.iter().enumerate() {
+        for before in &parts[..index] {
+            if let Some((x, y)) = overlap(part.rect, before.rect) {
+                return Err(FragmentError::Overlap {
+                    name: part.name.clone(),
+                    other: before.name.clone(),
+                    x,
+                    y,
+                });
+            }
+        }
+    }
+    let (width, height) = first.full_size();
+    // Parts lie in the picture, and no two of them overlap: together they hold no more than it has.
+    let held: u64 = parts.iter().map(|part| part.rect.area() as u64).sum();
+    let missing = (u64::from(width) * u64::from(height)).saturating_sub(held);
+    if missing > 0 {
+        let (x, y, right) = first_gap((width, height), parts);
+        return Err(FragmentError::Gap {
+            missing,
+            width,
+            height,
+            x,
+            y,
+            right,
+        });
+    }
+    Ok(())
+}
+
+/// Puts named fragments together into the picture that the full camera would have made.
+///
+/// # Errors
+/// As [`check_parts`]; memory.
+pub fn stitch(fragments: &[(String, Fragment)]) -> Result<Picture, FragmentError> {
+    for (name, fragment) in fragments {
+        fragment
+            .check_place()
+            .map_err(|reason| FragmentError::NotAFragment {
+                name: name.clone(),
+                reason,
+            })?;
+    }
+    let parts: Vec<Part> = (fragments.iter())
+        .map(|(name, fragment)| Part::of(name, fragment))
+        .collect();
+    check_parts(&parts)?;
+    let Some(first) = parts.first() else {
+        return Err(FragmentError::None);
+    };
+    let (width, height) = first.full_size();
+    let mut picture = Picture::try_blank(width, height, first.has_layers)?;
+    for (name, fragment) in fragments {
+        let (pixels, layers) = (&fragment.picture.pixels, fragment.picture.layers.as_ref());
+        if !picture.place(fragment.rect, pixels, layers) {
+            return Err(FragmentError::NotAFragment {
+                name: name.clone(),
+                reason: "its pixels do not fill its rectangle".to_owned(),
+            });
+        }
+    }
+    Ok(picture)
+}
+
+/// Why two fragments are not of one picture.
+fn difference(first: &Part, part: &Part) -> Option<String> {
+    let ((width, height), (columns, rows)) = (first.full_size(), part.full_size());
+    if (width, height) != (columns, rows) {
+        return Some(format!(
+            "it is part of a picture of {columns} x {rows}, not {width} x {height}"
+        ));
+    }
+    if let Some(reason) = first.recipe.difference(&part.recipe) {
+        return Some(reason);
+    }
+    match (first.has_layers, part.has_layers) {
+        (true, false) => Some("it has no layers".to_owned()),
+        (false, true) => Some("it has layers".to_owned()),
+        _ => None,
+    }
+}
+
+/// The first pixel that two rectangles share.
+fn overlap(a: Rect, b: Rect) -> Option<(u32, u32)> {
+    let (x, y) = (a.x.max(b.x), a.y.max(b.y));
+    let shared = x < a.right().min(b.right()) && y < a.bottom().min(b.bottom());
+    shared.then_some((x, y))
+}
+
+/// The first pixel, row by row, that no fragment holds, and the last column of that gap in its row.
+fn first_gap((width, height): (u32, u32), parts: &[Part]) -> (u32, u32, u32) {
+    // What a row holds changes only where a rectangle begins or ends.
+    let mut rows: Vec<u32> = parts
+        .iter()
+        .flat_map(|part| [part.rect.y, part.rect.bottom()])
+        .chain([0])
+        .filter(|&row| row < height)
+        .collect();
+    rows.sort_unstable();
+    for y in rows {
+        let mut spans: Vec<(u32, u32)> = parts
+            .iter()
+            .map(|part| part.rect)
+            .filter(|rect| rect.y <= y && y < rect.bottom())
+            .map(|rect| (rect.x, rect.right()))
+            .chain([(width, width)])
+            .collect();
+        spans.sort_unstable();
+        let mut x = 0;
+        for (left, right) in spans {
+            if left > x {
+                return (x, y, left - 1);
+            }
+            x = right;
+        }
+    }
+    (0, 0, 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fragment::tests::{cut, fragments, sample_picture, three_by_two};
+    use super::super::recipe::tests::sample_recipe;
+    use super::*;
+    use crate::camera::Grid;
+    use crate::picture::{Format, Layers};
+    use crate::shade::Mode;
+
+    #[test]
+    fn stitched_equals_whole() {
+        for (format, layers) in [(Format::Png, false), (Format::Exr, true)] {
+            let whole = sample_picture(37, 29, layers);
+            for grid in [Grid::Size(8), Grid::Size(100), three_by_two()] {
+                let mut parts = fragments(&whole, grid, format);
+                parts.reverse();
+                let stitched = stitch(&parts).expect("stitches");
+                assert_eq!(stitched, whole);
+                let encode = |picture: &Picture, recipe| {
+                    let bytes = picture.encode_with(format, Some(&recipe));
+                    bytes.expect("encodes")
+                };
+                assert_eq!(
+                    encode(&stitched, parts[0].1.recipe),
+                    encode(&whole, sample_recipe(37, 29))
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_named() {
+        let whole = sample_picture(12, 10, false);
+        let parts = fragments(&whole, three_by_two(), Format::Png);
+        let told = |parts: &[(String, Fragment)]| {
+            stitch(parts).expect_err("cannot be stitched").to_string()
+        };
+        assert_eq!(told(&[]), "there are no fragments to stitch");
+
+        let mut gap = parts.clone();
+        gap.remove(4);
+        let message = told(&gap);
+        assert!(
+            message.contains("20 of 12 x 10") && message.contains("(4, 5), up to column 7"),
+            "{message}"
+        );
+
+        let mut twice = parts.clone();
+        twice.push(("again".to_owned(), parts[5].1.clone()));
+        assert_eq!(told(&twice), "again and part-5 both hold pixel (8, 5)");
+
+        let mut other_view = parts.clone();
+        other_view[2].1.recipe.shading.mode = Mode::Flat;
+        assert!(
+            told(&other_view)
+                .starts_with("part-2 does not belong with part-0: it was made with other settings")
+        );
+
+        let mut other_size = parts.clone();
+        other_size[1].1.recipe = sample_recipe(13, 10);
+        assert!(told(&other_size).contains("part of a picture of 13 x 10, not 12 x 10"));
+
+        let mut with_layers = parts.clone();
+        with_layers[3].1.picture.layers = Some(Layers::blank(20));
+        assert!(told(&with_layers).contains("part-3 does not belong with part-0: it has layers"));
+
+        let mut outside = parts;
+        outside[5].1.rect.x = 11;
+        assert!(told(&outside).starts_with("part-5: expected a fragment"));
+    }
+
+    /// Parts that overlap by as much as is missing elsewhere hold as many pixels as the picture has.
+    #[test]
+    fn an_overlap_does_not_make_up_for_a_gap() {
+        let whole = sample_picture(12, 10, false);
+        let part = |name: &str, x: u32, width: u32| {
+            let rect = Rect {
+                x,
+                y: 0,
+                width,
+                height: 10,
+            };
+            let picture = Picture {
+                width,
+                height: 10,
+                pixels: cut(&whole.pixels, 12, rect),
+                layers: None,
+            };
+            let recipe = sample_recipe(12, 10);
+            let fragment = Fragment {
+                rect,
+                recipe,
+                picture,
+            };
+            (name.to_owned(), fragment)
+        };
+        let [left, middle, right] = [
+            part("left", 0, 5),
+            part("middle", 4, 4),
+            part("right", 9, 3),
+        ];
+        let orders = [
+            [&left, &middle, &right],
+            [&right, &middle, &left],
+            [&middle, &right, &left],
+        ];
+        for order in orders {
+            let parts = order.map(Clone::clone);
+            let error = stitch(&parts).expect_err("pixel (8, 0) is missing");
+            assert!(
+                matches!(error, FragmentError::Overlap { x: 4, y: 0, .. }),
+                "{error}"
+            );
+        }
+        // Twice the picture, and more: nothing wraps round.
+        let parts = [part("a", 0, 12), part("b", 0, 12), part("c", 0, 6)];
+        assert!(matches!(stitch(&parts), Err(FragmentError::Overlap { .. })));
+    }
+}

@@ -1,0 +1,27 @@
+use super::{Color, Texture};
+use std::sync::Arc;
+
+/// A named colour of the file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// The file's name for it.
+    pub name: String,
+    /// Diffuse colour.
+    pub color: Color,
+    /// An image for the surfaces that have it.
+    pub texture: Option<Arc<Texture>>,
+    /// Whether the file's colours of vertices go before its own, where all three corners have one.
+    pub by_vertex: bool,
+}
+
+impl Material {
+    /// One colour alone.
+    pub fn new(name: impl Into<String>, color: Color) -> Self {
+        Self {
+            name: name.into(),
+            color,
+            texture: None,
+            by_vertex: false,
+        }
+    }
+}

@@ -1,0 +1,116 @@
+use super::{Attribute, Bounds, Color, Material, Scalar};
+use glam::{DVec3, Vec2, Vec3};
+use std::mem::size_of;
+
+/// The largest distance from zero along an axis at which a vertex is kept: beyond it, products
+/// of single-precision coordinates would near the end of their range.
+pub const COORDINATE_LIMIT: f64 = 1e18;
+
+/// A mesh as read, before anything is checked.
+#[derive(Clone, Debug, Default)]
+pub struct MeshData {
+    /// Vertices in the file's coordinates.
+    pub positions: Vec<DVec3>,
+    /// Three indices a triangle, in the file's order of faces.
+    pub triangles: Vec<[u32; 3]>,
+    /// Unit normals at the corners.
+    pub normals: Option<Attribute<Vec3>>,
+    /// Texture coordinates at the corners, origin bottom-left.
+    pub uvs: Option<Attribute<Vec2>>,
+    /// The file's materials.
+    pub materials: Vec<Material>,
+    /// A material a triangle (`u32::MAX`: none); empty when the file has none.
+    pub material_of_triangle: Vec<u32>,
+    /// A colour a vertex, as far as there are any: none behind the last.
+    pub colors: Vec<Option<Color>>,
+    /// The file's numbers of vertices and triangles.
+    pub scalars: Vec<Scalar>,
+}
+
+impl MeshData {
+    /// What [`Mesh::offset`](super::Mesh::offset) will be.
+    pub(crate) fn offset(&self) -> DVec3 {
+        let usable = self.triangles.iter().filter_map(|triangle| {
+            let corners = self.corners(*triangle)?;
+            corners.iter().all(|c| is_storable(*c)).then_some(corners)
+        });
+        recentring_offset(&Bounds::around(usable.flatten()))
+    }
+
+    /// Bytes that it holds, at least.
+    pub(crate) fn bytes(&self) -> u64 {
+        let bytes = self.positions.len() * size_of::<DVec3>() + self.shared_bytes();
+        bytes as u64
+    }
+
+    /// Bytes that a [`Mesh`](super::Mesh) of it holds.
+    pub(crate) fn stored_bytes(&self) -> u64 {
+        let bytes = self.positions.len() * size_of::<Vec3>()
+            + self.triangles.len() * size_of::<u32>()
+            + self.shared_bytes();
+        bytes as u64
+    }
+
+    /// Bytes of what a [`Mesh`](super::Mesh) takes over as it is.
+    fn shared_bytes(&self) -> usize {
+        self.triangles.len() * size_of::<[u32; 3]>()
+            + self.normals.as_ref().map_or(0, Attribute::bytes)
+            + self.uvs.as_ref().map_or(0, Attribute::bytes)
+            + self.material_of_triangle.len() * size_of::<u32>()
+            + self.colors.len() * size_of::<Option<Color>>()
+            + self
+                .scalars
+                .iter()
+                .map(|s| s.values.len() * size_of::<f32>())
+                .sum::<usize>()
+    }
+
+    pub(super) fn corners(&self, triangle: [u32; 3]) -> Option<[DVec3; 3]> {
+        let [a, b, c] = triangle.map(|i| self.positions.get(i as usize).copied());
+        Some([a?, b?, c?])
+    }
+}
+
+/// Whether a vertex can be kept.
+pub(crate) fn is_storable(position: DVec3) -> bool {
+    position.is_finite() && position.abs().max_element() <= COORDINATE_LIMIT
+}
+
+/// The offset that brings a far mesh near zero, an axis at a time.
+///
+/// Along an axis where the mesh [lo, hi] lies further from zero than it is long, every coordinate
+/// is at least `hi − lo` away from zero. One that was single precision is then a multiple of
+/// `ulp = 2^(e−23)`, e the exponent of the nearer end, and `hi − lo < 2^(e+1) = 2^24 ulp`. The
+/// offset is a multiple of the power of two just below `hi − lo`, so it is one of `ulp` or finer
+/// differences stay exact; it is within half of that power of the middle, so what is left is at
+/// most `hi − lo` long: 24 bits hold it exactly.
+pub(crate) fn recentring_offset(bounds: &Bounds) -> DVec3 {
+    if bounds.is_empty() {
+        return DVec3::ZERO;
+    }
+    let axis = |lo: f64, hi: f64| {
+        let nearest = lo.abs().min(hi.abs());
+        let length = hi - lo;
+        if lo.signum() != hi.signum() || nearest <= length {
+            return 0.0;
+        }
+        let nearest_ulp = power_of_two_below(nearest) * 2f64.powi(-23);
+        let grain = if length > 0.0 {
+            power_of_two_below(length)
+        } else {
+            0.0
+        };
+        let grain = grain.max(nearest_ulp);
+        ((lo + length * 0.5) / grain).round() * grain
+    };
+    DVec3::new(
+        axis(bounds.min.x, bounds.max.x),
+        axis(bounds.min.y, bounds.max.y),
+        axis(bounds.min.z, bounds.max.z),
+    )
+}
+
+/// The largest power of two not above a positive normal `x`.
+fn power_of_two_below(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)
+}

@@ -1,0 +1,38 @@
+use crate::failure::Failure;
+use crate::output;
+use std::io::Write;
+use std::process::ExitCode;
+
+/// Says on standard error what is wrong with a command line, in one line; help and version go to
+/// standard output in full. Returns the exit status.
+pub fn refuse(error: &clap::Error) -> ExitCode {
+    if !error.use_stderr() {
+        let printed = error.print().and_then(|()| std::io::stdout().flush());
+        return match output::written(printed) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(failure) => failure.tell(),
+        };
+    }
+    Failure::usage(one_line(&error.to_string())).tell()
+}
+
+/// clap's message without its usage: `error: …`, details on lines of their own, then hints.
+pub(super) fn one_line(message: &str) -> String {
+    let told: Vec<_> = message
+        .lines()
+        .map(str::trim)
+        .take_while(|line| {
+            !["Usage:", "For more information", "tip: to pass"]
+                .iter()
+                .any(|hint| line.starts_with(hint))
+        })
+        .filter(|line| !line.is_empty())
+        .collect();
+    let told = told.join(" ");
+    let told = told.strip_prefix("error: ").unwrap_or(&told);
+    if told.is_empty() {
+        "no such command line; see `raycast --help`".to_owned()
+    } else {
+        format!("{told} (see `raycast --help`)")
+    }
+}

@@ -1,0 +1,66 @@
+use super::{SceneColor, TextureProjectionArgs, WireframeArg, values};
+use clap::Args;
+use raycast_core::scene::{Color, ColorMap, Crop, Wrap};
+use raycast_core::shade::{Background, Filter, Mode};
+use std::path::PathBuf;
+
+/// In which colours a picture is made.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Shading")]
+pub struct ShadingArgs {
+    /// What the picture shows [default: smooth]
+    #[arg(long, value_name = "MODE", value_parser = values::named(values::MODES))]
+    pub mode: Option<Mode>,
+    /// Draw triangles' edges over the mode, so many pixels wide [default width: 1]; or `none`, also where a scene
+    /// file has them
+    #[arg(
+        long,
+        value_name = "WIDTH",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "1",
+        value_parser = values::wireframe
+    )]
+    pub wireframe: Option<WireframeArg>,
+    /// The color of these edges: `#rrggbb` or `#rgb`
+    #[arg(long, value_name = "COLOR", requires = "wireframe")]
+    pub wireframe_color: Option<Color>,
+    /// An image for the surface of every object
+    #[arg(long, value_name = "IMAGE")]
+    pub texture: Option<PathBuf>,
+    /// The part of the texture's image to use, in its pixels from the top left
+    #[arg(long, value_name = "X,Y,W,H", requires = "texture", value_parser = values::crop)]
+    pub crop: Option<Crop>,
+    /// What the texture shows beyond its image, along both its axes or along each: `repeat`, `mirror`,
+    /// `clamp`, `border` (the object's own colours) or `border:#rrggbb` [default: repeat]
+    #[arg(long, value_name = "KIND[,KIND]", requires = "texture", value_parser = values::wrap)]
+    pub wrap: Option<[Wrap; 2]>,
+    /// How surfaces find their place in the texture.
+    #[command(flatten)]
+    pub projection: TextureProjectionArgs,
+    /// From the object's colours (0) to its texture (1) [default: 1]
+    #[arg(long, value_name = "0..1", allow_hyphen_values = true, value_parser = values::blend)]
+    pub blend: Option<f32>,
+    /// How the texture is read between its texels [default: bilinear]
+    #[arg(long, value_name = "KIND", value_parser = values::named(values::FILTERS))]
+    pub filter: Option<Filter>,
+    /// Every object's colours: `file`, `per-triangle[:SEED]`, `object` (one each), `normal`, `#rrggbb` or `#rgb`;
+    /// or a number through a colour map: `area`, `distance[:X,Y,Z]` (from the eye or a point),
+    /// `curvature[:gaussian]` or `scalar:NAME` (the file's; `raycast info` lists them) [default: the file's own,
+    /// or one a triangle where it has none]
+    #[arg(long, value_name = "COLOR", value_parser = values::scene_color)]
+    pub color: Option<SceneColor>,
+    /// The colours of numbers, from low to high; with it, or either of the next two, `--mode depth` is in these
+    /// colours instead of greys, over the distances seen [default: viridis]
+    #[arg(long, value_name = "MAP", value_parser = values::named(values::COLOR_MAPS))]
+    pub color_map: Option<ColorMap>,
+    /// The numbers at the map's ends [default: fitted to what there is]
+    #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, value_parser = values::color_range)]
+    pub color_range: Option<[f64; 2]>,
+    /// Draw what the colours stand for into the picture
+    #[arg(long)]
+    pub legend: bool,
+    /// What lies behind: `#top,#bottom`, `#rrggbb`, `#rgb` or `transparent`
+    #[arg(long, value_name = "COLORS", value_parser = values::background)]
+    pub background: Option<Background>,
+}

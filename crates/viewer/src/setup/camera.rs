@@ -1,0 +1,309 @@
+use crate::cli::CameraArgs;
+use crate::failure::Failure;
+use raycast_core::camera::{
+    Camera, Orbit, Placement, PlaneRequest, Projection, fit_distance, frame_to_fov,
+};
+use raycast_core::formats::CameraFile;
+use raycast_core::ranges;
+use raycast_core::scene::Bounds;
+
+/// The picture's size where nobody says another.
+pub const DEFAULT_SIZE: (u32, u32) = (1280, 720);
+
+/// The camera that was asked for, over the scene file's, over one that has all of `bounds` in view.
+///
+/// # Errors
+/// A placement that says no direction or no up; size, step and field of view out of range or at
+/// odds.
+pub fn camera(
+    args: &CameraArgs,
+    file: Option<&CameraFile>,
+    file_size: Option<(u32, u32)>,
+    bounds: &Bounds,
+) -> Result<Camera, Failure> {
+    let projection = args
+        .projection
+        .or(file.map(|file| file.projection))
+        .unwrap_or_default();
+    // A field of view and a shape mean something else in another kind of picture.
+    let alike = file.filter(|file| file.projection.panorama() == projection.panorama());
+    let rows = file_size.map_or(DEFAULT_SIZE.1, |(_, rows)| rows);
+    let default_size = match (projection.panorama(), alike) {
+        (Some(panorama), None) => panorama.size(rows),
+        _ => file_size.unwrap_or(DEFAULT_SIZE),
+    };
+    // A file's own was checked when it was read.
+    if let Some(fov) = args.fov
+        && let Err(error) = projection.check_fov(fov)
+    {
+        return Err(Failure::usage(format!("--fov {fov}: {error}")));
+    }
+    let fov = args.fov.or(alike.map(fov_of));
+    let fov = fov.unwrap_or(projection.default_fov());
+    let (columns, rows) = args.size.unwrap_or(default_size);
+    let aspect = f64::from(columns) / f64::from(rows);
+
+    let placement = placement(args, file, bounds, |orbit| {
+        fit_distance(bounds, orbit, projection, fov, aspect)
+    });
+    placement.check()?;
+    let distance = placement.eye.distance(placement.target);
+    let frame = match file {
+        // As the file says it: through an angle and back it would be rounded.
+        Some(file)
+            if file.projection == Projection::Orthographic
+                && projection == Projection::Orthographic
+                && placement == file.placement
+                && args.fov.is_none() =>
+        {
+            file.frame
+        }
+        _ => projection.frame(fov, distance),
+    };
+    let plane = PlaneRequest {
+        size: args.size,
+        step: args.step,
+        frame_height: args.fov.map(|fov| projection.frame(fov, distance)),
+    }
+    .resolve(default_size, frame)?;
+    if let (Some(step), Projection::Perspective) = (args.step, projection) {
+        let fov = frame_to_fov(f64::from(plane.rows) * step, distance);
+        if let Err(error) = ranges::fov(fov) {
+            return Err(Failure::usage(format!("a step of {step}: {error}")));
+        }
+    }
+    Ok(Camera::new(placement, projection, plane))
+}
+
+/// Why there is no camera: bad usage, if anything was asked of it; else the fault of the files.
+pub fn no_camera(args: &CameraArgs, name: &str, failure: Failure) -> Failure {
+    let was_asked = args.size.is_some()
+        || args.step.is_some()
+        || args.fov.is_some()
+        || args.eye.is_some()
+        || args.target.is_some()
+        || args.up.is_some()
+        || args.orbit.is_some();
+    if was_asked {
+        failure
+    } else {
+        Failure::could_not(format!("{name}: its camera cannot be used: {failure}"))
+    }
+}
+
+/// A scene file's vertical field of view, or the one that its orthographic frame has from its eye.
+fn fov_of(file: &CameraFile) -> f64 {
+    match file.projection {
+        Projection::Perspective | Projection::Panoramic(_) => file.frame,
+        Projection::Orthographic => {
+            let distance = file.placement.eye.distance(file.placement.target);
+            frame_to_fov(file.frame, distance)
+        }
+    }
+}
+
+/// Where the camera stands; `fit` says how far from its pivot an orbit must be.
+fn placement(
+    args: &CameraArgs,
+    file: Option<&CameraFile>,
+    bounds: &Bounds,
+    fit: impl Fn(&Orbit) -> f64,
+) -> Placement {
+    let orbit = |yaw: f64, pitch: f64, distance: Option<f64>| {
+        let mut orbit = Orbit {
+            pivot: args.target.unwrap_or(bounds.center()),
+            yaw,
+            pitch,
+            distance: 1.0,
+        };
+        orbit.distance = distance.unwrap_or_else(|| fit(&orbit));
+        let placement = orbit.placement();
+        Placement {
+            up: args.up.unwrap_or(placement.up),
+            ..placement
+        }
+    };
+    let file = file.map(|file| file.placement);
+    if let Some(asked) = args.orbit {
+        orbit(asked.yaw, asked.pitch, asked.distance)
+    } else if let Some(eye) = args.eye.or(file.map(|file| file.eye)) {
+        let target = args
+            .target
+            .or(file.map(|file| file.target))
+            .unwrap_or(bounds.center());
+        let towards = Placement::towards(eye, target);
+        Placement {
+            up: args.up.or(file.map(|file| file.up)).unwrap_or(towards.up),
+            ..towards
+        }
+    } else {
+        let (yaw, pitch) = Orbit::DEFAULT_ANGLES;
+        orbit(yaw, pitch, None)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::OrbitArg;
+    use raycast_core::glam::DVec3;
+
+    const UNIT: Bounds = Bounds {
+        min: DVec3::new(0.0, 1.0, 2.0),
+        max: DVec3::new(1.0, 2.0, 3.0),
+    };
+
+    fn made(args: &CameraArgs) -> Camera {
+        camera(args, None, None, &UNIT).expect("a camera")
+    }
+
+    #[test]
+    fn the_whole_scene_is_in_view_by_default() {
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let camera = made(&CameraArgs {
+                projection: Some(projection),
+                ..CameraArgs::default()
+            });
+            assert_eq!((camera.plane().columns, camera.plane().rows), DEFAULT_SIZE);
+            assert_eq!(camera.placement().target, UNIT.center());
+            for corner in UNIT.corners() {
+                let (x, y) = camera.project(corner).expect("in front");
+                assert!((0.0..=1280.0).contains(&x) && (0.0..=720.0).contains(&y));
+            }
+        }
+    }
+
+    #[test]
+    fn two_of_three() {
+        let eye = Some(UNIT.center() + DVec3::new(0.0, 0.0, 10.0));
+        let base = CameraArgs {
+            eye,
+            ..CameraArgs::default()
+        };
+        let by_size_and_step = made(&CameraArgs {
+            size: Some((100, 50)),
+            step: Some(0.1),
+            ..base.clone()
+        });
+        let fov = by_size_and_step.fov_degrees().expect("perspective");
+        assert!((fov - 2.0 * raycast_core::math::atan(0.25).to_degrees()).abs() < 1e-9);
+
+        let by_step_and_fov = made(&CameraArgs {
+            step: Some(0.1),
+            fov: Some(fov),
+            ..base.clone()
+        });
+        assert_eq!(by_step_and_fov.plane().rows, 50);
+
+        let at_odds = CameraArgs {
+            size: Some((100, 50)),
+            step: Some(0.1),
+            fov: Some(90.0),
+            ..base.clone()
+        };
+        let refused = camera(&at_odds, None, None, &UNIT);
+        assert!(refused.is_err_and(|failure| failure.to_string().contains("at odds")));
+        let agreed = CameraArgs {
+            fov: Some(fov),
+            ..at_odds
+        };
+        assert!(camera(&agreed, None, None, &UNIT).is_ok());
+    }
+
+    #[test]
+    fn an_eye_looks_at_the_centre_unless_told_otherwise() {
+        let eye = DVec3::new(5.0, -3.0, 2.0);
+        let args = CameraArgs {
+            eye: Some(eye),
+            ..CameraArgs::default()
+        };
+        let placement = made(&args).placement();
+        assert_eq!((placement.eye, placement.target), (eye, UNIT.center()));
+        let args = CameraArgs {
+            target: Some(DVec3::X),
+            up: Some(DVec3::Z),
+            ..args
+        };
+        let placement = made(&args).placement();
+        assert_eq!((placement.target, placement.up), (DVec3::X, DVec3::Z));
+    }
+
+    #[test]
+    fn a_camera_that_looks_nowhere_is_refused() {
+        let center = UNIT.center();
+        let above = CameraArgs {
+            eye: Some(center + DVec3::Y * 3.0),
+            ..CameraArgs::default()
+        };
+        // Nobody said what is up: it gives way.
+        assert_eq!(made(&above).placement().up, DVec3::NEG_Z);
+        let with_up = |up: DVec3| CameraArgs {
+            up: Some(up),
+            ..above.clone()
+        };
+        let in_target = CameraArgs {
+            eye: Some(center),
+            ..above.clone()
+        };
+        for (args, why) in [
+            (with_up(DVec3::ZERO), "expected a direction"),
+            (with_up(DVec3::NEG_Y), "lies along the view"),
+            (in_target, "expected a target away from the eye"),
+        ] {
+            let failure = camera(&args, None, None, &UNIT).expect_err(why);
+            assert!(failure.to_string().contains(why), "{failure}");
+            assert!(matches!(failure, Failure::Usage(_)));
+        }
+    }
+
+    #[test]
+    fn an_orbit_is_about_the_centre() {
+        let args = CameraArgs {
+            orbit: Some(OrbitArg {
+                yaw: 90.0,
+                pitch: 0.0,
+                distance: Some(4.0),
+            }),
+            ..CameraArgs::default()
+        };
+        let eye = made(&args).placement().eye;
+        assert!(
+            eye.distance(UNIT.center() + DVec3::X * 4.0) < 1e-12,
+            "{eye}"
+        );
+    }
+
+    #[test]
+    fn a_scene_file_gives_defaults_and_options_override_them() {
+        let file = CameraFile {
+            placement: Placement {
+                eye: DVec3::new(0.0, 0.0, 8.0),
+                target: DVec3::ZERO,
+                up: DVec3::X,
+            },
+            projection: Projection::Orthographic,
+            frame: 3.0,
+        };
+        let made =
+            |args: &CameraArgs| camera(args, Some(&file), Some((30, 60)), &UNIT).expect("a camera");
+        let as_it_is = made(&CameraArgs::default());
+        assert_eq!(as_it_is.placement(), file.placement);
+        assert_eq!(as_it_is.plane().frame_height(), 3.0);
+        assert_eq!((as_it_is.plane().columns, as_it_is.plane().rows), (30, 60));
+
+        let perspective = made(&CameraArgs {
+            projection: Some(Projection::Perspective),
+            size: Some((10, 10)),
+            ..CameraArgs::default()
+        });
+        assert!((perspective.plane().frame_height() - 3.0).abs() < 1e-12);
+        assert_eq!(perspective.plane().rows, 10);
+
+        let elsewhere = made(&CameraArgs {
+            eye: Some(DVec3::new(0.0, 0.0, 4.0)),
+            ..CameraArgs::default()
+        });
+        assert_eq!(elsewhere.placement().target, DVec3::ZERO);
+        assert!((elsewhere.plane().frame_height() - 1.5).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,168 @@
+use crate::cli::{ReadingArgs, ShadingArgs, TextureProjectionArgs, WireframeArg};
+use crate::failure::Failure;
+use crate::memory;
+use raycast_core::formats;
+use raycast_core::scene::{ColorRule, ColorScale, Projector, Quantity, Scene};
+use raycast_core::shade::{Shading, Wireframe};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// Gives every object the texture and the colours that were asked for.
+///
+/// # Errors
+/// A texture that cannot be read, a crop that leaves it.
+pub fn paint(scene: &mut Scene, args: &ShadingArgs, reading: &ReadingArgs) -> Result<(), Failure> {
+    if let Some(path) = &args.texture {
+        let mut texture = formats::read_texture_within(path, &memory::budget(reading.limits()))?;
+        if let Some(crop) = args.crop {
+            texture = texture.cropped(crop).ok_or_else(|| {
+                Failure::usage(format!(
+                    "the crop {},{},{},{} leaves {}, which is {}x{}",
+                    crop.x,
+                    crop.y,
+                    crop.width,
+                    crop.height,
+                    path.display(),
+                    texture.width(),
+                    texture.height()
+                ))
+            })?;
+        }
+        if let Some(wrap) = args.wrap {
+            texture = texture.wrapped(wrap);
+        }
+        let texture = Arc::new(texture);
+        for object in &mut scene.objects {
+            object.texture = Some(Arc::clone(&texture));
+        }
+    }
+    if let Some(rule) = &args.color {
+        check_scalar(scene, rule)?;
+        for object in &mut scene.objects {
+            object.color = rule.clone();
+        }
+    }
+    place_textures(scene, &args.projection)
+}
+
+/// Whether an object has the scalar that a rule names.
+fn check_scalar(scene: &Scene, rule: &ColorRule) -> Result<(), Failure> {
+    let ColorRule::Value(Quantity::Scalar(name)) = rule else {
+        return Ok(());
+    };
+    let mut meshes = scene.objects.iter().map(|object| &object.mesh);
+    if meshes.any(|mesh| mesh.scalar(name).is_some()) {
+        return Ok(());
+    }
+    let meshes = scene.objects.iter().map(|object| &object.mesh);
+    let names: BTreeSet<_> = meshes
+        .flat_map(|mesh| mesh.scalars().iter().map(|scalar| scalar.name.as_str()))
+        .collect();
+    let names: Vec<_> = names.into_iter().collect();
+    Err(Failure::usage(match names[..] {
+        [] => format!("--color scalar:{name}: the files have no scalars"),
+        _ => format!(
+            "--color scalar:{name}: the files have no such scalar, but {}",
+            names.join(", ")
+        ),
+    }))
+}
+
+/// Gives every object's texture the projection and the place that were asked for.
+///
+/// # Errors
+/// A place without directions or size.
+fn place_textures(scene: &mut Scene, args: &TextureProjectionArgs) -> Result<(), Failure> {
+    if args.kind.is_some() {
+        for object in &mut scene.objects {
+            object.mapping.projection = None;
+        }
+    }
+    let directions = [args.center, args.front, args.up];
+    if directions == [None; 3] && args.size.is_none() {
+        return Ok(());
+    }
+    for object in &mut scene.objects {
+        let about = || Projector::about(&object.mesh.bounds());
+        let old = object.mapping.projector.unwrap_or_else(about);
+        let [center, front, up] = directions;
+        let projector = Projector {
+            center: center.unwrap_or(old.center),
+            front: front.unwrap_or(old.front),
+            up: up.unwrap_or(old.up),
+            size: args.size.unwrap_or(old.size),
+        };
+        if let Err(error) = projector.axes() {
+            return Err(Failure::usage(error.to_string()));
+        }
+        object.mapping.projector = Some(projector);
+    }
+    Ok(())
+}
+
+/// The shading that was asked for, over the scene file's, over the defaults.
+pub fn shading(args: &ShadingArgs, file: Option<Shading>) -> Shading {
+    let base = file.unwrap_or_default();
+    let wireframe = match args.wireframe {
+        None => base.wireframe,
+        Some(WireframeArg::None) => None,
+        Some(WireframeArg::Width(width)) => {
+            let lines = base.wireframe.unwrap_or_default();
+            Some(Wireframe {
+                width,
+                color: args.wireframe_color.unwrap_or(lines.color),
+            })
+        }
+    };
+    Shading {
+        mode: args.mode.unwrap_or(base.mode),
+        wireframe,
+        background: args.background.unwrap_or(base.background),
+        blend: args.blend.unwrap_or(base.blend),
+        filter: args.filter.unwrap_or(base.filter),
+        projection: args.projection.kind.unwrap_or(base.projection),
+        scale: scale(args, base.scale),
+    }
+}
+
+/// The colour scale that was asked for, over the scene file's.
+fn scale(args: &ShadingArgs, file: Option<ColorScale>) -> Option<ColorScale> {
+    if args.color_map.is_none() && args.color_range.is_none() && !args.legend {
+        return file;
+    }
+    let base = file.unwrap_or_default();
+    Some(ColorScale {
+        map: args.color_map.unwrap_or(base.map),
+        range: args.color_range.or(base.range),
+        legend: args.legend || base.legend,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raycast_core::shade::Mode;
+
+    #[test]
+    fn shading_options_override_one_by_one() {
+        let file = Shading {
+            mode: Mode::Depth,
+            blend: 0.25,
+            ..Shading::default()
+        };
+        let args = ShadingArgs {
+            wireframe: Some(WireframeArg::Width(2.0)),
+            blend: Some(0.5),
+            ..ShadingArgs::default()
+        };
+        let made = shading(&args, Some(file));
+        assert_eq!((made.mode, made.blend), (Mode::Depth, 0.5));
+        assert_eq!(made.wireframe.map(|lines| lines.width), Some(2.0));
+        assert_eq!(shading(&ShadingArgs::default(), None), Shading::default());
+        let none = ShadingArgs {
+            wireframe: Some(WireframeArg::None),
+            ..ShadingArgs::default()
+        };
+        assert_eq!(shading(&none, Some(made)).wireframe, None);
+    }
+}

@@ -1,0 +1,157 @@
+use super::dropped::dropped;
+use super::nothing_to_see::NothingToSee;
+use crate::failure::Failure;
+use raycast_core::scene::{Bounds, Scene};
+use raycast_core::{Accel, Simd};
+
+/// The environment variable that forces an instruction set on the casting of tiles.
+pub const SIMD_VARIABLE: &str = "RAYCAST_SIMD";
+
+/// The instruction set that [`SIMD_VARIABLE`] names, else the machine's widest.
+///
+/// # Errors
+/// A variable that names no instruction set that this machine has.
+pub fn instruction_set() -> Result<Simd, Failure> {
+    let Some(name) = std::env::var_os(SIMD_VARIABLE) else {
+        return Ok(Simd::best());
+    };
+    let name = name.to_string_lossy();
+    let simd: Simd = name
+        .parse()
+        .map_err(|expected| Failure::usage(format!("{SIMD_VARIABLE}: {expected}")))?;
+    if simd > Simd::best() {
+        return Err(Failure::usage(format!(
+            "{SIMD_VARIABLE}: this machine has no {name}; its widest is {}",
+            Simd::best().name()
+        )));
+    }
+    Ok(simd)
+}
+
+/// How many times as many triangles a scene must show as are stored with instances for a command to have those.
+/// Fewer save little memory; with more, scenes of some repetition take memory and time to build for all that they
+/// show. Casting takes longer with instances, the more so where objects overlap: many frames make up for the build.
+const INSTANCES_SAVE: usize = 4;
+
+/// Whether objects share meshes to such a degree that a tree for each mesh is worth its while.
+pub fn has_instances(scene: &Scene) -> bool {
+    Accel::stored_triangles(scene).saturating_mul(INSTANCES_SAVE) <= scene.triangle_count()
+        && scene.triangle_count() > 0
+}
+
+/// How many triangles the tree stores that [`tree`] builds over a scene, to hold against the memory that there is.
+pub fn stored_triangles(scene: &Scene) -> usize {
+    match has_instances(scene) {
+        true => Accel::stored_triangles(scene),
+        false => scene.triangle_count(),
+    }
+}
+
+/// The tree over a scene, for the instruction set of [`instruction_set`]: one over all triangles, or one for each mesh
+/// where that stores a quarter of them at most. Both answer every ray alike.
+///
+/// # Errors
+/// As [`Accel::build`], as [`instruction_set`].
+pub fn tree(scene: &Scene) -> Result<Accel, Failure> {
+    let simd = instruction_set()?;
+    let accel = match has_instances(scene) {
+        true => Accel::build_instances(scene)?,
+        false => Accel::build(scene)?,
+    };
+    Ok(accel.with_simd(simd))
+}
+
+/// One tree over all triangles of a scene: for what looks at them one by one.
+///
+/// # Errors
+/// As [`tree`].
+pub fn single_tree(scene: &Scene) -> Result<Accel, Failure> {
+    let simd = instruction_set()?;
+    Ok(Accel::build(scene)?.with_simd(simd))
+}
+
+/// The tree over a scene whose objects may come to be moved and hidden: of more than one object, a tree for each
+/// mesh, with which a move rebuilds the top-level tree alone.
+///
+/// # Errors
+/// As [`tree`].
+pub fn tree_to_edit(scene: &Scene) -> Result<Accel, Failure> {
+    let simd = instruction_set()?;
+    Ok(match &scene.objects[..] {
+        [] | [_] => Accel::build(scene)?,
+        _ => Accel::build_instances(scene)?,
+    }
+    .with_simd(simd))
+}
+
+/// The tree over a scene of which something can be seen; `name` is what an error calls it.
+///
+/// # Errors
+/// As [`tree`]; [`NothingToSee`] where no triangle is left.
+pub fn visible_tree(name: &str, scene: &Scene) -> Result<Accel, Failure> {
+    visible(name, scene, tree(scene)?)
+}
+
+/// A tree of which something can be seen.
+///
+/// # Errors
+/// [`NothingToSee`] where no triangle is left.
+pub fn visible(name: &str, scene: &Scene, accel: Accel) -> Result<Accel, Failure> {
+    if accel.is_empty() {
+        return Err(NothingToSee {
+            name: name.to_owned(),
+            triangles: scene.triangle_count(),
+            dropped: dropped(scene, &accel),
+        }
+        .into());
+    }
+    Ok(accel)
+}
+
+/// The box around what can be seen: a triangle that its transform moved out of range is not.
+pub fn bounds(scene: &Scene, accel: &Accel) -> Bounds {
+    match accel.out_of_range() {
+        0 => scene.bounds(),
+        _ => accel.bounds(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raycast_core::scene::{Mesh, Object, Shape};
+    use std::sync::Arc;
+
+    #[test]
+    fn commands_have_instances_where_they_save_memory() {
+        let ball = Shape::Sphere {
+            radius: 1.0,
+            segments: 256,
+            rings: 128,
+        };
+        let mesh = Arc::new(Mesh::new(ball.mesh().expect("a shape")));
+        let triangles = mesh.triangles().len();
+        let scene = |count: u32| {
+            let objects = (0..count).map(|number| {
+                let mut object = Object::new("ball", Arc::clone(&mesh));
+                object.transform.translate.x = f64::from(number);
+                object
+            });
+            Scene {
+                objects: objects.collect(),
+            }
+        };
+        assert!(3 * triangles < 1 << 20 && 1 << 20 < 17 * triangles);
+        for (count, expected) in [(0, false), (1, false), (3, false), (17, true)] {
+            let scene = scene(count);
+            assert_eq!(has_instances(&scene), expected, "{count}");
+            let stored = if expected { 1 } else { count as usize };
+            assert_eq!(stored_triangles(&scene), stored * triangles, "{count}");
+        }
+        let scene = scene(17);
+        let accel = tree(&scene).expect("a tree");
+        assert!(accel.has_instances());
+        // The view by default is that of one tree.
+        assert_eq!(bounds(&scene, &accel), scene.bounds());
+    }
+}

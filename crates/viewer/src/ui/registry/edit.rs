@@ -1,0 +1,196 @@
+//! Undo, and objects.
+
+use super::action::{Action, Menu};
+use super::chord::{ctrl, ctrl_shift, plain, shift};
+use super::when::has_scene;
+use crate::state::command::Command;
+use crate::state::handle::Tool;
+use crate::state::turn::Turning;
+use crate::state::{PromptKind, State};
+use egui::Key;
+use raycast_core::glam::DAffine3;
+use raycast_core::scene::Transform;
+
+macro_rules! handles {
+    ($id:literal, $name:literal, $does:literal, $tool:ident, $keys:expr) => {
+        Action::of(Menu::Edit, $id, $name, $does, $keys, |state| {
+            let is_on = state.manipulating.tool == Some(Tool::$tool);
+            Command::SetManipulator((!is_on).then_some(Tool::$tool))
+        })
+        .when(has_scene)
+        .on(|state| state.manipulating.tool == Some(Tool::$tool))
+    };
+}
+
+/// In the order of their menu.
+pub(super) static ACTIONS: &[Action] = &[
+    Action::of(
+        Menu::Edit,
+        "edit.undo",
+        "Undo",
+        "Take the last change back",
+        &[ctrl(Key::Z)],
+        |_| Command::Undo,
+    )
+    .when(|state| state.history.undo_name().is_some()),
+    Action::of(
+        Menu::Edit,
+        "edit.redo",
+        "Redo",
+        "Make again what was taken back",
+        &[ctrl_shift(Key::Z), ctrl(Key::Y)],
+        |_| Command::Redo,
+    )
+    .when(|state| state.history.redo_name().is_some()),
+    Action::of(
+        Menu::Edit,
+        "object.visible",
+        "Visible",
+        "Show the marked object, or hide it",
+        &[plain(Key::H)],
+        |state| Command::SetVisible(selected(state), !is_visible(state)),
+    )
+    .when(has_selected)
+    .on(is_visible)
+    .apart(),
+    Action::of(
+        Menu::Edit,
+        "object.isolate",
+        "Isolate",
+        "Show the marked object alone; once more shows all",
+        &[plain(Key::I)],
+        |state| Command::Isolate(selected(state)),
+    )
+    .when(has_selected),
+    Action::of(
+        Menu::Edit,
+        "object.show_all",
+        "Show all",
+        "Show every object",
+        &[shift(Key::H)],
+        |_| Command::ShowAll,
+    )
+    .when(|state| {
+        let document = state.document.as_ref();
+        document.is_some_and(|d| d.scene.objects.iter().any(|object| !object.visible))
+    }),
+    Action::of(
+        Menu::Edit,
+        "object.rename",
+        "Rename…",
+        "Give the marked object another name",
+        &[plain(Key::F2)],
+        |state| Command::EditName(state.selected),
+    )
+    .when(has_selected),
+    Action::of(
+        Menu::Edit,
+        "object.duplicate",
+        "Duplicate",
+        "Put a copy beside the marked object",
+        &[ctrl(Key::D)],
+        |state| Command::Duplicate(selected(state)),
+    )
+    .when(has_selected),
+    Action::of(
+        Menu::Edit,
+        "object.lock",
+        "Lock",
+        "Keep the marked object as it is until it is unlocked",
+        &[plain(Key::L)],
+        |state| Command::SetLocked(selected(state), !state.is_locked(selected(state))),
+    )
+    .when(has_selected)
+    .on(|state| state.is_locked(selected(state))),
+    Action::of(
+        Menu::Edit,
+        "object.texture",
+        "Texture…",
+        "Put an image on the marked object",
+        &[],
+        |state| Command::Ask(PromptKind::TextureOf(selected(state))),
+    )
+    .when(has_selected),
+    handles!(
+        "object.move",
+        "Move by handles",
+        "Arrows and squares in the picture move the marked object; Ctrl snaps, Esc gives up",
+        Move,
+        &[plain(Key::G)]
+    )
+    .apart(),
+    handles!(
+        "object.turn",
+        "Turn by handles",
+        "Rings in the picture turn the marked object about its middle; Ctrl snaps, Esc gives up",
+        Turn,
+        &[shift(Key::R)]
+    ),
+    handles!(
+        "object.scale",
+        "Scale by handles",
+        "Handles in the picture scale the marked object; Ctrl snaps, Esc gives up",
+        Scale,
+        &[shift(Key::S)]
+    ),
+    Action::of(
+        Menu::Edit,
+        "object.own_axes",
+        "Its own axes",
+        "Move and turn along the marked object's own axes, or along the scene's",
+        &[plain(Key::X)],
+        |state| {
+            Command::SetTurning(Turning {
+                own: !state.turning.own,
+                ..state.turning
+            })
+        },
+    )
+    .when(has_scene)
+    .on(|state| state.turning.own),
+    Action::of(
+        Menu::Edit,
+        "object.reset",
+        "Put back",
+        "Undo every move, turn and scale of the marked object",
+        &[],
+        |state| Command::SetTransform(selected(state), rest(state)),
+    )
+    .when(|state| has_selected(state) && transform(state) != Some(rest(state))),
+    Action::of(
+        Menu::Edit,
+        "object.delete",
+        "Delete",
+        "Take the marked object away",
+        &[plain(Key::Delete)],
+        |state| Command::Delete(selected(state)),
+    )
+    .when(has_selected),
+];
+
+fn has_selected(state: &State) -> bool {
+    state.selected.is_some()
+}
+
+/// The marked object; commands on it apply only where there is one.
+fn selected(state: &State) -> usize {
+    state.selected.unwrap_or(usize::MAX)
+}
+
+fn is_visible(state: &State) -> bool {
+    let document = state.document.as_ref();
+    let object = document.and_then(|d| d.scene.objects.get(selected(state)));
+    object.is_some_and(|object| object.visible)
+}
+
+fn transform(state: &State) -> Option<Transform> {
+    let document = state.document.as_ref()?;
+    let object = document.scene.objects.get(selected(state))?;
+    Some(object.transform)
+}
+
+/// Where the marked object's file has it, or the file's own matrix where it was read as changed.
+fn rest(state: &State) -> Transform {
+    let matrix = transform(state).map_or(DAffine3::IDENTITY, |transform| transform.matrix);
+    Transform::from_matrix(matrix)
+}

@@ -1,0 +1,159 @@
+//! Measuring, cutting, and looking meshes over.
+
+use super::action::{Action, Menu};
+use super::chord::plain;
+use super::when::has_scene;
+use crate::state::command::Command;
+use crate::state::cut::{PlaneBy, has_room};
+use crate::state::measure::Kind;
+use crate::state::{PromptKind, State};
+use egui::Key;
+
+macro_rules! tool {
+    ($id:literal, $name:literal, $does:literal, $kind:ident, $keys:expr) => {
+        Action::of(Menu::Tools, $id, $name, $does, $keys, |state| {
+            let is_on = state.measuring.tool == Some(Kind::$kind);
+            Command::SetTool((!is_on).then_some(Kind::$kind))
+        })
+        .when(has_scene)
+        .on(|state| state.measuring.tool == Some(Kind::$kind))
+    };
+}
+
+macro_rules! cut {
+    ($id:literal, $name:literal, $does:literal, $by:expr) => {
+        Action::of(Menu::Tools, $id, $name, $does, &[], |_| {
+            Command::AddPlane($by)
+        })
+        .when(has_room)
+    };
+}
+
+/// In the order of their menu.
+pub(super) static ACTIONS: &[Action] = &[
+    tool!(
+        "measure.distance",
+        "Measure distance",
+        "Measure from a point to another",
+        Distance,
+        &[plain(Key::D)]
+    ),
+    tool!(
+        "measure.angle",
+        "Measure angle",
+        "Measure the angle at the second of three points",
+        Angle,
+        &[plain(Key::A)]
+    ),
+    tool!(
+        "measure.path",
+        "Measure path",
+        "Measure along points, one after another",
+        Path,
+        &[]
+    ),
+    tool!(
+        "measure.radius",
+        "Measure radius",
+        "Measure the circle through three points",
+        Radius,
+        &[]
+    ),
+    Action::of(
+        Menu::Tools,
+        "measure.end",
+        "End path",
+        "End the path that is being measured",
+        &[plain(Key::Enter)],
+        |_| Command::EndPath,
+    )
+    .when(|state| state.measuring.tool == Some(Kind::Path) && state.measuring.points.len() > 1),
+    Action::of(
+        Menu::Tools,
+        "measure.back",
+        "Take point back",
+        "Take back the last point of what is being measured",
+        &[plain(Key::Backspace)],
+        |_| Command::TakePointBack,
+    )
+    .when(|state| !state.measuring.points.is_empty()),
+    Action::of(
+        Menu::Tools,
+        "measure.save",
+        "Save CSV…",
+        "Write what was measured to a file",
+        &[],
+        |_| Command::Ask(PromptKind::Measurements),
+    )
+    .when(|state| !state.measuring.list.is_empty())
+    .apart(),
+    Action::of(
+        Menu::Tools,
+        "measure.clear",
+        "Clear",
+        "Forget all that was measured",
+        &[],
+        |_| Command::ClearMeasurements,
+    )
+    .when(|state| !state.measuring.list.is_empty()),
+    cut!(
+        "cut.x",
+        "Cut across X",
+        "Cut away what is before a plane across the X axis",
+        PlaneBy::Axis(0)
+    )
+    .apart(),
+    cut!(
+        "cut.y",
+        "Cut across Y",
+        "Cut away what is before a plane across the Y axis",
+        PlaneBy::Axis(1)
+    ),
+    cut!(
+        "cut.z",
+        "Cut across Z",
+        "Cut away what is before a plane across the Z axis",
+        PlaneBy::Axis(2)
+    ),
+    cut!(
+        "cut.view",
+        "Cut across the view",
+        "Cut away what is before the point that one turns about",
+        PlaneBy::View
+    ),
+    Action::of(
+        Menu::Tools,
+        "cut.points",
+        "Cut through three points",
+        "Click three points: what is before their plane is cut away",
+        &[],
+        |state| Command::SetCutting(state.cutting.is_none()),
+    )
+    .when(has_room)
+    .on(|state| state.cutting.is_some()),
+    Action::of(
+        Menu::Tools,
+        "cut.outline",
+        "Save outline…",
+        "Write the lines in which the newest clipping plane cuts all that is visible, as SVG or DXF",
+        &[],
+        |state| Command::Ask(PromptKind::Outline(newest_plane(state).unwrap_or(usize::MAX))),
+    )
+    .when(|state| newest_plane(state).is_some()),
+    Action::of(
+        Menu::Tools,
+        "tools.check",
+        "Check the mesh",
+        "Look for holes and other faults in the marked object, or in all",
+        &[],
+        |_| Command::Check,
+    )
+    .when(has_scene)
+    .apart(),
+];
+
+/// The last clipping plane in the list that cuts.
+fn newest_plane(state: &State) -> Option<usize> {
+    let planes = state.settings.clip.all();
+    planes.iter().rposition(|plane| plane.enabled)
+}

@@ -1,0 +1,7 @@
+//! When commands apply, where several ask the same.
+
+use crate::state::State;
+
+pub(super) fn has_scene(state: &State) -> bool {
+    state.document.is_some()
+}
