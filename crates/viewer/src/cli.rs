@@ -167,6 +167,14 @@ pub struct RenderArgs {
     /// How files are read.
     #[command(flatten)]
     pub reading: ReadingArgs,
+    /// Write a scene file that holds all that decides the picture: rendered alone it gives the same bytes
+    #[arg(
+        long,
+        value_name = "FILE",
+        help_heading = None,
+        conflicts_with_all = ["frames", "turntable", "sub_camera", "unfinished", "show_sub_cameras"]
+    )]
+    pub save_scene: Option<PathBuf>,
     /// Write what it took to this file as JSON; `-` is standard output
     #[arg(long, value_name = "FILE", help_heading = None)]
     pub stats: Option<PathBuf>,

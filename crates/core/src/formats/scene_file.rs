@@ -1,5 +1,6 @@
 use super::length_unit::LengthUnit;
 use crate::camera::{CameraPath, Placement, Projection};
+use crate::hit::{Cull, Precision};
 use crate::scene::{ClippingPlanes, Scene};
 use crate::shade::Shading;
 use std::collections::HashSet;
@@ -86,12 +87,19 @@ pub struct CameraFile {
 }
 
 /// A scene file's picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ImageSettings {
     /// Columns and rows.
     pub size: Option<(u32, u32)>,
     /// Rays a pixel.
     pub samples: Option<u32>,
+    /// Distance between neighbouring rays at the camera's target, in scene units, for pictures of `size`: the bits
+    /// that a field of view would round.
+    pub step: Option<f64>,
+    /// Which faces rays pass through.
+    pub cull: Option<Cull>,
+    /// How sure the triangles are.
+    pub precision: Option<Precision>,
 }
 
 /// A scene file's shading.
@@ -114,7 +122,13 @@ impl SceneFile {
         self.scene.objects.extend(moved);
         self.camera = self.camera.or(other.camera);
         self.animation = self.animation.take().or(other.animation);
+        // A step is of its own file's size.
+        if self.image.size.is_none() && self.image.step.is_none() {
+            self.image.step = other.image.step;
+        }
         self.image.size = self.image.size.or(other.image.size);
+        self.image.cull = self.image.cull.or(other.image.cull);
+        self.image.precision = self.image.precision.or(other.image.precision);
         self.image.samples = self.image.samples.or(other.image.samples);
         self.shading = self.shading.or(other.shading);
         if self.clip.all().is_empty() {

@@ -247,9 +247,19 @@ impl Reader<'_> {
             .samples
             .as_ref()
             .map(|samples| self.in_range(samples, ranges::samples(*samples.get_ref())));
+        let step = image.step.as_ref().map(|step| {
+            ImagePlane::new(1, 1, *step.get_ref())
+                .map(|plane| plane.step)
+                .map_err(|error| {
+                    FormatError::refused(self.path, self.line(step), &error.to_string())
+                })
+        });
         Ok(ImageSettings {
             size: size.transpose()?,
             samples: samples.transpose()?,
+            step: step.transpose()?,
+            cull: image.cull.map(Into::into),
+            precision: image.precision.map(Into::into),
         })
     }
 

@@ -1,6 +1,7 @@
 //! The tables of a `.raycast.toml`, as they stand in the file.
 
 use crate::camera::{Curve, Ease, Projection};
+use crate::hit::{Cull, Precision};
 use crate::scene::{Color, ColorMap, ColorRule, Shape, TextureProjection, UpAxis, Wrap};
 use crate::shade::{Filter, Mode};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
@@ -84,12 +85,31 @@ pub(super) struct ImageToml {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) samples: Option<Spanned<u32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) step: Option<Spanned<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) cull: Option<CullToml>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) precision: Option<PrecisionToml>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) background: Option<Spanned<BackgroundToml>>,
 }
 
 impl ImageToml {
     fn is_empty(&self) -> bool {
-        self.size.is_none() && self.samples.is_none() && self.background.is_none()
+        let Self {
+            size,
+            samples,
+            step,
+            cull,
+            precision,
+            background,
+        } = self;
+        size.is_none()
+            && samples.is_none()
+            && step.is_none()
+            && cull.is_none()
+            && precision.is_none()
+            && background.is_none()
     }
 }
 
@@ -398,6 +418,8 @@ macro_rules! words {
 words!(ModeToml for Mode {
     Color, Flat, Smooth, Normals, Depth, Barycentric, Uv, Texture, Wireframe
 });
+words!(CullToml for Cull { None, Back });
+words!(PrecisionToml for Precision { Fast, Exact });
 words!(CurveToml for Curve { Linear, CatmullRom });
 words!(EaseToml for Ease { None, Smooth });
 words!(UpAxisToml for UpAxis { Y, Z });

@@ -72,6 +72,9 @@ impl SceneFile {
                     .size
                     .map(|(columns, rows)| spanned([columns, rows])),
                 samples: self.image.samples.map(spanned),
+                step: self.image.step.map(spanned),
+                cull: self.image.cull.map(Into::into),
+                precision: self.image.precision.map(Into::into),
                 background: self.shading.map(|shading| {
                     spanned(match shading.background {
                         Background::Transparent => BackgroundToml::Word(Transparent::Transparent),

@@ -10,12 +10,12 @@ pub struct CastingArgs {
     /// Workers, 0 to 256; 0 is one for each of the machine's
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::threads())]
     pub threads: u16,
-    /// How sure a picture's triangles are
-    #[arg(long, value_name = "KIND", default_value = "exact", value_parser = values::named(values::PRECISIONS))]
-    pub precision: Precision,
-    /// Which faces rays pass through: none, or those seen from the back
-    #[arg(long, value_name = "FACES", default_value = "none", value_parser = values::named(values::CULLS))]
-    pub cull: Cull,
+    /// How sure a picture's triangles are [default: exact]
+    #[arg(long, value_name = "KIND", value_parser = values::named(values::PRECISIONS))]
+    pub precision: Option<Precision>,
+    /// Which faces rays pass through: none, or those seen from the back [default: none]
+    #[arg(long, value_name = "FACES", value_parser = values::named(values::CULLS))]
+    pub cull: Option<Cull>,
     /// What is cut away.
     #[command(flatten)]
     pub clip: ClipArgs,

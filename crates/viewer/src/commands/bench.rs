@@ -184,9 +184,9 @@ fn measure(
                     mode: args.mode,
                     ..Shading::default()
                 },
-                cull: args.casting.cull,
+                cull: args.casting.cull.unwrap_or_default(),
                 clip: args.casting.clip.planes(ClippingPlanes::NONE)?,
-                precision: args.casting.precision,
+                precision: args.casting.precision.unwrap_or_default(),
                 samples: 1,
                 layers: false,
             },
@@ -202,7 +202,7 @@ fn measure(
         threads: pool.current_num_threads(),
         simd: accel.simd().name(),
         instances: accel.has_instances(),
-        precision: match args.casting.precision {
+        precision: match args.casting.precision.unwrap_or_default() {
             Precision::Fast => "fast",
             Precision::Exact => "exact",
         },

@@ -10,7 +10,7 @@ use crate::progress::TerminalProgress;
 use crate::setup;
 use crate::stats::StatsTarget;
 use raycast_core::camera::{Camera, CameraPath, DEFAULT_FOV, Rect};
-use raycast_core::formats::CameraFile;
+use raycast_core::formats::{CameraFile, ImageSettings};
 use raycast_core::picture::{AnimatedPng, Format, Fragment, ImageFile, Picture, Recipe, RowReader};
 use raycast_core::render::{TileStats, View};
 use std::fs::File;
@@ -162,8 +162,11 @@ impl<'a> Frames<'a> {
                     frame: key.view.or(own.map(|own| own.frame)).unwrap_or(DEFAULT_FOV),
                 };
                 let bounds = setup::bounds(&view.scene, &view.accel);
-                let size = Some((base.plane().columns, base.plane().rows));
-                setup::camera(&self.args.camera, Some(&file), size, &bounds)
+                let image = ImageSettings {
+                    size: Some((base.plane().columns, base.plane().rows)),
+                    ..ImageSettings::default()
+                };
+                setup::camera(&self.args.camera, Some(&file), image, &bounds)
                     .map_err(|error| Failure::could_not(format!("frame {frame}: {error}")))?
             }
         };

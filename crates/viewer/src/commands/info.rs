@@ -278,7 +278,7 @@ fn inspect(path: &Path, reading: &ReadingArgs, looks: bool) -> Result<FileInfo, 
     if !accel.is_empty() {
         // What cannot be rendered as it is is not described as if it could.
         let args = CameraArgs::default();
-        setup::camera(&args, camera.as_ref(), image.size, &bounds)
+        setup::camera(&args, camera.as_ref(), image, &bounds)
             .map_err(|error| setup::no_camera(&args, &path.display().to_string(), error))?;
     }
     let tree_bytes = accel.retained_bytes();

@@ -10,6 +10,7 @@ mod info;
 mod plan;
 mod render;
 mod report;
+mod saved_scene;
 mod schedulers;
 mod section;
 mod stitch;

@@ -26,7 +26,7 @@ const CAMERA: [&str; 8] = [
 const FILE_OPTION: &str = "--texture";
 
 /// Options that a plan has itself.
-const OWN: [&str; 9] = [
+const OWN: [&str; 10] = [
     "--output",
     "-o",
     "--tiles",
@@ -36,6 +36,7 @@ const OWN: [&str; 9] = [
     "--frames",
     "--turntable",
     "--stats",
+    "--save-scene",
 ];
 
 /// Writes a plan.

@@ -1,9 +1,10 @@
 use super::banded::{Banded, Written};
 use super::deep_zoom::{DeepZoom, is_deep_zoom};
+use super::saved_scene::SavedScene;
 use super::sub_cameras::from_outside;
 use super::{Failure, warn, warn_of_reading, workers};
 use crate::cli::{RenderArgs, TileArgs};
-use crate::output::Output;
+use crate::output::{Output, Unfinished};
 use crate::progress::TerminalProgress;
 use crate::stats::{self, Shares, Stats, StatsTarget, milliseconds};
 use crate::{memory, setup};
@@ -34,14 +35,27 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     };
     inputs.push(&args.output);
     inputs.extend(deep_zoom.as_ref().map(DeepZoom::page));
+    let saved_scene = match &args.save_scene {
+        Some(path) => Some(SavedScene::at(path, &inputs)?),
+        None => None,
+    };
+    inputs.extend(args.save_scene.as_deref());
     let stats_target = StatsTarget::at(args.stats.as_deref(), &inputs)?;
     let pool = workers(args.casting.threads)?;
 
     let progress = TerminalProgress::new();
     let opened = open(args, format, &pool, &progress, &|opened| {
         output.check_against(opened)?;
+        if let Some(scene) = &saved_scene {
+            scene.check_against(opened)?;
+        }
         stats_target.check_against(opened)
     })?;
+    // Before the work: a scene that cannot be saved is told at once.
+    let saved_scene = match &saved_scene {
+        Some(scene) => Some(scene.write(&opened.view, opened.animation.as_ref())?),
+        None => None,
+    };
     let outside = match args.tiles.show_sub_cameras {
         true => Some(pool.install(|| from_outside(&opened.view, args.tiles.grid()))?),
         false => None,
@@ -69,6 +83,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if let Some(deep_zoom) = deep_zoom {
         let (tiles, wall) = rendering.deep_zoom(&deep_zoom)?;
         progress.clear();
+        saved_scene.map_or(Ok(()), Unfinished::finish)?;
         return tell(&opened, &stats_target, &tiles, wall, started, &pool);
     }
     let recipe = Recipe::of(view);
@@ -88,7 +103,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     };
     progress.clear();
     tell(&opened, &stats_target, &tiles, wall, started, &pool)?;
-    file.finish()
+    file.finish()?;
+    saved_scene.map_or(Ok(()), Unfinished::finish)
 }
 
 /// Whether the options go together.
@@ -241,9 +257,11 @@ pub(super) fn open(
     let load_time = loading.elapsed();
     let settings = Settings {
         shading: setup::shading(&args.shading, file.shading),
-        cull: args.casting.cull,
+        cull: (args.casting.cull).or(file.image.cull).unwrap_or_default(),
         clip: args.casting.clip.planes(file.clip)?,
-        precision: args.casting.precision,
+        precision: (args.casting.precision)
+            .or(file.image.precision)
+            .unwrap_or_default(),
         samples: args.samples.or(file.image.samples).unwrap_or(1).max(1),
         layers: format == Format::Exr,
     };
@@ -268,7 +286,7 @@ pub(super) fn open(
     let accel = pool.install(|| setup::visible_tree(&name, &scene))?;
     let build_time = building.elapsed();
     let bounds = setup::bounds(&scene, &accel);
-    let camera = setup::camera(&args.camera, camera_file.as_ref(), image.size, &bounds)
+    let camera = setup::camera(&args.camera, camera_file.as_ref(), image, &bounds)
         .map_err(|error| setup::no_camera(&args.camera, &name, error))?;
     Ok(Opened {
         view: View {

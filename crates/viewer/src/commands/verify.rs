@@ -5,7 +5,7 @@ use crate::progress::TerminalProgress;
 use crate::{memory, output, setup};
 use raycast_core::Cull;
 use raycast_core::camera::{Camera, Grid, Rect};
-use raycast_core::formats::SceneFile;
+use raycast_core::formats::{ImageSettings, SceneFile};
 use raycast_core::picture::{self, ImageError, ImageFile, Picture, Recipe, RowReader};
 use raycast_core::render::View;
 use raycast_core::scene::{ClippingPlanes, Scene};
@@ -62,7 +62,9 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
         None => ways.camera.whole().rect,
     };
     let mut view = stage.view(ways.camera, ways.cull);
-    view.settings.precision = args.casting.precision;
+    view.settings.precision = (args.casting.precision)
+        .or(file.image.precision)
+        .unwrap_or_default();
     view.settings.shading = ways.shading;
     view.settings.samples = ways.samples;
     // A band at a time, of a picture that has several: what is drawn is the same share of each.
@@ -228,7 +230,12 @@ impl Asked<'_> {
             _ => setup::camera(
                 &args.camera,
                 file.camera.as_ref(),
-                size.or(file.image.size),
+                ImageSettings {
+                    size: size.or(file.image.size),
+                    step: (file.image.step)
+                        .filter(|_| size.is_none_or(|size| file.image.size == Some(size))),
+                    ..file.image
+                },
                 &setup::bounds(&self.stage.scene, &self.stage.accel),
             )
             .map_err(|failure| setup::no_camera(&args.camera, self.name, failure))?,
@@ -242,10 +249,10 @@ impl Asked<'_> {
             camera,
             shading: setup::shading(&args.shading, shading),
             samples: samples.unwrap_or(1).max(1),
-            cull: match recipe {
-                Some(recipe) if args.casting.cull == Cull::default() => recipe.cull,
-                _ => args.casting.cull,
-            },
+            cull: (args.casting.cull)
+                .or(recipe.map(|recipe| recipe.cull))
+                .or(file.image.cull)
+                .unwrap_or_default(),
             clip: (args.casting.clip).planes(recipe.map_or(file.clip, |recipe| recipe.clip))?,
         })
     }

@@ -3,7 +3,7 @@ use crate::failure::Failure;
 use raycast_core::camera::{
     Camera, Orbit, Placement, PlaneRequest, Projection, fit_distance, frame_to_fov,
 };
-use raycast_core::formats::CameraFile;
+use raycast_core::formats::{CameraFile, ImageSettings};
 use raycast_core::ranges;
 use raycast_core::scene::Bounds;
 
@@ -18,9 +18,10 @@ pub const DEFAULT_SIZE: (u32, u32) = (1280, 720);
 pub fn camera(
     args: &CameraArgs,
     file: Option<&CameraFile>,
-    file_size: Option<(u32, u32)>,
+    image: ImageSettings,
     bounds: &Bounds,
 ) -> Result<Camera, Failure> {
+    let file_size = image.size;
     let projection = args
         .projection
         .or(file.map(|file| file.projection))
@@ -60,12 +61,24 @@ pub fn camera(
         }
         _ => projection.frame(fov, distance),
     };
-    let plane = PlaneRequest {
-        size: args.size,
-        step: args.step,
-        frame_height: args.fov.map(|fov| projection.frame(fov, distance)),
-    }
-    .resolve(default_size, frame)?;
+    let is_the_files = args.step.is_none()
+        && args.fov.is_none()
+        && file.is_some_and(|file| (file.placement, file.projection) == (placement, projection))
+        && file_size.is_some_and(|size| size == args.size.unwrap_or(size));
+    let request = match image.step.filter(|_| is_the_files) {
+        Some(step) => PlaneRequest {
+            size: file_size,
+            step: Some(step),
+            // A panorama may have more rows than its field of view.
+            frame_height: projection.panorama().is_none().then_some(frame),
+        },
+        None => PlaneRequest {
+            size: args.size,
+            step: args.step,
+            frame_height: args.fov.map(|fov| projection.frame(fov, distance)),
+        },
+    };
+    let plane = request.resolve(default_size, frame)?;
     if let (Some(step), Projection::Perspective) = (args.step, projection) {
         let fov = frame_to_fov(f64::from(plane.rows) * step, distance);
         if let Err(error) = ranges::fov(fov) {
@@ -154,7 +167,7 @@ mod tests {
     };
 
     fn made(args: &CameraArgs) -> Camera {
-        camera(args, None, None, &UNIT).expect("a camera")
+        camera(args, None, ImageSettings::default(), &UNIT).expect("a camera")
     }
 
     #[test]
@@ -201,13 +214,13 @@ mod tests {
             fov: Some(90.0),
             ..base.clone()
         };
-        let refused = camera(&at_odds, None, None, &UNIT);
+        let refused = camera(&at_odds, None, ImageSettings::default(), &UNIT);
         assert!(refused.is_err_and(|failure| failure.to_string().contains("at odds")));
         let agreed = CameraArgs {
             fov: Some(fov),
             ..at_odds
         };
-        assert!(camera(&agreed, None, None, &UNIT).is_ok());
+        assert!(camera(&agreed, None, ImageSettings::default(), &UNIT).is_ok());
     }
 
     #[test]
@@ -250,7 +263,7 @@ mod tests {
             (with_up(DVec3::NEG_Y), "lies along the view"),
             (in_target, "expected a target away from the eye"),
         ] {
-            let failure = camera(&args, None, None, &UNIT).expect_err(why);
+            let failure = camera(&args, None, ImageSettings::default(), &UNIT).expect_err(why);
             assert!(failure.to_string().contains(why), "{failure}");
             assert!(matches!(failure, Failure::Usage(_)));
         }
@@ -284,8 +297,11 @@ mod tests {
             projection: Projection::Orthographic,
             frame: 3.0,
         };
-        let made =
-            |args: &CameraArgs| camera(args, Some(&file), Some((30, 60)), &UNIT).expect("a camera");
+        let image = ImageSettings {
+            size: Some((30, 60)),
+            ..ImageSettings::default()
+        };
+        let made = |args: &CameraArgs| camera(args, Some(&file), image, &UNIT).expect("a camera");
         let as_it_is = made(&CameraArgs::default());
         assert_eq!(as_it_is.placement(), file.placement);
         assert_eq!(as_it_is.plane().frame_height(), 3.0);
@@ -305,5 +321,41 @@ mod tests {
         });
         assert_eq!(elsewhere.placement().target, DVec3::ZERO);
         assert!((elsewhere.plane().frame_height() - 1.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_scene_files_step_holds_for_its_own_size_and_view() {
+        let step = 0.1 / 3.0;
+        let file = |size: (u32, u32)| CameraFile {
+            placement: Placement {
+                eye: DVec3::new(0.0, 0.0, 8.0),
+                target: DVec3::ZERO,
+                up: DVec3::Y,
+            },
+            projection: Projection::Perspective,
+            frame: frame_to_fov(f64::from(size.1) * step, 8.0),
+        };
+        let image = ImageSettings {
+            size: Some((37, 29)),
+            step: Some(step),
+            ..ImageSettings::default()
+        };
+        let file = file((37, 29));
+        let made = |args: &CameraArgs| camera(args, Some(&file), image, &UNIT);
+        let as_it_is = made(&CameraArgs::default()).expect("a camera");
+        assert_eq!(as_it_is.plane().step, step);
+        let larger = made(&CameraArgs {
+            size: Some((74, 58)),
+            ..CameraArgs::default()
+        });
+        let larger = larger.expect("a camera").plane();
+        assert!((larger.step - step / 2.0).abs() < 1e-12);
+        // A step that the field of view does not have is a mistake, in whichever of the two.
+        let odd = ImageSettings {
+            step: Some(1.0),
+            ..image
+        };
+        let refused = camera(&CameraArgs::default(), Some(&file), odd, &UNIT);
+        assert!(refused.is_err_and(|failure| failure.to_string().contains("at odds")));
     }
 }

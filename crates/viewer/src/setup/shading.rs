@@ -32,8 +32,10 @@ pub fn paint(scene: &mut Scene, args: &ShadingArgs, reading: &ReadingArgs) -> Re
             texture = texture.wrapped(wrap);
         }
         let texture = Arc::new(texture);
+        let source = std::path::absolute(path).unwrap_or_else(|_| path.clone());
         for object in &mut scene.objects {
             object.texture = Some(Arc::clone(&texture));
+            object.texture_source = Some(source.clone());
         }
     }
     if let Some(rule) = &args.color {

@@ -41,6 +41,7 @@ use measure::Measuring;
 use motion::{Motion, Trail};
 use pick::{Pick, Pinned};
 use preferences::Preferences;
+use raycast_core::Cull;
 use raycast_core::camera::{
     Camera, FrameLock, Grid, ImagePlane, PlaneError, PlaneRequest, Projection,
 };
@@ -434,6 +435,8 @@ impl State {
                     Resolution::Window { .. } => None,
                 },
                 samples: self.samples,
+                cull: (self.settings.cull != Cull::default()).then_some(self.settings.cull),
+                ..ImageSettings::default()
             },
             shading: Some(self.settings.shading),
             clip: self.settings.clip,

@@ -14,6 +14,7 @@ use super::pick::Pinned;
 use super::plane;
 use super::viewpoint::{DEFAULT_FOV, Viewpoint};
 use super::{Pending, PromptKind, Replacing, Resolution, SAMPLES_LIMIT, State};
+use raycast_core::Cull;
 use raycast_core::camera::{Orbit, Projection};
 use raycast_core::formats::{CameraFile, LengthUnit};
 use raycast_core::picture::Recipe;
@@ -108,6 +109,8 @@ pub struct Loaded {
     pub samples: Option<u32>,
     /// The file's clipping planes.
     pub clip: ClippingPlanes,
+    /// Which faces rays pass through, as the file says.
+    pub cull: Option<Cull>,
     /// What could be read only in part, to be told.
     pub notes: Vec<String>,
     /// Files that could not be read at all, while others could.
@@ -123,6 +126,7 @@ impl Loaded {
             camera: None,
             samples: None,
             clip: ClippingPlanes::NONE,
+            cull: None,
             notes: Vec::new(),
             errors: Vec::new(),
         }
@@ -299,6 +303,7 @@ fn show(state: &mut State, loaded: Loaded) {
         camera,
         samples,
         clip,
+        cull,
         notes,
         errors,
     } = loaded;
@@ -345,6 +350,10 @@ fn show(state: &mut State, loaded: Loaded) {
         None => {}
     }
     state.settings.clip = clip;
+    state.settings.cull = match keep {
+        Keep::Nothing => cull.unwrap_or_default(),
+        _ => cull.unwrap_or(state.settings.cull),
+    };
     if keep == Keep::Nothing {
         state.resolution = Resolution::Window { density: 1.0 };
     }

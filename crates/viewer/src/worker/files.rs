@@ -579,9 +579,12 @@ mod tests {
     fn picture() -> Saving {
         let demo = demo::scene().expect("the demo scene");
         let accel = setup::tree(&demo.scene).expect("a tree");
-        let size = Some((16, 9));
+        let image = formats::ImageSettings {
+            size: Some((16, 9)),
+            ..formats::ImageSettings::default()
+        };
         let camera = demo.camera.as_ref();
-        let camera = setup::camera(&Default::default(), camera, size, &demo.scene.bounds());
+        let camera = setup::camera(&Default::default(), camera, image, &demo.scene.bounds());
         Saving {
             view: View {
                 scene: Arc::new(demo.scene),

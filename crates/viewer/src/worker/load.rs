@@ -253,6 +253,7 @@ impl Load<'_> {
             camera: file.camera,
             samples: file.image.samples,
             clip: file.clip,
+            cull: file.image.cull,
             notes,
             ..Loaded::new(document)
         })
