@@ -9,7 +9,9 @@ use crate::casters::instruction_sets;
 use crate::meshes::mesh;
 use crate::stage::{Stage, scene_of};
 use crate::wrong_answer::compare;
-use raycast_core::camera::{Camera, ImagePlane, Lattice, Placement, Projection, Ray, Rect};
+use raycast_core::camera::{
+    Camera, ImagePlane, Lattice, Panorama, Placement, Projection, Ray, Rect,
+};
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{ClippingPlane, ClippingPlanes};
 use raycast_core::{Accel, Cull, Detail, Precision, PrimitiveHit};
@@ -51,7 +53,7 @@ pub fn scenario(bytes: &[u8]) -> Option<Scenario> {
     let count = 1 + source.below(TRIANGLES);
     let triangles = (0..count).map(|_| [(); 3].map(|()| source.below(points.len()) as u32));
     let triangles: Vec<[u32; 3]> = triangles.collect();
-    let projection = [Projection::Perspective, Projection::Orthographic][source.below(2)];
+    let projection = source.projection();
     let cull = [Cull::None, Cull::Back][source.below(2)];
     let eye = source.place(&points, &triangles);
     let target = source.place(&points, &triangles);
@@ -198,6 +200,14 @@ impl Source<'_> {
 
     fn below(&mut self, end: usize) -> usize {
         usize::from(self.byte()) % end.max(1)
+    }
+
+    fn projection(&mut self) -> Projection {
+        let byte = usize::from(self.byte());
+        match byte {
+            0..160 => [Projection::Perspective, Projection::Orthographic][byte % 2],
+            _ => Projection::Panoramic(Panorama::ALL[byte % Panorama::ALL.len()].1),
+        }
     }
 
     fn bytes<const N: usize>(&mut self) -> [u8; N] {

@@ -1,14 +1,12 @@
 //! What holds of the picture of every scene that was read.
 
 use super::reading::is_message;
-use raycast_core::camera::{
-    Camera, ImagePlane, Orbit, Projection, Rect, fit_distance, fov_to_frame,
-};
+use raycast_core::Accel;
+use raycast_core::camera::{Camera, ImagePlane, Orbit, Projection, Rect, fit_distance};
 use raycast_core::formats::{CameraFile, SceneFile};
 use raycast_core::picture::Layers;
 use raycast_core::render::{Settings, Tile, View};
 use raycast_core::shade::Mode;
-use raycast_core::{Accel, Cull};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -43,6 +41,8 @@ pub fn is_seen_soundly(file: &SceneFile) -> Result<(), String> {
         settings: Settings {
             shading,
             samples: file.image.samples.unwrap_or(1).min(SAMPLES),
+            clip: file.clip,
+            cull: file.image.cull.unwrap_or_default(),
             layers: true,
             ..Settings::default()
         },
@@ -80,9 +80,10 @@ fn camera(file: &SceneFile) -> Option<Camera> {
         }
     });
     let placement = camera.placement;
+    let distance = (placement.target - placement.eye).length();
     let height = match camera.projection {
         Projection::Orthographic => camera.frame,
-        _ => fov_to_frame(camera.frame, (placement.target - placement.eye).length()),
+        other => other.frame(camera.frame, distance),
     };
     let plane = ImagePlane::new(columns, rows, height / f64::from(rows)).ok()?;
     Some(Camera::new(placement, camera.projection, plane))
@@ -127,7 +128,8 @@ fn shows_what_rays_meet(view: &View, tile: &Tile) -> Result<(), String> {
         let ray = view
             .camera
             .ray(f64::from(column) + 0.5, f64::from(row) + 0.5);
-        let hit = view.accel.cast(&ray, Cull::None);
+        let Settings { cull, clip, .. } = &view.settings;
+        let hit = view.accel.clipped(clip).cast(&ray, *cull);
         let met = hit.map_or((u32::MAX, u32::MAX), |hit| (hit.object, hit.triangle));
         if met != (object, triangle) {
             return Err(format!(
