@@ -119,7 +119,7 @@ fn mesh_tree(world: World<'_>, is_for_one_place: bool) -> Arc<MeshTree> {
     })
 }
 
-/// Builds over a scene, taking over what the tree before knows. `None` where `quick` is asked for, and it would not
+/// Builds over a scene, taking over the trees that the one before has. `None` where `quick` is asked for, and it would not
 /// be.
 ///
 /// The origin stays that of the tree before: moving an object moves no corner of another one.
@@ -309,7 +309,7 @@ fn trees<'m>(
 }
 
 /// The subtrees that the top-level tree is built over: the objects' roots, and where there is room for more than
-/// those the largest ones opened, so that objects that overlap can be told apart (Benthin, Woop, Wald, Áfra,
+/// those the largest ones opened, so that rays distinguish objects that overlap (Benthin, Woop, Wald, Áfra,
 /// "Improved Two-Level BVHs using Partial Re-Braiding", 2017).
 fn roots(all: &[Instance], most: usize) -> Vec<Root> {
     let roots = all.iter().filter_map(|instance| {
@@ -318,7 +318,7 @@ fn roots(all: &[Instance], most: usize) -> Vec<Root> {
     });
     let mut roots: BinaryHeap<SizedRoot<'_>> = roots.collect();
     let mut done = Vec::with_capacity(most);
-    // One object has nothing to be told apart from.
+    // One object overlaps no other.
     while all.len() > 1 && roots.len() + done.len() < most {
         let Some(largest) = roots.pop() else { break };
         match largest.opened() {

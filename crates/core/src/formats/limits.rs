@@ -5,7 +5,7 @@ use std::cell::Cell;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// How much reading may take, and what it does where files do not say. What a file claims is held against these before anything is
+/// How much reading may take, and what it does where files do not say. What a file claims is compared with these before anything is
 /// allocated for it, so that a small file cannot ask for all memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {

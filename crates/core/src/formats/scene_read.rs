@@ -100,7 +100,7 @@ fn unseen(path: &Path, scene: &Scene) -> Vec<String> {
             .corners()
             .map(|corner| world_from_object.transform_point3(corner));
         let placed = Bounds::around(corners);
-        // Of a box beyond the limit along an axis, or one that is a line, nothing can be met.
+        // Of a box beyond the limit along an axis, or one that is a line, nothing can be hit.
         let nearest = DVec3::ZERO.clamp(placed.min, placed.max);
         let is_far = nearest.abs().max_element() > COORDINATE_LIMIT;
         let [x, y, z] = world_from_object

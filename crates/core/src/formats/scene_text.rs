@@ -30,7 +30,7 @@ impl Reader<'_> {
         FormatError::unexpected(self.path, self.line(value), expected, found)
     }
 
-    /// A number that was held against its range.
+    /// A number that was compared with its range.
     pub(super) fn in_range<T, N>(
         &self,
         place: &Spanned<T>,

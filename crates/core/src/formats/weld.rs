@@ -12,7 +12,7 @@ pub(super) struct Vertices {
     /// (linear probing: Knuth, "The Art of Computer Programming", volume 3, 1973); [`EMPTY`] where
     /// there is none. A power of two of them.
     slots: Vec<u64>,
-    /// Vertices met lately, by their hashes' lower bits: most corners are at one of them, and a few
+    /// Recent vertices, by their hashes' lower bits: most corners are at one of them, and a few
     /// pages of memory are nearer than a table of many.
     recent: Vec<u32>,
     /// Drawn for each table, so that no file can be made whose corners all share a slot. What is

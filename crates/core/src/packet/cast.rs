@@ -188,12 +188,7 @@ pub(super) struct Find<'a, const INSTANCES: bool> {
 impl<const INSTANCES: bool> Work for Find<'_, INSTANCES> {
     #[inline(always)]
     fn run(mut self, lanes: impl Lanes) {
-        let whole = RayRect {
-            column: 0,
-            row: 0,
-            columns: self.lattice.columns,
-            rows: self.lattice.rows,
-        };
+        let whole = RayRect::all(self.lattice);
         let mut traversal =
             Traversal::<INSTANCES>::new(self.accel, self.clip, self.lattice, self.precision);
         let mut zbuffer = IntervalZBuffer::new();

@@ -105,12 +105,7 @@ impl Work for RecordTrace<'_> {
             cull,
             levels,
         } = self;
-        let whole = RayRect {
-            column: 0,
-            row: 0,
-            columns: lattice.columns,
-            rows: lattice.rows,
-        };
+        let whole = RayRect::all(lattice);
         let mut primitives = vec![MISS; lattice.len()];
         let clip = Clip::NONE;
         let mut find = Find::<true> {

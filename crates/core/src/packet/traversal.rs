@@ -64,6 +64,17 @@ pub(super) struct RayRect {
 }
 
 impl RayRect {
+    /// All rays of a lattice.
+    #[inline(always)]
+    pub(super) fn all(lattice: &Lattice) -> Self {
+        Self {
+            column: 0,
+            row: 0,
+            columns: lattice.columns,
+            rows: lattice.rows,
+        }
+    }
+
     /// Cuts it into rectangles of at most `side × side` rays.
     #[inline(always)]
     pub(super) fn split(self, side: u32) -> impl Iterator<Item = Self> {

@@ -56,7 +56,7 @@ impl Job {
 
     /// One sample a pixel of neighbouring tiles, into their picture; `sink` gets each tile's statistics.
     ///
-    /// Tiles side by side where nothing is met are filled as one, on the account of the last of them: a
+    /// Adjacent tiles without hits are filled as one, on the account of the last of them: a
     /// picture lies in memory far from the cores, and long rows get there twice as fast as short ones.
     pub(super) fn paint(
         view: &View,
@@ -422,7 +422,7 @@ impl<'a, 's> Work<'a, 's> {
         self.stats.rays += self.buffers.hits.len() as u64;
     }
 
-    /// Where the triangles found are met, as far as the picture asks for it.
+    /// t, u and v at the triangles found, as far as the picture needs them.
     fn evaluate(&mut self, lattice: &Lattice) {
         let begin = (self.clock)();
         let Settings {

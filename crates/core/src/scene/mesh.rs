@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use robust::{Coord, orient2d};
 use std::sync::OnceLock;
 
-/// How many triangles were dropped, by reason. They keep their numbers and are never met.
+/// How many triangles were dropped, by reason. They keep their numbers and are never hit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Dropped {
     /// A vertex that is not finite.

@@ -446,7 +446,7 @@ mod tests {
         ]
     }
 
-    /// Each edge is met once in each direction; those of the open shapes' rims once alone.
+    /// Each edge is used once in each direction; those of the open shapes' rims once alone.
     #[test]
     fn shapes_are_closed_and_face_outwards() {
         for shape in shapes() {

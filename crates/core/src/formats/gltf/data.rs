@@ -168,7 +168,7 @@ impl<'d> Data<'d> {
         Ok((bytes, view.byte_stride))
     }
 
-    /// An accessor, with every offset, stride and count held against what is there. `shapes` are
+    /// An accessor, with every offset, stride and count checked against what is there. `shapes` are
     /// those that are expected.
     pub(super) fn accessor(
         &self,

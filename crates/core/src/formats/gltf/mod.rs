@@ -1,6 +1,6 @@
 //! glTF 2.0, as JSON or as a GLB.
 //!
-//! Every number that names something, and every offset, stride and count, is held against what is there
+//! Every number that names something, and every offset, stride and count, is checked against what is there
 //! before it is used: accessors are read here, since libraries refuse `KHR_mesh_quantization`.
 
 mod data;

@@ -17,12 +17,7 @@ impl Work for FindAround<'_> {
     #[inline(always)]
     fn run(self, lanes: impl Lanes) {
         let Self(mut find) = self;
-        let whole = RayRect {
-            column: 0,
-            row: 0,
-            columns: find.lattice.columns,
-            rows: find.lattice.rows,
-        };
+        let whole = RayRect::all(find.lattice);
         let mut traversal =
             Traversal::<true>::new(find.accel, find.clip, find.lattice, find.precision);
         let mut zbuffer = IntervalZBuffer::new();
