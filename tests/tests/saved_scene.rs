@@ -117,6 +117,6 @@ fn a_saved_scene_is_no_file_that_is_read_or_written() {
     let own = told(&scene, &scene);
     assert!(own.contains("reads or writes that already"), "{own}");
     let name = told(&mesh, &folder.path().join("scene.txt"));
-    assert!(name.contains("ends in .raycast.toml"), "{name}");
+    assert!(name.contains("ends in .toml"), "{name}");
     assert!(!folder.path().join("a.png").exists());
 }

@@ -19,7 +19,7 @@ impl<'a> SavedScene<'a> {
     pub(super) fn at(path: &'a Path, inputs: &[&Path]) -> Result<Self, Failure> {
         if path.extension().is_none_or(|end| end != "toml") {
             return Err(Failure::usage(format!(
-                "{}: a scene file's name ends in .raycast.toml",
+                "{}: a scene file's name ends in .toml",
                 path.display()
             )));
         }

@@ -216,13 +216,13 @@ pub(super) fn drag(state: &mut State, to: (f64, f64), snaps: bool) -> Option<Eff
 /// Lets go: the whole drag is one step of undo.
 pub(super) fn release(state: &mut State) -> Option<Effect> {
     state.manipulating.is_held = false;
-    let drag = state.manipulating.drag.take()?;
     let after = state.snapshot()?;
+    let drag = state.manipulating.drag.take()?;
     if !drag.before.is(&after) {
         let (now, name) = (state.now, drag.tool.name());
         state.history.record(name, None, (drag.before, &after), now);
     }
-    state.selected.map(Effect::Weigh)
+    Some(Effect::Weigh(drag.object))
 }
 
 /// Gives the drag up: the object is back where it was.
@@ -309,6 +309,10 @@ impl Drag {
                 math::pow(2.0, (way / self.length).clamp(-16.0, 16.0))
             }
         };
+        // The hand took hold of the middle, or of what is seen from its edge.
+        if !factor.is_finite() {
+            return None;
+        }
         let factor = match self.snaps {
             true => ((factor / SNAP_FACTOR).round() * SNAP_FACTOR).max(SNAP_FACTOR),
             false => factor.max(LEAST_FACTOR),

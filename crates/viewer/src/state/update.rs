@@ -19,12 +19,13 @@ pub use super::names::suggested_name;
 pub fn update(state: &mut State, command: Command) -> Option<Effect> {
     let edit = command.edit();
     let is_step = edit.is_some() || matches!(command, Command::Undo | Command::Redo);
-    if is_step && state.manipulating.drag.is_some() {
-        // A drag is one step of its own.
-        manipulator::release(state);
-    }
+    // A drag is one step of its own.
+    let released = match is_step && state.manipulating.drag.is_some() {
+        true => manipulator::release(state),
+        false => None,
+    };
     let Some((name, goes_on)) = edit else {
-        return carry_out(state, command);
+        return carry_out(state, command).or(released);
     };
     let kind: Option<history::Kind> =
         goes_on.then(|| (std::mem::discriminant(&command), command.object()));
@@ -36,7 +37,7 @@ pub fn update(state: &mut State, command: Command) -> Option<Effect> {
     {
         state.history.record(name, kind, (before, &after), now);
     }
-    effect
+    effect.or(released)
 }
 
 fn carry_out(state: &mut State, command: Command) -> Option<Effect> {

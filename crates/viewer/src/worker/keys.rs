@@ -5,12 +5,18 @@ use std::io::{ErrorKind, Read};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// The most bytes that are read: all commands with ten keys each take a tenth of it.
-const MOST_BYTES: u64 = 1 << 20;
+/// The most bytes that are read: all commands with ten keys each take half of it. The window parses them between two
+/// frames, and finds the line of each fault.
+const MOST_BYTES: u64 = 1 << 16;
 
 /// What the file says; `None` where there is none. Bytes that are no text become signs that the reader refuses.
 pub(super) fn read(path: &Path) -> Result<Option<String>, String> {
     let name = path.display();
+    // A pipe would be waited for.
+    let is_other = std::fs::metadata(path).is_ok_and(|at| !at.is_file());
+    if is_other {
+        return Err(format!("{name}: expected a file"));
+    }
     let file = match std::fs::File::open(path) {
         Ok(file) => file,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
@@ -28,7 +34,7 @@ pub(super) fn read(path: &Path) -> Result<Option<String>, String> {
 
 /// Writes a file that has this text, unless there is one.
 pub(super) fn write(path: &Path, text: &str) -> Result<(), String> {
-    if path.exists() {
+    if path.symlink_metadata().is_ok() {
         return Ok(());
     }
     if let Some(folder) = path.parent() {

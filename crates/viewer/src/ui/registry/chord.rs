@@ -106,7 +106,8 @@ impl Chord {
     pub fn read(text: &str) -> Result<Self, String> {
         // What stands behind the last plus; a plus itself stands behind none, or behind another.
         let (held, name) = match text.strip_suffix('+') {
-            Some(held) => (held, "+"),
+            Some(held) if held.is_empty() || held.ends_with(['+', '⌘']) => (held, "+"),
+            Some(_) => return Err("expected a key behind the last plus".to_owned()),
             None => text.rsplit_once('+').unwrap_or(("", text)),
         };
         let mut chord = plain(Key::Escape);
@@ -159,7 +160,8 @@ impl Chord {
     /// Whether it means the same while a person types: it is no letter, and not what fields for text use
     /// themselves.
     pub(super) fn works_while_typing(&self) -> bool {
-        let is_function = matches!(self.key, Key::F1 | Key::F5);
+        let number = self.key.name().strip_prefix('F');
+        let is_function = number.is_some_and(|number| number.parse::<u8>().is_ok());
         is_function || (self.ctrl && matches!(self.key, Key::O | Key::S | Key::P | Key::E | Key::Q))
     }
 }

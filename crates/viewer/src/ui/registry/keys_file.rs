@@ -182,10 +182,18 @@ impl Reading<'_> {
             let what = format!("there is no command {}: is it {near}?", quoted(id));
             return self.fault(at, what);
         };
+        if let Some(first) = self.entries.iter().find(|other| other.action.id == id) {
+            let what = format!("{id} stands in line {} already", first.line);
+            return self.fault(at, what);
+        }
         if let Some(keys) = self.chords(value, at) {
             let line = self.line(at);
+            let is_taken_away = keys.is_empty();
             let keys = self.free(keys, at, action);
-            self.entries.push(Entry { line, action, keys });
+            // A command all of whose keys are others' keeps its usual ones.
+            if is_taken_away || !keys.is_empty() {
+                self.entries.push(Entry { line, action, keys });
+            }
         }
     }
 
@@ -328,6 +336,25 @@ mod tests {
             has(keymap, "object.duplicate", Key::D, Modifiers::COMMAND),
             "as it was"
         );
+    }
+
+    #[test]
+    fn a_command_is_given_keys_once_and_keeps_its_own_where_all_are_others() {
+        let file = read(
+            "version = 1\n[keys]\nview.fit = \"K\"\n\"view.fit\" = \"J\"\nlook.wireframe = \"K\"\n",
+        );
+        assert_eq!(
+            file.faults,
+            [
+                "keys.toml:4: view.fit stands in line 3 already",
+                "keys.toml:5: K of look.wireframe is that of view.fit in line 3 already",
+            ]
+        );
+        let keymap = &file.keymap;
+        assert!(has(keymap, "view.fit", Key::K, Modifiers::NONE));
+        assert!(has(keymap, "look.wireframe", Key::W, Modifiers::NONE));
+        assert!(Chord::read("Ctrl+").is_err());
+        assert!(Chord::read("F7").is_ok_and(|chord| chord.works_while_typing()));
     }
 
     #[test]
