@@ -42,6 +42,9 @@ pub enum OutOfRange {
     /// A share of texture in a surface's colour.
     #[error("expected a blend from 0 to 1, found {0}")]
     Blend(f32),
+    /// An angle between neighbouring triangles.
+    #[error("expected a crease angle from 0 to 180 degrees, found {0}")]
+    Crease(f32),
     /// The ends of a color scale.
     #[error("expected a low end below a high one, found {0} and {1}")]
     ColorRange(f64, f64),
@@ -81,6 +84,15 @@ pub fn fov(degrees: f64) -> Result<f64, OutOfRange> {
 pub fn blend(share: f32) -> Result<f32, OutOfRange> {
     let fits = (0.0..=1.0).contains(&share);
     fits.then_some(share).ok_or(OutOfRange::Blend(share))
+}
+
+/// A crease angle in degrees, 0 to 180.
+///
+/// # Errors
+/// Any other number.
+pub fn crease(degrees: f32) -> Result<f32, OutOfRange> {
+    let fits = (0.0..=180.0).contains(&degrees);
+    fits.then_some(degrees).ok_or(OutOfRange::Crease(degrees))
 }
 
 /// The numbers at the ends of a color scale: finite, the first below the second, a finite distance apart.

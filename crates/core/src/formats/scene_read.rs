@@ -341,6 +341,14 @@ impl Reader<'_> {
             projection: file
                 .texture_projection
                 .map_or(defaults.projection, Into::into),
+            crease: match &file.crease {
+                Some(crease) => self.in_range(crease, ranges::crease(*crease.get_ref()))?,
+                None => defaults.crease,
+            },
+            lights: file.lights.map_or(defaults.lights, Into::into),
+            plain_color: file
+                .plain_color
+                .map_or(defaults.plain_color, |color| color.0),
             scale: self.scale(file)?,
         }))
     }

@@ -88,7 +88,7 @@ fn reads_everything() {
         blend: 0.7,
         filter: Filter::Nearest,
         projection: TextureProjection::Triplanar,
-        scale: None,
+        ..Shading::default()
     };
     assert_eq!(file.shading, Some(shading));
     let [moon, planet, plain] = &file.scene.objects[..] else {

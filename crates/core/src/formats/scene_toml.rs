@@ -3,7 +3,7 @@
 use crate::camera::{Curve, Ease, Projection};
 use crate::hit::{Cull, Precision};
 use crate::scene::{Color, ColorMap, ColorRule, Shape, TextureProjection, UpAxis, Wrap};
-use crate::shade::{Filter, Mode};
+use crate::shade::{Filter, LightSet, Mode};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 use toml::Spanned;
 
@@ -146,6 +146,13 @@ pub(super) struct ShadingToml {
     pub(super) filter: Option<FilterToml>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) texture_projection: Option<TextureProjectionToml>,
+    /// Below which angle, in degrees, edges are smooth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) crease: Option<Spanned<f32>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) lights: Option<LightSetToml>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) plain_color: Option<ColorToml>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) color_map: Option<ColorMapToml>,
     /// The numbers at the map's ends.
@@ -416,13 +423,14 @@ macro_rules! words {
 }
 
 words!(ModeToml for Mode {
-    Color, Flat, Smooth, Normals, Depth, Barycentric, Uv, Texture, Wireframe
+    Color, Flat, Smooth, Material, Normals, Depth, Barycentric, Uv, Texture, Wireframe
 });
 words!(CullToml for Cull { None, Back });
 words!(PrecisionToml for Precision { Fast, Exact });
 words!(CurveToml for Curve { Linear, CatmullRom });
 words!(EaseToml for Ease { None, Smooth });
 words!(UpAxisToml for UpAxis { Y, Z });
+words!(LightSetToml for LightSet { Soft, Headlight, ThreePoint });
 words!(FilterToml for Filter { Nearest, Bilinear, Trilinear, Ewa });
 words!(ColorMapToml for ColorMap { Viridis, Magma, Turbo, Cividis, Diverging });
 words!(TextureProjectionToml for TextureProjection {

@@ -122,6 +122,7 @@ fn clip_table(plane: &ClippingPlane) -> Spanned<ClipToml> {
 }
 
 fn shading_table(shading: &Shading) -> ShadingToml {
+    let usual = Shading::default();
     ShadingToml {
         mode: Some(shading.mode.into()),
         wireframe: Some(shading.wireframe.is_some()),
@@ -130,6 +131,11 @@ fn shading_table(shading: &Shading) -> ShadingToml {
         blend: Some(spanned(shading.blend)),
         filter: Some(shading.filter.into()),
         texture_projection: Some(shading.projection.into()),
+        // Files that use none of these stay readable for programs that do not know them.
+        crease: (shading.crease != usual.crease).then(|| spanned(shading.crease)),
+        lights: (shading.lights != usual.lights).then(|| shading.lights.into()),
+        plain_color: (shading.plain_color != usual.plain_color)
+            .then_some(ColorToml(shading.plain_color)),
         color_map: shading.scale.map(|scale| scale.map.into()),
         color_range: shading.scale.and_then(|scale| scale.range).map(spanned),
         legend: shading.scale.filter(|scale| scale.legend).map(|_| true),

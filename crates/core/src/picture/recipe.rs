@@ -104,6 +104,7 @@ pub(super) mod tests {
                     range: Some([-1.5, 1e300]),
                     legend: true,
                 }),
+                ..Shading::default()
             },
         }
     }
@@ -134,6 +135,25 @@ pub(super) mod tests {
             ..recipe
         };
         assert_eq!(plain.to_string().parse::<Recipe>().expect("reads"), plain);
+    }
+
+    #[test]
+    fn lights_and_edges_have_lines_where_they_are_not_the_usual() {
+        let recipe = Recipe {
+            shading: Shading::studio(),
+            ..sample_recipe(40, 30)
+        };
+        let text = recipe.to_string();
+        let lines = "\ncrease = 4e1\nlights = \"three-point\"\nplain-color = \"#c8bfb2\"\ndigest";
+        assert!(text.contains(lines), "{text}");
+        assert_eq!(text.parse::<Recipe>().expect("reads"), recipe);
+        for (line, bad) in [
+            ("4e1", "x"),
+            ("three-point", "disco"),
+            ("#c8bfb2", "#c8bfb"),
+        ] {
+            assert!(text.replace(line, bad).parse::<Recipe>().is_err(), "{bad}");
+        }
     }
 
     #[test]

@@ -5,7 +5,7 @@ use crate::camera::{Camera, ImagePlane, Placement, Projection};
 use crate::digest::Digest;
 use crate::hit::{Cull, Precision};
 use crate::scene::{ClippingPlane, ClippingPlanes, Color, ColorMap, ColorScale};
-use crate::shade::{Background, Filter, Mode, Shading, TextureProjection, Wireframe};
+use crate::shade::{Background, Filter, LightSet, Mode, Shading, TextureProjection, Wireframe};
 use glam::DVec3;
 use std::fmt::{self, LowerExp};
 use std::str::FromStr;
@@ -38,8 +38,12 @@ impl Recipe {
             blend,
             filter,
             projection,
+            crease,
+            lights,
+            plain_color,
             scale,
         } = shading;
+        let usual = Shading::default();
         let lines = match wireframe {
             None => "\"none\"".to_owned(),
             Some(Wireframe { width, color }) => format!("[{}, \"{color}\"]", float(width)),
@@ -57,6 +61,15 @@ impl Recipe {
             .collect();
         // What few pictures have has a line where they do.
         let mut more = String::new();
+        if *crease != usual.crease {
+            more += &format!("crease = {}\n", float(crease));
+        }
+        if *lights != usual.lights {
+            more += &format!("lights = \"{}\"\n", lights_word(*lights));
+        }
+        if *plain_color != usual.plain_color {
+            more += &format!("plain-color = \"{plain_color}\"\n");
+        }
         if let Some(scale) = scale {
             more += &format!("color-scale = {}\n", scale_text(scale));
         }
@@ -138,6 +151,23 @@ fn read(text: &str) -> Result<Recipe, String> {
     let blend = lines.one("blend", "a number")?;
     let filter = lines.word("filter", filter_of)?;
     let texture_projection = lines.word("texture-projection", texture_projection_of)?;
+    let usual = Shading::default();
+    let crease = match lines.optional("crease") {
+        None => usual.crease,
+        Some(value) => value.parse().map_err(|_| lines.wrong("a number", value))?,
+    };
+    let lights = match lines.optional("lights") {
+        None => usual.lights,
+        Some(value) => unquoted(value)
+            .and_then(lights_of)
+            .ok_or_else(|| lines.wrong("lights that this program knows", value))?,
+    };
+    let plain_color = match lines.optional("plain-color") {
+        None => usual.plain_color,
+        Some(value) => unquoted(value)
+            .and_then(|color| color.parse().ok())
+            .ok_or_else(|| lines.wrong("a colour", value))?,
+    };
     let scale = lines.scale()?;
     let digest: Digest = lines.quoted("digest")?.parse()?;
     let plane = ImagePlane::new(columns, rows, step).map_err(|error| error.to_string())?;
@@ -155,6 +185,9 @@ fn read(text: &str) -> Result<Recipe, String> {
             blend,
             filter,
             projection: texture_projection,
+            crease,
+            lights,
+            plain_color,
             scale,
         },
     };
@@ -359,12 +392,18 @@ words!(mode_word, mode_of: Mode {
     Color = "color",
     Flat = "flat",
     Smooth = "smooth",
+    Material = "material",
     Normals = "normals",
     Depth = "depth",
     Barycentric = "barycentric",
     Uv = "uv",
     Texture = "texture",
     Wireframe = "wireframe",
+});
+words!(lights_word, lights_of: LightSet {
+    Soft = "soft",
+    Headlight = "headlight",
+    ThreePoint = "three-point",
 });
 words!(filter_word, filter_of: Filter {
     Nearest = "nearest",

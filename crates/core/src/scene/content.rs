@@ -1,6 +1,6 @@
 use super::{
-    Attribute, Color, ColorRule, Material, Mesh, Object, Projector, Quantity, Scalar, ScalarAt,
-    Scene, Texture, TextureMapping, TextureProjection, Transform, Wrap,
+    Attribute, Color, ColorRule, Material, Mesh, Object, Projector, Quantity, Reflectance, Scalar,
+    ScalarAt, Scene, Texture, TextureMapping, TextureProjection, Transform, Wrap,
 };
 use crate::digest::{Digest, Digester};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
@@ -136,6 +136,7 @@ fn add_mesh(hash: &mut Digester, mesh: &Mesh) {
             color: _,
             texture,
             by_vertex,
+            reflectance,
         } = material;
         if *by_vertex || texture.is_some() {
             hash.number(MORE);
@@ -145,6 +146,31 @@ fn add_mesh(hash: &mut Digester, mesh: &Mesh) {
                 None => hash.number(0),
                 Some(texture) => add_texture(hash, texture),
             }
+        }
+        if let Some(reflectance) = reflectance {
+            hash.number(MORE);
+            hash.number(number as u64);
+            add_reflectance(hash, reflectance);
+        }
+    }
+}
+
+fn add_reflectance(hash: &mut Digester, reflectance: &Reflectance) {
+    let Reflectance {
+        metallic,
+        roughness,
+        texture,
+        emission: [r, g, b],
+        emission_texture,
+        is_unlit,
+    } = reflectance;
+    let numbers = [metallic, roughness, r, g, b].map(|number| f64::from(*number));
+    hash.doubles(numbers);
+    hash.number((*is_unlit).into());
+    for texture in [texture, emission_texture] {
+        match texture {
+            None => hash.number(0),
+            Some(texture) => add_texture(hash, texture),
         }
     }
 }
@@ -273,6 +299,13 @@ mod tests {
         Texture::new(1, 2, vec![[texel; 4], [0; 4]]).map(Arc::new)
     }
 
+    fn rough(roughness: f32) -> Option<Arc<Reflectance>> {
+        Some(Arc::new(Reflectance {
+            roughness,
+            ..Reflectance::default()
+        }))
+    }
+
     fn wrapped(wrap: Wrap) -> Option<Arc<Texture>> {
         let texture = texture(1).map(Arc::unwrap_or_clone)?;
         Some(Arc::new(texture.wrapped([Wrap::Repeat, wrap])))
@@ -281,7 +314,7 @@ mod tests {
     #[test]
     fn all_that_decides_a_picture_counts() {
         let mut digests = vec![scene(data(), |_| ()).content(), Scene::default().content()];
-        let changes: [fn(&mut MeshData); 15] = [
+        let changes: [fn(&mut MeshData); 18] = [
             |data| data.colors[0] = Some(Color([7, 8, 10])),
             |data| data.colors.swap(0, 1),
             |data| data.positions[1].x = 1f64.next_up() as f32 as f64 + 1e-7,
@@ -295,6 +328,9 @@ mod tests {
             |data| data.materials[1].color = Color([4, 5, 7]),
             |data| data.material_of_triangle = vec![1, 0],
             |data| data.materials[0].by_vertex = true,
+            |data| data.materials[0].reflectance = Some(Arc::default()),
+            |data| data.materials[1].reflectance = Some(Arc::default()),
+            |data| data.materials[0].reflectance = rough(0.25),
             |data| data.materials[0].texture = texture(1),
             |data| data.materials[1].texture = texture(1),
         ];

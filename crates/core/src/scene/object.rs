@@ -69,6 +69,21 @@ impl Object {
         texture.map(|texture| &**texture)
     }
 
+    /// The number of a triangle's material in its mesh, where that says how it reflects light: where the object shows
+    /// the file's own colours.
+    pub(crate) fn reflecting_material(&self, triangle: u32) -> Option<u32> {
+        let of_triangle = self.mesh.material_of_triangle().get(triangle as usize);
+        let number = *of_triangle.filter(|_| self.color.is_file())?;
+        let material = self.mesh.materials().get(number as usize)?;
+        material.reflectance.is_some().then_some(number)
+    }
+
+    /// Whether the image on a triangle is multiplied by the colours of its corners: where both are its material's.
+    pub(crate) fn is_tinted(&self, triangle: u32) -> bool {
+        let is_own = self.texture.is_none() && self.color.is_file();
+        is_own && (self.mesh.material(triangle)).is_some_and(|material| material.by_vertex)
+    }
+
     /// Whether any triangle may have an image.
     pub fn has_texture(&self) -> bool {
         let mut materials = self.mesh.materials().iter();
@@ -189,6 +204,26 @@ impl Scene {
             .iter()
             .map(|object| object.mesh.triangles().len())
             .sum()
+    }
+
+    /// Bytes that it takes at most, while they are worked out, to give the meshes without normals those of a crease
+    /// angle; a mesh that several objects have is counted once.
+    pub fn crease_bytes(&self) -> u64 {
+        // A triangle's corners by place, their normals, and both again in parts; a vertex' place, sorted.
+        const TRIANGLE: u64 = 24 + 12 + 36 + 12 + 36;
+        const VERTEX: u64 = 16 + 4 + 8 + 8;
+        let bytes = |mesh: &Mesh| match mesh.has_normals() {
+            true => 0,
+            false => {
+                let (triangles, vertices) = (mesh.triangles().len(), mesh.positions().len());
+                TRIANGLE * triangles as u64 + VERTEX * vertices as u64
+            }
+        };
+        let meshes = self.objects.iter().map(|object| &object.mesh);
+        let distinct: BTreeMap<_, _> = meshes
+            .map(|mesh| (Arc::as_ptr(mesh), bytes(mesh)))
+            .collect();
+        distinct.values().sum()
     }
 
     /// Bytes that the smaller versions of its textures take once a filter needs them; a texture that several

@@ -20,6 +20,8 @@ pub(super) struct Needs {
     pub(super) texture: bool,
     /// Texture coordinates themselves.
     pub(super) uvs: bool,
+    /// How its material reflects light.
+    pub(super) reflectance: bool,
     /// Lines.
     pub(super) edges: bool,
 }
@@ -42,8 +44,12 @@ pub(super) struct Facet {
     pub(super) to_eye: Vec3,
     /// How its texture lies on it.
     pub(super) texture: Option<Mapping>,
+    /// Whether the texture is multiplied by the triangle's own colours.
+    pub(super) is_tinted: bool,
     /// Texture coordinates at the corners.
     pub(super) uvs: Option<[Vec2; 3]>,
+    /// Its material's number in its mesh, where that says how it reflects light.
+    pub(super) material: Option<u32>,
     pub(super) edges: Option<EdgeLines>,
 }
 
@@ -82,7 +88,9 @@ impl Facet {
         varied: Varied::No,
         to_eye: Vec3::ZERO,
         texture: None,
+        is_tinted: false,
         uvs: None,
+        material: None,
         edges: None,
     };
 

@@ -10,6 +10,9 @@ pub enum Mode {
     /// Lit, with the mesh's own normals between corners; as [`Mode::Flat`] where there are none.
     #[default]
     Smooth,
+    /// Lit, as metals and dielectrics of their file's roughness are, with light of their own, over normals as
+    /// [`Mode::Smooth`] has.
+    Material,
     /// Directions of the surface as colours: x red, y green, z blue.
     Normals,
     /// Distance: near is light, far is dark.
@@ -25,11 +28,17 @@ pub enum Mode {
 }
 
 impl Mode {
+    /// Whether it shows normals between corners.
+    pub(crate) fn shows_normals(self) -> bool {
+        matches!(self, Self::Smooth | Self::Material | Self::Normals)
+    }
+
     /// Each of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Color,
         Self::Flat,
         Self::Smooth,
+        Self::Material,
         Self::Normals,
         Self::Depth,
         Self::Barycentric,
@@ -105,6 +114,20 @@ impl Default for Background {
     }
 }
 
+/// The lights of lit modes. They stand still to the camera, so that whatever one looks at is lit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightSet {
+    /// A key light up and to the left, whose shadow side is soft, a fill from all around, lighter from above, and a faint
+    /// rim where surfaces turn away.
+    #[default]
+    Soft,
+    /// One light at the eye, where a mesh's faults show best: brightness tells the angle between surface and view.
+    Headlight,
+    /// A warm key light up and to the left, a cool fill light from the right, a rim light from behind and above, and a
+    /// little light from all around: a photographer's.
+    ThreePoint,
+}
+
 /// All that decides a picture's colours, besides the scene and the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shading {
@@ -120,6 +143,14 @@ pub struct Shading {
     pub filter: Filter,
     /// How surfaces find their place in textures, where their object does not say it.
     pub projection: TextureProjection,
+    /// Below which angle between two triangles, in degrees, the edge that they share is smooth, in meshes without
+    /// normals; zero leaves every triangle flat. It is for light and for [`Mode::Normals`]; a picture's layers keep
+    /// the file's normals.
+    pub crease: f32,
+    /// Where light comes from.
+    pub lights: LightSet,
+    /// The colour of triangles to which neither their file nor a rule gives one.
+    pub plain_color: Color,
     /// How numbers become colours: those of [`ColorRule::Value`](crate::scene::ColorRule::Value), which have
     /// the default scale where this is `None`, and distances in [`Mode::Depth`], which are then greys over the
     /// scene's box. Fitted, depth is over what is seen.
@@ -135,7 +166,28 @@ impl Default for Shading {
             blend: 1.0,
             filter: Filter::default(),
             projection: TextureProjection::default(),
+            crease: 0.0,
+            lights: LightSet::default(),
+            plain_color: Color::DEFAULT,
             scale: None,
+        }
+    }
+}
+
+impl Shading {
+    /// Whether meshes without normals get those of the crease angle.
+    pub fn is_creased(&self) -> bool {
+        self.crease > 0.0 && self.mode.shows_normals()
+    }
+
+    /// What windows begin with, where the files say nothing: edges of up to 40° smooth, three lights, and a
+    /// warm grey.
+    pub fn studio() -> Self {
+        Self {
+            crease: 40.0,
+            lights: LightSet::ThreePoint,
+            plain_color: Color([0xc8, 0xbf, 0xb2]),
+            ..Self::default()
         }
     }
 }

@@ -9,6 +9,7 @@
 //! A sample is on the outline where one a pixel to its left or right, above or below, is not of the same section: one of
 //! another plane, of another object, or none. What lies beyond the picture's border counts as the same.
 
+use super::LightSet;
 use super::light::Lights;
 use super::{Mode, srgb};
 use crate::bvh::Accel;
@@ -83,9 +84,9 @@ impl<'a> Section<'a> {
         let is_shown = cull == Cull::None
             && matches!(
                 mode,
-                Mode::Color | Mode::Flat | Mode::Smooth | Mode::Texture
+                Mode::Color | Mode::Flat | Mode::Smooth | Mode::Material | Mode::Texture
             );
-        let lights = Lights::new(&camera);
+        let lights = Lights::new(&camera, LightSet::Soft);
         let eye = camera.placement().eye;
         let (base, to_eye) = (srgb::linear(SECTION), -camera.forward().as_vec3());
         let planes = clip.enabled().filter(|_| is_shown).map(|given| {

@@ -4,6 +4,7 @@ use super::legend::Legend;
 use super::light::Lights;
 use super::own_color::{OwnColors, Placed, distance_range};
 use super::ramp::{Ramp, Span};
+use super::reflection::{self, Surface};
 use super::section::Section;
 use super::slopes::slopes;
 use super::smooth::{self, Facets, Row, Vectors};
@@ -15,8 +16,9 @@ use crate::camera::{Camera, Projection, Rect};
 use crate::hit::{Cull, Detail, MISS, PrimitiveHit};
 use crate::num::simd::Lanes;
 use crate::num::simd::Simd;
-use crate::scene::{ClippingPlanes, ColorScale, Object, Scene, Texture};
+use crate::scene::{Attribute, ClippingPlanes, ColorScale, Object, Reflectance, Scene, Texture};
 use glam::{DAffine3, DMat3, DVec3, Mat3, Vec2, Vec3};
+use std::sync::Arc;
 
 /// Gives hits their colours: everything about a picture that does not change from pixel to pixel,
 /// worked out once.
@@ -35,6 +37,8 @@ pub struct Shader<'a> {
     /// adds.
     to_eye: [Vec3; 3],
     lights: Lights,
+    /// For each object without normals, those that its crease angle gives it; empty where no pixel needs them.
+    creased: Vec<Option<Arc<Attribute<Vec3>>>>,
     /// For each object, world-space normals from its own; `None` for one that is squashed flat.
     world_normals: Vec<Option<Mat3>>,
     own_colors: OwnColors,
@@ -126,7 +130,8 @@ impl<'a> Shader<'a> {
             needs,
             eye: camera.placement().eye - accel.origin(),
             to_eye: to_eye(&camera),
-            lights: Lights::new(&camera),
+            lights: Lights::new(&camera, shading.lights),
+            creased: creased(scene, &shading),
             world_normals: world_normals(scene),
             own_colors,
             texturing: Texturing::new(scene, shading, needs.texture),
@@ -248,10 +253,12 @@ impl<'a> Shader<'a> {
         let mesh = &self.scene.objects[object as usize].mesh;
         let needs = Needs {
             normal: true,
-            smooth: mesh.has_normals(),
             ..Needs::default()
         };
-        let facet = self.facet(hit.primitive, needs);
+        let mut facet = self.facet(hit.primitive, needs);
+        if mesh.has_normals() {
+            facet.normals = self.normals_in_world(object, mesh.corner_normals(triangle));
+        }
         let uv = mesh
             .corner_uvs(triangle)
             .map_or(Vec2::ZERO, |uvs| blend(uvs, hit.u, hit.v));
@@ -397,9 +404,13 @@ impl<'a> Shader<'a> {
         }
         if needs.texture {
             facet.triangle = triangle;
+            facet.is_tinted = object.is_tinted(triangle);
             facet.texture = object
                 .texture_on(triangle)
                 .and_then(|_| self.texturing.mapping(number, object, triangle));
+        }
+        if needs.reflectance {
+            facet.material = object.reflecting_material(triangle);
         }
         if needs.uvs {
             facet.uvs = object.mesh.corner_uvs(triangle);
@@ -464,11 +475,19 @@ impl<'a> Shader<'a> {
         opaque(color * light)
     }
 
-    /// The mesh's own normals at a triangle's corners, in world space.
+    /// The normals between which light is worked out, at a triangle's corners, in world space.
     fn smooth_normals(&self, number: u32, object: &Object, triangle: u32) -> Option<[Vec3; 3]> {
+        let normals = match self.creased.get(number as usize) {
+            Some(Some(creased)) => creased.corners(triangle, [u32::MAX; 3]),
+            _ => object.mesh.corner_normals(triangle),
+        };
+        self.normals_in_world(number, normals)
+    }
+
+    /// An object's normals in world space.
+    fn normals_in_world(&self, number: u32, normals: Option<[Vec3; 3]>) -> Option<[Vec3; 3]> {
         let world_from_object = self.world_normals.get(number as usize).copied().flatten()?;
-        let normals = object.mesh.corner_normals(triangle)?;
-        Some(normals.map(|normal| (world_from_object * normal).normalize_or_zero()))
+        Some(normals?.map(|normal| (world_from_object * normal).normalize_or_zero()))
     }
 
     /// The colour of a sample on a triangle: linear light, alpha not multiplied in.
@@ -501,6 +520,7 @@ impl<'a> Shader<'a> {
                 let light = self.lights.on(facet.normal_at(hit.u, hit.v), to_eye);
                 opaque(self.surface_color(facet, || (x, y), hit) * light)
             }
+            Mode::Material => opaque(self.reflected(facet, (x, y), hit)),
             Mode::Normals => display(facet.normal_at(hit.u, hit.v) * 0.5 + 0.5),
             Mode::Depth => opaque(self.depth.at(hit.t, self.tables)),
             Mode::Barycentric => display(Vec3::new(1.0 - hit.u - hit.v, hit.u, hit.v)),
@@ -511,6 +531,36 @@ impl<'a> Shader<'a> {
             }
             Mode::Wireframe => self.backdrop(y),
         }
+    }
+
+    /// What a material sends back, and its own light.
+    fn reflected(&self, facet: &Facet, (x, y): (f64, f64), hit: &PrimitiveHit) -> Vec3 {
+        let base = self.surface_color(facet, || (x, y), hit);
+        let material = facet.material.and_then(|number| {
+            let materials = self.scene.objects[facet.object as usize].mesh.materials();
+            materials.get(number as usize)?.reflectance.as_deref()
+        });
+        let (factors, emission) = match material {
+            None => {
+                let Reflectance {
+                    metallic,
+                    roughness,
+                    ..
+                } = Reflectance::default();
+                ([metallic, roughness], Vec3::ZERO)
+            }
+            Some(material) if material.is_unlit => return base,
+            Some(material) => self.texturing.reflectance(material, facet.uvs, hit),
+        };
+        let [metallic, roughness] = factors;
+        let surface = Surface {
+            base,
+            metallic,
+            roughness,
+        };
+        let to_eye = self.to_eye_at(x, y);
+        let normal = facet.normal_at(hit.u, hit.v);
+        reflection::reflected(&self.lights, surface, normal, to_eye) + emission
     }
 
     /// The unit vector from a sample to the eye.
@@ -556,7 +606,13 @@ impl<'a> Shader<'a> {
             self.texturing.sampled(texture, mapping, hit)
         };
         let blend = self.shading.blend;
-        color * (1.0 - a * blend) + Vec3::new(r, g, b) * blend
+        let texel = Vec3::new(r, g, b);
+        let texel = if facet.is_tinted {
+            texel * color
+        } else {
+            texel
+        };
+        color * (1.0 - a * blend) + texel * blend
     }
 
     /// The texture's colour over what the sample at a place sees of it.
@@ -579,25 +635,50 @@ impl<'a> Shader<'a> {
 fn is_colored(mode: Mode) -> bool {
     matches!(
         mode,
-        Mode::Color | Mode::Flat | Mode::Smooth | Mode::Texture
+        Mode::Color | Mode::Flat | Mode::Smooth | Mode::Material | Mode::Texture
     )
 }
 
 /// What a picture's mode asks of triangles.
 fn needs(scene: &Scene, shading: &Shading, own_colors: &OwnColors) -> Needs {
     let colored = is_colored(shading.mode);
-    let has_normals = || scene.objects.iter().any(|object| object.mesh.has_normals());
+    let has_normals = || {
+        let mut objects = scene.objects.iter();
+        shading.is_creased() || objects.any(|object| object.mesh.has_normals())
+    };
+    let reflects = shading.mode == Mode::Material;
+    let has_images = || {
+        let mut objects = scene.objects.iter();
+        objects.any(|object| {
+            let mut materials = object.mesh.materials().iter();
+            let has_images = |known: &Arc<Reflectance>| known.has_textures();
+            materials.any(|material| material.reflectance.as_ref().is_some_and(has_images))
+        })
+    };
     let has_texture = || scene.objects.iter().any(Object::has_texture);
     Needs {
-        normal: matches!(shading.mode, Mode::Flat | Mode::Smooth | Mode::Normals),
+        normal: shading.mode == Mode::Flat || shading.mode.shows_normals(),
         middle: shading.mode == Mode::Flat,
-        smooth: matches!(shading.mode, Mode::Smooth | Mode::Normals) && has_normals(),
+        smooth: shading.mode.shows_normals() && has_normals(),
         color: colored,
         varied: colored && own_colors.vary,
         texture: colored && shading.mode != Mode::Color && shading.blend > 0.0 && has_texture(),
-        uvs: shading.mode == Mode::Uv,
+        uvs: shading.mode == Mode::Uv || reflects && has_images(),
+        reflectance: reflects,
         edges: shading.wireframe.is_some() || shading.mode == Mode::Wireframe,
     }
+}
+
+/// For each object without normals, those of the crease angle; nothing where the mode or the angle asks for none.
+fn creased(scene: &Scene, shading: &Shading) -> Vec<Option<Arc<Attribute<Vec3>>>> {
+    if !shading.is_creased() {
+        return Vec::new();
+    }
+    let normals = |object: &Object| {
+        let has_none = object.visible && !object.mesh.has_normals();
+        has_none.then(|| object.mesh.creased(shading.crease))
+    };
+    scene.objects.iter().map(normals).collect()
 }
 
 /// For each object, world-space normals from its own: the inverse transpose.

@@ -4,10 +4,12 @@
 //!
 //! Lines along edges are left out: a hit under lines has no known colour.
 
+mod crease;
 mod light;
 mod normal;
 mod own_color;
 mod range;
+mod reflection;
 mod section;
 mod srgb;
 mod texture;
@@ -16,17 +18,19 @@ pub(crate) use range::Single;
 
 use crate::stage::Stage;
 use crate::wrong_answer::{GRAZING, T_BOUND, UV_BOUND, WrongAnswer, ulp};
+use crease::Creased;
 use light::Lights;
 use normal::ToWorld;
 use own_color::Numbers;
-use range::{Double, Vector, exactly, minus, plus};
+use range::{Double, Vector, exactly, exactly_single, minus, plus};
 use raycast_core::Cull;
 use raycast_core::camera::{Camera, Projection, Rect};
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{Object, Wrap};
+use raycast_core::scene::{ColorRule, Object, Reflectance, Texture, Wrap};
 use raycast_core::shade::{Background, Filter, Legend, Mode, Shading, TextureProjection};
 use raycast_oracle::Truth;
 use rayon::prelude::*;
+use std::sync::Arc;
 use texture::Repeat;
 
 /// sRGB grey at the near and the far end of the depth mode.
@@ -39,6 +43,8 @@ pub(crate) struct Expected<'a> {
     camera: Camera,
     shading: Shading,
     lights: Lights,
+    /// For each object without normals, those of the crease angle, where light goes by them.
+    creased: Vec<Option<Creased<'a>>>,
     /// For each object, what takes its mesh's normals to the world.
     to_world: Vec<Option<ToWorld>>,
     /// For each object with a texture, how that lies on it where it has no place of its own.
@@ -96,7 +102,8 @@ impl<'a> Expected<'a> {
             stage,
             camera,
             shading,
-            lights: Lights::new(&camera),
+            lights: Lights::new(&camera, shading.lights),
+            creased: creased(stage, &shading),
             to_world,
             repeats: stage.scene.objects.iter().map(repeat).collect(),
             depth,
@@ -156,11 +163,13 @@ impl<'a> Expected<'a> {
             }
             Mode::Smooth => {
                 let to_eye = light::to_eye(&self.camera, x, y);
-                lit(self.lights.on(self.normal(&hit), to_eye))
+                lit(self.lights.on(self.shown_normal(&hit), to_eye))
             }
+            Mode::Material => self.reflected(&hit, (x, y)),
             Mode::Normals => {
                 let half = number(0.5);
-                self.normal(&hit).map(|n| srgb::displayed(n * half + half))
+                self.shown_normal(&hit)
+                    .map(|n| srgb::displayed(n * half + half))
             }
             Mode::Depth => match (self.depth_map, self.shading.scale) {
                 (Some(range), _) => self.numbers.color(hit.t.to(), range),
@@ -226,9 +235,26 @@ impl<'a> Expected<'a> {
             Some(normals) => {
                 let to_world = self.to_world.get(hit.number as usize);
                 let to_world = to_world.and_then(Option::as_ref);
+                let normals = normals.map(exactly_single);
                 normal::smooth(normals, to_world, hit.weights, flat)
             }
         }
+    }
+
+    /// The normal that light goes by: [`Expected::normal`], or that of the crease angle.
+    fn shown_normal(&self, hit: &Hit<'_>) -> Vector<24> {
+        let Some(Some(creased)) = self.creased.get(hit.number as usize) else {
+            return self.normal(hit);
+        };
+        let flat = normal::flat(&self.camera, hit.corners);
+        let to_world = self.to_world.get(hit.number as usize);
+        let normals = creased.corner_normals(hit.triangle);
+        normal::smooth(
+            normals,
+            to_world.and_then(Option::as_ref),
+            hit.weights,
+            flat,
+        )
     }
 
     /// The object's colour at a hit, by its rule.
@@ -282,9 +308,72 @@ impl<'a> Expected<'a> {
             let [_, u, v] = hit.weights;
             texture::sample(texture, texture::place(uvs, u, v), filter)
         };
+        // What a file's material has of both is one colour: the image times that of the vertices.
+        let of_material = hit
+            .object
+            .texture
+            .is_none()
+            .then(|| mesh.material(hit.triangle));
+        let is_tinted = of_material
+            .flatten()
+            .is_some_and(|material| material.by_vertex);
+        let [r, g, b] = match is_tinted {
+            true => std::array::from_fn(|i| [r, g, b][i] * color[i]),
+            false => [r, g, b],
+        };
         let blend = Single::exactly(self.shading.blend.into());
         let rest = Single::exactly(1.0) - a * blend;
         plus(color.map(|c| c * rest), [r, g, b].map(|c| c * blend))
+    }
+
+    /// What a material sends back, and its own light.
+    fn reflected(&self, hit: &Hit<'_>, (x, y): (f64, f64)) -> Vector<24> {
+        let base = self.surface_color(hit);
+        let mesh = &hit.object.mesh;
+        let by_file = matches!(hit.object.color, ColorRule::File);
+        let material = mesh.material(hit.triangle).filter(|_| by_file);
+        let usual = Reflectance::default();
+        let known = material.and_then(|material| material.reflectance.as_deref());
+        let known = known.unwrap_or(&usual);
+        if known.is_unlit {
+            return base;
+        }
+        let filter = match self.shading.filter {
+            Filter::Nearest => Filter::Nearest,
+            _ => Filter::Bilinear,
+        };
+        let place = mesh.corner_uvs(hit.triangle).map(|uvs| {
+            let [_, u, v] = hit.weights;
+            texture::place(uvs, u, v)
+        });
+        let one = Single::exactly(1.0);
+        let number = |factor: f32| Single::exactly(factor.into());
+        // Images that are wrapped in other ways, or see-through, are not worked out a second time.
+        let is_plain = |texture: &Texture| {
+            texture.wrap() == [Wrap::Repeat; 2] && texture.texels().iter().all(|t| t[3] == 255)
+        };
+        let read = |texture: &Option<Arc<Texture>>, of: fn(u8) -> Single| -> Vector<24> {
+            match (texture, place) {
+                (Some(texture), Some(place)) if is_plain(texture) => {
+                    let [r, g, b, a] = texture::sample_of(texture, place, filter, of);
+                    [r, g, b].map(|channel| channel / a)
+                }
+                (Some(_), Some(_)) => [Single::UNKNOWN; 3],
+                _ => [one; 3],
+            }
+        };
+        let share = |byte: u8| Single::exactly(f64::from(byte) / 255.0).rounded();
+        let [_, rough, metal] = read(&known.texture, share);
+        let glow = read(&known.emission_texture, srgb::light_of);
+        let shares = [
+            number(known.metallic) * metal,
+            number(known.roughness) * rough,
+        ];
+        let shares = shares.map(|share| share.max(0.0).min(1.0));
+        let normal = self.shown_normal(hit);
+        let to_eye = light::to_eye(&self.camera, x, y);
+        let light = reflection::reflected(&self.lights, base, shares, normal, to_eye);
+        std::array::from_fn(|i| light[i] + number(known.emission[i]) * glow[i])
     }
 
     /// Near is light, far is dark.
@@ -294,6 +383,19 @@ impl<'a> Expected<'a> {
         let [near, far] = [NEAR_GREY, FAR_GREY].map(|grey| Single::exactly(grey).rounded());
         near + (far - near) * share
     }
+}
+
+/// For each object without normals, those of the crease angle; nothing where the mode shows none.
+fn creased<'a>(stage: &'a Stage, shading: &Shading) -> Vec<Option<Creased<'a>>> {
+    if !shading.is_creased() {
+        return Vec::new();
+    }
+    let objects = stage.scene.objects.iter();
+    let normals = objects.map(|object| {
+        let has_none = object.visible && !object.mesh.has_normals();
+        has_none.then(|| Creased::new(&object.mesh, shading.crease))
+    });
+    normals.collect()
 }
 
 /// Where the depth mode's greys begin, and one over how far they reach: over the scene's box; zero where they

@@ -1,7 +1,7 @@
 use super::{SceneColor, TextureProjectionArgs, WireframeArg, values};
 use clap::Args;
 use raycast_core::scene::{Color, ColorMap, Crop, Wrap};
-use raycast_core::shade::{Background, Filter, Mode};
+use raycast_core::shade::{Background, Filter, LightSet, Mode};
 use std::path::PathBuf;
 
 /// In which colours a picture is made.
@@ -50,6 +50,16 @@ pub struct ShadingArgs {
     /// or one a triangle where it has none]
     #[arg(long, value_name = "COLOR", value_parser = values::scene_color)]
     pub color: Option<SceneColor>,
+    /// The colour of triangles to which neither their file nor `--color` gives one [default: #c8ccd2]
+    #[arg(long, value_name = "COLOR")]
+    pub plain_color: Option<Color>,
+    /// Smooth the edges of meshes without normals, where two triangles are at most so many degrees apart; 0 leaves every
+    /// triangle flat [default: 0]
+    #[arg(long, value_name = "DEGREES", value_parser = values::crease)]
+    pub crease: Option<f32>,
+    /// Where light comes from; it moves with the camera [default: soft]
+    #[arg(long, value_name = "KIND", value_parser = values::named(values::LIGHTS))]
+    pub lights: Option<LightSet>,
     /// The colours of numbers, from low to high; with it, or either of the next two, `--mode depth` is in these
     /// colours instead of greys, over the distances seen [default: viridis]
     #[arg(long, value_name = "MAP", value_parser = values::named(values::COLOR_MAPS))]

@@ -7,7 +7,7 @@ use raycast_core::glam::{DVec2, DVec3};
 use raycast_core::ranges;
 use raycast_core::render::Precision;
 use raycast_core::scene::{Color, ColorMap, ColorRule, Crop, TextureProjection, UpAxis, Wrap};
-use raycast_core::shade::{Background, Filter, Mode};
+use raycast_core::shade::{Background, Filter, LightSet, Mode};
 use std::str::FromStr;
 
 /// `--orbit`: degrees, and scene units where they were given.
@@ -55,6 +55,7 @@ pub(super) const MODES: Names<Mode> = &[
     ("color", Mode::Color),
     ("flat", Mode::Flat),
     ("smooth", Mode::Smooth),
+    ("material", Mode::Material),
     ("normals", Mode::Normals),
     ("depth", Mode::Depth),
     ("barycentric", Mode::Barycentric),
@@ -70,6 +71,12 @@ pub(super) const TEXTURE_PROJECTIONS: Names<TextureProjection> = &[
     ("plane", TextureProjection::Plane),
     ("sphere", TextureProjection::Sphere),
     ("cylinder", TextureProjection::Cylinder),
+];
+
+pub(super) const LIGHTS: Names<LightSet> = &[
+    ("soft", LightSet::Soft),
+    ("headlight", LightSet::Headlight),
+    ("three-point", LightSet::ThreePoint),
 ];
 
 pub(super) const FILTERS: Names<Filter> = &[
@@ -227,6 +234,11 @@ pub(super) fn line_width(text: &str) -> Result<f32, String> {
 /// Reads a share.
 pub(super) fn blend(text: &str) -> Result<f32, String> {
     ranges::blend(number(text)?).map_err(|error| error.to_string())
+}
+
+/// Reads a crease angle in degrees.
+pub(super) fn crease(text: &str) -> Result<f32, String> {
+    ranges::crease(number(text)?).map_err(|error| error.to_string())
 }
 
 /// Reads a part of an image.

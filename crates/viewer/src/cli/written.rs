@@ -3,7 +3,8 @@
 use super::clip;
 use super::shell::quoted;
 use super::values::{
-    self, COLOR_MAPS, CULLS, FILTERS, MODES, Names, PRECISIONS, PROJECTIONS, TEXTURE_PROJECTIONS,
+    self, COLOR_MAPS, CULLS, FILTERS, LIGHTS, MODES, Names, PRECISIONS, PROJECTIONS,
+    TEXTURE_PROJECTIONS,
 };
 use raycast_core::camera::{Placement, Projection, frame_to_fov};
 use raycast_core::formats::{CameraFile, Limits};
@@ -52,6 +53,9 @@ pub fn render_command(
     );
     option("--blend", shading.blend.to_string());
     option("--filter", word(FILTERS, shading.filter));
+    option("--crease", shading.crease.to_string());
+    option("--lights", word(LIGHTS, shading.lights));
+    option("--plain-color", shading.plain_color.to_string());
     if !has_own_projection(&view.scene) {
         let projection = word(TEXTURE_PROJECTIONS, shading.projection);
         option("--texture-projection", projection);

@@ -282,7 +282,11 @@ pub(super) fn open(
         true => scene.level_bytes(),
         false => 0,
     };
-    memory::check_scene(&name, setup::stored_triangles(&scene), levels)?;
+    let normals = match settings.shading.is_creased() {
+        true => scene.crease_bytes(),
+        false => 0,
+    };
+    memory::check_scene(&name, setup::stored_triangles(&scene), levels + normals)?;
     let accel = pool.install(|| setup::visible_tree(&name, &scene))?;
     let build_time = building.elapsed();
     let bounds = setup::bounds(&scene, &accel);

@@ -9,6 +9,7 @@ mod health;
 mod help;
 mod highlight;
 mod legend;
+mod light;
 mod look;
 mod manipulator;
 mod marks;

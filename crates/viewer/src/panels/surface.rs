@@ -1,7 +1,7 @@
 //! How rays meet surfaces, and how textures lie on them: what is seldom changed.
 
-use super::Commands;
 use super::widgets::{choice, row, section, select};
+use super::{Commands, light};
 use crate::state::State;
 use crate::state::command::Command;
 use egui::Ui;
@@ -22,6 +22,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
             ];
             out.extend(choice(ui, state.settings.cull, &options).map(Command::SetCull));
         });
+        light::rows(ui, state, out);
         let document = state.document.as_ref();
         if document.is_some_and(|d| d.scene.objects.iter().any(Object::has_texture)) {
             texture(ui, state, out);

@@ -123,6 +123,9 @@ pub fn shading(args: &ShadingArgs, file: Option<Shading>) -> Shading {
         blend: args.blend.unwrap_or(base.blend),
         filter: args.filter.unwrap_or(base.filter),
         projection: args.projection.kind.unwrap_or(base.projection),
+        crease: args.crease.unwrap_or(base.crease),
+        lights: args.lights.unwrap_or(base.lights),
+        plain_color: args.plain_color.unwrap_or(base.plain_color),
         scale: scale(args, base.scale),
     }
 }

@@ -13,7 +13,7 @@ use raycast_core::camera::{FrameLock, Grid, Projection};
 use raycast_core::formats::LengthUnit;
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{ClippingPlane, Color, ColorRule, ColorScale, Transform};
-use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
+use raycast_core::shade::{Background, Filter, LightSet, Mode, TextureProjection};
 use std::path::PathBuf;
 
 /// One wish. Places are in the picture's pixels, from its top left corner.
@@ -147,6 +147,12 @@ pub enum Command {
     SetCull(Cull),
     /// What lies behind everything.
     SetBackground(Background),
+    /// Below which angle between triangles edges are smooth, in degrees.
+    SetCrease(f32),
+    /// Where light comes from.
+    SetLights(LightSet),
+    /// The colour of what has none.
+    SetPlainColor(Color),
     /// How numbers become colours; `None` for the usual way, and depth in greys.
     SetColorScale(Option<ColorScale>),
     /// How an object's triangles get their colours; all objects' for `None`.
@@ -350,6 +356,9 @@ impl Command {
             Self::SetTextureProjection(_) => ("Change of mapping", false),
             Self::SetCull(_) => ("Change of faces", false),
             Self::SetBackground(_) => ("Change of background", true),
+            Self::SetCrease(_) => ("Change of crease angle", true),
+            Self::SetLights(_) => ("Change of lights", false),
+            Self::SetPlainColor(_) => ("Change of plain color", true),
             Self::SetColorScale(_) => ("Change of color scale", true),
             Self::SetColorRule(..) => ("Change of color", true),
             Self::RemoveTexture(None) => ("Remove textures", false),

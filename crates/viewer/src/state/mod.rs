@@ -49,7 +49,7 @@ use raycast_core::formats::{ImageSettings, Limits, SceneFile};
 use raycast_core::glam::DVec3;
 use raycast_core::render::{Settings, View};
 use raycast_core::scene::Bounds;
-use raycast_core::shade::Legend;
+use raycast_core::shade::{Legend, Shading};
 use std::sync::Arc;
 use std::time::Duration;
 use turn::Turning;
@@ -192,6 +192,14 @@ pub struct State {
     pub preferences: Preferences,
 }
 
+/// The settings of pictures whose files say none.
+fn first_settings() -> Settings {
+    Settings {
+        shading: Shading::studio(),
+        ..Settings::default()
+    }
+}
+
 impl Default for State {
     fn default() -> Self {
         Self {
@@ -199,7 +207,7 @@ impl Default for State {
             document: None,
             resolution: Resolution::Window { density: 1.0 },
             samples: None,
-            settings: Settings::default(),
+            settings: first_settings(),
             history: History::default(),
             viewpoint: Viewpoint::default(),
             home: Viewpoint::default(),

@@ -13,12 +13,11 @@ use super::objects;
 use super::pick::Pinned;
 use super::plane;
 use super::viewpoint::{DEFAULT_FOV, Viewpoint};
-use super::{Pending, PromptKind, Replacing, Resolution, SAMPLES_LIMIT, State};
+use super::{Pending, PromptKind, Replacing, Resolution, SAMPLES_LIMIT, State, first_settings};
 use raycast_core::Cull;
 use raycast_core::camera::{Orbit, Projection};
 use raycast_core::formats::{CameraFile, LengthUnit};
 use raycast_core::picture::Recipe;
-use raycast_core::render::Settings;
 use raycast_core::scene::{ClippingPlanes, Object, Scene, Texture};
 use raycast_core::shade::Mode;
 use std::collections::HashSet;
@@ -346,7 +345,7 @@ fn show(state: &mut State, loaded: Loaded) {
     };
     match shading {
         Some(shading) => state.settings.shading = shading,
-        None if keep == Keep::Nothing => state.settings = Settings::default(),
+        None if keep == Keep::Nothing => state.settings = first_settings(),
         None => {}
     }
     state.settings.clip = clip;

@@ -119,6 +119,11 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             }
             shading.mode = mode;
         }
+        Command::SetCrease(degrees) => {
+            state.settings.shading.crease = degrees.clamp(0.0, 180.0);
+        }
+        Command::SetLights(lights) => state.settings.shading.lights = lights,
+        Command::SetPlainColor(color) => state.settings.shading.plain_color = color,
         Command::SetColorScale(scale) => state.settings.shading.scale = scale,
         Command::SetWireframe(on) => {
             state.settings.shading.wireframe = on.then(Wireframe::default);

@@ -6,11 +6,15 @@ use crate::formats::error::FormatError;
 use crate::formats::texture;
 use crate::math;
 use crate::quote;
-use crate::scene::{Color, Material, Texture, Wrap};
+use crate::scene::{Color, Material, Reflectance, Texture, Wrap};
 use crate::shade::srgb;
 use glam::{DVec2, Vec2};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
+
+/// The brightest light of its own that a material has: far beyond any picture, and far from the end of single
+/// precision.
+const BRIGHTEST: f64 = 1e30;
 
 /// White, opaque.
 const WHITE: [f64; 4] = [1.0; 4];
@@ -21,6 +25,8 @@ pub(super) struct Base<'d> {
     /// Linear light.
     pub(super) factor: [f64; 4],
     pub(super) texture: Option<&'d TextureInfo>,
+    /// The image that decides which of a mesh's coordinates count: that of the base colour, else another.
+    pub(super) placed: Option<&'d TextureInfo>,
 }
 
 /// The materials of one file, and what was made of their images.
@@ -54,15 +60,73 @@ impl<'m, 'd> Materials<'m, 'd> {
         let material = self.data.one(list, index, place, "materials")?;
         let other = material.extensions.specular_glossiness.as_ref();
         let pbr = &material.pbr_metallic_roughness;
-        Ok(match other {
-            Some(other) => Base {
-                factor: other.diffuse_factor.unwrap_or(WHITE),
-                texture: other.diffuse_texture.as_ref(),
-            },
-            None => Base {
-                factor: pbr.base_color_factor.unwrap_or(WHITE),
-                texture: pbr.base_color_texture.as_ref(),
-            },
+        let (factor, texture, rough) = match other {
+            Some(other) => (other.diffuse_factor, other.diffuse_texture.as_ref(), None),
+            None => (
+                pbr.base_color_factor,
+                pbr.base_color_texture.as_ref(),
+                pbr.metallic_roughness_texture.as_ref(),
+            ),
+        };
+        Ok(Base {
+            factor: factor.unwrap_or(WHITE),
+            texture,
+            placed: texture.or(rough).or(material.emissive_texture.as_ref()),
+        })
+    }
+
+    /// How a material reflects light, and its own light; images that lie by other coordinates than `base` says are
+    /// left out, and told.
+    fn reflectance(
+        &mut self,
+        json: &'d MaterialJson,
+        base: Base<'d>,
+        has_coordinates: bool,
+        place: &str,
+    ) -> Result<Reflectance, FormatError> {
+        let mut image = |info: &'d Option<TextureInfo>, what| {
+            let Some(info) = info.as_ref() else {
+                return Ok(None);
+            };
+            let fits = |placed: &TextureInfo| {
+                Coordinates::set(placed) == Coordinates::set(info)
+                    && Coordinates::of(placed) == Coordinates::of(info)
+            };
+            if !has_coordinates || !base.placed.is_some_and(fits) {
+                *self.unused.entry(what).or_default() += 1;
+                return Ok(None);
+            }
+            self.texture(info, WHITE, place)
+        };
+        let pbr = &json.pbr_metallic_roughness;
+        let other = json.extensions.specular_glossiness.as_ref();
+        let texture = match other {
+            Some(_) => None,
+            None => image(
+                &pbr.metallic_roughness_texture,
+                "images of metal and roughness by other coordinates than of colour",
+            )?,
+        };
+        let emission_texture = image(
+            &json.emissive_texture,
+            "images of emission by other coordinates than of colour",
+        )?;
+        let share = |factor: Option<f64>| factor.unwrap_or(1.0).clamp(0.0, 1.0) as f32;
+        let (metallic, roughness) = match other {
+            Some(other) => (0.0, 1.0 - share(other.glossiness_factor)),
+            None => (share(pbr.metallic_factor), share(pbr.roughness_factor)),
+        };
+        let strength = json.extensions.emissive_strength.as_ref();
+        let strength = strength.and_then(|strength| strength.emissive_strength);
+        let emission = json.emissive_factor.unwrap_or_default();
+        Ok(Reflectance {
+            metallic,
+            roughness,
+            texture,
+            emission: emission
+                .map(|light| (light * strength.unwrap_or(1.0)).clamp(0.0, BRIGHTEST) as f32),
+            emission_texture,
+            is_unlit: json.extensions.unlit.is_some(),
         })
     }
 
@@ -75,18 +139,20 @@ impl<'m, 'd> Materials<'m, 'd> {
     ) -> Result<Material, FormatError> {
         let place = format!("materials[{index}]");
         let base = self.base(index, &place)?;
-        let json = self
-            .data
-            .one(&self.data.root.materials, index, &place, "materials")?;
+        let data = self.data;
+        let list: &'d [MaterialJson] = &data.root.materials;
+        let json = data.one(list, index, &place, "materials")?;
         self.tell(index, json);
         let texture = match base.texture {
             Some(info) if has_coordinates => self.texture(info, base.factor, &place)?,
             _ => None,
         };
+        let reflectance = self.reflectance(json, base, has_coordinates, &place)?;
         let name = json.name.clone();
         Ok(Material {
             texture,
             by_vertex,
+            reflectance: Some(Arc::new(reflectance)),
             ..Material::new(
                 name.unwrap_or_else(|| format!("material {index}")),
                 color(base.factor),
@@ -102,20 +168,16 @@ impl<'m, 'd> Materials<'m, 'd> {
         if std::mem::replace(is_told, true) {
             return;
         }
-        let emits = material.emissive_texture.is_some()
-            || material
-                .emissive_factor
-                .is_some_and(|factor| factor != [0.0; 3]);
         let is_see_through = material
             .alpha_mode
             .as_deref()
             .is_some_and(|mode| mode != "OPAQUE");
-        let metal = &material.pbr_metallic_roughness.metallic_roughness_texture;
+        let other = material.extensions.specular_glossiness.as_ref();
+        let gloss = other.and_then(|other| other.specular_glossiness_texture.as_ref());
         let parts = [
-            (metal.is_some(), "images of metal and roughness"),
+            (gloss.is_some(), "images of specular colour and gloss"),
             (material.normal_texture.is_some(), "images of normals"),
             (material.occlusion_texture.is_some(), "images of occlusion"),
-            (emits, "light of their own"),
             (is_see_through, "opacity"),
         ];
         for (_, part) in parts.iter().filter(|(has, _)| *has) {

@@ -101,7 +101,7 @@ impl Builder<'_, '_, '_> {
             None => None,
         };
         let named = |name: &str| primitive.attributes.get(name).copied();
-        let coordinates = base.and_then(|base| base.texture).map_or_else(
+        let coordinates = base.and_then(|base| base.placed).map_or_else(
             // Without a texture they are there to be shown themselves.
             || named("TEXCOORD_0").map(|uvs| (uvs, Coordinates::PLAIN)),
             |info| {
@@ -184,7 +184,9 @@ impl Builder<'_, '_, '_> {
     ) -> Result<(u32, u32), FormatError> {
         let data = self.data;
         let found = data.accessor(positions, place, &["VEC3"])?;
-        let [r, g, b, _] = base.map_or([1.0; 4], |base| base.factor);
+        // An image has the factor already, and is multiplied by the colours of vertices.
+        let untextured = base.filter(|base| base.texture.is_none() || uvs.is_none());
+        let [r, g, b, _] = untextured.map_or([1.0; 4], |base| base.factor);
         let key = Key {
             positions,
             normals,

@@ -39,8 +39,10 @@ const KNOWN: [&str; 6] = [
 ];
 
 /// Extensions of which all is shown that there is.
-const READ: [&str; 3] = [
+const READ: [&str; 5] = [
+    "KHR_materials_emissive_strength",
     "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_unlit",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 ];

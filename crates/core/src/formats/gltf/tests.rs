@@ -301,6 +301,47 @@ fn nodes_are_objects_depth_first_and_share_their_meshes() {
     );
 }
 
+/// Two triangles with coordinates, of the materials given.
+fn reflecting(materials: &str) -> (Arc<Mesh>, Vec<String>) {
+    let uvs = [0f32, 0., 1., 0., 1., 1., 0., 0.25];
+    let more: Vec<u8> = uvs.iter().flat_map(|x| x.to_le_bytes()).collect();
+    let accessors = r#", {"bufferView": 2, "componentType": 5126, "count": 4, "type": "VEC2"}"#;
+    let rest = format!(
+        r#""nodes": [{{"mesh": 0}}], "meshes": [{{"primitives": [
+  {{"attributes": {{"POSITION": 0, "TEXCOORD_0": 2}}, "material": 0}},
+  {{"attributes": {{"POSITION": 0, "TEXCOORD_0": 2}}, "material": 1}}]}}],
+"materials": [{materials}],
+"extensionsUsed": ["KHR_materials_unlit", "KHR_materials_emissive_strength", "KHR_materials_clearcoat"],
+"textures": [{{"source": 0}}], "images": [{{"uri": "t.ppm"}}]"#
+    );
+    let file = gltf(&more, accessors, &rest);
+    (Arc::clone(&read(&file).scene.objects[0].mesh), notes(&file))
+}
+
+#[test]
+fn materials_say_how_they_reflect_light_and_what_is_not_shown_is_counted() {
+    let (mesh, notes) = reflecting(
+        r#"{"pbrMetallicRoughness": {"metallicFactor": 0.25, "roughnessFactor": 7,
+    "metallicRoughnessTexture": {"index": 0}}, "normalTexture": {"index": 0}, "occlusionTexture": {"index": 0},
+   "emissiveFactor": [1, 0.5, 0], "emissiveTexture": {"index": 0, "texCoord": 1},
+   "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}, "KHR_materials_clearcoat": {}}},
+  {"extensions": {"KHR_materials_unlit": {}}}"#,
+    );
+    let known = |number: usize| {
+        let known = mesh.materials()[number].reflectance.clone();
+        known.expect("a reflectance")
+    };
+    let first = known(0);
+    assert_eq!((first.metallic, first.roughness), (0.25, 1.0));
+    assert_eq!(first.emission, [4.0, 2.0, 0.0]);
+    assert!(first.texture.is_some() && first.emission_texture.is_none());
+    assert!(!first.is_unlit && known(1).is_unlit);
+    assert_eq!((known(1).metallic, known(1).roughness), (1.0, 1.0));
+    let told = "not used: images of emission by other coordinates than of colour (1 materials), images of normals \
+                (1 materials), images of occlusion (1 materials), \"KHR_materials_clearcoat\"";
+    assert_eq!(notes[1], told);
+}
+
 #[test]
 fn colours_are_those_of_factors_vertices_and_images() {
     let mut more: Vec<u8> = vec![
@@ -355,8 +396,16 @@ fn colours_are_those_of_factors_vertices_and_images() {
         file.warnings,
         ["a.gltf: corners behind the last whole triangle, which are passed over: 4"]
     );
-    let told = "not used: light of their own (1 materials), opacity (1 materials), \"X_y\"";
+    let told = "not used: opacity (1 materials), \"X_y\"";
     assert_eq!(notes(&gltf(&more, accessors, rest))[1], told);
+    let emission = |triangle| {
+        let material = object.mesh.material(triangle).expect("a material");
+        material.reflectance.as_ref().map(|known| known.emission)
+    };
+    assert_eq!(
+        (emission(0), emission(2)),
+        (Some([0.0; 3]), Some([1.0, 0.0, 0.0]))
+    );
     // An image that cannot be read is told, and the rest is shown.
     let file = read(&gltf(&more, accessors, &rest.replace("t.ppm", "none.png")));
     assert!(file.scene.objects[0].texture_on(2).is_none());

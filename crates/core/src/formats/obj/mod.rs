@@ -13,7 +13,7 @@ use crate::quote::{self, quote};
 use crate::scene::{Attribute, MeshData};
 use content::{NONE, ObjText, Oddities};
 use glam::Vec3;
-use mtl::MtlMaterial;
+use mtl::{MtlMaterial, Unused};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -23,6 +23,8 @@ pub(super) struct Obj {
     pub(super) mesh: MeshData,
     /// The one image that the materials of all its faces name.
     pub(super) texture: Option<PathBuf>,
+    /// What its material libraries have and is not shown.
+    pub(super) notes: Vec<String>,
     /// What was not as it should be, and did not matter enough to stop.
     pub(super) warnings: Vec<String>,
 }
@@ -49,7 +51,8 @@ pub(super) fn read(
     let mut warnings = Vec::new();
     warnings.extend(loose_vertices(path, &text)?);
     warnings.extend(odd_lines(path, &text.oddities));
-    let (materials, texture) = materials(path, &text, files, &mut warnings);
+    let mut unused = Unused::new();
+    let (materials, texture) = materials(path, &text, files, &mut warnings, &mut unused);
     let material_of_triangle = if materials.is_empty() {
         Vec::new()
     } else {
@@ -95,12 +98,23 @@ pub(super) fn read(
     Ok(Obj {
         mesh,
         texture,
+        notes: notes(&unused),
         warnings,
     })
 }
 
 /// The materials of a file's libraries, each with the library that has it.
 type Materials = Vec<(MtlMaterial, PathBuf)>;
+
+/// A line about what is not shown, if anything is not.
+fn notes(unused: &Unused) -> Vec<String> {
+    let of = |(word, count): (&String, &usize)| format!("{} ({count} materials)", quote(word));
+    let words: Vec<String> = unused.iter().map(of).collect();
+    match words.is_empty() {
+        true => Vec::new(),
+        false => vec![format!("not used: {}", words.join(", "))],
+    }
+}
 
 /// The number of each name. Of materials with one name the last one counts.
 fn number_of(materials: &Materials) -> HashMap<&str, u32> {
@@ -183,10 +197,11 @@ fn materials(
     text: &ObjText,
     files: &dyn Files,
     warnings: &mut Vec<String>,
+    unused: &mut Unused,
 ) -> (Materials, Option<PathBuf>) {
     let mut materials = Materials::new();
     for (library, bytes) in libraries(path, &text.libraries, files, warnings) {
-        let read = mtl::read(&library, &bytes, warnings);
+        let read = mtl::read(&library, &bytes, warnings, unused);
         materials.extend(read.into_iter().map(|material| (material, library.clone())));
     }
     let numbers = number_of(&materials);

@@ -233,14 +233,22 @@ impl<'p, 's> Object<'p, 's> {
         };
         tables.materials.extend(used.iter().map(|material| {
             let [r, g, b] = linear(material.color).to_array();
-            json!({
+            let mut written = json!({
                 "name": material.name,
                 "pbrMetallicRoughness": {
                     "baseColorFactor": [r, g, b, 1.0],
                     "metallicFactor": 0.0,
                 },
                 "doubleSided": true,
-            })
+            });
+            if let Some(known) = &material.reflectance {
+                let pbr = &mut written["pbrMetallicRoughness"];
+                pbr["metallicFactor"] = known.metallic.into();
+                pbr["roughnessFactor"] = known.roughness.into();
+                // More would be an extension's.
+                written["emissiveFactor"] = json!(known.emission.map(|light| light.min(1.0)));
+            }
+            written
         }));
         let triangles = self.joined.triangles.len();
         let view = tables.view(12 * triangles as u64, ELEMENT_ARRAY_BUFFER);
