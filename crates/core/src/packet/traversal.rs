@@ -54,6 +54,17 @@ const DOUBTFUL: usize = 8;
 /// waiting for memory took half of a traversal of 4 million triangles. Fewer wait again, more evict what is in use.
 const NODES_AHEAD: usize = 4;
 
+/// Stands beside an entry point that is left over from the pairs: a box outside every frustum, its least corner above
+/// its greatest. Where a frustum's own numbers overflow, as of an eye 1e150 away, every box may count as inside; its
+/// subtree is an empty leaf.
+const NOTHING: (Box32, Subtree) = (
+    Box32 {
+        min: Vec3::MAX,
+        max: Vec3::MIN,
+    },
+    Subtree::leaf(0, 0),
+);
+
 /// A rectangle of a lattice's rays.
 #[derive(Clone, Copy)]
 pub(super) struct RayRect {
@@ -358,21 +369,12 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         }
         self.list.sort_unstable_by(|a, b| a.2.total_cmp(&b.2));
         for pair in self.list.chunks(2) {
-            let (first, second) = (&pair[0], pair.get(1));
-            // An empty box is outside every frustum: its least corner is above its greatest.
-            let nothing = (
-                Subtree::default(),
-                Box32 {
-                    min: Vec3::MAX,
-                    max: Vec3::MIN,
-                },
-                f32::INFINITY,
-            );
-            let second = second.unwrap_or(&nothing);
+            let (subtree, first, near) = pair[0];
+            let (second, beside) = pair.get(1).map_or(NOTHING, |second| (second.1, second.0));
             self.pairs.push(EntryPair {
-                boxes: BoxPair::of([first.1, second.1]),
-                subtrees: [first.0, second.0],
-                near: first.2,
+                boxes: BoxPair::of([first, second]),
+                subtrees: [subtree, beside],
+                near,
             });
         }
     }

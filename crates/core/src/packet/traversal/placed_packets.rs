@@ -1,7 +1,6 @@
 //! Packet traversal for the rays of a panorama, which lie at places of their own.
 
-use super::{Batch, BoxPair, Descent, EntryPair, LANES, MANY_RAYS, RayRect, Traversal};
-use crate::bvh::tree::{Box32, Subtree};
+use super::{Batch, BoxPair, Descent, EntryPair, LANES, MANY_RAYS, NOTHING, RayRect, Traversal};
 use crate::camera::Camera;
 use crate::hit::Cull;
 use crate::num::simd::Lanes;
@@ -12,13 +11,7 @@ use crate::packet::params::ROW;
 use crate::packet::place_box::PlaceBox;
 use crate::packet::places::Places;
 use crate::packet::setup::place_bounds::PlaceBounds;
-use glam::{DVec3, Vec3};
-
-/// A box that is outside of every frustum.
-const NOTHING: Box32 = Box32 {
-    min: Vec3::MAX,
-    max: Vec3::MIN,
-};
+use glam::DVec3;
 
 impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
     /// Finds the entry points of a large packet of a panorama, which looks along an axis in world space and within a
@@ -44,8 +37,8 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
             self.pairs.clear();
             self.list.push((root, tree.bounds, f32::NEG_INFINITY));
             self.pairs.push(EntryPair {
-                boxes: BoxPair::of([tree.bounds, NOTHING]),
-                subtrees: [root, Subtree::default()],
+                boxes: BoxPair::of([tree.bounds, NOTHING.0]),
+                subtrees: [root, NOTHING.1],
                 near: f32::NEG_INFINITY,
             });
         }
