@@ -27,6 +27,8 @@ fn a_saved_scene_renders_to_the_bytes_of_the_picture() {
                 "--up-axis=z",
                 "--mode=flat",
                 "--wireframe=1.3",
+                "--wireframe-edges=feature:25,silhouette",
+                "--wireframe-hidden=0.3",
                 "--background=#102030,#ffeedd",
             ],
         ),

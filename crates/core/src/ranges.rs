@@ -42,6 +42,9 @@ pub enum OutOfRange {
     /// A share of texture in a surface's colour.
     #[error("expected a blend from 0 to 1, found {0}")]
     Blend(f32),
+    /// How strongly hidden lines show.
+    #[error("expected 0 to 1 of hidden lines, found {0}")]
+    HiddenLines(f32),
     /// The ends of a color scale.
     #[error("expected a low end below a high one, found {0} and {1}")]
     ColorRange(f64, f64),
@@ -83,6 +86,15 @@ pub fn blend(share: f32) -> Result<f32, OutOfRange> {
     fits.then_some(share).ok_or(OutOfRange::Blend(share))
 }
 
+/// How strongly hidden lines show, 0 to 1.
+///
+/// # Errors
+/// Any other number.
+pub fn hidden_lines(share: f32) -> Result<f32, OutOfRange> {
+    let fits = (0.0..=1.0).contains(&share);
+    fits.then_some(share).ok_or(OutOfRange::HiddenLines(share))
+}
+
 /// The numbers at the ends of a color scale: finite, the first below the second, a finite distance apart.
 ///
 /// # Errors
@@ -113,7 +125,10 @@ mod tests {
         }
         assert!(blend(0.0).is_ok() && blend(1.0).is_ok());
         for share in [-0.1, 1.1, f32::NAN] {
-            assert!(blend(share).is_err(), "{share}");
+            assert!(
+                blend(share).is_err() && hidden_lines(share).is_err(),
+                "{share}"
+            );
         }
     }
 }

@@ -94,7 +94,14 @@ fn furnished() -> Stage {
         let byte = |step: usize| (i * step % 256) as u8;
         (i % 7 > 0).then(|| Color([byte(3), byte(50), byte(91)]))
     });
+    let shares = ball.positions().iter().map(|p| p.x + 0.5);
+    let shares = Scalar {
+        name: "share".to_owned(),
+        at: ScalarAt::Vertices,
+        values: shares.collect(),
+    };
     let ball = Arc::new(Mesh::new(MeshData {
+        scalars: vec![shares],
         colors: colors.collect(),
         positions: ball.positions().iter().map(|p| p.as_dvec3()).collect(),
         triangles: ball.triangles().to_vec(),
@@ -136,6 +143,7 @@ fn furnished() -> Stage {
             },
             Object {
                 texture: texture.clone(),
+                blend_by: Some("share".to_owned()),
                 ..object(&ball, DVec3::new(1.5, 0.0, -0.5))
             },
             object(&cube, DVec3::new(-1.2, 0.4, 0.3)),

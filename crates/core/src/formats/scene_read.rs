@@ -322,6 +322,18 @@ impl Reader<'_> {
                 None => lines.width,
             },
             color: file.wireframe_color.map_or(lines.color, |color| color.0),
+            edges: match &file.wireframe_edges {
+                Some(edges) => edges.get_ref().parse().map_err(|_| {
+                    let expected = "kinds of edges: all, polygon, feature[:DEGREES], silhouette, \
+                                    boundary, non-manifold";
+                    self.fault(edges, expected, &quote(edges.get_ref()))
+                })?,
+                None => lines.edges,
+            },
+            hidden: match &file.wireframe_hidden {
+                Some(hidden) => self.in_range(hidden, ranges::hidden_lines(*hidden.get_ref()))?,
+                None => lines.hidden,
+            },
         };
         Ok(Some(Shading {
             mode: file.mode.map_or(defaults.mode, Into::into),

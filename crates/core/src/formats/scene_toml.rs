@@ -140,6 +140,11 @@ pub(super) struct ShadingToml {
     pub(super) wireframe_width: Option<Spanned<f32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) wireframe_color: Option<ColorToml>,
+    /// Kinds of edges, with commas between.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) wireframe_edges: Option<Spanned<String>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) wireframe_hidden: Option<Spanned<f32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) blend: Option<Spanned<f32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -203,6 +208,9 @@ pub(super) struct ObjectToml {
     pub(super) texture_up: Option<Spanned<[f64; 3]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) texture_size: Option<Spanned<[f64; 2]>>,
+    /// The scalar that says how much of the texture shows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) blend_by: Option<Spanned<String>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) translate: Option<Spanned<[f64; 3]>>,
     #[serde(skip_serializing_if = "Option::is_none")]

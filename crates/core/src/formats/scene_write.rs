@@ -8,7 +8,7 @@ use super::scene_toml::{
 use crate::camera::Projection;
 use crate::quote::shorten;
 use crate::scene::{ClippingPlane, Scene, SceneError, Transform, UpAxis, Wrap};
-use crate::shade::{Background, Shading};
+use crate::shade::{Background, EdgeKinds, Shading};
 use glam::DAffine3;
 use std::path::Path;
 use toml::Spanned;
@@ -127,6 +127,12 @@ fn shading_table(shading: &Shading) -> ShadingToml {
         wireframe: Some(shading.wireframe.is_some()),
         wireframe_width: shading.wireframe.map(|lines| spanned(lines.width)),
         wireframe_color: shading.wireframe.map(|lines| ColorToml(lines.color)),
+        wireframe_edges: (shading.wireframe)
+            .filter(|lines| lines.edges != EdgeKinds::ALL)
+            .map(|lines| spanned(lines.edges.to_string())),
+        wireframe_hidden: (shading.wireframe)
+            .filter(|lines| lines.hidden != 0.0)
+            .map(|lines| spanned(lines.hidden)),
         blend: Some(spanned(shading.blend)),
         filter: Some(shading.filter.into()),
         texture_projection: Some(shading.projection.into()),
@@ -223,6 +229,7 @@ fn object(
         texture_front: projector.map(|at| spanned(at.front.to_array())),
         texture_up: projector.map(|at| spanned(at.up.to_array())),
         texture_size: projector.map(|at| spanned(at.size.to_array())),
+        blend_by: object.blend_by.clone().map(spanned),
         translate: (translate != at_rest.translate).then(|| spanned(translate.to_array())),
         rotate: (rotate != at_rest.rotate).then(|| spanned(rotate.to_array())),
         scale: (scale != at_rest.scale).then(|| spanned(scale.to_array())),

@@ -12,7 +12,11 @@ fn saved_scenes_read_the_same() {
         .replace("\"perspective\"", "\"orthographic\"")
         .replace("fov = 40.0", "frame = 2.125")
         .replace("[\"#20242c\", \"#3A4454\"]", "\"transparent\"")
-        .replace("wireframe = true\nwireframe-width = 1.3\n", "");
+        .replace("wireframe = true\nwireframe-width = 1.3\n", "")
+        .replace(
+            "wireframe-edges = \"feature:25,boundary\"\nwireframe-hidden = 0.2\n",
+            "",
+        );
     let mapped = "[[object]]\nmesh = \"b.txt\"";
     for text in [WHOLE, &orthographic, "", mapped, MAPPED] {
         let file = parse(text);

@@ -6,11 +6,13 @@
 //!
 //! Both look at triangles one after another and are told whether to go on by whoever asked.
 
+mod adjacency;
 mod edges;
 mod report;
 mod shells;
 mod size;
 
+pub(crate) use adjacency::adjacency;
 pub use report::{Health, check};
 pub use size::{Size, size};
 

@@ -94,6 +94,8 @@ pub(super) mod tests {
                 wireframe: Some(Wireframe {
                     width: 0.1,
                     color: Color([1, 2, 0xab]),
+                    edges: "polygon,feature:12.5".parse().expect("kinds"),
+                    hidden: 0.25,
                 }),
                 background: Background::Transparent,
                 blend: 1.0 / 3.0,
@@ -123,7 +125,7 @@ pub(super) mod tests {
                  eye = [1e-300, -2.5e0, 3.333333333333333e17]\n\
                  target = [-0e0, 3.333333333333333e-1, 7e0]\nup = [1e0, 0e0, 0e0]\n\
                  samples = 16\ncull = \"back\"\nprecision = \"fast\"\nmode = \"normals\"\n\
-                 wireframe = [1e-1, \"#0102ab\"]\nbackground = \"transparent\"\n\
+                 wireframe = [1e-1, \"#0102ab\", \"polygon,feature:12.5\", 2.5e-1]\nbackground = \"transparent\"\n\
                  blend = 3.3333334e-1\nfilter = \"nearest\"\n\
                  texture-projection = \"triplanar\"\n\
                  color-scale = [\"turbo\", -1.5e0, 1e300, \"legend\"]\ndigest = \"{digest}\"\n"
@@ -134,6 +136,19 @@ pub(super) mod tests {
             ..recipe
         };
         assert_eq!(plain.to_string().parse::<Recipe>().expect("reads"), plain);
+        let lined = Recipe {
+            shading: Shading {
+                wireframe: Some(Wireframe::default()),
+                ..Shading::default()
+            },
+            ..recipe
+        };
+        let text = lined.to_string();
+        assert!(
+            text.contains("\nwireframe = [1e0, \"#10141a\"]\n"),
+            "{text}"
+        );
+        assert_eq!(text.parse::<Recipe>().expect("reads"), lined);
     }
 
     #[test]

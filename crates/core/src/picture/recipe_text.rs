@@ -5,7 +5,7 @@ use crate::camera::{Camera, ImagePlane, Placement, Projection};
 use crate::digest::Digest;
 use crate::hit::{Cull, Precision};
 use crate::scene::{ClippingPlane, ClippingPlanes, Color, ColorMap, ColorScale};
-use crate::shade::{Background, Filter, Mode, Shading, TextureProjection, Wireframe};
+use crate::shade::{Background, EdgeKinds, Filter, Mode, Shading, TextureProjection, Wireframe};
 use glam::DVec3;
 use std::fmt::{self, LowerExp};
 use std::str::FromStr;
@@ -42,7 +42,7 @@ impl Recipe {
         } = shading;
         let lines = match wireframe {
             None => "\"none\"".to_owned(),
-            Some(Wireframe { width, color }) => format!("[{}, \"{color}\"]", float(width)),
+            Some(lines) => lines_text(lines),
         };
         let background = match background {
             Background::Transparent => "\"transparent\"".to_owned(),
@@ -252,14 +252,24 @@ impl<'t> Lines<'t> {
         let read = || {
             let mut items = items(value)?;
             let (width, color) = (items.next()?, unquoted(items.next()?)?);
-            Some(Wireframe {
+            let lines = Wireframe {
                 width: width.parse().ok()?,
                 color: color.parse().ok()?,
+                edges: EdgeKinds::ALL,
+                hidden: 0.0,
+            };
+            Some(match (items.next(), items.next()) {
+                (Some(edges), Some(hidden)) => Wireframe {
+                    edges: unquoted(edges)?.parse().ok()?,
+                    hidden: hidden.parse().ok()?,
+                    ..lines
+                },
+                _ => lines,
             })
         };
         read()
             .map(Some)
-            .ok_or_else(|| self.wrong("a width and a colour, or \"none\"", value))
+            .ok_or_else(|| self.wrong("a width, a colour and perhaps edges, or \"none\"", value))
     }
 
     /// What stands behind the key, where that is the next line's.
@@ -302,6 +312,21 @@ impl<'t> Lines<'t> {
         };
         read().ok_or_else(|| self.wrong("two colours, or \"transparent\"", value))
     }
+}
+
+/// Which edges, and how strongly hidden ones, are told where that is not as usual.
+fn lines_text(lines: &Wireframe) -> String {
+    let Wireframe {
+        width,
+        color,
+        edges,
+        hidden,
+    } = lines;
+    let more = match (*edges, *hidden) {
+        (EdgeKinds::ALL, 0.0) => String::new(),
+        _ => format!(", \"{edges}\", {}", float(hidden)),
+    };
+    format!("[{}, \"{color}\"{more}]", float(width))
 }
 
 fn scale_text(ColorScale { map, range, legend }: &ColorScale) -> String {

@@ -188,7 +188,8 @@ impl View {
     fn shader(&self) -> Shader<'_> {
         let shader = Shader::new(&self.scene, &self.accel, self.camera, self.settings.shading)
             .with_samples(self.settings.samples)
-            .with_sections(&self.settings.clip, self.settings.cull);
+            .with_sections(&self.settings.clip, self.settings.cull)
+            .with_overlay(&self.settings.clip);
         match shader.fits_depth().then(|| self.depths_seen()).flatten() {
             Some(seen) => shader.with_depths(seen),
             None => shader,

@@ -32,6 +32,7 @@ fn add_object(hash: &mut Digester, object: &Object) {
         color,
         texture,
         mapping,
+        blend_by,
         source: _,
         up_axis: _,
         texture_source: _,
@@ -98,6 +99,12 @@ fn add_object(hash: &mut Digester, object: &Object) {
     if *mapping != TextureMapping::default() {
         hash.bytes(b"mapping");
         add_mapping(hash, mapping);
+    }
+    if let Some(name) = blend_by {
+        hash.bytes(b"blend by");
+        hash.bytes(name.as_bytes());
+        let values = mesh.scalar(name).map_or(&[][..], |scalar| &scalar.values);
+        hash.words(values.iter().map(|value| value.to_bits()));
     }
     // Nothing is added where all is visible: checksums made before objects could be hidden still hold.
     if !visible {
@@ -255,6 +262,7 @@ mod tests {
                 at: ScalarAt::Triangles,
                 values: vec![1.0, 2.0],
             }],
+            ..MeshData::default()
         }
     }
 
@@ -303,7 +311,7 @@ mod tests {
             change(&mut data);
             digests.push(scene(data, |_| ()).content());
         }
-        let changes: [fn(&mut Object); 24] = [
+        let changes: [fn(&mut Object); 26] = [
             |object| object.transform.translate.y = 1e-300,
             |object| object.transform.rotate.y = 1.0,
             |object| object.transform.scale.y = 2.0,
@@ -333,6 +341,8 @@ mod tests {
             |object| object.mapping.projection = Some(TextureProjection::Uv),
             |object| object.mapping.projection = Some(TextureProjection::Plane),
             |object| object.mapping.projector = Some(Projector::about(&Bounds::EMPTY)),
+            |object| object.blend_by = Some("s".to_owned()),
+            |object| object.blend_by = Some("t".to_owned()),
         ];
         for change in changes {
             digests.push(scene(data(), change).content());

@@ -1,7 +1,8 @@
+use super::adjacency::Adjacency;
 use super::measures::Measures;
 use super::mesh_data::recentring_offset;
 use super::rounding::{Measure, Moves, Rounding};
-use super::{Attribute, Bounds, COORDINATE_LIMIT, Color, Material, MeshData};
+use super::{Attribute, Bounds, COORDINATE_LIMIT, Color, Diagonals, Material, MeshData};
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use robust::{Coord, orient2d};
@@ -45,8 +46,10 @@ pub struct Mesh {
     materials: Vec<Material>,
     material_of_triangle: Vec<u32>,
     colors: Vec<Option<Color>>,
+    diagonals: Diagonals,
     rounding: Rounding,
     bounds: OnceLock<Bounds>,
+    adjacency: OnceLock<Adjacency>,
     measures: Measures,
 }
 
@@ -113,8 +116,10 @@ impl Mesh {
             materials: data.materials,
             material_of_triangle,
             colors: data.colors,
+            diagonals: data.diagonals,
             rounding,
             bounds: OnceLock::new(),
+            adjacency: OnceLock::new(),
             measures: Measures::new(data.scalars),
         }
     }
@@ -212,6 +217,16 @@ impl Mesh {
         let corners = self.triangles.get(triangle as usize)?;
         let [a, b, c] = corners.map(|i| self.colors.get(i as usize).copied().flatten());
         Some([a?, b?, c?])
+    }
+
+    /// Where the file's polygons were cut into triangles.
+    pub fn diagonals(&self) -> &Diagonals {
+        &self.diagonals
+    }
+
+    /// What lies across its edges, which `make` gives when it is first asked for.
+    pub(crate) fn adjacency(&self, make: impl FnOnce() -> Adjacency) -> &Adjacency {
+        self.adjacency.get_or_init(make)
     }
 
     /// How far storing it has moved its corners.

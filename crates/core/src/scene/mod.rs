@@ -1,5 +1,6 @@
 //! What there is to see: meshes, the objects that place them, their colours and textures.
 
+mod adjacency;
 mod attribute;
 mod bounds;
 mod clipping;
@@ -7,6 +8,7 @@ mod color;
 mod color_map;
 mod content;
 mod curvature;
+mod diagonals;
 mod extent;
 mod mapping;
 mod material;
@@ -25,11 +27,13 @@ mod values;
 mod weld;
 mod wrap;
 
+pub(crate) use adjacency::{Across, Adjacency};
 pub use attribute::Attribute;
 pub use bounds::Bounds;
 pub use clipping::{CLIPPING_PLANES, ClippingError, ClippingPlane, ClippingPlanes};
 pub use color::{Color, ColorRule};
 pub use color_map::{COLOR_MAP_STEPS, ColorMap, ColorScale};
+pub use diagonals::Diagonals;
 pub use mapping::{Projector, ProjectorError, TextureMapping, TextureProjection};
 pub use material::Material;
 pub use measures::OUTLIERS;

@@ -42,6 +42,8 @@ pub(super) struct Facet {
     pub(super) to_eye: Vec3,
     /// How its texture lies on it.
     pub(super) texture: Option<Mapping>,
+    /// How much of it shows at the corners, where the object says it.
+    pub(super) blends: Option<[f32; 3]>,
     /// Texture coordinates at the corners.
     pub(super) uvs: Option<[Vec2; 3]>,
     pub(super) edges: Option<EdgeLines>,
@@ -82,9 +84,25 @@ impl Facet {
         varied: Varied::No,
         to_eye: Vec3::ZERO,
         texture: None,
+        blends: None,
         uvs: None,
         edges: None,
     };
+
+    /// How much of the texture shows at barycentrics (u, v), 0 to 1; all of it where there is no number.
+    pub(super) fn blend_at(&self, u: f32, v: f32) -> f32 {
+        match self.blends {
+            None => 1.0,
+            Some(blends) => {
+                let share = blend(blends, u, v);
+                if share.is_nan() {
+                    1.0
+                } else {
+                    share.clamp(0.0, 1.0)
+                }
+            }
+        }
+    }
 
     /// The unit normal at barycentrics (u, v): the mesh's own where it has them, on the side that
     /// the triangle shows.

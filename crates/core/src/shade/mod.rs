@@ -1,10 +1,15 @@
 //! From hits to colours.
 
+mod edge_choice;
+mod edge_kinds;
 mod edges;
 mod facet;
 mod footprint;
 mod legend;
 mod light;
+mod line_overlay;
+#[cfg(test)]
+mod line_tests;
 mod mapping;
 mod mipmap;
 mod mode;
@@ -32,6 +37,7 @@ mod triplanar;
 mod vertex_color_tests;
 
 pub use crate::scene::TextureProjection;
+pub use edge_kinds::{EdgeKinds, EdgeKindsError};
 pub(crate) use legend::DrawnLegend;
 pub use legend::Legend;
 pub use mapping::texture_corners;

@@ -1,3 +1,4 @@
+use super::EdgeKinds;
 use crate::scene::{Color, ColorScale, TextureProjection};
 
 /// What a picture shows.
@@ -20,7 +21,7 @@ pub enum Mode {
     Uv,
     /// The texture, unlit; the object's colours where there is none.
     Texture,
-    /// Lines alone, over the background, with what is hidden left out.
+    /// Lines alone, over the background.
     Wireframe,
 }
 
@@ -67,8 +68,13 @@ impl Filter {
 pub struct Wireframe {
     /// Width in pixels.
     pub width: f32,
-    /// Colour.
+    /// Colour of all lines but those of [`EdgeKinds::boundary`] and [`EdgeKinds::non_manifold`] edges, which have
+    /// [`Wireframe::BOUNDARY`] and [`Wireframe::NON_MANIFOLD`].
     pub color: Color,
+    /// Which edges have lines.
+    pub edges: EdgeKinds,
+    /// How strongly lines show through what hides them, from 0 (not at all) to 1; not in panoramas.
+    pub hidden: f32,
 }
 
 impl Wireframe {
@@ -77,7 +83,18 @@ impl Wireframe {
     pub const ALONE: Self = Self {
         width: 1.0,
         color: Color([0xd6, 0xde, 0xe8]),
+        edges: EdgeKinds::ALL,
+        hidden: 0.0,
     };
+
+    /// The colour of boundary edges.
+    pub const BOUNDARY: Color = Color([0xff, 0x9d, 0x2e]);
+
+    /// The colour of non-manifold edges.
+    pub const NON_MANIFOLD: Color = Color([0xff, 0x3b, 0x5c]);
+
+    /// How strongly hidden lines show where nobody says how strongly.
+    pub const FAINT: f32 = 0.25;
 }
 
 impl Default for Wireframe {
@@ -86,6 +103,8 @@ impl Default for Wireframe {
         Self {
             width: 1.0,
             color: Color([0x10, 0x14, 0x1a]),
+            edges: EdgeKinds::ALL,
+            hidden: 0.0,
         }
     }
 }

@@ -1,7 +1,9 @@
-use super::edges::EdgeLines;
+use super::edge_choice::EdgeChoice;
+use super::edges::{EdgeLines, LineStyle};
 use super::facet::{Facet, Mapping, Needs, Varied, blend, facing_normal, unit};
 use super::legend::Legend;
 use super::light::Lights;
+use super::line_overlay::{LineOverlay, Wanted};
 use super::own_color::{OwnColors, Placed, distance_range};
 use super::ramp::{Ramp, Span};
 use super::section::Section;
@@ -45,10 +47,80 @@ pub struct Shader<'a> {
     background: Option<[Vec3; 2]>,
     /// The background at the middle of each row.
     backdrops: Vec<[u8; 4]>,
-    line_color: Vec3,
-    line_width: f64,
+    lines: Lines<'a>,
     section: Option<Section<'a>>,
     pub(super) tables: &'static Tables,
+}
+
+/// How lines look.
+#[derive(Debug)]
+struct Lines<'a> {
+    color: Vec3,
+    boundary: Vec3,
+    non_manifold: Vec3,
+    width: f64,
+    /// Which edges have them; `None`: all.
+    choice: Option<EdgeChoice<'a>>,
+    /// How strongly hidden ones show.
+    hidden: f32,
+    /// Those that no triangle at a pixel has, where any are to be seen.
+    overlay: Option<LineOverlay>,
+}
+
+impl<'a> Lines<'a> {
+    fn new(scene: &'a Scene, lines: Wireframe, needs: Needs) -> Self {
+        let width = if lines.width.is_finite() {
+            lines.width.max(0.0)
+        } else {
+            Wireframe::ALONE.width
+        };
+        Self {
+            color: srgb::linear(lines.color),
+            boundary: srgb::linear(Wireframe::BOUNDARY),
+            non_manifold: srgb::linear(Wireframe::NON_MANIFOLD),
+            width: f64::from(width),
+            choice: (needs.edges)
+                .then(|| EdgeChoice::new(scene, lines.edges))
+                .flatten(),
+            hidden: if needs.edges { lines.hidden } else { 0.0 },
+            overlay: None,
+        }
+    }
+
+    /// A line over what it lies on.
+    fn over(&self, (coverage, style): (f32, LineStyle), under: [f32; 4]) -> [f32; 4] {
+        let color = match style {
+            LineStyle::Plain | LineStyle::Feature => self.color,
+            LineStyle::Boundary => self.boundary,
+            LineStyle::NonManifold => self.non_manifold,
+        };
+        over(color, coverage, under)
+    }
+
+    /// Hidden lines over what hides them.
+    fn seen_through(&self, x: f64, y: f64, under: [f32; 4]) -> [f32; 4] {
+        match &self.overlay {
+            Some(overlay) if self.hidden > 0.0 => {
+                let (coverage, style) = overlay.hidden(x, y);
+                self.over((coverage * self.hidden, style), under)
+            }
+            _ => under,
+        }
+    }
+
+    /// Silhouettes over what lies behind them, at `t`.
+    fn outlined(&self, x: f64, y: f64, t: f32, under: [f32; 4]) -> [f32; 4] {
+        match &self.overlay {
+            Some(overlay) if self.has_silhouettes() => {
+                self.over(overlay.silhouette(x, y, t), under)
+            }
+            _ => under,
+        }
+    }
+
+    fn has_silhouettes(&self) -> bool {
+        (self.choice.as_ref()).is_some_and(EdgeChoice::has_silhouettes)
+    }
 }
 
 /// How the depth mode shows distances.
@@ -113,11 +185,6 @@ impl<'a> Shader<'a> {
         let own_colors = OwnColors::new(scene, &camera, &shading, colored);
         let needs = needs(scene, &shading, &own_colors);
         let lines = shading.wireframe.unwrap_or(Wireframe::ALONE);
-        let width = if lines.width.is_finite() {
-            lines.width.max(0.0)
-        } else {
-            Wireframe::ALONE.width
-        };
         Self {
             scene,
             accel,
@@ -143,8 +210,7 @@ impl<'a> Shader<'a> {
                 Background::Transparent => None,
             },
             backdrops: Vec::new(),
-            line_color: srgb::linear(lines.color),
-            line_width: f64::from(width),
+            lines: Lines::new(scene, lines, needs),
             section: None,
             tables: srgb::tables(),
         }
@@ -158,6 +224,25 @@ impl<'a> Shader<'a> {
             section: Section::new(scene, accel, self.camera, self.shading.mode, (clip, cull)),
             ..self
         }
+    }
+
+    /// With lines where no triangle at a pixel has them: hidden ones, and silhouettes, of what clipping planes keep.
+    pub(crate) fn with_overlay(mut self, clip: &ClippingPlanes) -> Self {
+        if self.needs.edges {
+            let wanted = Wanted {
+                choice: self.lines.choice.as_ref(),
+                width: self.lines.width,
+                hidden: self.lines.hidden > 0.0,
+                clip,
+            };
+            self.lines.overlay = LineOverlay::new(self.accel, self.camera, wanted);
+        }
+        self
+    }
+
+    /// Whether there may be lines where nothing is hit.
+    pub(super) fn has_overlay(&self) -> bool {
+        self.lines.overlay.is_some()
     }
 
     /// The section that clipping planes make, if any is seen.
@@ -215,6 +300,7 @@ impl<'a> Shader<'a> {
     pub fn detail(&self) -> Detail {
         let needs = self.needs;
         let weighs = needs.smooth || needs.texture || needs.uvs || needs.varied;
+        let weighs = weighs || (needs.edges && self.lines.has_silhouettes());
         if weighs || matches!(self.shading.mode, Mode::Barycentric | Mode::Depth) {
             Detail::Full
         } else {
@@ -268,6 +354,13 @@ impl<'a> Shader<'a> {
     /// As [`TileShader::shade`](super::TileShader::shade) where nothing was met.
     pub fn shade_nothing<'p>(&self, rect: Rect, rows: impl Iterator<Item = &'p mut [[u8; 4]]>) {
         for (y, row) in (rect.y..rect.bottom()).zip(rows) {
+            if self.has_overlay() {
+                for (x, pixel) in (rect.x..).zip(&mut *row) {
+                    let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+                    *pixel = srgb::encode(self.behind(x, y));
+                }
+                continue;
+            }
             row.fill(self.backdrop8(y));
             self.clear_beyond(rect.x, y, row);
         }
@@ -340,10 +433,12 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// What lies behind everything at a place of the picture; nothing where it has no such place.
+    /// What shows at a place of the picture whose ray hits nothing: what lies behind everything, and lines over it;
+    /// nothing where it has no such place.
     pub(super) fn behind(&self, x: f64, y: f64) -> [f32; 4] {
         if self.camera.has_place(x, y) {
-            self.backdrop(y)
+            let behind = self.lines.seen_through(x, y, self.backdrop(y));
+            self.lines.outlined(x, y, f32::INFINITY, behind)
         } else {
             [0.0; 4]
         }
@@ -381,7 +476,11 @@ impl<'a> Shader<'a> {
             }
             if needs.edges {
                 // Where the picture is no plane, `color_on` has them at each place.
-                facet.edges = Some(EdgeLines::new(&self.camera, corners));
+                let edges = EdgeLines::new(&self.camera, corners);
+                facet.edges = Some(match &self.lines.choice {
+                    None => edges,
+                    Some(choice) => edges.chosen(choice.styles(number, triangle)),
+                });
             }
         }
         if needs.smooth {
@@ -400,6 +499,7 @@ impl<'a> Shader<'a> {
             facet.texture = object
                 .texture_on(triangle)
                 .and_then(|_| self.texturing.mapping(number, object, triangle));
+            facet.blends = object.blend_numbers(triangle);
         }
         if needs.uvs {
             facet.uvs = object.mesh.corner_uvs(triangle);
@@ -477,13 +577,15 @@ impl<'a> Shader<'a> {
         let Some(edges) = &facet.edges else {
             return inside;
         };
-        let coverage = if self.is_panoramic() {
-            let edges = EdgeLines::at(&self.camera, self.corners(hit.primitive), (x, y));
-            edges.coverage(x, y, self.line_width)
-        } else {
-            edges.coverage(x, y, self.line_width)
-        };
-        over(self.line_color, coverage, inside)
+        let lines = &self.lines;
+        if self.is_panoramic() {
+            let corners = self.corners(hit.primitive);
+            let edges = EdgeLines::at(&self.camera, corners, (x, y)).chosen_as(edges);
+            return lines.over(edges.coverage(x, y, lines.width), inside);
+        }
+        let inside = lines.seen_through(x, y, inside);
+        let lined = lines.over(edges.coverage(x, y, lines.width), inside);
+        lines.outlined(x, y, hit.t, lined)
     }
 
     /// The colour of a sample on a triangle, without lines.
@@ -555,7 +657,7 @@ impl<'a> Shader<'a> {
         } else {
             self.texturing.sampled(texture, mapping, hit)
         };
-        let blend = self.shading.blend;
+        let blend = self.shading.blend * facet.blend_at(hit.u, hit.v);
         color * (1.0 - a * blend) + Vec3::new(r, g, b) * blend
     }
 

@@ -105,7 +105,7 @@ impl<'s> TileShader<'s> {
         for (column, pixel) in pixels.iter_mut().enumerate() {
             let hit = hits.get(first + column);
             let x = f64::from(left) + column as f64 + 0.5;
-            *pixel = if hit.primitive == MISS {
+            *pixel = if hit.primitive == MISS && !self.shader.has_overlay() {
                 backdrop
             } else {
                 srgb::encode(self.color(x, y, &hit))
@@ -384,9 +384,15 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadePrimitives<'_, '_,
         let left = self.rect.x;
         let shader = self.shader;
         let (constant, smooth) = (shader.shader.is_constant(), shader.shader.is_smooth());
+        let has_overlay = shader.shader.has_overlay();
         let primitives = self.primitives.chunks(columns);
         for ((y, primitives), pixels) in (self.rect.y..).zip(primitives).zip(self.rows) {
-            if smooth {
+            if has_overlay {
+                for (x, (&primitive, pixel)) in (left..).zip(primitives.iter().zip(&mut *pixels)) {
+                    let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+                    *pixel = shader.pixel8(x, y, &on(primitive));
+                }
+            } else if smooth {
                 shader.shade_smooth_row(lanes, left, y, primitives, pixels);
             } else if constant {
                 shader.shade_row::<true>(left, y, primitives, pixels);

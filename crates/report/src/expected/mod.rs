@@ -119,6 +119,12 @@ impl<'a> Expected<'a> {
         (self.normal(&hit), uv)
     }
 
+    /// Whether lines may show where nothing is hit.
+    fn has_lines_beyond(&self) -> bool {
+        let lines = self.shading.wireframe;
+        lines.is_some_and(|lines| lines.hidden > 0.0 || lines.edges.silhouette)
+    }
+
     /// The colour of the sample at (x, y) of the picture, in pixels from its top left corner, where its
     /// ray hits `truth`: linear light, alpha not multiplied in. Unknown where it is undecided.
     pub(crate) fn color(&self, x: f64, y: f64, truth: Option<&Truth>) -> [Single; 4] {
@@ -132,6 +138,9 @@ impl<'a> Expected<'a> {
         let Some(truth) = truth else {
             if !self.camera.has_place(x, y) {
                 return [Single::exactly(0.0); 4];
+            }
+            if self.has_lines_beyond() {
+                return [Single::UNKNOWN; 4];
             }
             return cut.map_or_else(|| self.backdrop(y), opaque);
         };
@@ -282,7 +291,15 @@ impl<'a> Expected<'a> {
             let [_, u, v] = hit.weights;
             texture::sample(texture, texture::place(uvs, u, v), filter)
         };
-        let blend = Single::exactly(self.shading.blend.into());
+        let mut blend = Single::exactly(self.shading.blend.into());
+        if let Some(numbers) = hit.object.blend_numbers(hit.triangle) {
+            if !numbers.iter().all(|number| number.is_finite()) {
+                return [Single::UNKNOWN; 3];
+            }
+            let corners = numbers.map(|number| [Single::exactly(number.into())]);
+            let [share] = normal::blend(corners, hit.weights);
+            blend = blend * share.max(0.0).min(1.0);
+        }
         let rest = Single::exactly(1.0) - a * blend;
         plus(color.map(|c| c * rest), [r, g, b].map(|c| c * blend))
     }

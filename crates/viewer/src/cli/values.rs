@@ -219,6 +219,11 @@ pub(super) fn wireframe(text: &str) -> Result<WireframeArg, String> {
         .map_err(|error| format!("{error}, or none"))
 }
 
+/// Reads how strongly hidden lines show.
+pub(super) fn hidden_lines(text: &str) -> Result<f32, String> {
+    ranges::hidden_lines(number(text)?).map_err(|error| error.to_string())
+}
+
 /// Reads a line's width in pixels.
 pub(super) fn line_width(text: &str) -> Result<f32, String> {
     ranges::line_width(number(text)?).map_err(|error| error.to_string())

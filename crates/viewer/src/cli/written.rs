@@ -10,7 +10,7 @@ use raycast_core::formats::{CameraFile, Limits};
 use raycast_core::glam::DVec3;
 use raycast_core::render::View;
 use raycast_core::scene::{Scene, UpAxis};
-use raycast_core::shade::Background;
+use raycast_core::shade::{Background, EdgeKinds};
 use std::path::PathBuf;
 
 /// `raycast render` with all that decides the picture's bytes, whatever a scene file among `files` says of camera
@@ -76,7 +76,13 @@ pub fn render_command(
     match shading.wireframe {
         Some(lines) => {
             option("--wireframe-color", lines.color.to_string());
+            if lines.edges != EdgeKinds::ALL {
+                option("--wireframe-edges", lines.edges.to_string());
+            }
             words.push(format!("--wireframe={}", lines.width));
+            if lines.hidden != 0.0 {
+                words.push(format!("--wireframe-hidden={}", lines.hidden));
+            }
         }
         None => words.push("--wireframe=none".to_owned()),
     }

@@ -13,7 +13,7 @@ use raycast_core::camera::{FrameLock, Grid, Projection};
 use raycast_core::formats::LengthUnit;
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{ClippingPlane, Color, ColorRule, ColorScale, Transform};
-use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
+use raycast_core::shade::{Background, EdgeKinds, Filter, Mode, TextureProjection};
 use std::path::PathBuf;
 
 /// One wish. Places are in the picture's pixels, from its top left corner.
@@ -137,6 +137,10 @@ pub enum Command {
     SetWireframeWidth(f32),
     /// Their colour.
     SetWireframeColor(Color),
+    /// Which edges have them.
+    SetWireframeEdges(EdgeKinds),
+    /// How strongly hidden ones show.
+    SetWireframeHidden(f32),
     /// From the object's colours (0) to its texture (1).
     SetBlend(f32),
     /// Between texels.
@@ -345,6 +349,8 @@ impl Command {
             Self::SetWireframe(_) => ("Wireframe", false),
             Self::SetWireframeWidth(_) => ("Change of lines", true),
             Self::SetWireframeColor(_) => ("Color of lines", true),
+            Self::SetWireframeEdges(_) => ("Choice of edges", false),
+            Self::SetWireframeHidden(_) => ("Hidden lines", true),
             Self::SetBlend(_) => ("Change of blend", true),
             Self::SetFilter(_) => ("Change of filter", false),
             Self::SetTextureProjection(_) => ("Change of mapping", false),

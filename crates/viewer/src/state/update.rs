@@ -127,6 +127,8 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             wireframe(state).width = width.clamp(0.25, WIDEST_LINE);
         }
         Command::SetWireframeColor(color) => wireframe(state).color = color,
+        Command::SetWireframeEdges(edges) => wireframe(state).edges = edges,
+        Command::SetWireframeHidden(share) => wireframe(state).hidden = share.clamp(0.0, 1.0),
         Command::SetBlend(blend) => state.settings.shading.blend = blend.clamp(0.0, 1.0),
         Command::SetFilter(filter) => state.settings.shading.filter = filter,
         Command::SetTextureProjection(projection) => {
@@ -365,11 +367,12 @@ pub fn advance(state: &mut State) -> bool {
 
 /// The wireframe's settings, switched on if they were not.
 fn wireframe(state: &mut State) -> &mut Wireframe {
-    state
-        .settings
-        .shading
-        .wireframe
-        .get_or_insert_with(Wireframe::default)
+    let shading = &mut state.settings.shading;
+    let usual = match shading.mode {
+        Mode::Wireframe => Wireframe::ALONE,
+        _ => Wireframe::default(),
+    };
+    shading.wireframe.get_or_insert(usual)
 }
 
 /// Closes what lies on top.

@@ -68,6 +68,44 @@ fn mesh(file: &SceneFile) -> &Mesh {
 }
 
 #[test]
+fn own_attributes_of_one_number_are_scalars() {
+    // Four numbers as floats, and as normalised bytes; and four pairs, which are no numbers.
+    let floats: [f32; 4] = [0.5, -1.0, 1e30, 7.0];
+    let mut more: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).collect();
+    more.extend([0, 51, 102, 255]);
+    let accessors = r#",
+ {"bufferView": 2, "componentType": 5126, "count": 4, "type": "SCALAR"},
+ {"bufferView": 2, "byteOffset": 16, "componentType": 5121, "normalized": true, "count": 4, "type": "SCALAR"},
+ {"bufferView": 2, "componentType": 5121, "count": 4, "type": "VEC2"},
+ {"bufferView": 2, "componentType": 5126, "count": 3, "type": "SCALAR"}"#;
+    let of = |list: &str| try_read(gltf(&more, accessors, &primitives(list)).as_bytes());
+    let file = of(
+        r#"{"attributes": {"POSITION": 0, "_HEAT": 2, "_PAIR": 4, "_SHARE": 3}, "mode": 5},
+ {"attributes": {"POSITION": 0, "_HEAT": 3}, "mode": 5}, {"attributes": {"POSITION": 0}, "mode": 5}"#,
+    )
+    .expect("a good file");
+    let mesh = mesh(&file);
+    assert_eq!((mesh.positions().len(), mesh.triangles().len()), (12, 6));
+    let none = [f32::NAN; 4];
+    let shares = [0.0, 0.2, 0.4, 1.0];
+    let expected = [
+        ("_HEAT", [floats, shares, none].concat()),
+        ("_SHARE", [shares, none, none].concat()),
+    ];
+    assert_eq!(mesh.scalars().len(), 2);
+    for (scalar, (name, values)) in mesh.scalars().iter().zip(expected) {
+        assert_eq!(scalar.name, name);
+        let bits = |values: &[f32]| -> Vec<u32> { values.iter().map(|v| v.to_bits()).collect() };
+        assert_eq!(bits(&scalar.values), bits(&values), "{name}");
+    }
+    let told = of(r#"{"attributes": {"POSITION": 0, "_HEAT": 5}}"#).expect_err("too few");
+    assert!(
+        told.contains("_HEAT: expected as many as positions, 4"),
+        "{told}"
+    );
+}
+
+#[test]
 fn lists_strips_and_fans_turn_one_way() {
     let of = |mode: u32| {
         let one = format!(r#"{{"attributes": {{"POSITION": 0}}, "indices": 1, "mode": {mode}}}"#);

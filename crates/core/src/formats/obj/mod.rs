@@ -10,7 +10,7 @@ use crate::formats::error::FormatError;
 use crate::formats::files::{By, Contents, Files, beside};
 use crate::formats::polygon;
 use crate::quote::{self, quote};
-use crate::scene::{Attribute, MeshData};
+use crate::scene::{Attribute, Diagonals, MeshData};
 use content::{NONE, ObjText, Oddities};
 use glam::Vec3;
 use mtl::MtlMaterial;
@@ -74,6 +74,7 @@ pub(super) fn read(
         material_of_triangle,
         materials: Vec::new(),
         scalars: Vec::new(),
+        diagonals: Diagonals::default(),
     };
     progress(0.95);
     let uncut = polygon::cut(&mut mesh, &text.polygons);

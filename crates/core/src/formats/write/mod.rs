@@ -82,11 +82,9 @@ pub fn write_meshes(
     if textures > 0 {
         written.lost.push(format!("textures of {textures} objects"));
     }
-    if scene
-        .objects
-        .iter()
-        .any(|object| !object.mesh.scalars().is_empty())
-    {
+    let mut objects = scene.objects.iter();
+    let has_scalars = objects.any(|object| !object.mesh.scalars().is_empty());
+    if has_scalars && !matches!(format, MeshFormat::Ply { .. }) {
         written
             .lost
             .push("scalars of vertices and triangles".to_owned());
