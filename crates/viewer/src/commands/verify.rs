@@ -1,3 +1,6 @@
+mod image;
+
+use self::image::{Image, WHOLE, cannot_read, read};
 use super::render::render_rect;
 use super::{Failure, warn_of_reading, workers};
 use crate::cli::{CameraArgs, VerifyArgs};
@@ -6,7 +9,7 @@ use crate::{memory, output, setup};
 use raycast_core::Cull;
 use raycast_core::camera::{Camera, Grid, Rect};
 use raycast_core::formats::{ImageSettings, SceneFile};
-use raycast_core::picture::{self, ImageError, ImageFile, Picture, Recipe, RowReader};
+use raycast_core::picture::{self, Picture, Recipe};
 use raycast_core::render::View;
 use raycast_core::scene::{ClippingPlanes, Scene};
 use raycast_core::shade::Shading;
@@ -14,8 +17,6 @@ use raycast_report::verify::{Channels, Claim, Verification, WrongPixel, verify};
 use raycast_report::{Stage, WrongAnswer};
 use rayon::ThreadPool;
 use std::fmt::Write;
-use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -303,61 +304,6 @@ fn split(files: &[PathBuf]) -> Result<(Option<&Path>, &[PathBuf]), Failure> {
         ))),
         _ => Ok((image, scene)),
     }
-}
-
-/// Pixels of an image that is read, or rendered, at once.
-const WHOLE: u64 = 1 << 21;
-
-/// An image that RayCast wrote.
-enum Image<'a> {
-    /// All of it: of few pixels, or a fragment, whose checksum is that of all its pixels.
-    Whole(Box<ImageFile>),
-    /// To be read from the top; the name is for errors.
-    Rows(&'a Path, Box<RowReader<BufReader<File>>>),
-}
-
-impl Image<'_> {
-    fn full_size(&self) -> (u32, u32) {
-        match self {
-            Self::Whole(image) => image.full_size(),
-            Self::Rows(_, reader) => reader.full_size(),
-        }
-    }
-
-    fn rect(&self) -> Rect {
-        match self {
-            Self::Whole(image) => image.rect(),
-            Self::Rows(_, reader) => reader.rect(),
-        }
-    }
-
-    fn recipe(&self) -> Option<&Recipe> {
-        match self {
-            Self::Whole(image) => image.recipe.as_ref(),
-            Self::Rows(_, reader) => reader.recipe(),
-        }
-    }
-}
-
-/// Opens an image that RayCast wrote, whole or a fragment.
-fn read(path: &Path) -> Result<Image<'_>, Failure> {
-    let cannot = |error: std::io::Error| Failure::could_not(format!("{}: {error}", path.display()));
-    let file = File::open(path).map_err(cannot)?;
-    let length = file.metadata().map_err(cannot)?.len();
-    let reader = RowReader::open(BufReader::new(file), length);
-    let reader = reader.map_err(|error| cannot_read(path, &error))?;
-    let (columns, rows) = reader.size();
-    let is_large = u64::from(columns) * u64::from(rows) > WHOLE;
-    if is_large && reader.full_size() == (columns, rows) {
-        return Ok(Image::Rows(path, Box::new(reader)));
-    }
-    let image = ImageFile::decode(&std::fs::read(path).map_err(cannot)?);
-    let image = image.map_err(|error| cannot_read(path, &error))?;
-    Ok(Image::Whole(Box::new(image)))
-}
-
-fn cannot_read(path: &Path, error: &ImageError) -> Failure {
-    Failure::could_not(format!("{}: {error}", path.display()))
 }
 
 fn stage(name: &str, scene: Scene) -> Result<Stage, Failure> {

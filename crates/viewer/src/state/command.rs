@@ -178,6 +178,8 @@ pub enum Command {
     SetLocked(usize, bool),
     /// Put an object elsewhere.
     SetTransform(usize, Transform),
+    /// Let an object move with another, or with none; it stays where it is.
+    SetParent(usize, Option<usize>),
     /// Turn an object, as [`SetTurning`](Self::SetTurning) says, about this axis (0 to 2).
     Turn(usize, usize),
     /// How objects are turned and scaled.
@@ -228,7 +230,10 @@ pub enum Command {
     /// Forget all that was measured.
     ClearMeasurements,
     /// Look the marked object over, or all if none is.
-    Check,
+    Check {
+        /// Also for triangles that pass through one another.
+        deep: bool,
+    },
     /// Look at one fault of a mesh, or at none.
     ShowFault(Option<Shown>),
 
@@ -369,6 +374,7 @@ impl Command {
             Self::SetLocked(_, true) => ("Lock", false),
             Self::SetLocked(_, false) => ("Unlock", false),
             Self::SetTransform(..) => ("Move", true),
+            Self::SetParent(..) => ("Change of parent", false),
             Self::Turn(..) => ("Turn", false),
             Self::AddPlane(_) => ("Cut", false),
             Self::SetPlane(..) => ("Change of clipping plane", true),

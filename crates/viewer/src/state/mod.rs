@@ -23,6 +23,7 @@ mod names;
 mod navigate;
 pub mod news;
 mod objects;
+pub mod parents;
 pub mod pick;
 mod plane;
 pub mod preferences;

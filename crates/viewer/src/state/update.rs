@@ -8,7 +8,8 @@ use super::pick::Pinned;
 use super::viewpoint::fov_range;
 use super::{Palette, Pending, PromptKind, Resolution, SAMPLES_LIMIT, State};
 use super::{
-    as_command, bookmarks, cut, files, history, inspect, navigate, objects, plane, preferences,
+    as_command, bookmarks, cut, files, history, inspect, navigate, objects, parents, plane,
+    preferences,
 };
 use raycast_core::ranges::WIDEST_LINE;
 use raycast_core::shade::{Mode, Wireframe};
@@ -27,7 +28,7 @@ pub fn update(state: &mut State, command: Command) -> Option<Effect> {
     let Some((name, goes_on)) = edit else {
         return carry_out(state, command).or(released);
     };
-    let kind: Option<history::Kind> =
+    let kind: Option<history::Continued> =
         goes_on.then(|| (std::mem::discriminant(&command), command.object()));
     let before = state.snapshot();
     let effect = carry_out(state, command);
@@ -170,6 +171,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::SetTransform(which, transform) => {
             return objects::set_transform(state, which, transform);
         }
+        Command::SetParent(which, parent) => return parents::set(state, which, parent),
         Command::Turn(which, axis) => return objects::turn(state, which, axis),
         Command::SetTurning(turning) => {
             if turning.degrees.is_finite() {
@@ -183,6 +185,9 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             state.cutting = None;
             state.measuring.tool = None;
             state.manipulating.tool = tool;
+            if tool.is_some() {
+                tell_of_handles(state);
+            }
         }
         Command::GrabHandle { handle, at, length } => {
             manipulator::grab(state, handle, at, length);
@@ -217,7 +222,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             }
         }
         Command::ClearMeasurements => state.measuring.list.clear(),
-        Command::Check => return inspect::check(state),
+        Command::Check { deep } => return inspect::check(state, deep),
         Command::ShowFault(shown) => inspect::show(state, shown),
 
         Command::Pin { at: (x, y) } if state.cutting.is_some() => {
@@ -358,6 +363,18 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         }
     }
     None
+}
+
+/// Says why there are no handles where a person has asked for them.
+fn tell_of_handles(state: &mut State) {
+    let why = if state.selected.is_none() {
+        "Mark an object, in the list or by a click: its handles appear"
+    } else if state.viewpoint.projection.panorama().is_some() {
+        "Panoramas have no handles: the numbers in the panel move objects here too"
+    } else {
+        return;
+    };
+    state.tell(why);
 }
 
 /// Moves what moves by itself on to the present; whether anything still does.
