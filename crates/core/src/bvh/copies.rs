@@ -27,10 +27,10 @@ pub(super) fn copies(world: &World<'_>, numbers: &[u32], hashes: &[u32]) -> Vec<
     let mut copies: Vec<u32> = runs
         .filter(|run| run.len() > 1)
         .flat_map(|run| {
-            let mut met = HashSet::new();
+            let mut seen = HashSet::new();
             run.iter().filter_map(move |&(_, at)| {
                 let corners = world.triangle(numbers[at as usize]).corners;
-                let is_first = met.insert(turned(bits(corners.map(|c| c.to_array()))));
+                let is_first = seen.insert(turned(bits(corners.map(|c| c.to_array()))));
                 (!is_first).then_some(at)
             })
         })
@@ -144,11 +144,11 @@ mod tests {
                 .map(|_| [corner(), corner(), corner()])
                 .filter(|[a, b, c]| a != b && b != c && c != a)
                 .collect();
-            let mut met = HashSet::new();
+            let mut seen = HashSet::new();
             let turned = |[a, b, c]: [u32; 3]| [[a, b, c], [b, c, a], [c, a, b]].into_iter().min();
             let expected: Vec<u32> = (0..)
                 .zip(&triangles)
-                .filter(|(_, triangle)| !met.insert(turned(**triangle)))
+                .filter(|(_, triangle)| !seen.insert(turned(**triangle)))
                 .map(|(place, _)| place)
                 .collect();
             assert!(expected.len() >= least, "{}", expected.len());

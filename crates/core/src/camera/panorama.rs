@@ -39,7 +39,7 @@ const BACK: [DVec3; 3] = [DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z];
 pub(super) type Face = (f64, f64, [DVec3; 3]);
 
 /// Where the middles of a strip's faces are, and of a cross's.
-const STRIP: [Face; 6] = [
+pub(super) const STRIP: [Face; 6] = [
     (-5.0, 0.0, RIGHT),
     (-3.0, 0.0, LEFT),
     (-1.0, 0.0, UP),
@@ -47,7 +47,7 @@ const STRIP: [Face; 6] = [
     (3.0, 0.0, FRONT),
     (5.0, 0.0, BACK),
 ];
-const CROSS: [Face; 6] = [
+pub(super) const CROSS: [Face; 6] = [
     (-3.0, 0.0, LEFT),
     (-1.0, 0.0, FRONT),
     (1.0, 0.0, RIGHT),

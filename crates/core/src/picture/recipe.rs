@@ -21,7 +21,7 @@ pub struct Recipe {
     pub camera: Camera,
     /// Rays a pixel.
     pub samples: u32,
-    /// Which faces they met.
+    /// Which faces they hit.
     pub cull: Cull,
     /// What was cut away: planes that are enabled.
     pub clip: ClippingPlanes,

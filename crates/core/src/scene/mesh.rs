@@ -255,7 +255,7 @@ impl Mesh {
 /// Whether a triangle has exactly no area.
 ///
 /// Its three projections along the axes must all be flat; each is a 2D orientation, whose sign
-/// doubles decide wherever it is beyond their rounding, and integers where it is not.
+/// double precision decides wherever it is beyond its rounding, and integers where it is not.
 fn has_no_area(a: Vec3, b: Vec3, c: Vec3) -> bool {
     if a == b || b == c || c == a {
         return true;

@@ -351,7 +351,7 @@ impl<'a> Shader<'a> {
         )
     }
 
-    /// As [`TileShader::shade`](super::TileShader::shade) where nothing was met.
+    /// As [`TileShader::shade`](super::TileShader::shade) where no ray hits anything.
     pub fn shade_nothing<'p>(&self, rect: Rect, rows: impl Iterator<Item = &'p mut [[u8; 4]]>) {
         for (y, row) in (rect.y..rect.bottom()).zip(rows) {
             if self.has_overlay() {

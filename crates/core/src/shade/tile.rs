@@ -17,7 +17,7 @@ const FACETS: usize = 256;
 /// Pixels that are looked at together: most show one triangle, or none.
 const RUN: usize = 16;
 
-/// A [`Shader`] for many pixels near each other, which mostly show triangles already met.
+/// A [`Shader`] for many pixels near each other, which mostly show triangles already seen.
 ///
 /// What it remembers changes nothing but the time: every answer is that of the [`Shader`].
 #[derive(Debug)]
@@ -30,7 +30,7 @@ pub struct TileShader<'s> {
 }
 
 impl Shader<'_> {
-    /// A shader for many pixels, on one thread: it remembers the triangles that it met.
+    /// A shader for many pixels, on one thread: it remembers the triangles that it has shaded.
     pub fn tile(&self) -> TileShader<'_> {
         TileShader::new(self)
     }
