@@ -15,6 +15,9 @@ pub const NARROWEST_FOV: f64 = 1e-9;
 /// A field of view, in degrees, that is as wide as no perspective picture can be.
 pub const FOV_END: f64 = 180.0;
 
+/// The most heights of the frame that its middle is off the view axis.
+pub const FURTHEST_SHIFT: f64 = 1000.0;
+
 /// A number that is out of its range.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum OutOfRange {
@@ -39,6 +42,9 @@ pub enum OutOfRange {
         /// Degrees.
         found: f64,
     },
+    /// How far a frame is off the view axis.
+    #[error("expected a shift within {FURTHEST_SHIFT} heights of the frame, found {0},{1}")]
+    Shift(f64, f64),
     /// A share of texture in a surface's colour.
     #[error("expected a blend from 0 to 1, found {0}")]
     Blend(f32),
@@ -57,6 +63,16 @@ pub enum OutOfRange {
 pub fn samples(count: u32) -> Result<u32, OutOfRange> {
     let fits = (1..=MOST_SAMPLES).contains(&count);
     fits.then_some(count).ok_or(OutOfRange::Samples(count))
+}
+
+/// How far a frame is off the view axis, to the right and up, in heights of the frame: at most [`FURTHEST_SHIFT`].
+///
+/// # Errors
+/// Any other number.
+pub fn shift(shift: [f64; 2]) -> Result<[f64; 2], OutOfRange> {
+    let fits = shift.iter().all(|part| part.abs() <= FURTHEST_SHIFT);
+    fits.then_some(shift)
+        .ok_or(OutOfRange::Shift(shift[0], shift[1]))
 }
 
 /// A line's width in pixels, above 0 and at most [`WIDEST_LINE`].

@@ -115,6 +115,10 @@ impl PanoramaRays {
         let (left, right) = ends(&self.columns.at, rect.x, rect.width)?;
         let (top, bottom) = ends(&self.rows.at, rect.y, rect.height)?;
         let (across, along) = ((right - left) * 0.5, (bottom - top) * 0.5);
+        if matches!(self.panorama, Panorama::Lens(_)) {
+            // Towards the end of a lens directions turn without bound.
+            return None;
+        }
         let axis = self.panorama.direction(left + across, top + along)?;
         let turn = if self.panorama == Panorama::Equisolid {
             let (a, b) = (left.abs().max(right.abs()), top.abs().max(bottom.abs()));
@@ -179,6 +183,11 @@ impl PanoramaRays {
         let (a, b) = self.places(column, row);
         match self.panorama {
             Panorama::Equirectangular | Panorama::Cylindrical => self.around(column, row, out),
+            Panorama::Lens(lens) => {
+                let ([x, y], has) = lens.undistort(&a, &[-b; LANES]);
+                *out = [x, y.map(|down| -down), [1.0; LANES]];
+                (0..LANES).fold(0, |bits, lane| bits | u32::from(has[lane]) << lane)
+            }
             _ => {
                 if let Some(axes) = self.face_of_eight(&a, b) {
                     return on_face(axes, &a, b, out);
@@ -346,13 +355,16 @@ fn equidistant(a: &[f64; LANES], b: f64, squared: &[f64; LANES], out: &mut Vecto
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Camera, ImagePlane, Placement, Projection, Rect};
+    use crate::camera::{BrownConrady, Camera, ImagePlane, Placement, Projection, Rect};
     use crate::random::Random;
 
     /// Lattices that begin and end anywhere, with places beyond the picture's end and at the borders of faces.
     fn lattices() -> impl Iterator<Item = Lattice> {
         let mut random = Random(81);
-        Panorama::ALL.into_iter().flat_map(move |(_, panorama)| {
+        let lens = BrownConrady::new([-0.3, 0.1, 0.001, -0.0005, -0.01]).expect("finite");
+        let all = Panorama::ALL.map(|(_, panorama)| panorama);
+        let all = all.into_iter().chain([Panorama::Lens(lens)]);
+        all.flat_map(move |panorama| {
             [0.11, 0.125, 1e-4].map(|step| {
                 let eye = random.point();
                 let placement = Placement::towards(eye, eye + random.point() * 3.0);

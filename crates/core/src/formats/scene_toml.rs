@@ -1,6 +1,6 @@
 //! The tables of a `.raycast.toml`, as they stand in the file.
 
-use crate::camera::{Curve, Ease, Projection};
+use crate::camera::{Curve, Ease, PixelFilter, Projection};
 use crate::hit::{Cull, Precision};
 use crate::scene::{Color, ColorMap, ColorRule, Shape, TextureProjection, UpAxis, Wrap};
 use crate::shade::{Filter, Mode};
@@ -41,6 +41,9 @@ pub(super) struct SceneToml {
 pub(super) struct CameraToml {
     #[serde(default)]
     pub(super) projection: ProjectionToml,
+    /// The lens of a perspective camera: k1, k2, p1, p2, k3.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) lens: Option<Spanned<[f64; 5]>>,
     pub(super) eye: Spanned<[f64; 3]>,
     pub(super) target: Spanned<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -78,14 +81,18 @@ pub(super) struct KeyToml {
 }
 
 #[derive(Debug, Default, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(super) struct ImageToml {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) size: Option<Spanned<[u32; 2]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) samples: Option<Spanned<u32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) pixel_filter: Option<PixelFilterToml>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) step: Option<Spanned<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) shift: Option<Spanned<[f64; 2]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) cull: Option<CullToml>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -99,14 +106,18 @@ impl ImageToml {
         let Self {
             size,
             samples,
+            pixel_filter,
             step,
+            shift,
             cull,
             precision,
             background,
         } = self;
         size.is_none()
             && samples.is_none()
+            && pixel_filter.is_none()
             && step.is_none()
+            && shift.is_none()
             && cull.is_none()
             && precision.is_none()
             && background.is_none()
@@ -428,6 +439,7 @@ words!(ModeToml for Mode {
 });
 words!(CullToml for Cull { None, Back });
 words!(PrecisionToml for Precision { Fast, Exact });
+words!(PixelFilterToml for PixelFilter { Box, Tent, Mitchell, Gaussian });
 words!(CurveToml for Curve { Linear, CatmullRom });
 words!(EaseToml for Ease { None, Smooth });
 words!(UpAxisToml for UpAxis { Y, Z });

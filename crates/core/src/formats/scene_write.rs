@@ -72,7 +72,9 @@ impl SceneFile {
                     .size
                     .map(|(columns, rows)| spanned([columns, rows])),
                 samples: self.image.samples.map(spanned),
+                pixel_filter: self.image.pixel_filter.map(Into::into),
                 step: self.image.step.map(spanned),
+                shift: self.image.shift.map(spanned),
                 cull: self.image.cull.map(Into::into),
                 precision: self.image.precision.map(Into::into),
                 background: self.shading.map(|shading| {
@@ -105,6 +107,7 @@ fn camera_table(camera: &CameraFile) -> CameraToml {
     };
     CameraToml {
         projection: ProjectionToml(camera.projection),
+        lens: (camera.projection.lens()).map(|lens| spanned(lens.coefficients())),
         eye: spanned(camera.placement.eye.to_array()),
         target: spanned(camera.placement.target.to_array()),
         up: Some(spanned(camera.placement.up.to_array())),

@@ -1,9 +1,10 @@
 //! A recipe's text: a line for each key.
 
 use super::{ImageError, Recipe};
-use crate::camera::{Camera, ImagePlane, Placement, Projection};
+use crate::camera::{BrownConrady, Camera, ImagePlane, PixelFilter, Placement, Projection};
 use crate::digest::Digest;
 use crate::hit::{Cull, Precision};
+use crate::ranges;
 use crate::scene::{ClippingPlane, ClippingPlanes, Color, ColorMap, ColorScale};
 use crate::shade::{Background, EdgeKinds, Filter, Mode, Shading, TextureProjection, Wireframe};
 use glam::DVec3;
@@ -20,6 +21,7 @@ impl Recipe {
             scene,
             camera,
             samples,
+            pixel_filter,
             cull,
             clip,
             precision,
@@ -59,6 +61,17 @@ impl Recipe {
         let mut more = String::new();
         if let Some(scale) = scale {
             more += &format!("color-scale = {}\n", scale_text(scale));
+        }
+        if *pixel_filter != PixelFilter::default() {
+            more += &format!("pixel-filter = \"{pixel_filter}\"\n");
+        }
+        if camera.shift() != [0.0; 2] {
+            let [right, up] = camera.shift().map(|number| float(&number));
+            more += &format!("shift = [{right}, {up}]\n");
+        }
+        if let Some(lens) = camera.projection().lens() {
+            let numbers = lens.coefficients().map(|number| float(&number));
+            more += &format!("lens = [{}]\n", numbers.join(", "));
         }
         format!(
             "raycast-recipe = {VERSION}\n\
@@ -139,12 +152,27 @@ fn read(text: &str) -> Result<Recipe, String> {
     let filter = lines.word("filter", filter_of)?;
     let texture_projection = lines.word("texture-projection", texture_projection_of)?;
     let scale = lines.scale()?;
+    let pixel_filter = lines.pixel_filter()?;
+    let shift = match lines.has("shift") {
+        true => lines.list("shift", "two numbers")?,
+        false => [0.0; 2],
+    };
+    ranges::shift(shift).map_err(|error| error.to_string())?;
+    let projection = match (lines.has("lens"), projection) {
+        (false, _) => projection,
+        (true, Projection::Perspective) => {
+            let lens = BrownConrady::new(lines.list("lens", "five numbers")?);
+            Projection::through(lens.map_err(|error| error.to_string())?)
+        }
+        (true, _) => return Err(format!("a lens, which {projection} does not have")),
+    };
     let digest: Digest = lines.quoted("digest")?.parse()?;
     let plane = ImagePlane::new(columns, rows, step).map_err(|error| error.to_string())?;
     let recipe = Recipe {
         scene,
-        camera: Camera::new(Placement { eye, target, up }, projection, plane),
+        camera: Camera::new(Placement { eye, target, up }, projection, plane).shifted(shift),
         samples,
+        pixel_filter,
         cull,
         clip,
         precision,
@@ -272,6 +300,13 @@ impl<'t> Lines<'t> {
             .ok_or_else(|| self.wrong("a width, a colour and perhaps edges, or \"none\"", value))
     }
 
+    /// Whether the next line has this key.
+    fn has(&self, key: &str) -> bool {
+        let line = self.lines.clone().next();
+        line.and_then(|line| line.strip_prefix(key))
+            .is_some_and(|rest| rest.starts_with(" = "))
+    }
+
     /// What stands behind the key, where that is the next line's.
     fn optional(&mut self, key: &str) -> Option<&'t str> {
         let line = self.lines.clone().next()?;
@@ -299,6 +334,15 @@ impl<'t> Lines<'t> {
                 value,
             )
         })
+    }
+
+    fn pixel_filter(&mut self) -> Result<PixelFilter, String> {
+        match self.optional("pixel-filter") {
+            None => Ok(PixelFilter::default()),
+            Some(value) => unquoted(value)
+                .and_then(|word| word.parse().ok())
+                .ok_or_else(|| self.wrong("a pixel filter that this program knows", value)),
+        }
     }
 
     fn background(&mut self) -> Result<Background, String> {

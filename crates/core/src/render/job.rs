@@ -1,9 +1,8 @@
 //! One tile's way through the passes.
 
-use super::sample::sample_offset;
 use super::view::{Clock, Settings, View};
 use super::{Pass, Tile, TileStats};
-use crate::camera::{Lattice, Rect, SubCamera};
+use crate::camera::{Lattice, Rect, SamplePattern, SubCamera};
 use crate::hit::{Detail, MISS};
 use crate::hits::Hits;
 use crate::picture::{Layers, Strip};
@@ -20,7 +19,7 @@ pub(super) struct Job {
     sums: Vec<[f32; 4]>,
     layers: Option<Layers>,
     /// Samples a pixel that have been cast.
-    samples: u32,
+    samples: usize,
 }
 
 impl Job {
@@ -102,11 +101,12 @@ impl Job {
         }
     }
 
-    /// Brings the tile to where `pass` has it: casts what is not yet cast.
+    /// Brings the tile to where `pass` has it: casts what is not yet cast. The pattern is the last pass's.
     pub(super) fn advance(
         &mut self,
         view: &View,
         pass: Pass,
+        pattern: &SamplePattern,
         clock: Clock<'_>,
         buffers: &mut Buffers<'_>,
     ) -> TileStats {
@@ -116,7 +116,7 @@ impl Job {
         if pass.samples <= 1 && !view.settings.layers {
             self.refine(&mut work, stride);
         } else {
-            self.accumulate(&mut work, pass.samples.max(1));
+            self.accumulate(&mut work, pattern, pass.samples.max(1) as usize);
         }
         work.stats
     }
@@ -172,16 +172,19 @@ impl Job {
     }
 
     /// Every pixel, with samples beyond the first, or with layers.
-    fn accumulate(&mut self, work: &mut Work<'_, '_>, samples: u32) {
+    fn accumulate(&mut self, work: &mut Work<'_, '_>, pattern: &SamplePattern, count: usize) {
         // A first sample that was only shown in 8 bits is cast again: cheaper than keeping the sums
         // of every picture that never gets a second one.
         if self.sums.is_empty() {
             self.sums = vec![[0.0; 4]; self.sub_camera.rect.area()];
             self.samples = 0;
         }
-        for index in self.samples..samples {
+        let samples = pattern.samples();
+        let count = count.min(samples.len());
+        for (index, sample) in samples.iter().enumerate().take(count).skip(self.samples) {
             let mut lattice = self.sub_camera.lattice();
-            lattice.offset = sample_offset(index);
+            lattice.offset = sample.offset;
+            let weight = sample.weight;
             work.find(&lattice);
             work.evaluate(&lattice);
             let sums = &mut self.sums;
@@ -192,7 +195,8 @@ impl Job {
                         lattice.place(at as u32 % lattice.columns, at as u32 / lattice.columns);
                     let cut = cut.as_ref().and_then(|(s, all)| s.color(all[at]));
                     let [r, g, b, a] = cut.unwrap_or_else(|| shader.color(x, y, &hit));
-                    *sum = [sum[0] + r * a, sum[1] + g * a, sum[2] + b * a, sum[3] + a];
+                    let light = [r * a, g * a, b * a, a];
+                    *sum = std::array::from_fn(|channel| sum[channel] + light[channel] * weight);
                 }
             });
             if index == 0 && work.view.settings.layers {
@@ -200,9 +204,18 @@ impl Job {
                 self.layers = Some(layers);
             }
         }
-        self.samples = samples;
-        let share = 1.0 / samples as f32;
-        let mean = |sum: &[f32; 4]| sum.map(|channel| channel * share);
+        self.samples = count;
+        let share = pattern.share(count);
+        let mean = |sum: &[f32; 4]| {
+            let [r, g, b, a] = sum.map(|channel| channel * share);
+            if !pattern.has_negative() {
+                return [r, g, b, a];
+            }
+            // Negative weights overshoot at edges: no pixel is more than opaque, or sends more light than white does.
+            let alpha = a.clamp(0.0, 1.0);
+            let [r, g, b] = [r, g, b].map(|light| light.clamp(0.0, alpha));
+            [r, g, b, alpha]
+        };
         for (pixel, sum) in self.pixels.iter_mut().zip(&self.sums) {
             *pixel = shade::encode_premultiplied(mean(sum));
         }

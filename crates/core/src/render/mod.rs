@@ -9,7 +9,6 @@ mod pass;
 #[cfg(test)]
 mod pass_tests;
 mod recipe;
-mod sample;
 #[cfg(test)]
 mod section_tests;
 mod tile;

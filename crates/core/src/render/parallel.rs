@@ -3,7 +3,7 @@
 use super::job::{Buffers, Job};
 use super::view::{Cancel, Clock, Settings, View};
 use super::{Pass, Tile, TileStats};
-use crate::camera::{Grid, ImagePlane, Rect, SubCamera};
+use crate::camera::{Grid, ImagePlane, Rect, SamplePattern, SubCamera};
 use crate::hit::Detail;
 use crate::hits::Hits;
 use crate::picture::Picture;
@@ -88,8 +88,9 @@ impl View {
         }
         let tiles = grid.tiles(rect.width, rect.height);
         let picture = Mutex::new(picture);
+        let pattern = self.settings.sample_pattern();
         in_parallel(tiles.len(), cancel, buffers, |buffers, index| {
-            let mut tile = self.finish(part.part(tiles[index]), clock, buffers);
+            let mut tile = self.finish(part.part(tiles[index]), &pattern, clock, buffers);
             draw(legend.as_ref(), &mut tile);
             let mut picture = picture.lock().unwrap_or_else(PoisonError::into_inner);
             picture.place(tiles[index], &tile.pixels, tile.layers.as_ref());
@@ -122,7 +123,8 @@ impl View {
     /// Renders what a sub-camera of the view's camera sees, on this thread.
     pub fn render_sub_camera(&self, sub_camera: SubCamera, clock: Clock<'_>) -> Tile {
         let shader = self.shader();
-        let mut tile = self.finish(sub_camera, clock, &mut Buffers::new(&shader));
+        let pattern = self.settings.sample_pattern();
+        let mut tile = self.finish(sub_camera, &pattern, clock, &mut Buffers::new(&shader));
         draw(self.drawn_legend(&shader).as_ref(), &mut tile);
         tile
     }
@@ -151,10 +153,12 @@ impl View {
         let legend = self.drawn_legend(&shader);
         let buffers = || Buffers::new(&shader);
         let last = passes.len().saturating_sub(1);
+        let samples = passes.last().map_or(1, |pass| pass.samples);
+        let pattern = SamplePattern::new(samples, self.settings.pixel_filter);
         passes.iter().enumerate().all(|(number, &pass)| {
             in_parallel(jobs.len(), cancel, buffers, |buffers, index| {
                 let mut job = jobs[index].lock().unwrap_or_else(PoisonError::into_inner);
-                let stats = job.advance(self, pass, clock, buffers);
+                let stats = job.advance(self, pass, &pattern, clock, buffers);
                 let mut tile = if number == last {
                     job.take_tile(stats)
                 } else {
@@ -221,13 +225,19 @@ impl View {
     }
 
     /// A tile in one go.
-    fn finish(&self, sub_camera: SubCamera, clock: Clock<'_>, buffers: &mut Buffers<'_>) -> Tile {
+    fn finish(
+        &self,
+        sub_camera: SubCamera,
+        pattern: &SamplePattern,
+        clock: Clock<'_>,
+        buffers: &mut Buffers<'_>,
+    ) -> Tile {
         let mut job = Job::new(sub_camera);
         let pass = Pass {
             stride: 1,
             samples: self.settings.samples.max(1),
         };
-        let stats = job.advance(self, pass, clock, buffers);
+        let stats = job.advance(self, pass, pattern, clock, buffers);
         job.take_tile(stats)
     }
 }

@@ -2,7 +2,9 @@
 
 use clap::builder::{PossibleValuesParser, RangedI64ValueParser, TypedValueParser};
 use raycast_core::Cull;
-use raycast_core::camera::{ImagePlane, Panorama, Projection, check_step};
+use raycast_core::camera::{
+    BrownConrady, ImagePlane, LensError, Panorama, PixelFilter, Projection, check_step,
+};
 use raycast_core::glam::{DVec2, DVec3};
 use raycast_core::ranges;
 use raycast_core::render::Precision;
@@ -79,6 +81,8 @@ pub(super) const FILTERS: Names<Filter> = &[
     ("ewa", Filter::Ewa),
 ];
 
+pub(super) const PIXEL_FILTERS: Names<PixelFilter> = &PixelFilter::ALL;
+
 pub(super) const COLOR_MAPS: Names<ColorMap> = &[
     ("viridis", ColorMap::Viridis),
     ("magma", ColorMap::Magma),
@@ -117,6 +121,21 @@ pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
     let (columns, rows) = by(text, "a size as WIDTHxHEIGHT")?;
     ImagePlane::new(columns, rows, 1.0).map_err(|error| error.to_string())?;
     Ok((columns, rows))
+}
+
+/// Reads how far a frame is off the view axis.
+pub(super) fn shift(text: &str) -> Result<[f64; 2], String> {
+    let parts = text.split(',').map(|part| number(part.trim()));
+    let parts = parts.collect::<Result<Vec<f64>, _>>()?;
+    let shift = parts
+        .try_into()
+        .map_err(|_| "expected two numbers, X,Y".to_owned())?;
+    ranges::shift(shift).map_err(|error| error.to_string())
+}
+
+/// Reads a lens's coefficients.
+pub(super) fn lens(text: &str) -> Result<BrownConrady, String> {
+    text.parse().map_err(|error: LensError| error.to_string())
 }
 
 /// Reads a grid's counts.

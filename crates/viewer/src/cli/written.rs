@@ -3,9 +3,10 @@
 use super::clip;
 use super::shell::quoted;
 use super::values::{
-    self, COLOR_MAPS, CULLS, FILTERS, MODES, Names, PRECISIONS, PROJECTIONS, TEXTURE_PROJECTIONS,
+    self, COLOR_MAPS, CULLS, FILTERS, MODES, Names, PIXEL_FILTERS, PRECISIONS, PROJECTIONS,
+    TEXTURE_PROJECTIONS,
 };
-use raycast_core::camera::{Placement, Projection, frame_to_fov};
+use raycast_core::camera::{PixelFilter, Placement, Projection, frame_to_fov};
 use raycast_core::formats::{CameraFile, Limits};
 use raycast_core::glam::DVec3;
 use raycast_core::render::View;
@@ -37,7 +38,14 @@ pub fn render_command(
     let (plane, placement) = (camera.plane(), camera.placement());
     option("--size", format!("{}x{}", plane.columns, plane.rows));
     option("--step", plane.step.to_string());
-    option("--projection", word(PROJECTIONS, camera.projection()));
+    option("--projection", camera.projection().name().to_owned());
+    if let Some(lens) = camera.projection().lens() {
+        option("--lens", lens.to_string());
+    }
+    if camera.shift() != [0.0; 2] {
+        let [right, up] = camera.shift();
+        option("--shift", format!("{right},{up}"));
+    }
     option("--eye", point(placement.eye));
     option("--target", point(placement.target));
     option("--up", point(placement.up));
@@ -63,6 +71,9 @@ pub fn render_command(
         }
     }
     option("--samples", settings.samples.max(1).to_string());
+    if settings.pixel_filter != PixelFilter::default() {
+        option("--pixel-filter", word(PIXEL_FILTERS, settings.pixel_filter));
+    }
     option("--cull", word(CULLS, settings.cull));
     option("--precision", word(PRECISIONS, settings.precision));
     let planes = clip::words(&settings.clip);
@@ -112,12 +123,14 @@ pub fn camera_options(camera: &CameraFile) -> String {
         Projection::Orthographic => frame_to_fov(*frame, placement.eye.distance(placement.target)),
         Projection::Perspective | Projection::Panoramic(_) => *frame,
     };
+    let lens = projection.lens().map(|lens| format!(" --lens {lens}"));
     format!(
-        "--eye {} --target {} --up {} --fov {fov} --projection {}",
+        "--eye {} --target {} --up {} --fov {fov} --projection {}{}",
         point(placement.eye),
         point(placement.target),
         point(placement.up),
-        word(PROJECTIONS, *projection),
+        projection.name(),
+        lens.unwrap_or_default(),
     )
 }
 
@@ -140,6 +153,12 @@ pub fn camera_of(text: &str) -> Option<CameraFile> {
     let projection = match told("--projection") {
         Some(name) => PROJECTIONS.iter().find(|(known, _)| *known == name)?.1,
         None => Projection::Perspective,
+    };
+    let projection = match told("--lens") {
+        Some(lens) if projection == Projection::Perspective => {
+            Projection::through(values::lens(lens).ok()?)
+        }
+        _ => projection,
     };
     let distance = eye.distance(target);
     let fov = told("--fov").map(values::fov).transpose().ok()?;

@@ -7,7 +7,7 @@ use crate::cli::{CameraArgs, VerifyArgs};
 use crate::progress::TerminalProgress;
 use crate::{memory, output, setup};
 use raycast_core::Cull;
-use raycast_core::camera::{Camera, Grid, Rect};
+use raycast_core::camera::{Camera, Grid, PixelFilter, Rect};
 use raycast_core::formats::{ImageSettings, SceneFile};
 use raycast_core::picture::{self, Picture, Recipe};
 use raycast_core::render::View;
@@ -27,6 +27,7 @@ struct Ways {
     camera: Camera,
     shading: Shading,
     samples: u32,
+    pixel_filter: PixelFilter,
     cull: Cull,
     clip: ClippingPlanes,
 }
@@ -68,6 +69,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
         .unwrap_or_default();
     view.settings.shading = ways.shading;
     view.settings.samples = ways.samples;
+    view.settings.pixel_filter = ways.pixel_filter;
     // A band at a time, of a picture that has several: what is drawn is the same share of each.
     let rows = match (&image, WHOLE / u64::from(rect.width)) {
         (Some(Image::Whole(_)), _) => rect.height,
@@ -140,6 +142,7 @@ impl Checking<'_> {
                 cull: ways.cull,
                 shading: ways.shading,
                 samples: ways.samples,
+                pixel_filter: ways.pixel_filter,
                 picture: &picture,
             };
             // Of the pixels down to here so many are to be drawn in all.
@@ -209,6 +212,7 @@ impl Asked<'_> {
             scene: self.stage.scene.content(),
             camera: ways.camera,
             samples: ways.samples,
+            pixel_filter: ways.pixel_filter,
             cull: ways.cull,
             clip: ways.clip.only_enabled(),
             precision: recipe.precision,
@@ -250,6 +254,10 @@ impl Asked<'_> {
             camera,
             shading: setup::shading(&args.shading, shading),
             samples: samples.unwrap_or(1).max(1),
+            pixel_filter: (args.pixel_filter)
+                .or(recipe.map(|recipe| recipe.pixel_filter))
+                .or(file.image.pixel_filter)
+                .unwrap_or_default(),
             cull: (args.casting.cull)
                 .or(recipe.map(|recipe| recipe.cull))
                 .or(file.image.cull)
@@ -270,8 +278,12 @@ fn places(args: &CameraArgs) -> bool {
         target,
         up,
         orbit,
+        shift,
+        lens,
     } = args;
     step.is_some()
+        || shift.is_some()
+        || lens.is_some()
         || fov.is_some()
         || projection.is_some()
         || eye.is_some()
