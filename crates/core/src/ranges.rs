@@ -42,6 +42,9 @@ pub enum OutOfRange {
     /// A share of texture in a surface's colour.
     #[error("expected a blend from 0 to 1, found {0}")]
     Blend(f32),
+    /// How much of what lies behind it a surface covers.
+    #[error("expected an opacity from 0 to 1, found {0}")]
+    Opacity(f32),
     /// The ends of a color scale.
     #[error("expected a low end below a high one, found {0} and {1}")]
     ColorRange(f64, f64),
@@ -81,6 +84,15 @@ pub fn fov(degrees: f64) -> Result<f64, OutOfRange> {
 pub fn blend(share: f32) -> Result<f32, OutOfRange> {
     let fits = (0.0..=1.0).contains(&share);
     fits.then_some(share).ok_or(OutOfRange::Blend(share))
+}
+
+/// How much of what lies behind it a surface covers, from 0 to 1.
+///
+/// # Errors
+/// Any other number.
+pub fn opacity(share: f32) -> Result<f32, OutOfRange> {
+    let fits = (0.0..=1.0).contains(&share);
+    fits.then_some(share).ok_or(OutOfRange::Opacity(share))
 }
 
 /// The numbers at the ends of a color scale: finite, the first below the second, a finite distance apart.

@@ -39,6 +39,8 @@ impl Recipe {
             filter,
             projection,
             scale,
+            back_faces,
+            x_ray_opacity,
         } = shading;
         let lines = match wireframe {
             None => "\"none\"".to_owned(),
@@ -59,6 +61,12 @@ impl Recipe {
         let mut more = String::new();
         if let Some(scale) = scale {
             more += &format!("color-scale = {}\n", scale_text(scale));
+        }
+        if let Some(color) = back_faces {
+            more += &format!("back-faces = \"{color}\"\n");
+        }
+        if *mode == Mode::XRay {
+            more += &format!("x-ray-opacity = {}\n", float(x_ray_opacity));
         }
         format!(
             "raycast-recipe = {VERSION}\n\
@@ -139,6 +147,11 @@ fn read(text: &str) -> Result<Recipe, String> {
     let filter = lines.word("filter", filter_of)?;
     let texture_projection = lines.word("texture-projection", texture_projection_of)?;
     let scale = lines.scale()?;
+    let back_faces = lines.back_faces()?;
+    let x_ray_opacity = match lines.has("x-ray-opacity") {
+        true => lines.one("x-ray-opacity", "a number")?,
+        false => Shading::X_RAY_OPACITY,
+    };
     let digest: Digest = lines.quoted("digest")?.parse()?;
     let plane = ImagePlane::new(columns, rows, step).map_err(|error| error.to_string())?;
     let recipe = Recipe {
@@ -156,6 +169,8 @@ fn read(text: &str) -> Result<Recipe, String> {
             filter,
             projection: texture_projection,
             scale,
+            back_faces,
+            x_ray_opacity,
         },
     };
     // Whatever was read must be written as it was: a damaged line is not believed.
@@ -262,11 +277,24 @@ impl<'t> Lines<'t> {
             .ok_or_else(|| self.wrong("a width and a colour, or \"none\"", value))
     }
 
+    /// Whether the next line has this key.
+    fn has(&self, key: &str) -> bool {
+        let next = self.lines.clone().next();
+        let rest = next.and_then(|line| line.strip_prefix(key));
+        rest.is_some_and(|rest| rest.starts_with(" = "))
+    }
+
     /// What stands behind the key, where that is the next line's.
     fn optional(&mut self, key: &str) -> Option<&'t str> {
-        let line = self.lines.clone().next()?;
-        line.strip_prefix(key)?.strip_prefix(" = ")?;
-        self.value(key).ok()
+        self.has(key).then(|| self.value(key).ok())?
+    }
+
+    fn back_faces(&mut self) -> Result<Option<Color>, String> {
+        let Some(value) = self.optional("back-faces") else {
+            return Ok(None);
+        };
+        let color = unquoted(value).and_then(|word| word.parse().ok());
+        color.map(Some).ok_or_else(|| self.wrong("a colour", value))
     }
 
     fn scale(&mut self) -> Result<Option<ColorScale>, String> {
@@ -365,6 +393,7 @@ words!(mode_word, mode_of: Mode {
     Uv = "uv",
     Texture = "texture",
     Wireframe = "wireframe",
+    XRay = "x-ray",
 });
 words!(filter_word, filter_of: Filter {
     Nearest = "nearest",
