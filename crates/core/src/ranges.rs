@@ -51,6 +51,9 @@ pub enum OutOfRange {
     /// How strongly hidden lines show.
     #[error("expected 0 to 1 of hidden lines, found {0}")]
     HiddenLines(f32),
+    /// How much of what lies behind it a surface covers.
+    #[error("expected an opacity from 0 to 1, found {0}")]
+    Opacity(f32),
     /// The ends of a color scale.
     #[error("expected a low end below a high one, found {0} and {1}")]
     ColorRange(f64, f64),
@@ -109,6 +112,15 @@ pub fn blend(share: f32) -> Result<f32, OutOfRange> {
 pub fn hidden_lines(share: f32) -> Result<f32, OutOfRange> {
     let fits = (0.0..=1.0).contains(&share);
     fits.then_some(share).ok_or(OutOfRange::HiddenLines(share))
+}
+
+/// How much of what lies behind it a surface covers, from 0 to 1.
+///
+/// # Errors
+/// Any other number.
+pub fn opacity(share: f32) -> Result<f32, OutOfRange> {
+    let fits = (0.0..=1.0).contains(&share);
+    fits.then_some(share).ok_or(OutOfRange::Opacity(share))
 }
 
 /// The numbers at the ends of a color scale: finite, the first below the second, a finite distance apart.

@@ -18,7 +18,7 @@ const TOGETHER: usize = 1 << 12;
 ///
 /// A ray meets either at the same distance or neither, so that the lowest number wins, whichever faces
 /// are culled: this is decided here once, and not by each ray. One that turns the other way is no copy,
-/// since culling tells the two apart.
+/// since culling tells the two apart; nor is one whose like with a lower number is not opaque, and may let rays through.
 ///
 /// `hashes` are those of [`hash`](super::corner_hash::hash). Where there is no copy this takes a few nanoseconds a triangle.
 pub(super) fn copies(world: &World<'_>, numbers: &[u32], hashes: &[u32]) -> Vec<u32> {
@@ -29,9 +29,14 @@ pub(super) fn copies(world: &World<'_>, numbers: &[u32], hashes: &[u32]) -> Vec<
         .flat_map(|run| {
             let mut seen = HashSet::new();
             run.iter().filter_map(move |&(_, at)| {
-                let corners = world.triangle(numbers[at as usize]).corners;
-                let is_first = seen.insert(turned(bits(corners.map(|c| c.to_array()))));
-                (!is_first).then_some(at)
+                let number = numbers[at as usize];
+                let corners = world.triangle(number).corners;
+                let corners = turned(bits(corners.map(|c| c.to_array())));
+                let is_copy = seen.contains(&corners);
+                if !is_copy && world.is_opaque(number) {
+                    seen.insert(corners);
+                }
+                is_copy.then_some(at)
             })
         })
         .collect();

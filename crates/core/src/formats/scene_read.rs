@@ -369,6 +369,11 @@ impl Reader<'_> {
                 .texture_projection
                 .map_or(defaults.projection, Into::into),
             scale: self.scale(file)?,
+            back_faces: file.back_faces.map(|color| color.0),
+            x_ray_opacity: match &file.x_ray_opacity {
+                Some(opacity) => self.in_range(opacity, ranges::opacity(*opacity.get_ref()))?,
+                None => defaults.x_ray_opacity,
+            },
         }))
     }
 }

@@ -103,6 +103,8 @@ fn reads_everything() {
         filter: Filter::Nearest,
         projection: TextureProjection::Triplanar,
         scale: None,
+        back_faces: None,
+        x_ray_opacity: Shading::X_RAY_OPACITY,
     };
     assert_eq!(file.shading, Some(shading));
     let [moon, planet, plain] = &file.scene.objects[..] else {
@@ -118,6 +120,24 @@ fn reads_everything() {
     assert!(Arc::ptr_eq(&image(moon), &image(plain)));
     assert_eq!(moon.source.as_deref(), Some(Path::new("parts/a.obj")));
     assert_eq!(moon.mesh.materials()[0].color, Color([0, 255, 0]));
+}
+
+#[test]
+fn x_ray_and_backs_are_read_and_written() {
+    let text = "[shading]\nmode = \"x-ray\"\nback-faces = \"#010203\"\nx-ray-opacity = 0.25\n\
+        [[object]]\nmesh = \"b.txt\"\n";
+    let file = parse(text);
+    let shading = Shading {
+        mode: Mode::XRay,
+        back_faces: Some(Color([1, 2, 3])),
+        x_ray_opacity: 0.25,
+        ..Shading::default()
+    };
+    assert_eq!(file.shading, Some(shading));
+    let saved = file
+        .to_toml(Path::new("/nowhere"))
+        .expect("it can be saved");
+    assert_eq!(parse(&saved).shading, Some(shading));
 }
 
 #[test]

@@ -169,6 +169,10 @@ pub(super) struct ShadingToml {
     pub(super) color_range: Option<Spanned<[f64; 2]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) legend: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) back_faces: Option<ColorToml>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) x_ray_opacity: Option<Spanned<f32>>,
 }
 
 /// A clipping plane.
@@ -435,7 +439,7 @@ macro_rules! words {
 }
 
 words!(ModeToml for Mode {
-    Color, Flat, Smooth, Normals, Depth, Barycentric, Uv, Texture, Wireframe
+    Color, Flat, Smooth, Normals, Depth, Barycentric, Uv, Texture, Wireframe, XRay
 });
 words!(CullToml for Cull { None, Back });
 words!(PrecisionToml for Precision { Fast, Exact });

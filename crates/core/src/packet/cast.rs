@@ -136,8 +136,9 @@ impl Clipped<'_> {
         precision: Precision,
         primitives: &mut Vec<u32>,
     ) -> CastCounts {
-        self.accel
-            .find_kept(&self.clip, lattice, cull, precision, primitives)
+        let mut counts = (self.accel).find_kept(&self.clip, lattice, cull, precision, primitives);
+        counts.hits -= self.reject_masked(lattice, cull, precision, primitives);
+        counts
     }
 }
 

@@ -127,6 +127,8 @@ pub(super) mod tests {
                     range: Some([-1.5, 1e300]),
                     legend: true,
                 }),
+                back_faces: Some(Color([4, 5, 6])),
+                x_ray_opacity: Shading::X_RAY_OPACITY,
             },
         }
     }
@@ -150,7 +152,7 @@ pub(super) mod tests {
                  blend = 3.3333334e-1\nfilter = \"nearest\"\n\
                  texture-projection = \"triplanar\"\n\
                  color-scale = [\"turbo\", -1.5e0, 1e300, \"legend\"]\n\
-                 pixel-filter = \"mitchell\"\ndigest = \"{digest}\"\n"
+                 pixel-filter = \"mitchell\"\nback-faces = \"#040506\"\ndigest = \"{digest}\"\n"
             )
         );
         let plain = Recipe {
@@ -172,6 +174,16 @@ pub(super) mod tests {
             "{text}"
         );
         assert_eq!(text.parse::<Recipe>().expect("reads"), lined);
+    }
+
+    #[test]
+    fn x_ray_tells_its_opacity() {
+        let mut recipe = sample_recipe(40, 30);
+        recipe.shading.mode = Mode::XRay;
+        recipe.shading.x_ray_opacity = 0.5;
+        let text = recipe.to_string();
+        assert!(text.contains("\nx-ray-opacity = 5e-1\n"), "{text}");
+        assert_eq!(text.parse::<Recipe>().expect("reads"), recipe);
     }
 
     #[test]

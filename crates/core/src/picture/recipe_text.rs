@@ -41,6 +41,8 @@ impl Recipe {
             filter,
             projection,
             scale,
+            back_faces,
+            x_ray_opacity,
         } = shading;
         let lines = match wireframe {
             None => "\"none\"".to_owned(),
@@ -72,6 +74,12 @@ impl Recipe {
         if let Some(lens) = camera.projection().lens() {
             let numbers = lens.coefficients().map(|number| float(&number));
             more += &format!("lens = [{}]\n", numbers.join(", "));
+        }
+        if let Some(color) = back_faces {
+            more += &format!("back-faces = \"{color}\"\n");
+        }
+        if *mode == Mode::XRay {
+            more += &format!("x-ray-opacity = {}\n", float(x_ray_opacity));
         }
         format!(
             "raycast-recipe = {VERSION}\n\
@@ -166,6 +174,11 @@ fn read(text: &str) -> Result<Recipe, String> {
         }
         (true, _) => return Err(format!("a lens, which {projection} does not have")),
     };
+    let back_faces = lines.back_faces()?;
+    let x_ray_opacity = match lines.has("x-ray-opacity") {
+        true => lines.one("x-ray-opacity", "a number")?,
+        false => Shading::X_RAY_OPACITY,
+    };
     let digest: Digest = lines.quoted("digest")?.parse()?;
     let plane = ImagePlane::new(columns, rows, step).map_err(|error| error.to_string())?;
     let recipe = Recipe {
@@ -184,6 +197,8 @@ fn read(text: &str) -> Result<Recipe, String> {
             filter,
             projection: texture_projection,
             scale,
+            back_faces,
+            x_ray_opacity,
         },
     };
     // Whatever was read must be written as it was: a damaged line is not believed.
@@ -302,16 +317,22 @@ impl<'t> Lines<'t> {
 
     /// Whether the next line has this key.
     fn has(&self, key: &str) -> bool {
-        let line = self.lines.clone().next();
-        line.and_then(|line| line.strip_prefix(key))
-            .is_some_and(|rest| rest.starts_with(" = "))
+        let next = self.lines.clone().next();
+        let rest = next.and_then(|line| line.strip_prefix(key));
+        rest.is_some_and(|rest| rest.starts_with(" = "))
     }
 
     /// What stands behind the key, where that is the next line's.
     fn optional(&mut self, key: &str) -> Option<&'t str> {
-        let line = self.lines.clone().next()?;
-        line.strip_prefix(key)?.strip_prefix(" = ")?;
-        self.value(key).ok()
+        self.has(key).then(|| self.value(key).ok())?
+    }
+
+    fn back_faces(&mut self) -> Result<Option<Color>, String> {
+        let Some(value) = self.optional("back-faces") else {
+            return Ok(None);
+        };
+        let color = unquoted(value).and_then(|word| word.parse().ok());
+        color.map(Some).ok_or_else(|| self.wrong("a colour", value))
     }
 
     fn scale(&mut self) -> Result<Option<ColorScale>, String> {
@@ -434,6 +455,7 @@ words!(mode_word, mode_of: Mode {
     Uv = "uv",
     Texture = "texture",
     Wireframe = "wireframe",
+    XRay = "x-ray",
 });
 words!(filter_word, filter_of: Filter {
     Nearest = "nearest",

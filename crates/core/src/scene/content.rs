@@ -1,6 +1,6 @@
 use super::{
-    Attribute, Color, ColorRule, Material, Mesh, Object, Projector, Quantity, Scalar, ScalarAt,
-    Scene, Texture, TextureMapping, TextureProjection, Transform, Wrap,
+    Alpha, Attribute, Color, ColorRule, Material, Mesh, Object, Opacity, Projector, Quantity,
+    Scalar, ScalarAt, Scene, Texture, TextureMapping, TextureProjection, Transform, Wrap,
 };
 use crate::digest::{Digest, Digester};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
@@ -143,6 +143,7 @@ fn add_mesh(hash: &mut Digester, mesh: &Mesh) {
             color: _,
             texture,
             by_vertex,
+            opacity,
         } = material;
         if *by_vertex || texture.is_some() {
             hash.number(MORE);
@@ -151,6 +152,21 @@ fn add_mesh(hash: &mut Digester, mesh: &Mesh) {
             match texture {
                 None => hash.number(0),
                 Some(texture) => add_texture(hash, texture),
+            }
+        }
+        // As above: other scenes keep their checksum.
+        if let Some(Alpha { factor, image }) = opacity.alpha() {
+            hash.bytes(b"opacity");
+            hash.number(number as u64);
+            let cutoff = match opacity {
+                Opacity::Mask { cutoff, .. } => cutoff.to_bits().into(),
+                Opacity::Opaque | Opacity::Blend(_) => MORE,
+            };
+            hash.number(cutoff);
+            hash.number(factor.to_bits().into());
+            match image {
+                None => hash.number(0),
+                Some(image) => add_texture(hash, image),
             }
         }
     }
@@ -281,6 +297,14 @@ mod tests {
         Texture::new(1, 2, vec![[texel; 4], [0; 4]]).map(Arc::new)
     }
 
+    fn alpha(factor: f32, image: Option<Arc<Texture>>) -> Alpha {
+        Alpha { factor, image }
+    }
+
+    fn mask(cutoff: f32, alpha: Alpha) -> Opacity {
+        Opacity::Mask { alpha, cutoff }
+    }
+
     fn wrapped(wrap: Wrap) -> Option<Arc<Texture>> {
         let texture = texture(1).map(Arc::unwrap_or_clone)?;
         Some(Arc::new(texture.wrapped([Wrap::Repeat, wrap])))
@@ -289,7 +313,7 @@ mod tests {
     #[test]
     fn all_that_decides_a_picture_counts() {
         let mut digests = vec![scene(data(), |_| ()).content(), Scene::default().content()];
-        let changes: [fn(&mut MeshData); 15] = [
+        let changes: [fn(&mut MeshData); 19] = [
             |data| data.colors[0] = Some(Color([7, 8, 10])),
             |data| data.colors.swap(0, 1),
             |data| data.positions[1].x = 1f64.next_up() as f32 as f64 + 1e-7,
@@ -305,6 +329,10 @@ mod tests {
             |data| data.materials[0].by_vertex = true,
             |data| data.materials[0].texture = texture(1),
             |data| data.materials[1].texture = texture(1),
+            |data| data.materials[0].opacity = Opacity::Blend(alpha(0.5, None)),
+            |data| data.materials[1].opacity = Opacity::Blend(alpha(0.5, None)),
+            |data| data.materials[0].opacity = mask(0.5, alpha(0.5, texture(1))),
+            |data| data.materials[0].opacity = mask(0.25, alpha(0.5, texture(1))),
         ];
         for change in changes {
             let mut data = data();

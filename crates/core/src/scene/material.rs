@@ -1,4 +1,4 @@
-use super::{Color, Texture};
+use super::{Color, Opacity, Texture};
 use std::sync::Arc;
 
 /// A named colour of the file.
@@ -12,6 +12,8 @@ pub struct Material {
     pub texture: Option<Arc<Texture>>,
     /// Whether the file's colours of vertices go before its own, where all three corners have one.
     pub by_vertex: bool,
+    /// How much of its surfaces is there.
+    pub opacity: Opacity,
 }
 
 impl Material {
@@ -22,6 +24,7 @@ impl Material {
             color,
             texture: None,
             by_vertex: false,
+            opacity: Opacity::Opaque,
         }
     }
 }

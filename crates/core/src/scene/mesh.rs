@@ -2,7 +2,7 @@ use super::adjacency::Adjacency;
 use super::measures::Measures;
 use super::mesh_data::recentring_offset;
 use super::rounding::{Measure, Moves, Rounding};
-use super::{Attribute, Bounds, COORDINATE_LIMIT, Color, Diagonals, Material, MeshData};
+use super::{Attribute, Bounds, COORDINATE_LIMIT, Color, Diagonals, Material, MeshData, Opacity};
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use robust::{Coord, orient2d};
@@ -205,6 +205,12 @@ impl Mesh {
     pub fn material(&self, triangle: u32) -> Option<&Material> {
         let index = *self.material_of_triangle.get(triangle as usize)?;
         self.materials.get(index as usize)
+    }
+
+    /// How much of a triangle's surface is there, by its material.
+    pub fn opacity(&self, triangle: u32) -> &Opacity {
+        let material = self.material(triangle);
+        material.map_or(&Opacity::Opaque, |material| &material.opacity)
     }
 
     /// The file's colours of vertices, by index of position; empty where it gives none any.

@@ -22,6 +22,7 @@ mod ramp;
 mod sample;
 mod section;
 mod shader;
+mod sides;
 mod slopes;
 mod smooth;
 #[cfg(test)]
@@ -32,6 +33,7 @@ mod tests;
 mod texture_map;
 mod texturing;
 mod tile;
+mod translucent;
 mod triplanar;
 #[cfg(test)]
 mod vertex_color_tests;
@@ -44,6 +46,7 @@ pub use mapping::texture_corners;
 pub use mode::{Background, Filter, Mode, Shading, Wireframe};
 pub(crate) use section::{Cut, Section, Shown};
 pub use shader::Shader;
-pub(crate) use srgb::{encode_premultiplied, over_black};
+pub(crate) use srgb::{encode, encode_premultiplied, over_black};
 pub use texture_map::TextureMap;
 pub use tile::TileShader;
+pub(crate) use translucent::{SEEN, Translucent};

@@ -23,11 +23,13 @@ pub enum Mode {
     Texture,
     /// Lines alone, over the background.
     Wireframe,
+    /// All layers, each faint and lit as in [`Mode::Smooth`], the nearest over those behind it.
+    XRay,
 }
 
 impl Mode {
     /// Each of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Color,
         Self::Flat,
         Self::Smooth,
@@ -37,6 +39,7 @@ impl Mode {
         Self::Uv,
         Self::Texture,
         Self::Wireframe,
+        Self::XRay,
     ];
 }
 
@@ -143,6 +146,16 @@ pub struct Shading {
     /// the default scale where this is `None`, and distances in [`Mode::Depth`], which are then greys over the
     /// scene's box. Fitted, depth is over what is seen.
     pub scale: Option<ColorScale>,
+    /// The colour of triangles that are seen from behind, in place of their own and their texture's; `None` for the
+    /// same as in front. In modes that show what surfaces look like.
+    pub back_faces: Option<Color>,
+    /// In [`Mode::XRay`], how much of what lies behind it a surface covers that is seen from above: 0 to 1.
+    pub x_ray_opacity: f32,
+}
+
+impl Shading {
+    /// Where none is given.
+    pub const X_RAY_OPACITY: f32 = 0.2;
 }
 
 impl Default for Shading {
@@ -155,6 +168,8 @@ impl Default for Shading {
             filter: Filter::default(),
             projection: TextureProjection::default(),
             scale: None,
+            back_faces: None,
+            x_ray_opacity: Self::X_RAY_OPACITY,
         }
     }
 }

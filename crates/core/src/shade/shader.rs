@@ -7,17 +7,19 @@ use super::line_overlay::{LineOverlay, Wanted};
 use super::own_color::{OwnColors, Placed, distance_range};
 use super::ramp::{Ramp, Span};
 use super::section::Section;
+use super::sides::Sides;
 use super::slopes::slopes;
 use super::smooth::{self, Facets, Row, Vectors};
 use super::srgb::{self, Tables};
 use super::texturing::Texturing;
+use super::translucent::Translucent;
 use super::{Background, Mode, Shading, Wireframe};
 use crate::bvh::Accel;
 use crate::camera::{Camera, Projection, Rect};
 use crate::hit::{Cull, Detail, MISS, PrimitiveHit};
 use crate::num::simd::Lanes;
 use crate::num::simd::Simd;
-use crate::scene::{ClippingPlanes, ColorScale, Object, Scene, Texture};
+use crate::scene::{ClippingPlanes, ColorScale, Masks, Object, Scene, Texture};
 use glam::{DAffine3, DMat3, DVec3, Mat3, Vec2, Vec3};
 
 /// Gives hits their colours: everything about a picture that does not change from pixel to pixel,
@@ -49,6 +51,10 @@ pub struct Shader<'a> {
     backdrops: Vec<[u8; 4]>,
     lines: Lines<'a>,
     section: Option<Section<'a>>,
+    masks: Option<Masks<'a>>,
+    translucent: Option<Translucent>,
+    /// Which sides of triangles are seen, and the colour of backs, where they have their own.
+    backs: Option<(Sides, Vec3)>,
     pub(super) tables: &'static Tables,
 }
 
@@ -212,6 +218,12 @@ impl<'a> Shader<'a> {
             backdrops: Vec::new(),
             lines: Lines::new(scene, lines, needs),
             section: None,
+            masks: Masks::of(scene),
+            translucent: Translucent::of(scene, &shading),
+            backs: (shading.back_faces.filter(|_| colored)).map(|color| {
+                let sides = Sides::new(&camera, accel.origin());
+                (sides, srgb::linear(color))
+            }),
             tables: srgb::tables(),
         }
         .with_backdrops()
@@ -248,6 +260,28 @@ impl<'a> Shader<'a> {
     /// The section that clipping planes make, if any is seen.
     pub(crate) fn section(&self) -> Option<&Section<'a>> {
         self.section.as_ref()
+    }
+
+    /// Which hits count: the masks of the scene's materials.
+    pub(crate) fn masks(&self) -> Option<&Masks<'a>> {
+        self.masks.as_ref()
+    }
+
+    /// Which surfaces let through what lies behind them, if any do.
+    pub(crate) fn translucent(&self) -> Option<&Translucent> {
+        self.translucent.as_ref()
+    }
+
+    /// The alpha of a hit's material.
+    pub(super) fn alpha(&self, hit: &PrimitiveHit) -> f32 {
+        let (object, triangle) = self.accel.identify(hit.primitive);
+        let mesh = &self.scene.objects[object as usize].mesh;
+        match mesh.opacity(triangle).alpha() {
+            Some(alpha) => alpha
+                .at(mesh.corner_uvs(triangle), hit.u, hit.v)
+                .clamp(0.0, 1.0) as f32,
+            None => 1.0,
+        }
     }
 
     /// Of a picture with so many samples a pixel: each stands for its part of what the pixel sees of a
@@ -435,7 +469,7 @@ impl<'a> Shader<'a> {
 
     /// What shows at a place of the picture whose ray hits nothing: what lies behind everything, and lines over it;
     /// nothing where it has no such place.
-    pub(super) fn behind(&self, x: f64, y: f64) -> [f32; 4] {
+    pub(crate) fn behind(&self, x: f64, y: f64) -> [f32; 4] {
         if self.camera.has_place(x, y) {
             let behind = self.lines.seen_through(x, y, self.backdrop(y));
             self.lines.outlined(x, y, f32::INFINITY, behind)
@@ -504,6 +538,19 @@ impl<'a> Shader<'a> {
         if needs.uvs {
             facet.uvs = object.mesh.corner_uvs(triangle);
         }
+        if let Some(color) = self.back_color(primitive) {
+            facet.color = color;
+            facet.varied = Varied::No;
+            facet.texture = None;
+        }
+    }
+
+    /// The colour of a triangle that is seen from behind, where backs have their own.
+    #[inline(always)]
+    fn back_color(&self, primitive: u32) -> Option<Vec3> {
+        let (sides, color) = self.backs.as_ref()?;
+        let is_back = sides.is_back(self.accel.corners(primitive));
+        is_back.then_some(*color)
     }
 
     /// A triangle's corners, relative to the eye.
@@ -553,7 +600,10 @@ impl<'a> Shader<'a> {
         let (number, triangle) = self.accel.identify(primitive);
         let object = &self.scene.objects[number as usize];
         let place = || self.placed(number, primitive);
-        let color = self.own_colors.of_triangle(number, object, triangle, place);
+        let color = match self.back_color(primitive) {
+            Some(color) => color,
+            None => (self.own_colors).of_triangle(number, object, triangle, place),
+        };
         if self.shading.mode == Mode::Color {
             return opaque(color);
         }
@@ -598,7 +648,7 @@ impl<'a> Shader<'a> {
                 let light = self.lights.on(facet.normal, facet.to_eye);
                 opaque(self.surface_color(facet, || (x, y), hit) * light)
             }
-            Mode::Smooth => {
+            Mode::Smooth | Mode::XRay => {
                 let to_eye = self.to_eye_at(x, y);
                 let light = self.lights.on(facet.normal_at(hit.u, hit.v), to_eye);
                 opaque(self.surface_color(facet, || (x, y), hit) * light)
@@ -681,7 +731,7 @@ impl<'a> Shader<'a> {
 fn is_colored(mode: Mode) -> bool {
     matches!(
         mode,
-        Mode::Color | Mode::Flat | Mode::Smooth | Mode::Texture
+        Mode::Color | Mode::Flat | Mode::Smooth | Mode::Texture | Mode::XRay
     )
 }
 
@@ -691,9 +741,12 @@ fn needs(scene: &Scene, shading: &Shading, own_colors: &OwnColors) -> Needs {
     let has_normals = || scene.objects.iter().any(|object| object.mesh.has_normals());
     let has_texture = || scene.objects.iter().any(Object::has_texture);
     Needs {
-        normal: matches!(shading.mode, Mode::Flat | Mode::Smooth | Mode::Normals),
+        normal: matches!(
+            shading.mode,
+            Mode::Flat | Mode::Smooth | Mode::Normals | Mode::XRay
+        ),
         middle: shading.mode == Mode::Flat,
-        smooth: matches!(shading.mode, Mode::Smooth | Mode::Normals) && has_normals(),
+        smooth: matches!(shading.mode, Mode::Smooth | Mode::Normals | Mode::XRay) && has_normals(),
         color: colored,
         varied: colored && own_colors.vary,
         texture: colored && shading.mode != Mode::Color && shading.blend > 0.0 && has_texture(),

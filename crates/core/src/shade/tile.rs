@@ -1,5 +1,6 @@
 use super::facet::Facet;
 use super::smooth::{Facets, Row, Rows, Vectors};
+use super::translucent::{Translucent, shell};
 use super::{Shader, srgb};
 use crate::camera::Rect;
 use crate::num::simd::{LANES, Lanes, Work, dispatch};
@@ -66,6 +67,29 @@ impl<'s> TileShader<'s> {
         } else {
             srgb::encode(self.color(x, y, hit))
         }
+    }
+
+    /// A layer's colour, linear light, and how much of what lies behind it covers: `along` is the unit vector of the ray.
+    pub(crate) fn layer(
+        &mut self,
+        (x, y): (f64, f64),
+        along: Vec3,
+        hit: &PrimitiveHit,
+    ) -> (Vec3, f32) {
+        let shader = self.shader();
+        let covers = match shader.translucent() {
+            Some(Translucent::All(alpha)) => {
+                let normal = self.facet(hit.primitive).normal_at(hit.u, hit.v);
+                shell(*alpha, normal.dot(along).abs())
+            }
+            Some(Translucent::Blended(_)) => shader.alpha(hit),
+            None => 1.0,
+        };
+        if covers == 0.0 {
+            return (Vec3::ZERO, 0.0);
+        }
+        let [r, g, b, _] = self.color(x, y, hit);
+        (Vec3::new(r, g, b), covers)
     }
 
     /// Colours the pixels of `rect`, given as its rows, from hits at their centres, row by row.
@@ -296,7 +320,7 @@ impl<'s> TileShader<'s> {
 
     /// A triangle, remembered or made ready.
     #[inline(always)]
-    fn facet(&mut self, primitive: u32) -> &Facet {
+    pub(super) fn facet(&mut self, primitive: u32) -> &Facet {
         let place = primitive as usize % FACETS;
         if self
             .facets

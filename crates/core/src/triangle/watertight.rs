@@ -225,6 +225,24 @@ impl PreparedRay {
         }
     }
 
+    /// Which of two hits comes first along the ray: of two at one distance the lower primitive id.
+    pub(crate) fn order(
+        &self,
+        first: &Nearest,
+        second: &Nearest,
+        corners: impl Fn(u32) -> [Vec3; 3],
+        id: impl Fn(u32) -> u32,
+    ) -> Ordering {
+        if first.is_surely_before(second) {
+            return Ordering::Less;
+        }
+        if second.is_surely_before(first) {
+            return Ordering::Greater;
+        }
+        let by_id = || id(first.primitive).cmp(&id(second.primitive));
+        self.compare(first, second, corners).then_with(by_id)
+    }
+
     /// Which of two hits is nearer, where their errors overlap.
     fn compare(
         &self,

@@ -5,6 +5,7 @@
 //! Lines along edges are left out: a hit under lines has no known colour.
 
 mod light;
+mod mask;
 mod normal;
 mod own_color;
 mod range;
@@ -12,6 +13,7 @@ mod section;
 mod srgb;
 mod texture;
 
+pub(crate) use mask::seen;
 pub(crate) use range::Single;
 
 use crate::stage::Stage;
@@ -23,7 +25,7 @@ use range::{Double, Vector, exactly, minus, plus};
 use raycast_core::Cull;
 use raycast_core::camera::{Camera, Projection, Rect};
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{Object, Wrap};
+use raycast_core::scene::{Object, Opacity, Wrap};
 use raycast_core::shade::{Background, Filter, Legend, Mode, Shading, TextureProjection};
 use raycast_oracle::Truth;
 use rayon::prelude::*;
@@ -134,6 +136,11 @@ impl<'a> Expected<'a> {
         }
         let lines = self.shading.wireframe.is_some() || self.shading.mode == Mode::Wireframe;
         let section = || section::color(self.stage, &self.camera, self.shading.mode, (x, y), truth);
+        let is_cut = self.has_sections && self.stage.clip().enabled().next().is_some();
+        if is_cut && self.stage.has_masks() {
+            // Sections behind masks are not worked out a second time.
+            return [Single::UNKNOWN; 4];
+        }
         let cut = self.has_sections.then(section).flatten();
         let Some(truth) = truth else {
             if !self.camera.has_place(x, y) {
@@ -150,14 +157,35 @@ impl<'a> Expected<'a> {
         if let Some(cut) = cut {
             return opaque(cut);
         }
+        let mesh = &hit.object.mesh;
+        let is_blended = matches!(mesh.opacity(hit.triangle), Opacity::Blend(_));
+        if is_blended
+            && !matches!(
+                self.shading.mode,
+                Mode::Normals | Mode::Depth | Mode::Barycentric | Mode::Uv
+            )
+        {
+            // Layers are not composited a second time.
+            return [Single::UNKNOWN; 4];
+        }
+        // A back is what culling drops.
+        let back = self.shading.back_faces.filter(|_| {
+            let ray = self.camera.ray(x, y);
+            let numbers = (truth.object, truth.triangle);
+            self.stage.intersect(numbers, &ray, Cull::Back).is_none()
+        });
+        let surface_color = || match back {
+            Some(color) => srgb::linear(color),
+            None => self.surface_color(&hit),
+        };
         let lit = |light: Vector<24>| {
-            let color = self.surface_color(&hit);
+            let color = surface_color();
             std::array::from_fn(|i| color[i] * light[i])
         };
         let number = Single::exactly;
         opaque(match self.shading.mode {
-            Mode::Color => self.own_color(&hit),
-            Mode::Texture => self.surface_color(&hit),
+            Mode::Color => back.map_or_else(|| self.own_color(&hit), srgb::linear),
+            Mode::Texture => surface_color(),
             Mode::Flat => {
                 let normal = normal::flat(&self.camera, hit.corners);
                 let to_eye = normal::middle_to_eye(&self.camera, hit.corners);
@@ -185,7 +213,7 @@ impl<'a> Expected<'a> {
                 let [u, v] = uv.map(fraction);
                 [u, v, number(0.25)].map(srgb::displayed)
             }
-            Mode::Wireframe => [Single::UNKNOWN; 3],
+            Mode::Wireframe | Mode::XRay => [Single::UNKNOWN; 3],
         })
     }
 
@@ -361,9 +389,16 @@ fn depths_seen(stage: &Stage, camera: &Camera, cull: Cull) -> Option<[Double; 2]
         .into_par_iter()
         .filter_map(|(x, y)| {
             let ray = camera.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
-            stage.truth(&ray, cull).map(|truth| truth.t)
+            // What is not sure leaves the range open.
+            match seen(stage, &ray, cull) {
+                Some(truth) => truth.map(|truth| truth.t),
+                None => Some(f64::NAN),
+            }
         })
         .collect();
+    if truths.iter().any(|t| t.is_nan()) {
+        return None;
+    }
     let near = truths.iter().copied().reduce(f64::min)?;
     let far = truths.into_iter().reduce(f64::max)?;
     Some([near, far].map(|t| Double::around(t, T_BOUND * ulp(t))))

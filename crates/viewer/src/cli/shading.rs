@@ -1,4 +1,4 @@
-use super::{SceneColor, TextureProjectionArgs, WireframeArg, values};
+use super::{BackFacesArg, SceneColor, TextureProjectionArgs, WireframeArg, values};
 use clap::Args;
 use raycast_core::scene::{Color, ColorMap, Crop, Wrap};
 use raycast_core::shade::{Background, EdgeKinds, Filter, Mode};
@@ -39,6 +39,12 @@ pub struct ShadingArgs {
         value_parser = values::hidden_lines
     )]
     pub wireframe_hidden: Option<f32>,
+    /// The color of triangles that are seen from behind, in place of their own: `#rrggbb`, `#rgb` or `none`
+    #[arg(long, value_name = "COLOR", value_parser = values::back_faces)]
+    pub back_faces: Option<BackFacesArg>,
+    /// In `--mode x-ray`, how much of what lies behind it a surface covers that is seen from above [default: 0.2]
+    #[arg(long, value_name = "0..1", allow_hyphen_values = true, value_parser = values::opacity)]
+    pub x_ray_opacity: Option<f32>,
     /// An image for the surface of every object
     #[arg(long, value_name = "IMAGE")]
     pub texture: Option<PathBuf>,

@@ -63,6 +63,7 @@ pub(super) const MODES: Names<Mode> = &[
     ("uv", Mode::Uv),
     ("texture", Mode::Texture),
     ("wireframe", Mode::Wireframe),
+    ("x-ray", Mode::XRay),
 ];
 
 pub(super) const TEXTURE_PROJECTIONS: Names<TextureProjection> = &[
@@ -109,6 +110,31 @@ pub(super) fn named<T: Copy + Send + Sync + 'static>(
             .map(|(_, value)| *value)
             .expect("clap lets only listed names through")
     })
+}
+
+/// Reads how much of what lies behind it a surface covers.
+pub(super) fn opacity(text: &str) -> Result<f32, String> {
+    ranges::opacity(number(text)?).map_err(|error| error.to_string())
+}
+
+/// `--back-faces`: their colour, or none although a scene file has one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BackFacesArg {
+    /// As in front.
+    None,
+    /// In a colour of their own.
+    Color(Color),
+}
+
+/// Reads `--back-faces`.
+pub(super) fn back_faces(text: &str) -> Result<BackFacesArg, String> {
+    match text {
+        "none" => Ok(BackFacesArg::None),
+        _ => text
+            .parse()
+            .map(BackFacesArg::Color)
+            .map_err(|_| "expected #rrggbb, #rgb or none".to_owned()),
+    }
 }
 
 /// Reads a count of workers.

@@ -11,7 +11,7 @@ use raycast_core::formats::{CameraFile, Limits};
 use raycast_core::glam::DVec3;
 use raycast_core::render::View;
 use raycast_core::scene::{Scene, UpAxis};
-use raycast_core::shade::{Background, EdgeKinds};
+use raycast_core::shade::{Background, EdgeKinds, Mode};
 use std::path::PathBuf;
 
 /// `raycast render` with all that decides the picture's bytes, whatever a scene file among `files` says of camera
@@ -83,6 +83,15 @@ pub fn render_command(
     }
     for plane in planes {
         option("--clip", plane);
+    }
+    // A scene file may have one.
+    let back_faces = shading.back_faces.map(|color| color.to_string());
+    option(
+        "--back-faces",
+        back_faces.unwrap_or_else(|| "none".to_owned()),
+    );
+    if shading.mode == Mode::XRay {
+        option("--x-ray-opacity", shading.x_ray_opacity.to_string());
     }
     match shading.wireframe {
         Some(lines) => {

@@ -14,6 +14,9 @@ use raycast_core::shade::{Background, EdgeKinds, Mode, Wireframe};
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     section(ui, "Look", true, |ui| {
         modes(ui, state, out);
+        if state.settings.shading.mode == Mode::XRay {
+            x_ray(ui, state, out);
+        }
         lines(ui, state, out);
         colors::show(ui, state, out);
         texture(ui, state, out);
@@ -42,6 +45,30 @@ fn modes(ui: &mut Ui, state: &State, out: &mut Commands) {
             });
         }
     });
+}
+
+fn x_ray(ui: &mut Ui, state: &State, out: &mut Commands) {
+    row(
+        ui,
+        "Opacity",
+        "How much of what lies behind it a surface covers",
+        |ui, label| {
+            let number = Number {
+                value: f64::from(state.settings.shading.x_ray_opacity),
+                range: 0.0..=1.0,
+                speed: 0.01,
+                decimals: Some(2),
+                suffix: "",
+                width: 52.0,
+                hint: "Of a surface seen from above; at a slant it covers more",
+            };
+            out.extend(
+                number
+                    .show(ui, label)
+                    .map(|share| Command::SetXRayOpacity(share as f32)),
+            );
+        },
+    );
 }
 
 fn lines(ui: &mut Ui, state: &State, out: &mut Commands) {

@@ -1,4 +1,4 @@
-use crate::cli::{ReadingArgs, ShadingArgs, TextureProjectionArgs, WireframeArg};
+use crate::cli::{BackFacesArg, ReadingArgs, ShadingArgs, TextureProjectionArgs, WireframeArg};
 use crate::failure::Failure;
 use crate::memory;
 use raycast_core::formats;
@@ -142,6 +142,12 @@ pub fn shading(args: &ShadingArgs, file: Option<Shading>) -> Shading {
         filter: args.filter.unwrap_or(base.filter),
         projection: args.projection.kind.unwrap_or(base.projection),
         scale: scale(args, base.scale),
+        back_faces: match args.back_faces {
+            None => base.back_faces,
+            Some(BackFacesArg::None) => None,
+            Some(BackFacesArg::Color(color)) => Some(color),
+        },
+        x_ray_opacity: args.x_ray_opacity.unwrap_or(base.x_ray_opacity),
     }
 }
 

@@ -149,6 +149,10 @@ pub enum Command {
     SetTextureProjection(TextureProjection),
     /// Which faces rays meet.
     SetCull(Cull),
+    /// In x-ray, how much of what lies behind it a surface covers.
+    SetXRayOpacity(f32),
+    /// The colour of triangles seen from behind; `None` for the same as in front.
+    SetBackFaces(Option<Color>),
     /// What lies behind everything.
     SetBackground(Background),
     /// How numbers become colours; `None` for the usual way, and depth in greys.
@@ -360,6 +364,8 @@ impl Command {
             Self::SetFilter(_) => ("Change of filter", false),
             Self::SetTextureProjection(_) => ("Change of mapping", false),
             Self::SetCull(_) => ("Change of faces", false),
+            Self::SetXRayOpacity(_) => ("Opacity of x-ray", true),
+            Self::SetBackFaces(_) => ("Color of back faces", true),
             Self::SetBackground(_) => ("Change of background", true),
             Self::SetColorScale(_) => ("Change of color scale", true),
             Self::SetColorRule(..) => ("Change of color", true),

@@ -136,6 +136,10 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             state.settings.shading.projection = projection;
         }
         Command::SetCull(cull) => state.settings.cull = cull,
+        Command::SetXRayOpacity(opacity) => {
+            state.settings.shading.x_ray_opacity = opacity.clamp(0.0, 1.0);
+        }
+        Command::SetBackFaces(color) => state.settings.shading.back_faces = color,
         Command::SetBackground(background) => state.settings.shading.background = background,
         Command::SetColorRule(which, rule) => {
             return objects::change(state, which, |object| object.color = rule.clone());

@@ -2,7 +2,7 @@ use crate::formats::SceneFile;
 use crate::formats::held::Held;
 use crate::formats::limits::Budget;
 use crate::formats::read_scene_from;
-use crate::scene::{Color, Mesh, Wrap};
+use crate::scene::{Alpha, Color, Mesh, Opacity, Wrap};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::{DVec3, Vec2, Vec3};
@@ -381,6 +381,20 @@ fn colours_are_those_of_factors_vertices_and_images() {
     assert!(object.texture_on(1).is_none());
     let image = object.texture_on(2).expect("an image");
     assert_eq!(image.texels(), [[188, 100, 0, 255]]);
+    let half = Alpha {
+        factor: 0.5,
+        image: None,
+    };
+    assert_eq!(*object.mesh.opacity(0), Opacity::Blend(half.clone()));
+    assert_eq!(*object.mesh.opacity(1), Opacity::Opaque);
+    for (given, cutoff) in [("", 0.5), (", \"alphaCutoff\": 0.25", 0.25)] {
+        let masked = rest.replace("\"BLEND\"", &format!("\"MASK\"{given}"));
+        let file = read(&gltf(&more, accessors, &masked));
+        let alpha = half.clone();
+        let opacity = file.scene.objects[0].mesh.opacity(0).clone();
+        assert_eq!(opacity, Opacity::Mask { alpha, cutoff });
+        assert_eq!(file.warnings.len(), 1, "{:?}", file.warnings);
+    }
     assert_eq!(image.wrap(), [Wrap::Clamp, Wrap::Mirror]);
     // (u, v) scaled by (2, 1), turned by a quarter to (v, −u), moved by (0.5, 0), and upright.
     let uvs = object.mesh.corner_uvs(2).expect("coordinates");
@@ -391,9 +405,12 @@ fn colours_are_those_of_factors_vertices_and_images() {
     assert_eq!(object.mesh.corner_uvs(0), None);
     assert_eq!(
         file.warnings,
-        ["a.gltf: corners behind the last whole triangle, which are passed over: 4"]
+        [
+            "a.gltf: corners behind the last whole triangle, which are passed over: 4",
+            "a.gltf: blended materials, of which each layer covers by its alpha, with nothing refracted: 1",
+        ]
     );
-    let told = "not used: light of their own (1 materials), opacity (1 materials), \"X_y\"";
+    let told = "not used: light of their own (1 materials), \"X_y\"";
     assert_eq!(notes(&gltf(&more, accessors, rest))[1], told);
     // An image that cannot be read is told, and the rest is shown.
     let file = read(&gltf(&more, accessors, &rest.replace("t.ppm", "none.png")));

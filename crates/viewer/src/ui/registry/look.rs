@@ -33,6 +33,7 @@ pub(super) static ACTIONS: &[Action] = &[
     mode!(7, Num7),
     mode!(8, Num8),
     mode!(9, Num9),
+    mode!(10, Num0),
     Action::of(
         Menu::Look,
         "look.next_mode",
