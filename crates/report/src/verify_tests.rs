@@ -2,7 +2,7 @@ use super::*;
 use crate::cameras::{PROJECTIONS, camera};
 use crate::meshes;
 use crate::stage::scene_of;
-use raycast_core::camera::Grid;
+use raycast_core::camera::{Grid, PixelFilter};
 use raycast_core::glam::{DVec3, Vec2, Vec3};
 use raycast_core::render::Cancel;
 use raycast_core::scene::{
@@ -29,6 +29,7 @@ struct Made {
     camera: Camera,
     shading: Shading,
     samples: u32,
+    pixel_filter: PixelFilter,
 }
 
 impl Made {
@@ -44,6 +45,7 @@ impl Made {
             camera,
             shading,
             samples,
+            pixel_filter: PixelFilter::Box,
         }
     }
 
@@ -54,6 +56,7 @@ impl Made {
             cull: Cull::None,
             shading: self.shading,
             samples: self.samples,
+            pixel_filter: self.pixel_filter,
             picture: &self.picture,
         };
         let told = AtomicU64::new(0);
@@ -94,7 +97,14 @@ fn furnished() -> Stage {
         let byte = |step: usize| (i * step % 256) as u8;
         (i % 7 > 0).then(|| Color([byte(3), byte(50), byte(91)]))
     });
+    let shares = ball.positions().iter().map(|p| p.x + 0.5);
+    let shares = Scalar {
+        name: "share".to_owned(),
+        at: ScalarAt::Vertices,
+        values: shares.collect(),
+    };
     let ball = Arc::new(Mesh::new(MeshData {
+        scalars: vec![shares],
         colors: colors.collect(),
         positions: ball.positions().iter().map(|p| p.as_dvec3()).collect(),
         triangles: ball.triangles().to_vec(),
@@ -136,6 +146,7 @@ fn furnished() -> Stage {
             },
             Object {
                 texture: texture.clone(),
+                blend_by: Some("share".to_owned()),
                 ..object(&ball, DVec3::new(1.5, 0.0, -0.5))
             },
             object(&cube, DVec3::new(-1.2, 0.4, 0.3)),
@@ -518,6 +529,47 @@ fn means_of_samples_are_checked() {
 }
 
 #[test]
+fn filters_are_checked() {
+    let stage = furnished();
+    for ((name, filter), camera) in PixelFilter::ALL
+        .into_iter()
+        .zip(views().into_iter().cycle())
+    {
+        let mut view = stage.view(camera, Cull::None);
+        view.settings.shading = Shading::default();
+        view.settings.samples = 6;
+        view.settings.pixel_filter = filter;
+        let picture = view.render(
+            Grid::default(),
+            &|| Duration::ZERO,
+            &Cancel::default(),
+            &|_| (),
+        );
+        let mut made = Made {
+            picture: picture.expect("nothing cancelled it"),
+            camera,
+            shading: Shading::default(),
+            samples: 6,
+            pixel_filter: filter,
+        };
+        let found = made.checked(&stage, 100_000);
+        assert_eq!(found.wrong, 0, "{name} {:?}", found.first_wrong);
+        assert!(
+            found.channels.color > 4000,
+            "{name} {}",
+            found.channels.color
+        );
+        // With another filter, edges are others.
+        made.pixel_filter = match filter {
+            PixelFilter::Gaussian => PixelFilter::Box,
+            _ => PixelFilter::Gaussian,
+        };
+        let found = made.checked(&stage, 100_000);
+        assert!(found.wrong > 100, "{name} {}", found.wrong);
+    }
+}
+
+#[test]
 fn under_lines_no_color_is_checked() {
     let stage = furnished();
     for (mode, wireframe) in [
@@ -577,6 +629,7 @@ fn only_a_few_wrong_pixels_are_told_of_and_all_are_counted() {
         camera,
         shading: plain(),
         samples: 1,
+        pixel_filter: PixelFilter::Box,
     };
     let found = made.checked(&stage, 1000);
     assert!(found.wrong > 500 && found.first_wrong.len() == TOLD);

@@ -13,7 +13,11 @@ fn saved_scenes_read_the_same() {
         .replace("\"perspective\"", "\"orthographic\"")
         .replace("fov = 40.0", "frame = 2.125")
         .replace("[\"#20242c\", \"#3A4454\"]", "\"transparent\"")
-        .replace("wireframe = true\nwireframe-width = 1.3\n", "");
+        .replace("wireframe = true\nwireframe-width = 1.3\n", "")
+        .replace(
+            "wireframe-edges = \"feature:25,boundary\"\nwireframe-hidden = 0.2\n",
+            "",
+        );
     let studio = "[shading]\nmode = \"material\"\ncrease = 35.5\nlights = \"headlight\"\nplain-color = \"#c8bfb2\"\n";
     let read = parse(studio).shading.expect("a shading");
     assert_eq!((read.mode, read.crease), (Mode::Material, 35.5));

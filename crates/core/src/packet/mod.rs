@@ -53,6 +53,7 @@ mod ray_bounds;
 #[cfg(test)]
 mod ray_bounds_tests;
 mod ray_box;
+mod ray_rect;
 mod rivals;
 mod setup;
 #[cfg(test)]

@@ -1,4 +1,4 @@
-use super::{Color, Reflectance, Texture};
+use super::{Color, Opacity, Reflectance, Texture};
 use std::sync::Arc;
 
 /// A named colour of the file.
@@ -14,6 +14,8 @@ pub struct Material {
     pub by_vertex: bool,
     /// How it reflects light, where the file says it.
     pub reflectance: Option<Arc<Reflectance>>,
+    /// How much of its surfaces is there.
+    pub opacity: Opacity,
 }
 
 impl Material {
@@ -25,6 +27,7 @@ impl Material {
             texture: None,
             by_vertex: false,
             reflectance: None,
+            opacity: Opacity::Opaque,
         }
     }
 }

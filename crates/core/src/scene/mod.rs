@@ -1,5 +1,6 @@
 //! What there is to see: meshes, the objects that place them, their colours and textures.
 
+mod adjacency;
 mod attribute;
 mod bounds;
 mod clipping;
@@ -8,13 +9,16 @@ mod color_map;
 mod content;
 mod crease;
 mod curvature;
+mod diagonals;
 mod extent;
 mod mapping;
+mod masks;
 mod material;
 mod measures;
 mod mesh;
 mod mesh_data;
 mod object;
+mod opacity;
 mod quantity;
 mod reflectance;
 mod rounding;
@@ -27,18 +31,22 @@ mod values;
 mod weld;
 mod wrap;
 
+pub(crate) use adjacency::{Across, Adjacency};
 pub use attribute::Attribute;
 pub use bounds::Bounds;
 pub use clipping::{CLIPPING_PLANES, ClippingError, ClippingPlane, ClippingPlanes};
 pub use color::{Color, ColorRule};
 pub use color_map::{COLOR_MAP_STEPS, ColorMap, ColorScale};
+pub use diagonals::Diagonals;
 pub use mapping::{Projector, ProjectorError, TextureMapping, TextureProjection};
+pub use masks::Masks;
 pub use material::Material;
 pub use measures::OUTLIERS;
 pub use mesh::{Dropped, Mesh};
 pub use mesh_data::{COORDINATE_LIMIT, MeshData};
 pub(crate) use mesh_data::{is_storable, recentring_offset};
 pub use object::{Object, Scene, SceneError};
+pub use opacity::{Alpha, Opacity};
 pub use quantity::{Curvature, Quantity};
 pub use reflectance::Reflectance;
 pub use rounding::{BENT, Rounding};

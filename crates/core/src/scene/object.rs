@@ -1,4 +1,4 @@
-use super::{Color, ColorRule, Mesh, Shape, Texture, TextureMapping, Transform, UpAxis};
+use super::{Color, ColorRule, Mesh, ScalarAt, Shape, Texture, TextureMapping, Transform, UpAxis};
 use crate::quote::shorten;
 use glam::DAffine3;
 use std::collections::BTreeMap;
@@ -22,6 +22,9 @@ pub struct Object {
     pub texture: Option<Arc<Texture>>,
     /// How its texture lies on it, where that is its own.
     pub mapping: TextureMapping,
+    /// The mesh's scalar that says how much of the texture shows, from 0 to 1, times the picture's blend; where it has
+    /// no number, all. `None`: all of it everywhere.
+    pub blend_by: Option<String>,
     /// The file that its mesh was read from, for saving the scene: absolute, or relative where the
     /// mesh came from a caller's own store of files.
     pub source: Option<PathBuf>,
@@ -49,6 +52,7 @@ impl Object {
             color: ColorRule::File,
             texture: None,
             mapping: TextureMapping::default(),
+            blend_by: None,
             source: None,
             up_axis: UpAxis::Y,
             texture_source: None,
@@ -82,6 +86,20 @@ impl Object {
     pub(crate) fn is_tinted(&self, triangle: u32) -> bool {
         let is_own = self.texture.is_none() && self.color.is_file();
         is_own && (self.mesh.material(triangle)).is_some_and(|material| material.by_vertex)
+    }
+
+    /// The numbers at a triangle's corners that say how much of the texture shows, where the object has any.
+    pub fn blend_numbers(&self, triangle: u32) -> Option<[f32; 3]> {
+        let scalar = self.mesh.scalar(self.blend_by.as_deref()?)?;
+        let at = |index: u32| scalar.values.get(index as usize).copied();
+        match scalar.at {
+            ScalarAt::Triangles => Some([at(triangle)?; 3]),
+            ScalarAt::Vertices => {
+                let corners = self.mesh.triangles().get(triangle as usize)?;
+                let [a, b, c] = corners.map(at);
+                Some([a?, b?, c?])
+            }
+        }
     }
 
     /// Whether any triangle may have an image.

@@ -1,3 +1,4 @@
+use super::EdgeKinds;
 use crate::scene::{Color, ColorScale, TextureProjection};
 
 /// What a picture shows.
@@ -23,18 +24,23 @@ pub enum Mode {
     Uv,
     /// The texture, unlit; the object's colours where there is none.
     Texture,
-    /// Lines alone, over the background, with what is hidden left out.
+    /// Lines alone, over the background.
     Wireframe,
+    /// All layers, each faint and lit as in [`Mode::Smooth`], the nearest over those behind it.
+    XRay,
 }
 
 impl Mode {
     /// Whether it shows normals between corners.
     pub(crate) fn shows_normals(self) -> bool {
-        matches!(self, Self::Smooth | Self::Material | Self::Normals)
+        matches!(
+            self,
+            Self::Smooth | Self::Material | Self::Normals | Self::XRay
+        )
     }
 
     /// Each of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Color,
         Self::Flat,
         Self::Smooth,
@@ -45,6 +51,7 @@ impl Mode {
         Self::Uv,
         Self::Texture,
         Self::Wireframe,
+        Self::XRay,
     ];
 }
 
@@ -76,8 +83,13 @@ impl Filter {
 pub struct Wireframe {
     /// Width in pixels.
     pub width: f32,
-    /// Colour.
+    /// Colour of all lines but those of [`EdgeKinds::boundary`] and [`EdgeKinds::non_manifold`] edges, which have
+    /// [`Wireframe::BOUNDARY`] and [`Wireframe::NON_MANIFOLD`].
     pub color: Color,
+    /// Which edges have lines.
+    pub edges: EdgeKinds,
+    /// How strongly lines show through what hides them, from 0 (not at all) to 1; not in panoramas.
+    pub hidden: f32,
 }
 
 impl Wireframe {
@@ -86,7 +98,18 @@ impl Wireframe {
     pub const ALONE: Self = Self {
         width: 1.0,
         color: Color([0xd6, 0xde, 0xe8]),
+        edges: EdgeKinds::ALL,
+        hidden: 0.0,
     };
+
+    /// The colour of boundary edges.
+    pub const BOUNDARY: Color = Color([0xff, 0x9d, 0x2e]);
+
+    /// The colour of non-manifold edges.
+    pub const NON_MANIFOLD: Color = Color([0xff, 0x3b, 0x5c]);
+
+    /// How strongly hidden lines show where nobody says how strongly.
+    pub const FAINT: f32 = 0.25;
 }
 
 impl Default for Wireframe {
@@ -95,6 +118,8 @@ impl Default for Wireframe {
         Self {
             width: 1.0,
             color: Color([0x10, 0x14, 0x1a]),
+            edges: EdgeKinds::ALL,
+            hidden: 0.0,
         }
     }
 }
@@ -155,6 +180,16 @@ pub struct Shading {
     /// the default scale where this is `None`, and distances in [`Mode::Depth`], which are then greys over the
     /// scene's box. Fitted, depth is over what is seen.
     pub scale: Option<ColorScale>,
+    /// The colour of triangles that are seen from behind, in place of their own and their texture's; `None` for the
+    /// same as in front. In modes that show what surfaces look like.
+    pub back_faces: Option<Color>,
+    /// In [`Mode::XRay`], how much of what lies behind it a surface covers that is seen from above: 0 to 1.
+    pub x_ray_opacity: f32,
+}
+
+impl Shading {
+    /// Where none is given.
+    pub const X_RAY_OPACITY: f32 = 0.2;
 }
 
 impl Default for Shading {
@@ -170,6 +205,8 @@ impl Default for Shading {
             lights: LightSet::default(),
             plain_color: Color::DEFAULT,
             scale: None,
+            back_faces: None,
+            x_ray_opacity: Self::X_RAY_OPACITY,
         }
     }
 }

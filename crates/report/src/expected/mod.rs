@@ -6,6 +6,7 @@
 
 mod crease;
 mod light;
+mod mask;
 mod normal;
 mod own_color;
 mod range;
@@ -14,6 +15,7 @@ mod section;
 mod srgb;
 mod texture;
 
+pub(crate) use mask::seen;
 pub(crate) use range::Single;
 
 use crate::stage::Stage;
@@ -26,7 +28,7 @@ use range::{Double, Vector, exactly, exactly_single, minus, plus};
 use raycast_core::Cull;
 use raycast_core::camera::{Camera, Projection, Rect};
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{ColorRule, Object, Reflectance, Texture, Wrap};
+use raycast_core::scene::{ColorRule, Object, Opacity, Reflectance, Texture, Wrap};
 use raycast_core::shade::{Background, Filter, Legend, Mode, Shading, TextureProjection};
 use raycast_oracle::Truth;
 use rayon::prelude::*;
@@ -126,6 +128,12 @@ impl<'a> Expected<'a> {
         (self.normal(&hit), uv)
     }
 
+    /// Whether lines may show where nothing is hit.
+    fn has_lines_beyond(&self) -> bool {
+        let lines = self.shading.wireframe;
+        lines.is_some_and(|lines| lines.hidden > 0.0 || lines.edges.silhouette)
+    }
+
     /// The colour of the sample at (x, y) of the picture, in pixels from its top left corner, where its
     /// ray hits `truth`: linear light, alpha not multiplied in. Unknown where it is undecided.
     pub(crate) fn color(&self, x: f64, y: f64, truth: Option<&Truth>) -> [Single; 4] {
@@ -135,10 +143,18 @@ impl<'a> Expected<'a> {
         }
         let lines = self.shading.wireframe.is_some() || self.shading.mode == Mode::Wireframe;
         let section = || section::color(self.stage, &self.camera, self.shading.mode, (x, y), truth);
+        let is_cut = self.has_sections && self.stage.clip().enabled().next().is_some();
+        if is_cut && self.stage.has_masks() {
+            // Sections behind masks are not worked out a second time.
+            return [Single::UNKNOWN; 4];
+        }
         let cut = self.has_sections.then(section).flatten();
         let Some(truth) = truth else {
             if !self.camera.has_place(x, y) {
                 return [Single::exactly(0.0); 4];
+            }
+            if self.has_lines_beyond() {
+                return [Single::UNKNOWN; 4];
             }
             return cut.map_or_else(|| self.backdrop(y), opaque);
         };
@@ -148,14 +164,35 @@ impl<'a> Expected<'a> {
         if let Some(cut) = cut {
             return opaque(cut);
         }
+        let mesh = &hit.object.mesh;
+        let is_blended = matches!(mesh.opacity(hit.triangle), Opacity::Blend(_));
+        if is_blended
+            && !matches!(
+                self.shading.mode,
+                Mode::Normals | Mode::Depth | Mode::Barycentric | Mode::Uv
+            )
+        {
+            // Layers are not composited a second time.
+            return [Single::UNKNOWN; 4];
+        }
+        // A back is what culling drops.
+        let back = self.shading.back_faces.filter(|_| {
+            let ray = self.camera.ray(x, y);
+            let numbers = (truth.object, truth.triangle);
+            self.stage.intersect(numbers, &ray, Cull::Back).is_none()
+        });
+        let surface_color = || match back {
+            Some(color) => srgb::linear(color),
+            None => self.surface_color(&hit),
+        };
         let lit = |light: Vector<24>| {
-            let color = self.surface_color(&hit);
+            let color = surface_color();
             std::array::from_fn(|i| color[i] * light[i])
         };
         let number = Single::exactly;
         opaque(match self.shading.mode {
-            Mode::Color => self.own_color(&hit),
-            Mode::Texture => self.surface_color(&hit),
+            Mode::Color => back.map_or_else(|| self.own_color(&hit), srgb::linear),
+            Mode::Texture => surface_color(),
             Mode::Flat => {
                 let normal = normal::flat(&self.camera, hit.corners);
                 let to_eye = normal::middle_to_eye(&self.camera, hit.corners);
@@ -185,7 +222,7 @@ impl<'a> Expected<'a> {
                 let [u, v] = uv.map(fraction);
                 [u, v, number(0.25)].map(srgb::displayed)
             }
-            Mode::Wireframe => [Single::UNKNOWN; 3],
+            Mode::Wireframe | Mode::XRay => [Single::UNKNOWN; 3],
         })
     }
 
@@ -321,7 +358,15 @@ impl<'a> Expected<'a> {
             true => std::array::from_fn(|i| [r, g, b][i] * color[i]),
             false => [r, g, b],
         };
-        let blend = Single::exactly(self.shading.blend.into());
+        let mut blend = Single::exactly(self.shading.blend.into());
+        if let Some(numbers) = hit.object.blend_numbers(hit.triangle) {
+            if !numbers.iter().all(|number| number.is_finite()) {
+                return [Single::UNKNOWN; 3];
+            }
+            let corners = numbers.map(|number| [Single::exactly(number.into())]);
+            let [share] = normal::blend(corners, hit.weights);
+            blend = blend * share.max(0.0).min(1.0);
+        }
         let rest = Single::exactly(1.0) - a * blend;
         plus(color.map(|c| c * rest), [r, g, b].map(|c| c * blend))
     }
@@ -446,9 +491,16 @@ fn depths_seen(stage: &Stage, camera: &Camera, cull: Cull) -> Option<[Double; 2]
         .into_par_iter()
         .filter_map(|(x, y)| {
             let ray = camera.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
-            stage.truth(&ray, cull).map(|truth| truth.t)
+            // What is not sure leaves the range open.
+            match seen(stage, &ray, cull) {
+                Some(truth) => truth.map(|truth| truth.t),
+                None => Some(f64::NAN),
+            }
         })
         .collect();
+    if truths.iter().any(|t| t.is_nan()) {
+        return None;
+    }
     let near = truths.iter().copied().reduce(f64::min)?;
     let far = truths.into_iter().reduce(f64::max)?;
     Some([near, far].map(|t| Double::around(t, T_BOUND * ulp(t))))

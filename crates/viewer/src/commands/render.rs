@@ -263,6 +263,9 @@ pub(super) fn open(
             .or(file.image.precision)
             .unwrap_or_default(),
         samples: args.samples.or(file.image.samples).unwrap_or(1).max(1),
+        pixel_filter: (args.pixel_filter)
+            .or(file.image.pixel_filter)
+            .unwrap_or_default(),
         layers: format == Format::Exr,
     };
 

@@ -15,6 +15,7 @@ mod manipulator;
 mod marks;
 mod measure;
 mod menu;
+mod object_tree;
 mod objects;
 #[allow(clippy::disallowed_methods, reason = "tints are no part of a picture")]
 pub mod overlay;

@@ -23,6 +23,7 @@ mod names;
 mod navigate;
 pub mod news;
 mod objects;
+pub mod parents;
 pub mod pick;
 mod plane;
 pub mod preferences;
@@ -48,7 +49,7 @@ use raycast_core::camera::{
 use raycast_core::formats::{ImageSettings, Limits, SceneFile};
 use raycast_core::glam::DVec3;
 use raycast_core::render::{Settings, View};
-use raycast_core::scene::Bounds;
+use raycast_core::scene::{Bounds, Masks};
 use raycast_core::shade::{Legend, Shading};
 use std::sync::Arc;
 use std::time::Duration;
@@ -462,12 +463,10 @@ impl State {
     /// What the ray through (x, y) of the picture meets.
     pub fn pick(&self, x: f64, y: f64) -> Option<Pick> {
         let ray = self.camera()?.ray(x, y);
-        let hit = self
-            .document
-            .as_ref()?
-            .accel
-            .clipped(&self.settings.clip)
-            .cast(&ray, self.settings.cull)?;
+        let document = self.document.as_ref()?;
+        let masks = Masks::of(&document.scene);
+        let kept = document.accel.clipped(&self.settings.clip);
+        let hit = (kept.masked(masks.as_ref())).cast(&ray, self.settings.cull)?;
         Some(Pick {
             hit,
             point: ray.at(hit.t),

@@ -10,7 +10,6 @@ use super::manipulator;
 use super::measure::Measuring;
 use super::navigate;
 use super::objects;
-use super::pick::Pinned;
 use super::plane;
 use super::viewpoint::{DEFAULT_FOV, Viewpoint};
 use super::{Pending, PromptKind, Replacing, Resolution, SAMPLES_LIMIT, State, first_settings};
@@ -20,7 +19,6 @@ use raycast_core::formats::{CameraFile, LengthUnit};
 use raycast_core::picture::Recipe;
 use raycast_core::scene::{ClippingPlanes, Object, Scene, Texture};
 use raycast_core::shade::Mode;
-use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -170,10 +168,7 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
         }
         News::Sized(sized) => state.inspection.sized = Some(sized),
         News::Checked(checked) => {
-            let again: HashSet<usize> = checked.iter().map(|new| new.object).collect();
-            let kept = |old: &Checked| !again.contains(&old.object);
-            state.inspection.checked.retain(kept);
-            state.inspection.checked.extend(checked);
+            state.inspection.take(checked);
         }
         News::Recipe(recipe) => {
             return change(state, "Look of a picture", |state| {
@@ -194,7 +189,7 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
                 && document.take_tree(&scene, tree)
                 && let Some(pinned) = &state.pinned
             {
-                state.pinned = Pinned::of(document, pinned.pick);
+                state.pinned = pinned.renewed(document);
             }
             return state.selected.map(Effect::Weigh);
         }

@@ -156,6 +156,7 @@ pub(super) struct Material {
     pub(super) emissive_texture: Option<TextureInfo>,
     pub(super) emissive_factor: Option<[f64; 3]>,
     pub(super) alpha_mode: Option<String>,
+    pub(super) alpha_cutoff: Option<f32>,
     #[serde(default)]
     pub(super) extensions: MaterialExtensions,
 }

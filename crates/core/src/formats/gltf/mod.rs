@@ -14,6 +14,7 @@ use crate::formats::Progress;
 use crate::formats::error::{FormatError, quote};
 use crate::formats::files::Files;
 use crate::formats::kind::without_mark;
+use crate::formats::parsed::BLENDED;
 use crate::formats::placed::{Placed, PlacedMesh};
 use crate::quote;
 use data::Data;
@@ -96,13 +97,13 @@ pub(super) fn read(
     }
     placed.unit = Some(LengthUnit::Metre);
     placed.notes = notes(&root, &materials);
-    placed.warnings = warnings(path, &mesh_nodes, &told);
+    placed.warnings = warnings(path, &mesh_nodes, &told, materials.blended);
     placed.warnings.append(&mut materials.warnings);
     Ok(placed)
 }
 
 /// What is not shown, or not as the file has it: a line a kind.
-fn warnings(path: &Path, nodes: &[MeshNode<'_>], told: &Told) -> Vec<String> {
+fn warnings(path: &Path, nodes: &[MeshNode<'_>], told: &Told, blended: usize) -> Vec<String> {
     let path = quote::path(path);
     let skinned = nodes.iter().filter(|node| node.node.skin.is_some()).count();
     let counts = [
@@ -123,6 +124,7 @@ fn warnings(path: &Path, nodes: &[MeshNode<'_>], told: &Told) -> Vec<String> {
             told.morphs,
             "meshes with morph targets, which are shown at rest",
         ),
+        (blended, BLENDED),
     ];
     let told = counts.iter().filter(|(count, _)| *count > 0);
     told.map(|(count, what)| format!("{path}: {what}: {count}"))

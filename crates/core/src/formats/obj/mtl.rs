@@ -1,6 +1,6 @@
 use crate::formats::lines::{Lines, text};
 use crate::quote::{self, quote, shorten};
-use crate::scene::{Color, Material, Reflectance};
+use crate::scene::{Alpha, Color, Material, Opacity, Reflectance};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -11,6 +11,8 @@ pub(super) struct MtlMaterial {
     pub(super) material: Material,
     /// The image for its diffuse colour, as the library names it.
     pub(super) texture: Option<String>,
+    /// The image for its opacity.
+    pub(super) opacity: Option<String>,
 }
 
 /// What a library has and is not shown: keywords, and how many materials have each.
@@ -43,11 +45,16 @@ pub(super) fn read(
         match keyword {
             "newmtl" if rest.is_empty() => warn("a name behind `newmtl`"),
             "map_Kd" if image_name(rest).is_none() => warn("a file behind `map_Kd`"),
+            "map_d" if image_name(rest).is_none() => warn("a file behind `map_d`"),
+            "d" | "Tr" => match opacity(rest) {
+                Some(number) => clean.push_str(&format!("{keyword} {number}\n")),
+                None => warn("a number from 0 to 1"),
+            },
             "newmtl" => {
                 clean.push_str(&format!("{keyword} {rest}\n"));
                 looks.push(Look::default());
             }
-            "map_Kd" => clean.push_str(&format!("{keyword} {rest}\n")),
+            "map_Kd" | "map_d" => clean.push_str(&format!("{keyword} {rest}\n")),
             "Kd" => match diffuse(rest) {
                 Some([r, g, b]) => clean.push_str(&format!("Kd {r} {g} {b}\n")),
                 None => warn("one or three numbers behind `Kd`"),
@@ -69,7 +76,7 @@ pub(super) fn read(
                 }
             }
             // Ambient light, transmission of none, and the model of light: what is shown has no use for them.
-            "" | "Ka" | "Ni" | "illum" | "sharpness" | "d" | "Tr" | "Tf" => {}
+            "" | "Ka" | "Ni" | "illum" | "sharpness" | "Tf" => {}
             _ if keyword.starts_with('#') => {}
             // A file's words are anything: few and short ones are kept.
             _ if unused.contains_key(keyword) || unused.len() < NAMED => {
@@ -143,17 +150,35 @@ fn convert(material: tobj::Material, look: Look) -> MtlMaterial {
     let color = material.diffuse.map_or(Color::DEFAULT, |diffuse| {
         Color(diffuse.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8))
     });
+    // `Tr` is one less `d`, which goes before it.
+    let transparency = material.unknown_param.get("Tr");
+    let transparency = transparency.and_then(|text| text.parse::<f64>().ok());
+    let factor = (material.dissolve).or(transparency.map(|transparency| 1.0 - transparency));
+    let factor = factor.unwrap_or(1.0);
+    let name = |map: &Option<String>| map.as_deref().and_then(image_name).map(str::to_owned);
     MtlMaterial {
-        texture: material
-            .diffuse_texture
-            .as_deref()
-            .and_then(image_name)
-            .map(str::to_owned),
+        texture: name(&material.diffuse_texture),
+        opacity: name(&material.dissolve_texture),
         material: Material {
+            opacity: match factor < 1.0 {
+                true => Opacity::Blend(Alpha {
+                    factor: factor as f32,
+                    image: None,
+                }),
+                false => Opacity::Opaque,
+            },
             reflectance: look.reflectance().map(Arc::new),
             ..Material::new(material.name, color)
         },
     }
+}
+
+/// The number of an opacity, which may follow `-halo`.
+fn opacity(text: &str) -> Option<f32> {
+    let text = text.split('#').next()?.trim();
+    let text = text.strip_prefix("-halo").unwrap_or(text).trim();
+    let number: f32 = text.parse().ok()?;
+    (0.0..=1.0).contains(&number).then_some(number)
 }
 
 /// The numbers of a diffuse colour: one stands for all three.

@@ -34,6 +34,7 @@ pub(super) static ACTIONS: &[Action] = &[
     mode!(8, Num8),
     mode!(9, Num9),
     mode!(10, Num0),
+    mode!(11, X),
     Action::of(
         Menu::Look,
         "look.next_mode",
