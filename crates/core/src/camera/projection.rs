@@ -298,6 +298,11 @@ impl Camera {
         }
     }
 
+    /// The principal point: where the view axis goes through the picture, in pixels.
+    pub(crate) fn principal_point(&self) -> [f64; 2] {
+        self.center
+    }
+
     /// How far (x, y) of the picture is to the right of and above the view axis, in scene units at
     /// the target.
     #[inline(always)]

@@ -65,11 +65,11 @@ impl EdgeLines {
     /// The edges of a triangle with corners relative to the eye.
     pub(super) fn new(camera: &Camera, corners: [DVec3; 3]) -> Self {
         let plane = camera.plane();
-        let (columns, rows) = (f64::from(plane.columns), f64::from(plane.rows));
+        let [x, y] = camera.principal_point();
         let across = camera.right() * plane.step;
         let down = camera.up() * -plane.step;
         let view = LinearView {
-            first: across * (-0.5 * columns) + down * (-0.5 * rows),
+            first: across * -x + down * -y,
             across,
             down,
             forward: camera.forward(),
