@@ -158,7 +158,7 @@ fold
 click 1030 $health
 run "check the mesh"
 settle
-click 1040 228
+click 1040 252
 xdotool key 0 f
 xdotool mousemove 500 770
 take $out/health.jpg

@@ -107,7 +107,9 @@ fn the_instruction_set_is_forced_everywhere() {
         let told = run(command.env("RAYCAST_SIMD", "mmx"));
         assert_eq!(told.status, Some(2), "{arguments:?}: {told:?}");
         assert_eq!(told.errors.lines().count(), 1, "{told:?}");
-        let named = told.errors.contains("RAYCAST_SIMD: expected plain or avx2");
+        let named = told
+            .errors
+            .contains("RAYCAST_SIMD: expected plain, neon or avx2");
         assert!(named && told.errors.contains("mmx"), "{told:?}");
     }
     let mut bench = command(arguments!["bench", &mesh, "--frames", "1", "--size", "8x8"]);

@@ -107,6 +107,7 @@ fn no_input_is_written_over() {
     for (output, why) in [
         ("b/a.off", "expected a name that ends in"),
         ("b/a", "expected a name that ends in"),
+        ("b/.obj", "expected a name that ends in"),
     ] {
         let line = refuse(2, arguments!["convert", at("a.obj"), "-o", at(output)]);
         assert!(line.contains(why), "{line}");

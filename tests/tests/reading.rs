@@ -261,6 +261,10 @@ fn cameras_that_look_nowhere_are_refused_in_the_same_words() {
     for (option, key) in [
         ("--samples=4097", "[image]\nsamples = 4097"),
         ("--wireframe=101", "[shading]\nwireframe-width = 101.0"),
+        (
+            "--wireframe-hidden=1.5",
+            "[shading]\nwireframe-hidden = 1.5",
+        ),
     ] {
         let by_option = refuse(2, render(&mesh, &[option]));
         let scene = format!("{key}\n[[object]]\nmesh = \"a.obj\"\n");

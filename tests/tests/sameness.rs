@@ -77,6 +77,15 @@ const GRIDS: [Grid; 9] = [
     Grid::Size(1000),
 ];
 
+/// What has lines in every second mode; without the hidden ones in the first.
+const EDGES: [&str; 5] = [
+    "all",
+    "silhouette,feature",
+    "polygon",
+    "boundary,non-manifold",
+    "silhouette",
+];
+
 /// Every split and thread count gives the picture that one tile on one thread gives.
 #[test]
 fn stitched_equals_whole() {
@@ -91,7 +100,11 @@ fn stitched_equals_whole() {
             let mut view = stage.view(front(projection, size), Cull::None);
             view.settings.shading = Shading {
                 mode,
-                wireframe: (index % 2 == 1).then(Wireframe::default),
+                wireframe: (index % 2 == 1).then(|| Wireframe {
+                    edges: EDGES[index / 2].parse().expect("kinds"),
+                    hidden: index as f32 * 0.1,
+                    ..Wireframe::default()
+                }),
                 ..Shading::default()
             };
             view.settings.samples = if index == 0 { 4 } else { 1 };
@@ -162,7 +175,11 @@ fn every_instruction_set_gives_the_same_light_in_every_mode() {
             let mut view = stage.view(front(projection, (150, 110)), Cull::None);
             view.settings.shading = Shading {
                 mode,
-                wireframe: (index % 2 == 1).then(Wireframe::default),
+                wireframe: (index % 2 == 1).then(|| Wireframe {
+                    edges: EDGES[index / 2].parse().expect("kinds"),
+                    hidden: index as f32 * 0.1,
+                    ..Wireframe::default()
+                }),
                 ..Shading::default()
             };
             view.settings.samples = 2;

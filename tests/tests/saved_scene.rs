@@ -13,7 +13,7 @@ fn a_saved_scene_renders_to_the_bytes_of_the_picture() {
     let folder = folder();
     let texture = asset("leopard.png");
     let texture = texture.to_str().expect("Unicode");
-    let cases: [(&[&str], &[&str]); 6] = [
+    let cases: [(&[&str], &[&str]); 7] = [
         (&["monkey.obj"], &["--size", "61x47"]),
         (
             &["torus.obj", "monkey.obj"],
@@ -24,9 +24,13 @@ fn a_saved_scene_renders_to_the_bytes_of_the_picture() {
                 "--cull=back",
                 "--precision=fast",
                 "--samples=3",
+                "--pixel-filter=mitchell",
+                "--shift=0.25,-0.1",
                 "--up-axis=z",
                 "--mode=flat",
                 "--wireframe=1.3",
+                "--wireframe-edges=feature:25,silhouette",
+                "--wireframe-hidden=0.3",
                 "--background=#102030,#ffeedd",
             ],
         ),
@@ -67,6 +71,15 @@ fn a_saved_scene_renders_to_the_bytes_of_the_picture() {
                 "--eye=1.3,0.8,0.9",
                 "--target=0,0.9,0",
                 "--size=90x45",
+            ],
+        ),
+        (
+            &["demo.raycast.toml"],
+            &[
+                "--lens=-0.3,0.1,0.001,-0.0005,0",
+                "--size=70x50",
+                "--pixel-filter=gaussian",
+                "--samples=2",
             ],
         ),
         (

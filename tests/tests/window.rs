@@ -355,3 +355,65 @@ fn a_handle_moves_the_marked_object_and_escape_gives_a_drag_up() {
     // The camera is in it, too: a hand beside the handle would have orbited.
     assert_eq!(save(&mut window, "again.raycast.toml"), moved);
 }
+
+/// A bad file beside a good one; a file added, a cut, its outline, an object that is made to move with another by a drag
+/// in the list, a picture: what a sitting leaves behind is there, and is sound.
+#[test]
+fn a_sitting_leaves_its_outline_its_picture_and_a_scene_with_a_parent() {
+    if !can_run() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder for temporary files");
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
+    for name in ["cube.obj", "cube.mtl", "torus.obj", "torus.mtl"] {
+        std::fs::copy(assets.join(name), folder.path().join(name)).expect("copied");
+    }
+    let bad = folder.path().join("bad.obj");
+    std::fs::write(&bad, "v 0 0 0\nf 1 2 x\n").expect("written");
+    let files = ["cube.obj", "torus.obj"].map(|name| folder.path().join(name));
+    let [cube, torus] = files;
+    let mut window = Window::open(&[cube, torus, bad]);
+    let is_picture = |shot: &Shot| shot.middle().colors() > 3;
+    let both = window.settled(is_picture);
+    let press = |window: &Window, keys: &[&str]| {
+        window
+            .screen
+            .xdotool(&[&["key", "--delay", "60"], keys].concat());
+        std::thread::sleep(Duration::from_millis(500));
+    };
+    let write = |window: &Window, text: &str| {
+        window.screen.xdotool(&["type", "--delay", "5", text]);
+        press(window, &["Return"]);
+    };
+    let run = |window: &Window, name: &str| {
+        press(window, &["ctrl+p"]);
+        write(window, name);
+    };
+    // The message about the bad file.
+    press(&window, &["Escape"]);
+    run(&window, "cut across x");
+    window.settled(|shot| shot.middle().difference(&both.middle()) > 0.01);
+    let outline = folder.path().join("outline.svg");
+    run(&window, "save outline");
+    // A whole name over the suggested one, whose ending is not marked.
+    write(&window, &outline.display().to_string());
+    let drawing = window.wait_for("an outline", |_| std::fs::read_to_string(&outline).ok());
+    assert!(drawing.contains("<path"), "{drawing}");
+
+    // The torus is dragged onto the cube, in the list at the top of the panel.
+    let list = SIZE.0 - 288 + 60;
+    window.drag("1", (list, 96), (list, 72));
+    std::thread::sleep(Duration::from_millis(300));
+    let scene = folder.path().join("sitting.raycast.toml");
+    press(&window, &["ctrl+s"]);
+    write(&window, &scene.display().to_string());
+    let text = window.wait_for("a scene", |_| std::fs::read_to_string(&scene).ok());
+    assert!(text.contains("parent"), "{text}");
+    assert!(text.contains("[[clip]]"), "{text}");
+
+    let picture = folder.path().join("picture.png");
+    press(&window, &["ctrl+e"]);
+    write(&window, &picture.display().to_string());
+    window.wait_for("a picture", |_| image::open(&picture).ok());
+    succeed(["info".as_ref(), scene.as_os_str()]);
+}

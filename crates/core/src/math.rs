@@ -50,6 +50,11 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     libm::atan2(y, x)
 }
 
+/// The error function: 2/√π times the integral of e^(−x²) from 0.
+pub fn erf(number: f64) -> f64 {
+    libm::erf(number)
+}
+
 /// The exponential function.
 pub fn exp(exponent: f64) -> f64 {
     libm::exp(exponent)

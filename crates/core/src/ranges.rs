@@ -15,6 +15,9 @@ pub const NARROWEST_FOV: f64 = 1e-9;
 /// A field of view, in degrees, that is as wide as no perspective picture can be.
 pub const FOV_END: f64 = 180.0;
 
+/// The most heights of the frame that its middle is off the view axis.
+pub const FURTHEST_SHIFT: f64 = 1000.0;
+
 /// A number that is out of its range.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum OutOfRange {
@@ -39,9 +42,21 @@ pub enum OutOfRange {
         /// Degrees.
         found: f64,
     },
+    /// How far a frame is off the view axis.
+    #[error("expected a shift within {FURTHEST_SHIFT} heights of the frame, found {0},{1}")]
+    Shift(f64, f64),
     /// A share of texture in a surface's colour.
     #[error("expected a blend from 0 to 1, found {0}")]
     Blend(f32),
+    /// An angle between neighbouring triangles.
+    #[error("expected a crease angle from 0 to 180 degrees, found {0}")]
+    Crease(f32),
+    /// How strongly hidden lines show.
+    #[error("expected 0 to 1 of hidden lines, found {0}")]
+    HiddenLines(f32),
+    /// How much of what lies behind it a surface covers.
+    #[error("expected an opacity from 0 to 1, found {0}")]
+    Opacity(f32),
     /// The ends of a color scale.
     #[error("expected a low end below a high one, found {0} and {1}")]
     ColorRange(f64, f64),
@@ -54,6 +69,16 @@ pub enum OutOfRange {
 pub fn samples(count: u32) -> Result<u32, OutOfRange> {
     let fits = (1..=MOST_SAMPLES).contains(&count);
     fits.then_some(count).ok_or(OutOfRange::Samples(count))
+}
+
+/// How far a frame is off the view axis, to the right and up, in heights of the frame: at most [`FURTHEST_SHIFT`].
+///
+/// # Errors
+/// Any other number.
+pub fn shift(shift: [f64; 2]) -> Result<[f64; 2], OutOfRange> {
+    let fits = shift.iter().all(|part| part.abs() <= FURTHEST_SHIFT);
+    fits.then_some(shift)
+        .ok_or(OutOfRange::Shift(shift[0], shift[1]))
 }
 
 /// A line's width in pixels, above 0 and at most [`WIDEST_LINE`].
@@ -81,6 +106,33 @@ pub fn fov(degrees: f64) -> Result<f64, OutOfRange> {
 pub fn blend(share: f32) -> Result<f32, OutOfRange> {
     let fits = (0.0..=1.0).contains(&share);
     fits.then_some(share).ok_or(OutOfRange::Blend(share))
+}
+
+/// A crease angle in degrees, 0 to 180.
+///
+/// # Errors
+/// Any other number.
+pub fn crease(degrees: f32) -> Result<f32, OutOfRange> {
+    let fits = (0.0..=180.0).contains(&degrees);
+    fits.then_some(degrees).ok_or(OutOfRange::Crease(degrees))
+}
+
+/// How strongly hidden lines show, 0 to 1.
+///
+/// # Errors
+/// Any other number.
+pub fn hidden_lines(share: f32) -> Result<f32, OutOfRange> {
+    let fits = (0.0..=1.0).contains(&share);
+    fits.then_some(share).ok_or(OutOfRange::HiddenLines(share))
+}
+
+/// How much of what lies behind it a surface covers, from 0 to 1.
+///
+/// # Errors
+/// Any other number.
+pub fn opacity(share: f32) -> Result<f32, OutOfRange> {
+    let fits = (0.0..=1.0).contains(&share);
+    fits.then_some(share).ok_or(OutOfRange::Opacity(share))
 }
 
 /// The numbers at the ends of a color scale: finite, the first below the second, a finite distance apart.
@@ -113,7 +165,10 @@ mod tests {
         }
         assert!(blend(0.0).is_ok() && blend(1.0).is_ok());
         for share in [-0.1, 1.1, f32::NAN] {
-            assert!(blend(share).is_err(), "{share}");
+            assert!(
+                blend(share).is_err() && hidden_lines(share).is_err(),
+                "{share}"
+            );
         }
     }
 }

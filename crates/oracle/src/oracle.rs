@@ -66,8 +66,28 @@ impl Oracle {
         self.nearest_in(ray, cull_backs, &self.kept)
     }
 
-    /// The same, cut by these half-spaces instead of its own.
+    /// The nearest of the hits that `counts` says yes to.
+    pub fn nearest_where(
+        &self,
+        ray: &Ray,
+        cull_backs: bool,
+        counts: impl Fn(&Truth) -> bool,
+    ) -> Option<Truth> {
+        self.nearest_of_all(ray, cull_backs, &self.kept, counts)
+    }
+
+    /// [`Oracle::nearest`], cut by these half-spaces instead of its own.
     pub fn nearest_in(&self, ray: &Ray, cull_backs: bool, kept: &[HalfSpace]) -> Option<Truth> {
+        self.nearest_of_all(ray, cull_backs, kept, |_| true)
+    }
+
+    fn nearest_of_all(
+        &self,
+        ray: &Ray,
+        cull_backs: bool,
+        kept: &[HalfSpace],
+        counts: impl Fn(&Truth) -> bool,
+    ) -> Option<Truth> {
         if !ray.is_valid() {
             return None;
         }
@@ -77,15 +97,15 @@ impl Oracle {
             let inside = self.triangles[ball].iter();
             possible.extend(inside.filter(|triangle| !filter.misses_triangle(triangle)));
         });
-        nearest_of(possible, ray, cull_backs, kept)
+        nearest_of(possible, ray, cull_backs, kept, counts)
     }
 
-    /// The same by deciding every triangle exactly, one after the other.
+    /// [`Oracle::nearest`] by deciding every triangle exactly, one after the other.
     pub fn brute_force(&self, ray: &Ray, cull_backs: bool) -> Option<Truth> {
         if !ray.is_valid() {
             return None;
         }
-        nearest_of(&self.triangles, ray, cull_backs, &self.kept)
+        nearest_of(&self.triangles, ray, cull_backs, &self.kept, |_| true)
     }
 
     /// How `ray` hits the triangle with these numbers, others or not in its way; `None` where it
@@ -127,6 +147,7 @@ fn nearest_of<'a>(
     ray: &Ray,
     cull_backs: bool,
     kept: &[HalfSpace],
+    counts: impl Fn(&Truth) -> bool,
 ) -> Option<Truth> {
     let exact_ray = ExactRay::new(ray);
     let mut nearest: Option<ExactHit<'_>> = None;
@@ -136,6 +157,7 @@ fn nearest_of<'a>(
                 .as_ref()
                 .is_none_or(|best| hit.order(best) == Ordering::Less)
             && hit.is_in(&exact_ray, kept)
+            && counts(&hit.rounded(ray))
         {
             nearest = Some(hit);
         }

@@ -34,6 +34,7 @@ pub mod metrics;
 pub mod pareto;
 pub mod progress;
 pub mod report;
+mod sample_places;
 pub mod scenes;
 pub mod sections;
 pub mod stage;

@@ -6,7 +6,8 @@ use crate::embree::{Embree, EmbreeError};
 use crate::machine::Machine;
 use crate::progress::ReportProgress;
 use crate::sections::{
-    Section, breaking, density, feature_cost, filters, hard, levels, meshes, numerics, shape, time,
+    Section, breaking, density, feature_cost, filters, hard, levels, meshes, numerics, samples,
+    shape, time,
 };
 use crate::subject::{Input, Subject};
 use crate::table::ReportError;
@@ -149,6 +150,8 @@ fn dense(
         let pictures = density::measure(&input.name, &input.scene, budget, progress)?;
         density::show(&mut section, &pictures)?;
     }
+    let sampled = samples::measure(inputs, budget, progress)?;
+    samples::show(&mut section, budget, &sampled);
     Ok(section)
 }
 

@@ -4,7 +4,7 @@ use raycast_core::camera::{Camera, Ray};
 use raycast_core::glam::DAffine3;
 use raycast_core::render::{Settings, View};
 use raycast_core::scene::{
-    COORDINATE_LIMIT, ClippingPlane, ClippingPlanes, Mesh, Object, Scene, SceneError,
+    COORDINATE_LIMIT, ClippingPlane, ClippingPlanes, Masks, Mesh, Object, Scene, SceneError,
 };
 use raycast_core::shade::{Mode, Shading};
 use raycast_core::{Accel, Clipped, Cull};
@@ -22,6 +22,7 @@ pub struct Stage {
     pub oracle: Oracle,
     /// What is cut away: the truth is about what is left.
     clip: ClippingPlanes,
+    has_masks: bool,
 }
 
 impl Stage {
@@ -41,6 +42,7 @@ impl Stage {
     pub fn of_parts(scene: Arc<Scene>, accel: Arc<Accel>) -> Result<Self, SceneError> {
         let oracle = Oracle::new(triangles(&scene, &accel)?);
         Ok(Self {
+            has_masks: Masks::of(&scene).is_some(),
             scene,
             accel,
             oracle,
@@ -69,6 +71,21 @@ impl Stage {
     /// The nearest triangle that a ray hits, in truth.
     pub fn truth(&self, ray: &Ray, cull: Cull) -> Option<Truth> {
         self.oracle.nearest(&as_given(ray), cull == Cull::Back)
+    }
+
+    /// The nearest of a ray's hits that `counts` says yes to.
+    pub(crate) fn truth_where(
+        &self,
+        ray: &Ray,
+        cull: Cull,
+        counts: impl Fn(&Truth) -> bool,
+    ) -> Option<Truth> {
+        (self.oracle).nearest_where(&as_given(ray), cull == Cull::Back, counts)
+    }
+
+    /// Whether a material is a mask, through which rays pass.
+    pub fn has_masks(&self) -> bool {
+        self.has_masks
     }
 
     /// The nearest triangle that a ray hits where these planes alone cut, in truth.

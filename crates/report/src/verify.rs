@@ -1,10 +1,11 @@
 //! A picture's pixels against the truth, more of them where it is easiest to be wrong.
 
-use crate::expected::{Expected, Single, shows};
+use crate::expected::{Expected, Single, seen, shows};
+use crate::sample_places::{PlacedSample, sample_places};
 use crate::stage::Stage;
 use crate::wrong_answer::{GRAZING, WrongAnswer, compare_pixel};
 use raycast_core::Cull;
-use raycast_core::camera::{Camera, Rect};
+use raycast_core::camera::{Camera, PixelFilter, Rect};
 use raycast_core::picture::{Layers, Picture};
 use raycast_core::shade::Shading;
 use raycast_oracle::Truth;
@@ -27,6 +28,8 @@ pub struct Claim<'a> {
     pub shading: Shading,
     /// Rays a pixel.
     pub samples: u32,
+    /// How they are weighed by their place.
+    pub pixel_filter: PixelFilter,
     /// What each of its pixels is said to show: as many as the rectangle has. Without layers, 8-bit
     /// colours are all that it tells.
     pub picture: &'a Picture,
@@ -120,12 +123,21 @@ pub fn verify(
     done: &(impl Fn(u64) + Sync),
 ) -> Verification {
     let drawn = draw(claim, most, seed);
+    let samples = sample_places(claim.samples, claim.pixel_filter);
     let expected = Expected::new(stage, claim.camera, claim.shading, claim.cull);
     let parts: Vec<(Channels, Vec<WrongPixel>)> = drawn
         .par_chunks(256)
         .map(|chunk| {
             let mut channels = Channels::default();
-            let mut check = |&i: &u32| check(stage, claim, &expected, i as usize, &mut channels);
+            let mut check = |&i: &u32| {
+                check(
+                    (stage, claim),
+                    &samples,
+                    &expected,
+                    i as usize,
+                    &mut channels,
+                )
+            };
             let wrong: Vec<WrongPixel> = chunk.iter().filter_map(&mut check).collect();
             done(chunk.len() as u64);
             (channels, wrong)
@@ -212,8 +224,8 @@ fn draw(claim: &Claim<'_>, most: usize, seed: u64) -> Vec<u32> {
 
 /// What is wrong with a pixel, if anything is; counts what was checked.
 fn check(
-    stage: &Stage,
-    claim: &Claim<'_>,
+    (stage, claim): (&Stage, &Claim<'_>),
+    samples: &[PlacedSample],
     expected: &Expected<'_>,
     i: usize,
     channels: &mut Channels,
@@ -226,9 +238,11 @@ fn check(
     let truth_at = |(across, down): (f64, f64)| {
         let place = (f64::from(x) + across, f64::from(y) + down);
         let ray = claim.camera.ray(place.0, place.1);
-        (place, stage.truth(&ray, claim.cull))
+        (place, seen(stage, &ray, claim.cull))
     };
-    let (_, truth) = truth_at(sample_offset(0));
+    // Where rounding may decide what a mask keeps, nothing is known.
+    let (_, truth) = truth_at((0.5, 0.5));
+    let truth = truth?;
     let layers = claim.picture.layers.as_ref();
     let found = layers
         .map_or(Ok(()), |layers| {
@@ -236,17 +250,28 @@ fn check(
         })
         .and_then(|()| {
             let mut sums = [Single::exactly(0.0); 4];
-            for index in 0..claim.samples.max(1) {
-                let ((x, y), truth) = truth_at(sample_offset(index));
+            let mut weights = 0.0;
+            for &(place, weight) in samples {
+                let ((x, y), truth) = truth_at(place);
+                let Some(truth) = truth else { return Ok(()) };
                 let [r, g, b, a] = expected.color(x, y, truth.as_ref());
-                let sample = [r * a, g * a, b * a, a];
-                sums = std::array::from_fn(|channel| sums[channel] + sample[channel]);
+                let light = [r * a, g * a, b * a, a];
+                sums = std::array::from_fn(|channel| match weight < 0.0 {
+                    true => sums[channel] - light[channel],
+                    false => sums[channel] + light[channel],
+                });
+                weights += weight;
                 if !sums.iter().all(|sum| sum.is_known()) {
                     return Ok(());
                 }
             }
-            let share = Single::exactly(1.0 / f64::from(claim.samples.max(1))).rounded();
-            let color = sums.map(|sum| sum * share);
+            let share = Single::exactly(1.0 / weights).rounded();
+            let mut color = sums.map(|sum| sum * share);
+            if samples.iter().any(|sample| sample.1 < 0.0) {
+                let alpha = color[3].max(0.0).min(1.0);
+                color = color.map(|channel| channel.max(0.0).at_most(alpha));
+                color[3] = alpha;
+            }
             match layers {
                 Some(layers) => {
                     channels.color += 1;
@@ -317,15 +342,6 @@ fn compare_channels<const N: usize>(
         }
     }
     Ok(())
-}
-
-/// The place of a pixel's `index`-th sample, from its top left corner: the middle, then multiples of the
-/// powers of the plastic number's inverse (Roberts, "The Unreasonable Effectiveness of Quasirandom
-/// Sequences", 2018), in double precision, as the renderer documents them.
-fn sample_offset(index: u32) -> (f64, f64) {
-    const PLASTIC: f64 = 1.324_717_957_244_746;
-    let along = |share: f64| (0.5 + f64::from(index) * share).fract();
-    (along(1.0 / PLASTIC), along(1.0 / (PLASTIC * PLASTIC)))
 }
 
 #[cfg(test)]

@@ -2,14 +2,14 @@ use super::*;
 use crate::cameras::{PROJECTIONS, camera};
 use crate::meshes;
 use crate::stage::scene_of;
-use raycast_core::camera::Grid;
+use raycast_core::camera::{Grid, PixelFilter};
 use raycast_core::glam::{DVec3, Vec2, Vec3};
 use raycast_core::render::Cancel;
 use raycast_core::scene::{
-    Attribute, Color, ColorMap, ColorRule, ColorScale, Mesh, MeshData, Object, Scalar, ScalarAt,
-    Scene, Texture, Transform,
+    Attribute, Color, ColorMap, ColorRule, ColorScale, Material, Mesh, MeshData, Object,
+    Reflectance, Scalar, ScalarAt, Scene, Texture, Transform,
 };
-use raycast_core::shade::{Background, Filter, Mode, TextureProjection, Wireframe};
+use raycast_core::shade::{Background, Filter, LightSet, Mode, TextureProjection, Wireframe};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -29,6 +29,7 @@ struct Made {
     camera: Camera,
     shading: Shading,
     samples: u32,
+    pixel_filter: PixelFilter,
 }
 
 impl Made {
@@ -44,6 +45,7 @@ impl Made {
             camera,
             shading,
             samples,
+            pixel_filter: PixelFilter::Box,
         }
     }
 
@@ -54,6 +56,7 @@ impl Made {
             cull: Cull::None,
             shading: self.shading,
             samples: self.samples,
+            pixel_filter: self.pixel_filter,
             picture: &self.picture,
         };
         let told = AtomicU64::new(0);
@@ -94,7 +97,14 @@ fn furnished() -> Stage {
         let byte = |step: usize| (i * step % 256) as u8;
         (i % 7 > 0).then(|| Color([byte(3), byte(50), byte(91)]))
     });
+    let shares = ball.positions().iter().map(|p| p.x + 0.5);
+    let shares = Scalar {
+        name: "share".to_owned(),
+        at: ScalarAt::Vertices,
+        values: shares.collect(),
+    };
     let ball = Arc::new(Mesh::new(MeshData {
+        scalars: vec![shares],
         colors: colors.collect(),
         positions: ball.positions().iter().map(|p| p.as_dvec3()).collect(),
         triangles: ball.triangles().to_vec(),
@@ -136,6 +146,7 @@ fn furnished() -> Stage {
             },
             Object {
                 texture: texture.clone(),
+                blend_by: Some("share".to_owned()),
                 ..object(&ball, DVec3::new(1.5, 0.0, -0.5))
             },
             object(&cube, DVec3::new(-1.2, 0.4, 0.3)),
@@ -226,7 +237,7 @@ fn every_mode_is_checked() {
     let stage = furnished();
     let modes = Mode::ALL
         .into_iter()
-        .filter(|mode| *mode != Mode::Wireframe);
+        .filter(|mode| !matches!(mode, Mode::Wireframe | Mode::XRay));
     for camera in views() {
         for (index, mode) in modes.clone().enumerate() {
             for layers in [true, false] {
@@ -238,6 +249,9 @@ fn every_mode_is_checked() {
                         0 => TextureProjection::Triplanar,
                         _ => TextureProjection::Uv,
                     },
+                    crease: [0.0, 50.0, 100.0][index % 3],
+                    lights: [LightSet::Headlight, LightSet::Soft, LightSet::ThreePoint][index % 3],
+                    plain_color: Color([200, 190, 120]),
                     background: match index % 4 {
                         0 => Background::Transparent,
                         _ => Background::default(),
@@ -271,6 +285,112 @@ fn every_mode_is_checked() {
                 if let Some(layers) = &mut made.picture.layers {
                     for color in &mut layers.color {
                         color[2] += 2e-2;
+                    }
+                }
+                let found = made.checked(&stage, 100_000);
+                assert!(found.wrong > least, "{place}: {}", found.wrong);
+            }
+        }
+    }
+}
+
+/// A ball of six materials: metals and dielectrics, smooth and rough, with images, light of their own, and none.
+fn material_ball() -> Stage {
+    let ball = meshes::sphere(DVec3::ZERO, 1.0, 24);
+    let positions = || ball.positions().iter();
+    let image = |step: usize| {
+        let byte = move |i: usize, by: usize| (i * by * step % 251) as u8;
+        let texels = (0..64).map(|i| [byte(i, 37), byte(i, 61), byte(i, 83), 255]);
+        Texture::new(8, 8, texels.collect()).map(Arc::new)
+    };
+    let rough = |metallic, roughness| Reflectance {
+        metallic,
+        roughness,
+        ..Reflectance::default()
+    };
+    let known = [
+        rough(0.0, 0.3),
+        rough(1.0, 0.6),
+        Reflectance {
+            texture: image(1),
+            ..rough(1.0, 1.0)
+        },
+        Reflectance {
+            emission: [0.2, 1.5, 0.0],
+            emission_texture: image(2),
+            ..rough(0.5, 0.2)
+        },
+        Reflectance {
+            is_unlit: true,
+            ..rough(1.0, 0.0)
+        },
+    ];
+    let mut materials: Vec<Material> = known
+        .into_iter()
+        .map(|known| Material {
+            reflectance: Some(Arc::new(known)),
+            texture: image(3),
+            ..Material::new("known", Color([210, 120, 60]))
+        })
+        .collect();
+    materials.push(Material::new("unknown", Color([90, 160, 210])));
+    materials[0].texture = None;
+    materials[1].by_vertex = true;
+    let triangles = ball.triangles().to_vec();
+    let mesh = Mesh::new(MeshData {
+        positions: positions().map(|p| p.as_dvec3()).collect(),
+        uvs: Some(Attribute {
+            values: positions()
+                .map(|p| Vec2::new(p.x * 1.5, p.y - 0.25 * p.z))
+                .collect(),
+            indices: None,
+        }),
+        colors: (0..ball.positions().len())
+            .map(|i| Some(Color([1, 2, 3].map(|by| (60 + i * by * 7 % 190) as u8))))
+            .collect(),
+        material_of_triangle: (0..triangles.len() as u32).map(|i| i % 6).collect(),
+        triangles,
+        materials,
+        ..MeshData::default()
+    });
+    let cube = meshes::cuboid(DVec3::new(-2.0, -1.3, -2.0), DVec3::new(2.0, -1.1, 2.0));
+    Stage::new(Scene {
+        objects: vec![
+            Object::new("ball", Arc::new(mesh)),
+            Object::new("floor", Arc::new(cube)),
+        ],
+    })
+    .expect("a good scene")
+}
+
+/// Every material under every light: nothing is wrong, nearly everything is checked, and a brightness that is off is
+/// found.
+#[test]
+fn materials_are_checked() {
+    let stage = material_ball();
+    for camera in views() {
+        for lights in [LightSet::Soft, LightSet::Headlight, LightSet::ThreePoint] {
+            for filter in [Filter::Bilinear, Filter::Nearest] {
+                let shading = Shading {
+                    mode: Mode::Material,
+                    lights,
+                    filter,
+                    crease: 60.0,
+                    ..Shading::default()
+                };
+                let mut made = Made::of(&stage, camera, shading, 1, true);
+                let found = made.checked(&stage, 100_000);
+                let place = format!("{lights:?} {filter:?} {:?}", camera.projection());
+                assert_eq!(found.wrong, 0, "{place}: {:?}", found.first_wrong);
+                let least = 4800 * 9 / 10;
+                assert!(
+                    found.channels.color > least,
+                    "{place}: {}",
+                    found.channels.color
+                );
+                if let Some(layers) = &mut made.picture.layers {
+                    for color in &mut layers.color {
+                        color[1] = color[1] * 1.02 + 1e-2;
                     }
                 }
                 let found = made.checked(&stage, 100_000);
@@ -409,6 +529,47 @@ fn means_of_samples_are_checked() {
 }
 
 #[test]
+fn filters_are_checked() {
+    let stage = furnished();
+    for ((name, filter), camera) in PixelFilter::ALL
+        .into_iter()
+        .zip(views().into_iter().cycle())
+    {
+        let mut view = stage.view(camera, Cull::None);
+        view.settings.shading = Shading::default();
+        view.settings.samples = 6;
+        view.settings.pixel_filter = filter;
+        let picture = view.render(
+            Grid::default(),
+            &|| Duration::ZERO,
+            &Cancel::default(),
+            &|_| (),
+        );
+        let mut made = Made {
+            picture: picture.expect("nothing cancelled it"),
+            camera,
+            shading: Shading::default(),
+            samples: 6,
+            pixel_filter: filter,
+        };
+        let found = made.checked(&stage, 100_000);
+        assert_eq!(found.wrong, 0, "{name} {:?}", found.first_wrong);
+        assert!(
+            found.channels.color > 4000,
+            "{name} {}",
+            found.channels.color
+        );
+        // With another filter, edges are others.
+        made.pixel_filter = match filter {
+            PixelFilter::Gaussian => PixelFilter::Box,
+            _ => PixelFilter::Gaussian,
+        };
+        let found = made.checked(&stage, 100_000);
+        assert!(found.wrong > 100, "{name} {}", found.wrong);
+    }
+}
+
+#[test]
 fn under_lines_no_color_is_checked() {
     let stage = furnished();
     for (mode, wireframe) in [
@@ -468,6 +629,7 @@ fn only_a_few_wrong_pixels_are_told_of_and_all_are_counted() {
         camera,
         shading: plain(),
         samples: 1,
+        pixel_filter: PixelFilter::Box,
     };
     let found = made.checked(&stage, 1000);
     assert!(found.wrong > 500 && found.first_wrong.len() == TOLD);

@@ -36,12 +36,13 @@ pub use shell::quoted_for_posix;
 pub use texture_map::TextureMapArgs;
 pub use texture_projection::TextureProjectionArgs;
 pub use tiles::TileArgs;
-pub use values::{OrbitArg, SceneColor, WireframeArg};
+pub use values::{BackFacesArg, OrbitArg, SceneColor, WireframeArg};
 pub use verify::VerifyArgs;
 pub use written::{camera_of, camera_options, has_own_projection, render_command};
 
 use clap::{Args, Parser};
 use raycast_core::Cull;
+use raycast_core::camera::PixelFilter;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -158,6 +159,14 @@ pub struct RenderArgs {
         value_parser = values::samples
     )]
     pub samples: Option<u32>,
+    /// How samples are weighed by their place; wider than a pixel but for a box [default: box]
+    #[arg(
+        long,
+        value_name = "KIND",
+        help_heading = "Casting",
+        value_parser = values::named(values::PIXEL_FILTERS)
+    )]
+    pub pixel_filter: Option<PixelFilter>,
     /// How rays meet triangles.
     #[command(flatten)]
     pub casting: CastingArgs,

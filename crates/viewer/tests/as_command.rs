@@ -138,6 +138,8 @@ fn the_copied_command_writes_the_bytes_that_the_window_saves() {
         Command::SetWireframe(true),
         Command::SetWireframeWidth(1.7),
         Command::SetWireframeColor(Color([200, 30, 3])),
+        Command::SetWireframeEdges("polygon,silhouette".parse().expect("kinds")),
+        Command::SetWireframeHidden(0.3),
         Command::SetCull(Cull::Back),
         Command::SetSamples(Some(3)),
     ] {

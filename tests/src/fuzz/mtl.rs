@@ -43,8 +43,18 @@ fn read_with(library: &[u8]) -> Result<Reading, String> {
     read("[[object]]\nmesh = \"mesh.obj\"\n", &files)
 }
 
-fn as_text(Material { name, color, .. }: &Material) -> String {
-    let Color(levels) = color;
+fn as_text(material: &Material) -> String {
+    let Material {
+        name,
+        color: Color(levels),
+        reflectance,
+        ..
+    } = material;
+    let reflectance = reflectance.as_ref().map_or_else(String::new, |known| {
+        let [r, g, b] = known.emission;
+        let (metallic, roughness) = (known.metallic, known.roughness);
+        format!("Pm {metallic:?}\nPr {roughness:?}\nKe {r:?} {g:?} {b:?}\n")
+    });
     let [r, g, b] = levels.map(|level| f64::from(level) / 255.0);
-    format!("newmtl {name}\nKd {r:?} {g:?} {b:?}\n")
+    format!("newmtl {name}\nKd {r:?} {g:?} {b:?}\n{reflectance}")
 }

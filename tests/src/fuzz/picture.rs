@@ -6,6 +6,7 @@ use raycast_core::camera::{Camera, ImagePlane, Orbit, Projection, Rect, fit_dist
 use raycast_core::formats::{CameraFile, SceneFile};
 use raycast_core::picture::Layers;
 use raycast_core::render::{Settings, Tile, View};
+use raycast_core::scene::Masks;
 use raycast_core::shade::Mode;
 use std::sync::Arc;
 use std::time::Duration;
@@ -123,13 +124,15 @@ fn shows_what_rays_meet(view: &View, tile: &Tile) -> Result<(), String> {
     let Some(layers) = &tile.layers else {
         return Ok(());
     };
+    let masks = Masks::of(&view.scene);
     for (pixel, (&object, &triangle)) in layers.object.iter().zip(&layers.triangle).enumerate() {
         let (column, row) = (pixel as u32 % SIZE.0, pixel as u32 / SIZE.0);
         let ray = view
             .camera
             .ray(f64::from(column) + 0.5, f64::from(row) + 0.5);
         let Settings { cull, clip, .. } = &view.settings;
-        let hit = view.accel.clipped(clip).cast(&ray, *cull);
+        let kept = view.accel.clipped(clip).masked(masks.as_ref());
+        let hit = kept.cast(&ray, *cull);
         let met = hit.map_or((u32::MAX, u32::MAX), |hit| (hit.object, hit.triangle));
         if met != (object, triangle) {
             return Err(format!(

@@ -118,7 +118,7 @@ fn cluster(boxes: &[Box32]) -> Bvh2 {
 }
 
 /// Whether so many boxes coincide that clustering by area would have nothing to go by: it then
-/// takes time quadratic in their number. Told from a sample.
+/// takes time quadratic in their number. Judged by a sample.
 fn has_many_equals(boxes: &[Box32]) -> bool {
     let stride = boxes.len().div_ceil(4096);
     let mut sample: Vec<[u32; 6]> = boxes

@@ -18,7 +18,7 @@ const TOGETHER: usize = 1 << 12;
 ///
 /// A ray meets either at the same distance or neither, so that the lowest number wins, whichever faces
 /// are culled: this is decided here once, and not by each ray. One that turns the other way is no copy,
-/// since culling tells the two apart.
+/// since culling tells the two apart; nor is one whose like with a lower number is not opaque, and may let rays through.
 ///
 /// `hashes` are those of [`hash`](super::corner_hash::hash). Where there is no copy this takes a few nanoseconds a triangle.
 pub(super) fn copies(world: &World<'_>, numbers: &[u32], hashes: &[u32]) -> Vec<u32> {
@@ -27,11 +27,16 @@ pub(super) fn copies(world: &World<'_>, numbers: &[u32], hashes: &[u32]) -> Vec<
     let mut copies: Vec<u32> = runs
         .filter(|run| run.len() > 1)
         .flat_map(|run| {
-            let mut met = HashSet::new();
+            let mut seen = HashSet::new();
             run.iter().filter_map(move |&(_, at)| {
-                let corners = world.triangle(numbers[at as usize]).corners;
-                let is_first = met.insert(turned(bits(corners.map(|c| c.to_array()))));
-                (!is_first).then_some(at)
+                let number = numbers[at as usize];
+                let corners = world.triangle(number).corners;
+                let corners = turned(bits(corners.map(|c| c.to_array())));
+                let is_copy = seen.contains(&corners);
+                if !is_copy && world.is_opaque(number) {
+                    seen.insert(corners);
+                }
+                is_copy.then_some(at)
             })
         })
         .collect();
@@ -144,11 +149,11 @@ mod tests {
                 .map(|_| [corner(), corner(), corner()])
                 .filter(|[a, b, c]| a != b && b != c && c != a)
                 .collect();
-            let mut met = HashSet::new();
+            let mut seen = HashSet::new();
             let turned = |[a, b, c]: [u32; 3]| [[a, b, c], [b, c, a], [c, a, b]].into_iter().min();
             let expected: Vec<u32> = (0..)
                 .zip(&triangles)
-                .filter(|(_, triangle)| !met.insert(turned(**triangle)))
+                .filter(|(_, triangle)| !seen.insert(turned(**triangle)))
                 .map(|(place, _)| place)
                 .collect();
             assert!(expected.len() >= least, "{}", expected.len());

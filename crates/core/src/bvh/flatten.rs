@@ -4,7 +4,7 @@ use super::Triangle;
 use super::corner_hash::hash;
 use super::placement::Placement;
 use super::tree::{Box32, TRIANGLE_LIMIT};
-use crate::scene::{COORDINATE_LIMIT, Mesh, Object, Scene, SceneError};
+use crate::scene::{COORDINATE_LIMIT, Mesh, Object, Opacity, Scene, SceneError};
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -87,13 +87,25 @@ impl<'s> World<'s> {
         }
     }
 
-    /// The triangle of a number. One that its mesh does not have is nowhere.
-    pub(super) fn triangle(&self, number: u32) -> Triangle {
-        let object = match &self.objects[..] {
+    /// The object of a number.
+    fn object(&self, number: u32) -> usize {
+        match &self.objects[..] {
             // Nothing to look up.
             [_] => 0,
             _ => self.first_numbers.partition_point(|&first| first <= number) - 1,
-        };
+        }
+    }
+
+    /// Whether all of a triangle's surface is there, and covers what lies behind it.
+    pub(super) fn is_opaque(&self, number: u32) -> bool {
+        let object = self.object(number);
+        let triangle = number - self.first_numbers[object];
+        *self.objects[object].mesh.opacity(triangle) == Opacity::Opaque
+    }
+
+    /// The triangle of a number. One that its mesh does not have is nowhere.
+    pub(super) fn triangle(&self, number: u32) -> Triangle {
+        let object = self.object(number);
         let corners = self.corners(object, number - self.first_numbers[object]);
         Triangle { corners, number }
     }

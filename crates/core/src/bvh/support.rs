@@ -103,19 +103,19 @@ mod tests {
             objects: vec![Object::new("near", mesh.clone()), Object::new("far", mesh)],
         };
         scene.objects[1].transform.translate = DVec3::NEG_Z;
-        let met = |scene: &Scene| {
+        let hit_and_top = |scene: &Scene| {
             let accel = Accel::build(scene).expect("a valid scene");
             let ray = crate::Ray::new(DVec3::new(0.25, 0.25, 2.0), DVec3::NEG_Z);
             let hit = accel.cast(&ray, crate::Cull::None);
             (hit.map(|hit| hit.object), accel.support(DVec3::Z))
         };
-        assert_eq!(met(&scene), (Some(0), Some(0.0)));
+        assert_eq!(hit_and_top(&scene), (Some(0), Some(0.0)));
         let content = scene.content();
         scene.objects[0].visible = false;
-        assert_eq!(met(&scene), (Some(1), Some(-1.0)));
+        assert_eq!(hit_and_top(&scene), (Some(1), Some(-1.0)));
         assert_eq!(scene.bounds().max.z, -1.0);
         assert_ne!(scene.content(), content);
         scene.objects[1].visible = false;
-        assert_eq!(met(&scene), (None, None));
+        assert_eq!(hit_and_top(&scene), (None, None));
     }
 }

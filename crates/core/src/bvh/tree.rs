@@ -27,7 +27,7 @@ pub(crate) struct Subtree {
 impl Subtree {
     /// A leaf of these primitive indices.
     #[inline(always)]
-    pub(crate) fn leaf(first: u32, count: u32) -> Self {
+    pub(crate) const fn leaf(first: u32, count: u32) -> Self {
         Self {
             node: LEAF,
             first,

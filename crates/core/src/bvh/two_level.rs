@@ -207,17 +207,7 @@ pub(super) fn build(
             }
         }
     }
-    let mut meshes = known.meshes.clone();
-    let new = scene
-        .objects
-        .iter()
-        .map(|object| (address(&object.mesh), &object.mesh));
-    for (address, mesh) in new {
-        meshes
-            .entry(address)
-            .or_insert_with(|| Arc::downgrade(mesh));
-    }
-    meshes.retain(|_, mesh| mesh.strong_count() > 0);
+    let meshes = living_meshes(scene, known);
     trees.retain(|address, _| meshes.contains_key(address));
     // An object that is gone may come back: the only tree of its mesh stays.
     let only = |key: &Key, placed: &Placed| {
@@ -227,36 +217,14 @@ pub(super) fn build(
         placed.entry(*key).or_insert_with(|| known.clone());
     }
 
-    let mut all = Vec::with_capacity(keys.len());
     let most_roots = keys.len().max(ROOTS);
-    let (mut next, mut out_of_range) = (pages_after(0, most_roots as u32), 0);
-    // Of objects that are one mesh in one place the first wins wherever rays hit them.
-    let mut seen = HashSet::with_capacity(keys.len());
-    for (object, key) in keys.iter().enumerate() {
-        let Some(placed) = placed.get(key).filter(|_| world.objects[object].visible) else {
-            continue;
+    let Some((all, out_of_range)) = instances(&keys, &placed, &world, most_roots) else {
+        return if quick {
+            Ok(None)
+        } else {
+            Accel::build(scene).map(Some)
         };
-        out_of_range += placed.tree.out_of_range;
-        if placed.tree.triangles.is_empty() || !seen.insert(key) {
-            continue;
-        }
-        let end = next.and_then(|first| pages_after(first, placed.tree.indices()));
-        let (Some(first), Some(end)) = (next, end.filter(|&end| end <= TRIANGLE_LIMIT)) else {
-            // More indices than there are: one tree needs none but the triangles'.
-            return if quick {
-                Ok(None)
-            } else {
-                Accel::build(scene).map(Some)
-            };
-        };
-        all.push(Instance {
-            object: object as u32,
-            first_number: world.first_numbers[object],
-            first,
-            placed: placed.clone(),
-        });
-        next = Some(end);
-    }
+    };
     let (top, root) = top_level(&mut roots(&all, most_roots));
     // Those of the top-level tree are wider where objects are opened.
     let bounds = all.iter().map(|instance| instance.placed.bounds);
@@ -275,6 +243,53 @@ pub(super) fn build(
         out_of_range,
         known: Some(Arc::new(Known::new(meshes, trees, placed))),
     }))
+}
+
+/// The meshes that are known or in a scene, and still exist.
+fn living_meshes(scene: &Scene, known: &Known) -> HashMap<usize, Weak<Mesh>> {
+    let mut meshes = known.meshes.clone();
+    for object in &scene.objects {
+        let mesh = &object.mesh;
+        meshes
+            .entry(address(mesh))
+            .or_insert_with(|| Arc::downgrade(mesh));
+    }
+    meshes.retain(|_, mesh| mesh.strong_count() > 0);
+    meshes
+}
+
+/// The instances of all visible objects, each with primitive indices of its own, behind those of the top-level tree; and
+/// how many triangles are out of range. `None` where there are more indices than there may be: one tree needs none but the
+/// triangles'.
+fn instances(
+    keys: &[Key],
+    placed: &HashMap<Key, Placed>,
+    world: &World<'_>,
+    most_roots: usize,
+) -> Option<(Vec<Instance>, u32)> {
+    let mut all = Vec::with_capacity(keys.len());
+    let (mut next, mut out_of_range) = (pages_after(0, most_roots as u32), 0);
+    // Of objects that are one mesh in one place the first wins wherever rays hit them.
+    let mut seen = HashSet::with_capacity(keys.len());
+    for (object, key) in keys.iter().enumerate() {
+        let Some(placed) = placed.get(key).filter(|_| world.objects[object].visible) else {
+            continue;
+        };
+        out_of_range += placed.tree.out_of_range;
+        if placed.tree.triangles.is_empty() || !seen.insert(key) {
+            continue;
+        }
+        let first = next?;
+        let end = pages_after(first, placed.tree.indices()).filter(|&end| end <= TRIANGLE_LIMIT)?;
+        all.push(Instance {
+            object: object as u32,
+            first_number: world.first_numbers[object],
+            first,
+            placed: placed.clone(),
+        });
+        next = Some(end);
+    }
+    Some((all, out_of_range))
 }
 
 /// The trees that are known, and those of some meshes. `None` where one would have to be built, and that is not

@@ -15,7 +15,7 @@ pub enum Grid {
 }
 
 impl Default for Grid {
-    /// 64 × 64 pixels: enough rays to share a walk through the tree, small enough to see it fill.
+    /// 64 × 64 pixels: enough rays to share a traversal of the tree, small enough to see it fill.
     fn default() -> Self {
         Self::Size(64)
     }

@@ -1,3 +1,4 @@
+use super::BrownConrady;
 use crate::math;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -25,6 +26,8 @@ pub enum Panorama {
     CubeStrip,
     /// The same faces as a cross: left, front, right and back in a row of four, up above and down below the front.
     CubeCross,
+    /// A planar picture through a calibrated lens.
+    Lens(BrownConrady),
 }
 
 /// Faces of a cube: right, up and forward of each.
@@ -39,7 +42,7 @@ const BACK: [DVec3; 3] = [DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z];
 pub(super) type Face = (f64, f64, [DVec3; 3]);
 
 /// Where the middles of a strip's faces are, and of a cross's.
-const STRIP: [Face; 6] = [
+pub(super) const STRIP: [Face; 6] = [
     (-5.0, 0.0, RIGHT),
     (-3.0, 0.0, LEFT),
     (-1.0, 0.0, UP),
@@ -47,7 +50,7 @@ const STRIP: [Face; 6] = [
     (3.0, 0.0, FRONT),
     (5.0, 0.0, BACK),
 ];
-const CROSS: [Face; 6] = [
+pub(super) const CROSS: [Face; 6] = [
     (-3.0, 0.0, LEFT),
     (-1.0, 0.0, FRONT),
     (1.0, 0.0, RIGHT),
@@ -57,7 +60,7 @@ const CROSS: [Face; 6] = [
 ];
 
 impl Panorama {
-    /// Every kind, and its name.
+    /// Every kind without numbers of its own, and its name.
     pub const ALL: [(&str, Self); 7] = [
         ("equirectangular", Self::Equirectangular),
         ("cylindrical", Self::Cylindrical),
@@ -95,6 +98,7 @@ impl Panorama {
             }
             Self::CubeStrip => on_face(&STRIP, a, b),
             Self::CubeCross => on_face(&CROSS, a, b),
+            Self::Lens(lens) => lens.direction(a, b),
             _ => None,
         }
     }
@@ -142,6 +146,7 @@ impl Panorama {
                 round(share, -0.25 / share, -1.0)
             }
             Self::Stereographic => round(1.0, 0.0, -0.5),
+            Self::Lens(lens) => lens.derivatives(a, b),
             Self::CubeStrip | Self::CubeCross => {
                 (self.face(a, b)).map_or([DVec3::ZERO; 2], |(_, _, [p, q, _])| [p, q])
             }
@@ -184,6 +189,7 @@ impl Panorama {
             Self::Stereographic => None,
             Self::CubeStrip => place_on(&STRIP, direction),
             Self::CubeCross => place_on(&CROSS, direction),
+            Self::Lens(lens) => lens.place(direction),
         }
     }
 
@@ -192,7 +198,7 @@ impl Panorama {
         let angle = fov_degrees.to_radians();
         match self {
             Self::Equirectangular | Self::Equidistant => angle,
-            Self::Cylindrical => 2.0 * math::tan(angle * 0.5),
+            Self::Cylindrical | Self::Lens(_) => 2.0 * math::tan(angle * 0.5),
             Self::Equisolid => 4.0 * math::sin(angle * 0.25),
             Self::Stereographic => 4.0 * math::tan(angle * 0.25),
             // As many faces as there are in a column.
@@ -204,7 +210,7 @@ impl Panorama {
     pub fn fov_degrees(self, height: f64) -> f64 {
         let angle = match self {
             Self::Equirectangular | Self::Equidistant => height,
-            Self::Cylindrical => 2.0 * math::atan(height * 0.5),
+            Self::Cylindrical | Self::Lens(_) => 2.0 * math::atan(height * 0.5),
             Self::Equisolid => 4.0 * math::asin((height * 0.25).min(1.0)),
             Self::Stereographic => 4.0 * math::atan(height * 0.25),
             Self::CubeStrip | Self::CubeCross => return (height * 45.0).min(self.most_fov()),
@@ -217,7 +223,7 @@ impl Panorama {
     pub fn most_fov(self) -> f64 {
         match self {
             Self::Equirectangular => 180.0,
-            Self::Cylindrical => 179.0,
+            Self::Cylindrical | Self::Lens(_) => 179.0,
             Self::Equidistant | Self::Equisolid => 360.0,
             Self::Stereographic => 359.0,
             Self::CubeStrip => 90.0,
@@ -228,7 +234,7 @@ impl Panorama {
     /// The vertical field of view in degrees where nobody says another: all of it, where that is not too much.
     pub fn default_fov(self) -> f64 {
         match self {
-            Self::Cylindrical => 90.0,
+            Self::Cylindrical | Self::Lens(_) => 90.0,
             Self::Equidistant | Self::Equisolid | Self::Stereographic => 180.0,
             Self::Equirectangular | Self::CubeStrip | Self::CubeCross => self.most_fov(),
         }
@@ -241,6 +247,7 @@ impl Panorama {
             Self::Cylindrical => PI,
             Self::Equidistant | Self::Equisolid | Self::Stereographic => 1.0,
             Self::CubeStrip => 6.0,
+            Self::Lens(_) => 16.0 / 9.0,
             Self::CubeCross => 4.0 / 3.0,
         };
         ((f64::from(rows) * aspect).round() as u32, rows)

@@ -5,14 +5,15 @@
     reason = "a lane is an index into all the arrays at once"
 )]
 
-use super::panorama::Face;
+use super::panorama::{CROSS, Face, STRIP};
 use super::{Lattice, Panorama, Rect};
 use crate::math;
 use crate::num::simd::LANES;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// The half angle in radians from which on a cone is wide.
+/// The half angle in radians from which on a cone is wide. Below a right angle any is correct. A wider cone touches most
+/// of what is around the eye; with a narrower limit more large packets start at the root.
 const WIDE: f64 = 0.6;
 
 /// x, y and z of eight vectors.
@@ -21,6 +22,8 @@ pub(crate) type Vectors = [[f64; LANES]; 3];
 /// The rays of a panorama on a lattice, eight of a row at a time.
 pub(crate) struct PanoramaRays {
     panorama: Panorama,
+    /// The camera's right, up and forward.
+    axes: [[f64; 3]; 3],
     columns: Places,
     rows: Places,
 }
@@ -79,20 +82,20 @@ impl PanoramaRays {
             Panorama::Cylindrical => (true, false),
             _ => (false, false),
         };
+        let axes = [camera.right(), camera.up(), camera.forward()];
         Some(Self {
             panorama,
+            axes: axes.map(|axis| axis.to_array()),
             columns: Places::new((0..lattice.columns).map(across).collect(), has_longitudes),
             rows: Places::new((0..lattice.rows).map(along).collect(), has_latitudes),
         })
     }
 
-    /// The greatest magnitude of a place.
+    /// The greatest magnitude of a place. One that is no number has no ray.
     pub(crate) fn reach(&self) -> f64 {
         let ends = |places: &Places| [places.at.first().copied(), places.at.last().copied()];
         let all = ends(&self.columns).into_iter().chain(ends(&self.rows));
-        // NaN is greater than any.
-        let greater = |a: f64, b: f64| if b <= a { a } else { b };
-        all.flatten().map(f64::abs).fold(0.0, greater)
+        all.flatten().map(f64::abs).fold(0.0, f64::max)
     }
 
     /// A cone around a rectangle's rays: its axis in the camera's axes, and the tangent of its half angle. `None` where
@@ -101,6 +104,9 @@ impl PanoramaRays {
     /// From place to place directions turn by no more than places are apart: on each kind of picture directions turn
     /// fastest in its middle, one radian a unit, but for an equisolid fisheye, which along ρ turns by 1/√(1 − ρ²/4).
     /// What a picture has, or the face of a cube, is convex: the way from the middle to each ray is on it.
+    ///
+    /// At the rim of an equisolid fisheye 1 − ρ²/4 is off by 4ε. There a rectangle h wide turns by less than 2√(2h), and is
+    /// taken to turn by h/√(4ε): more, since a picture has at most 2³² columns, and h is 10⁻¹⁰ at least or zero.
     pub(crate) fn cone(&self, rect: Rect) -> Option<(DVec3, f64)> {
         let ends = |places: &[f64], first: u32, count: u32| {
             let last = first + count.max(1) - 1;
@@ -109,6 +115,10 @@ impl PanoramaRays {
         let (left, right) = ends(&self.columns.at, rect.x, rect.width)?;
         let (top, bottom) = ends(&self.rows.at, rect.y, rect.height)?;
         let (across, along) = ((right - left) * 0.5, (bottom - top) * 0.5);
+        if matches!(self.panorama, Panorama::Lens(_)) {
+            // Towards the end of a lens directions turn without bound.
+            return None;
+        }
         let axis = self.panorama.direction(left + across, top + along)?;
         let turn = if self.panorama == Panorama::Equisolid {
             let (a, b) = (left.abs().max(right.abs()), top.abs().max(bottom.abs()));
@@ -121,28 +131,63 @@ impl PanoramaRays {
         (angle < WIDE).then(|| (axis, math::tan(angle)))
     }
 
-    /// Columns before which faces of a cube change, and rows.
+    /// Columns before which faces of a cube change, and rows. A border belongs to the first face in the list that it is
+    /// on, as in [`Panorama::direction`]: the face beside it in the picture may look the other way.
     pub(crate) fn borders(&self) -> [Vec<u32>; 2] {
-        let is_cube = matches!(self.panorama, Panorama::CubeStrip | Panorama::CubeCross);
-        // Faces are two units wide. Columns of them meet in the picture's middle, rows of them do not.
-        let changes = |places: &[f64], shift: f64| {
-            let band = |at: f64| ((at + shift) * 0.5).floor();
+        let faces = match self.panorama {
+            Panorama::CubeStrip => &STRIP,
+            Panorama::CubeCross => &CROSS,
+            _ => return [Vec::new(), Vec::new()],
+        };
+        let changes = |places: &[f64], middles: [f64; 6]| {
+            let face = |at: f64| middles.iter().position(|middle| (at - middle).abs() <= 1.0);
             let pairs = places.windows(2).zip(1..);
             pairs
-                .filter(|(pair, _)| is_cube && band(pair[0]) != band(pair[1]))
+                .filter(|(pair, _)| face(pair[0]) != face(pair[1]))
                 .map(|(_, at)| at)
                 .collect()
         };
-        [changes(&self.columns.at, 0.0), changes(&self.rows.at, 1.0)]
+        [
+            changes(&self.columns.at, faces.map(|(x, _, _)| x)),
+            changes(&self.rows.at, faces.map(|(_, y, _)| y)),
+        ]
+    }
+
+    /// Directions in the world of eight rays of a row from a column on, as [`Camera::ray`](super::Camera::ray) gives
+    /// them, bit for bit. Rays that there are not may have any.
+    #[inline(always)]
+    pub(crate) fn eight_in_world(&self, column: u32, row: u32) -> Vectors {
+        let mut directions = [[0.0; LANES]; 3];
+        self.eight(column, row, &mut directions);
+        let [right, up, forward] = self.axes;
+        let [xs, ys, zs] = directions;
+        let mut out = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            let mut sum = [0.0; 3];
+            for axis in 0..3 {
+                sum[axis] = right[axis] * xs[lane] + up[axis] * ys[lane] + forward[axis] * zs[lane];
+            }
+            let [x, y, z] = sum;
+            let length = (x * x + y * y + z * z).sqrt();
+            for axis in 0..3 {
+                out[axis][lane] = sum[axis] / length;
+            }
+        }
+        out
     }
 
     /// Directions of eight rays of a row from a column on, as [`Panorama::direction`] gives them, bit for bit, and
     /// which of them there are, as bits. Those that there are not may have any direction.
     #[inline(always)]
-    pub(crate) fn eight(&self, column: u32, row: u32, out: &mut Vectors) -> u32 {
+    fn eight(&self, column: u32, row: u32, out: &mut Vectors) -> u32 {
         let (a, b) = self.places(column, row);
         match self.panorama {
             Panorama::Equirectangular | Panorama::Cylindrical => self.around(column, row, out),
+            Panorama::Lens(lens) => {
+                let ([x, y], has) = lens.undistort(&a, &[-b; LANES]);
+                *out = [x, y.map(|down| -down), [1.0; LANES]];
+                (0..LANES).fold(0, |bits, lane| bits | u32::from(has[lane]) << lane)
+            }
             _ => {
                 if let Some(axes) = self.face_of_eight(&a, b) {
                     return on_face(axes, &a, b, out);
@@ -310,13 +355,16 @@ fn equidistant(a: &[f64; LANES], b: f64, squared: &[f64; LANES], out: &mut Vecto
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Camera, ImagePlane, Placement, Projection, Rect};
+    use crate::camera::{BrownConrady, Camera, ImagePlane, Placement, Projection, Rect};
     use crate::random::Random;
 
     /// Lattices that begin and end anywhere, with places beyond the picture's end and at the borders of faces.
     fn lattices() -> impl Iterator<Item = Lattice> {
         let mut random = Random(81);
-        Panorama::ALL.into_iter().flat_map(move |(_, panorama)| {
+        let lens = BrownConrady::new([-0.3, 0.1, 0.001, -0.0005, -0.01]).expect("finite");
+        let all = Panorama::ALL.map(|(_, panorama)| panorama);
+        let all = all.into_iter().chain([Panorama::Lens(lens)]);
+        all.flat_map(move |panorama| {
             [0.11, 0.125, 1e-4].map(|step| {
                 let eye = random.point();
                 let placement = Placement::towards(eye, eye + random.point() * 3.0);
@@ -350,6 +398,7 @@ mod tests {
                 for first in (0..lattice.columns).step_by(5) {
                     let [mut exact, mut near] = [[[0.0; LANES]; 3]; 2];
                     let has = rays.eight(first, row, &mut exact);
+                    let in_world = rays.eight_in_world(first, row);
                     let nearly_has = rays.nearly_eight(first, row, &mut near);
                     for lane in 0..LANES {
                         let column = first + lane as u32;
@@ -364,6 +413,7 @@ mod tests {
                         let Some(expected) = expected else { continue };
                         let at = |all: &Vectors| DVec3::from_array(all.map(|axis| axis[lane]));
                         assert_eq!(at(&exact), expected, "{panorama:?} {a} {b}");
+                        assert_eq!(at(&in_world), lattice.ray(column, row).direction);
                         let off = (at(&near) - expected).abs().max_element();
                         let bound = 160.0 * f64::EPSILON * expected.length();
                         assert!(off <= bound, "{panorama:?} {a} {b}: {off:e}");

@@ -16,7 +16,7 @@ pub struct Placement {
 pub enum PlacementError {
     /// A coordinate that is not finite, or points so far apart that their distance is not.
     #[error(
-        "a camera cannot stand at {:?} and look at {:?}: expected finite numbers",
+        "a camera cannot stand at {:?} and look at {:?}: expected finite numbers, and a finite distance",
         .eye.to_array(),
         .target.to_array()
     )]

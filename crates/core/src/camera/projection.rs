@@ -1,4 +1,4 @@
-use super::{ImagePlane, Panorama, Placement, Ray};
+use super::{BrownConrady, ImagePlane, Panorama, Placement, Ray};
 use crate::math;
 use crate::ranges::{self, OutOfRange};
 use glam::DVec3;
@@ -31,8 +31,11 @@ impl Projection {
         planar.into_iter().chain(panoramas)
     }
 
-    /// Its name, as in [`Projection::all`].
+    /// Its name, as in [`Projection::all`]: through a lens that of perspective.
     pub fn name(self) -> &'static str {
+        if self.lens().is_some() {
+            return Self::Perspective.name();
+        }
         let mut all = Self::all();
         all.find(|(_, it)| *it == self).map_or("", |(name, _)| name)
     }
@@ -50,6 +53,19 @@ impl Projection {
             Self::Panoramic(panorama) => Some(panorama),
             Self::Perspective | Self::Orthographic => None,
         }
+    }
+
+    /// The lens that a perspective picture is seen through, where there is one.
+    pub fn lens(self) -> Option<BrownConrady> {
+        match self {
+            Self::Panoramic(Panorama::Lens(lens)) => Some(lens),
+            _ => None,
+        }
+    }
+
+    /// A perspective picture through a lens.
+    pub fn through(lens: BrownConrady) -> Self {
+        Self::Panoramic(Panorama::Lens(lens))
     }
 
     /// The height at distance `d` of a frame with this vertical field of view in degrees: what an orthographic frame
@@ -103,7 +119,8 @@ impl Projection {
 
     /// The vertical field of view in degrees where nobody says another.
     pub fn default_fov(self) -> f64 {
-        self.panorama().map_or(DEFAULT_FOV, Panorama::default_fov)
+        let panorama = self.panorama().filter(|_| self.lens().is_none());
+        panorama.map_or(DEFAULT_FOV, Panorama::default_fov)
     }
 }
 
@@ -136,6 +153,9 @@ pub struct Camera {
     up: DVec3,
     forward: DVec3,
     distance: f64,
+    shift: [f64; 2],
+    /// Where the view axis goes through the picture, in pixels.
+    center: [f64; 2],
 }
 
 impl Camera {
@@ -166,6 +186,8 @@ impl Camera {
             up: right.cross(forward),
             forward,
             distance,
+            shift: [0.0; 2],
+            center: center(&plane, [0.0; 2]),
         }
     }
 
@@ -276,12 +298,17 @@ impl Camera {
         }
     }
 
+    /// The principal point: where the view axis goes through the picture, in pixels.
+    pub(crate) fn principal_point(&self) -> [f64; 2] {
+        self.center
+    }
+
     /// How far (x, y) of the picture is to the right of and above the view axis, in scene units at
     /// the target.
     #[inline(always)]
     pub(crate) fn across_and_along(&self, x: f64, y: f64) -> (f64, f64) {
-        let across = (x - f64::from(self.plane.columns) * 0.5) * self.plane.step;
-        let along = (f64::from(self.plane.rows) * 0.5 - y) * self.plane.step;
+        let across = (x - self.center[0]) * self.plane.step;
+        let along = (self.center[1] - y) * self.plane.step;
         (across, along)
     }
 
@@ -316,8 +343,8 @@ impl Camera {
             );
             let (a, b) = panorama.place(in_camera)?;
             let pixels = self.distance / self.plane.step;
-            let x = f64::from(self.plane.columns) * 0.5 + a * pixels;
-            let y = f64::from(self.plane.rows) * 0.5 - b * pixels;
+            let x = self.center[0] + a * pixels;
+            let y = self.center[1] - b * pixels;
             return (x.is_finite() && y.is_finite()).then_some((x, y));
         }
         let depth = relative.dot(self.forward);
@@ -326,8 +353,8 @@ impl Camera {
             Projection::Orthographic => 1.0,
             Projection::Perspective | Projection::Panoramic(_) => return None,
         } / self.plane.step;
-        let x = f64::from(self.plane.columns) * 0.5 + relative.dot(self.right) * scale;
-        let y = f64::from(self.plane.rows) * 0.5 - relative.dot(self.up) * scale;
+        let x = self.center[0] + relative.dot(self.right) * scale;
+        let y = self.center[1] - relative.dot(self.up) * scale;
         (x.is_finite() && y.is_finite()).then_some((x, y))
     }
 
@@ -380,8 +407,38 @@ impl Camera {
 
     /// The same camera with another image plane.
     pub fn with_plane(&self, plane: ImagePlane) -> Self {
-        Self { plane, ..*self }
+        Self {
+            plane,
+            center: center(&plane, self.shift),
+            ..*self
+        }
     }
+
+    /// The same camera with its frame moved to the right and up, in heights of the frame: the eye, the view axis and
+    /// the step stay, as with a lens that is shifted. Rays stay a lattice.
+    pub fn shifted(&self, shift: [f64; 2]) -> Self {
+        Self {
+            shift,
+            center: center(&self.plane, shift),
+            ..*self
+        }
+    }
+
+    /// How far the frame is off the view axis, to the right and up, in heights of the frame.
+    pub fn shift(&self) -> [f64; 2] {
+        self.shift
+    }
+}
+
+/// Where the view axis goes through a picture, in pixels: whole numbers of 2⁻²⁴, as the places of samples are, so that
+/// differences from them are exact.
+fn center(plane: &ImagePlane, [right, up]: [f64; 2]) -> [f64; 2] {
+    let (columns, rows) = (f64::from(plane.columns), f64::from(plane.rows));
+    let rounded = |pixels: f64| (pixels * 16_777_216.0).round_ties_even() / 16_777_216.0;
+    [
+        columns * 0.5 - rounded(right * rows),
+        rows * 0.5 + rounded(up * rows),
+    ]
 }
 
 /// The height at distance `d` of a frame with this vertical field of view in degrees.

@@ -135,7 +135,7 @@ pub(super) fn read(
                 mesh: obj.mesh,
                 texture: obj.texture,
                 warnings: obj.warnings,
-                notes: Vec::new(),
+                notes: obj.notes,
             };
             (FileKind::Obj, parsed)
         }

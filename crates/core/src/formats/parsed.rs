@@ -12,3 +12,7 @@ pub(super) struct Parsed {
     /// What the file is, says of itself, and holds that is not used: a line each, without the file.
     pub(super) notes: Vec<String>,
 }
+
+/// What is told of blended materials.
+pub(super) const BLENDED: &str =
+    "blended materials, of which each layer covers by its alpha, with nothing refracted";

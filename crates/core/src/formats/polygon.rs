@@ -3,7 +3,7 @@
 mod tree;
 
 use crate::quote;
-use crate::scene::{MeshData, is_storable};
+use crate::scene::{Diagonals, MeshData, is_storable};
 use glam::{DVec3, Vec3};
 use robust::{Coord, orient2d};
 use std::cmp::Ordering;
@@ -49,7 +49,7 @@ impl Uncut {
 }
 
 /// Cuts the polygons of a mesh whose faces are all fans. Each keeps its numbers; positions, texture
-/// coordinates and normals are cut alike.
+/// coordinates and normals are cut alike. The mesh keeps where they were cut.
 ///
 /// The corners are judged as they will be stored, in single precision relative to the mesh's
 /// offset, and in the plane of two axes that shows the most of the face. A fan stays where all its
@@ -59,6 +59,7 @@ pub(super) fn cut(mesh: &mut MeshData, polygons: &[Polygon]) -> Uncut {
     if polygons.is_empty() {
         return Uncut::default();
     }
+    let mut diagonals = Diagonals::of(mesh.triangles.len());
     let offset = mesh.offset();
     let mut uncut = Uncut::default();
     let mut cutter = Cutter::default();
@@ -67,6 +68,10 @@ pub(super) fn cut(mesh: &mut MeshData, polygons: &[Polygon]) -> Uncut {
     for polygon in polygons {
         let range = polygon.first as usize..(polygon.first + polygon.triangles) as usize;
         corners(&mesh.triangles[range.clone()], &mut fan);
+        let last = polygon.triangles as usize - 1;
+        for at in 0..=last {
+            diagonals.set(range.start + at, [at > 0, false, at < last]);
+        }
         stored.clear();
         stored.extend(fan.iter().filter_map(|&corner| {
             let position = *mesh.positions.get(corner as usize)?;
@@ -88,6 +93,10 @@ pub(super) fn cut(mesh: &mut MeshData, polygons: &[Polygon]) -> Uncut {
                     .into_iter()
                     .flatten()
                     .chain([&mut mesh.triangles]);
+                for (number, &[a, b, c]) in range.clone().zip(&cutter.ears) {
+                    let is_diagonal = |(from, to)| !are_neighbours(from, to, fan.len());
+                    diagonals.set(number, [(a, b), (b, c), (c, a)].map(is_diagonal));
+                }
                 for triangles in all {
                     let triangles = &mut triangles[range.clone()];
                     corners(triangles, &mut fan);
@@ -98,7 +107,14 @@ pub(super) fn cut(mesh: &mut MeshData, polygons: &[Polygon]) -> Uncut {
             }
         }
     }
+    mesh.diagonals = diagonals;
     uncut
+}
+
+/// Whether two corners of a face of so many follow one another.
+fn are_neighbours(a: u32, b: u32, count: usize) -> bool {
+    let apart = a.abs_diff(b) as usize;
+    apart == 1 || apart + 1 == count
 }
 
 /// The corners of a fan, in their order.

@@ -33,7 +33,17 @@ fn says_where_and_what() {
         "scene:15",
         "`pretty`",
     );
-    check(&edit("0.7", "1.5"), "scene:18", "found 1.5");
+    check(&edit("0.7", "1.5"), "scene:20", "found 1.5");
+    check(
+        &edit("feature:25,boundary", "pretty"),
+        "scene:18",
+        "expected kinds of edges: all, polygon, feature[:DEGREES], silhouette, boundary, non-manifold, found \"pretty\"",
+    );
+    check(
+        &edit("= 0.2", "= 2.0"),
+        "scene:19",
+        "expected 0 to 1 of hidden lines, found 2",
+    );
     check(&edit("[3, 2.5, 5]", "[nan, 0, 0]"), "scene:4", "finite");
     check(
         &edit("[3, 2.5, 5]", "[0, 0, 0.1]"),
@@ -66,31 +76,31 @@ fn says_where_and_what() {
         "perspective",
     );
     check(&edit("#20242c", "20242"), "scene:12", "transparent");
-    check(&edit("\"#ff8000\"", "\"red\""), "scene:34", "found \"red\"");
+    check(&edit("\"#ff8000\"", "\"red\""), "scene:36", "found \"red\"");
     check(
         &edit("\"b.txt\"", "\"c.txt\""),
-        "scene:39",
+        "scene:41",
         "c.txt cannot be read",
     );
     check(&edit("\"b.txt\"", "\"bad.obj\""), "bad.obj:2", "found 2");
     check(
         &edit("parent = \"planet\"", "parent = \"sun\""),
-        "scene:29",
+        "scene:31",
         "\"sun\"",
     );
     check(
         &edit("parent = \"planet\"", "parent = \"moon\""),
-        "scene:29",
+        "scene:31",
         "descendant",
     );
     check(
         &edit("rotate = [0, 90, 0]", "parent = \"moon\""),
-        "scene:29",
+        "scene:31",
         "descendant",
     );
     check(
         &edit("name = \"moon\"", "name = \"planet\""),
-        "scene:29",
+        "scene:31",
         "2 objects",
     );
 }

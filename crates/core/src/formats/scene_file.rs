@@ -1,5 +1,5 @@
 use super::length_unit::LengthUnit;
-use crate::camera::{CameraPath, Placement, Projection};
+use crate::camera::{CameraPath, PixelFilter, Placement, Projection};
 use crate::hit::{Cull, Precision};
 use crate::scene::{ClippingPlanes, Scene};
 use crate::shade::Shading;
@@ -93,9 +93,13 @@ pub struct ImageSettings {
     pub size: Option<(u32, u32)>,
     /// Rays a pixel.
     pub samples: Option<u32>,
+    /// How they are weighed by their place.
+    pub pixel_filter: Option<PixelFilter>,
     /// Distance between neighbouring rays at the camera's target, in scene units, for pictures of `size`: the bits
     /// that a field of view would round.
     pub step: Option<f64>,
+    /// How far the frame is off the view axis, to the right and up, in heights of the frame.
+    pub shift: Option<[f64; 2]>,
     /// Which faces rays pass through.
     pub cull: Option<Cull>,
     /// How sure the triangles are.
@@ -127,9 +131,11 @@ impl SceneFile {
             self.image.step = other.image.step;
         }
         self.image.size = self.image.size.or(other.image.size);
+        self.image.shift = self.image.shift.or(other.image.shift);
         self.image.cull = self.image.cull.or(other.image.cull);
         self.image.precision = self.image.precision.or(other.image.precision);
         self.image.samples = self.image.samples.or(other.image.samples);
+        self.image.pixel_filter = self.image.pixel_filter.or(other.image.pixel_filter);
         self.shading = self.shading.or(other.shading);
         if self.clip.all().is_empty() {
             self.clip = other.clip;

@@ -4,11 +4,11 @@ use super::error::FormatError;
 use super::files::beside;
 use super::mesh_file::{self, MeshObject};
 use super::scene_text::Reader;
-use super::scene_toml::{ColorRuleToml, ObjectToml, ShapeToml};
+use super::scene_toml::{ObjectToml, ShapeToml};
 use super::{Progress, texture};
 use crate::quote::{self, quote};
 use crate::scene::{
-    ColorRule, Crop, Object, Projector, Quantity, Shape, ShapeError, Texture, TextureMapping,
+    ColorRule, Crop, Mesh, Object, Projector, Quantity, Shape, ShapeError, Texture, TextureMapping,
     Transform, UpAxis, Wrap,
 };
 use glam::{DAffine3, DMat3, DVec2, DVec3};
@@ -124,7 +124,9 @@ impl Reader<'_> {
                 object.visible = table.visible.unwrap_or(true);
                 if let Some(color) = &table.color {
                     object.color = color.get_ref().rule(table.seed);
-                    self.check_scalar(color, &object)?;
+                    if let ColorRule::Value(Quantity::Scalar(name)) = &object.color {
+                        self.check_scalar(color, name, &object.mesh, "another color")?;
+                    }
                 }
                 if let Some((texture, source)) = &texture {
                     object.texture = Some(Arc::clone(texture));
@@ -134,6 +136,11 @@ impl Reader<'_> {
                     projection: table.texture_projection.map(Into::into),
                     projector: self.projector(table, &object)?,
                 };
+                if let Some(named) = &table.blend_by {
+                    let name = named.get_ref();
+                    self.check_scalar(named, name, &object.mesh, "no `blend-by`")?;
+                    object.blend_by = Some(name.clone());
+                }
                 objects.push(object);
             }
         }
@@ -153,25 +160,23 @@ impl Reader<'_> {
         Ok(objects)
     }
 
-    /// A rule names a scalar that the mesh has.
-    fn check_scalar(
+    /// What is named in a place of the file is a scalar of the mesh.
+    fn check_scalar<T>(
         &self,
-        color: &Spanned<ColorRuleToml>,
-        object: &Object,
+        place: &Spanned<T>,
+        name: &str,
+        mesh: &Mesh,
+        other: &str,
     ) -> Result<(), FormatError> {
-        let ColorRule::Value(Quantity::Scalar(name)) = &object.color else {
-            return Ok(());
-        };
-        let mesh = &object.mesh;
         if mesh.scalar(name).is_some() {
             return Ok(());
         }
         let names: Vec<_> = mesh.scalars().iter().map(|s| quote(&s.name)).collect();
         let expected = match names[..] {
-            [] => "another color: the mesh has no scalars".to_owned(),
+            [] => format!("{other}: the mesh has no scalars"),
             _ => format!("one of the mesh's scalars, {}", names.join(", ")),
         };
-        Err(self.fault(color, &expected, &quote(name)))
+        Err(self.fault(place, &expected, &quote(name)))
     }
 
     /// Those of a file's objects that a table stands for: the one that it names, else all.

@@ -10,7 +10,9 @@ use super::scene_toml::{
     AnimationToml, BackgroundToml, CameraToml, ClipToml, ImageToml, ProjectionToml, SceneToml,
     ShadingToml, VERSION, VersionToml,
 };
-use crate::camera::{CameraPath, ImagePlane, Keyframe, Placement, PlacementError, Projection};
+use crate::camera::{
+    BrownConrady, CameraPath, ImagePlane, Keyframe, Placement, PlacementError, Projection,
+};
 use crate::quote::{self, quote};
 use crate::ranges;
 use crate::scene::{
@@ -158,6 +160,7 @@ impl Reader<'_> {
             let frame = key.frame.clone().or_else(|| is_orthographic.then(any));
             let camera = CameraToml {
                 projection: ProjectionToml(projection),
+                lens: None,
                 eye: key.eye.clone(),
                 target: key.target.clone(),
                 up: key.up.clone(),
@@ -178,7 +181,15 @@ impl Reader<'_> {
     fn camera(&self, camera: &Spanned<CameraToml>) -> Result<CameraFile, FormatError> {
         let line = self.line(camera);
         let camera = camera.get_ref();
-        let projection = camera.projection.0;
+        let mut projection = camera.projection.0;
+        if let Some(lens) = &camera.lens {
+            if projection != Projection::Perspective {
+                let found = "`lens`, which is for perspective cameras";
+                return Err(self.fault(lens, "another key", found));
+            }
+            projection =
+                Projection::through(self.in_range(lens, BrownConrady::new(*lens.get_ref()))?);
+        }
         let misplaced = |value: &Spanned<f64>, key, other| {
             let found = format!("`{key}`, which is for {other} cameras");
             self.fault(value, "another key", &found)
@@ -257,7 +268,11 @@ impl Reader<'_> {
         Ok(ImageSettings {
             size: size.transpose()?,
             samples: samples.transpose()?,
+            pixel_filter: image.pixel_filter.map(Into::into),
             step: step.transpose()?,
+            shift: (image.shift.as_ref())
+                .map(|shift| self.in_range(shift, ranges::shift(*shift.get_ref())))
+                .transpose()?,
             cull: image.cull.map(Into::into),
             precision: image.precision.map(Into::into),
         })
@@ -322,6 +337,18 @@ impl Reader<'_> {
                 None => lines.width,
             },
             color: file.wireframe_color.map_or(lines.color, |color| color.0),
+            edges: match &file.wireframe_edges {
+                Some(edges) => edges.get_ref().parse().map_err(|_| {
+                    let expected = "kinds of edges: all, polygon, feature[:DEGREES], silhouette, \
+                                    boundary, non-manifold";
+                    self.fault(edges, expected, &quote(edges.get_ref()))
+                })?,
+                None => lines.edges,
+            },
+            hidden: match &file.wireframe_hidden {
+                Some(hidden) => self.in_range(hidden, ranges::hidden_lines(*hidden.get_ref()))?,
+                None => lines.hidden,
+            },
         };
         Ok(Some(Shading {
             mode: file.mode.map_or(defaults.mode, Into::into),
@@ -341,7 +368,20 @@ impl Reader<'_> {
             projection: file
                 .texture_projection
                 .map_or(defaults.projection, Into::into),
+            crease: match &file.crease {
+                Some(crease) => self.in_range(crease, ranges::crease(*crease.get_ref()))?,
+                None => defaults.crease,
+            },
+            lights: file.lights.map_or(defaults.lights, Into::into),
+            plain_color: file
+                .plain_color
+                .map_or(defaults.plain_color, |color| color.0),
             scale: self.scale(file)?,
+            back_faces: file.back_faces.map(|color| color.0),
+            x_ray_opacity: match &file.x_ray_opacity {
+                Some(opacity) => self.in_range(opacity, ranges::opacity(*opacity.get_ref()))?,
+                None => defaults.x_ray_opacity,
+            },
         }))
     }
 }

@@ -4,7 +4,7 @@ use super::scene_file::SceneFile;
 use super::*;
 use crate::camera::Projection;
 use crate::scene::{Color, ColorRule, Object, UpAxis, Wrap};
-use crate::shade::{Background, Filter, Mode, Shading, TextureProjection, Wireframe};
+use crate::shade::{Background, EdgeKinds, Filter, Mode, Shading, TextureProjection, Wireframe};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 
@@ -25,6 +25,8 @@ background = ["#20242c", "#3A4454"]
 mode = "barycentric"
 wireframe = true
 wireframe-width = 1.3
+wireframe-edges = "feature:25,boundary"
+wireframe-hidden = 0.2
 blend = 0.7
 filter = "nearest"
 texture-projection = "triplanar"
@@ -57,6 +59,12 @@ pub(super) fn files(name: &str) -> Option<Vec<u8>> {
         "b.txt" => Some("(0,0,0);(1,0,0);(0,1,0)".into()),
         "wide.ppm" => Some("P3\n4 1\n255\n1 2 3 4 5 6 7 8 9 10 11 12\n".into()),
         "t.ppm" => Some("P3\n1 1\n255\n1 2 3\n".into()),
+        "heat.ply" => Some(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+             property float heat\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+             0 0 0 0\n1 0 0 0.5\n0 1 0 1\n3 0 1 2\n"
+                .into(),
+        ),
         "bad.obj" => Some("v 0 0 0\nf 1 2 3\n".into()),
         _ => None,
     }
@@ -82,13 +90,19 @@ fn reads_everything() {
         mode: Mode::Barycentric,
         wireframe: Some(Wireframe {
             width: 1.3,
+            edges: EdgeKinds {
+                feature: Some(25.0),
+                boundary: true,
+                ..EdgeKinds::NONE
+            },
+            hidden: 0.2,
             ..Wireframe::default()
         }),
         background: Background::default(),
         blend: 0.7,
         filter: Filter::Nearest,
         projection: TextureProjection::Triplanar,
-        scale: None,
+        ..Shading::default()
     };
     assert_eq!(file.shading, Some(shading));
     let [moon, planet, plain] = &file.scene.objects[..] else {
@@ -104,6 +118,24 @@ fn reads_everything() {
     assert!(Arc::ptr_eq(&image(moon), &image(plain)));
     assert_eq!(moon.source.as_deref(), Some(Path::new("parts/a.obj")));
     assert_eq!(moon.mesh.materials()[0].color, Color([0, 255, 0]));
+}
+
+#[test]
+fn x_ray_and_backs_are_read_and_written() {
+    let text = "[shading]\nmode = \"x-ray\"\nback-faces = \"#010203\"\nx-ray-opacity = 0.25\n\
+        [[object]]\nmesh = \"b.txt\"\n";
+    let file = parse(text);
+    let shading = Shading {
+        mode: Mode::XRay,
+        back_faces: Some(Color([1, 2, 3])),
+        x_ray_opacity: 0.25,
+        ..Shading::default()
+    };
+    assert_eq!(file.shading, Some(shading));
+    let saved = file
+        .to_toml(Path::new("/nowhere"))
+        .expect("it can be saved");
+    assert_eq!(parse(&saved).shading, Some(shading));
 }
 
 #[test]
@@ -157,6 +189,30 @@ mesh = "b.txt"
 texture = "wide.ppm"
 texture-projection = "per-triangle"
 "##;
+
+#[test]
+fn a_scalar_that_blends_is_one_of_the_meshes() {
+    let text = "[[object]]\nmesh = \"heat.ply\"\ntexture = \"t.ppm\"\nblend-by = \"heat\"\n";
+    let file = parse(text);
+    let object = &file.scene.objects[0];
+    assert_eq!(object.blend_numbers(0), Some([0.0, 0.5, 1.0]));
+    let saved = file.to_toml(Path::new("/nowhere")).expect("it is saved");
+    let again = parse(&saved);
+    assert_eq!(again.scene.objects[0].blend_by, object.blend_by);
+    let told = |text: &str| {
+        read_scene_from(text, &files)
+            .expect_err("refused")
+            .to_string()
+    };
+    assert_eq!(
+        told(&text.replace("\"heat\"", "\"cold\"")),
+        "scene:4: expected one of the mesh's scalars, \"heat\", found \"cold\""
+    );
+    assert_eq!(
+        told(&text.replace("heat.ply", "b.txt")),
+        "scene:4: expected no `blend-by`: the mesh has no scalars, found \"heat\""
+    );
+}
 
 #[test]
 fn a_texture_is_cropped_wrapped_and_placed() {

@@ -3,7 +3,6 @@
 use super::Progress;
 use super::error::FormatError;
 use super::files::{By, Contents, Files};
-use crate::ranges::OutOfRange;
 use glam::DVec3;
 use std::path::Path;
 use toml::Spanned;
@@ -34,7 +33,7 @@ impl Reader<'_> {
     pub(super) fn in_range<T, N>(
         &self,
         place: &Spanned<T>,
-        number: Result<N, OutOfRange>,
+        number: Result<N, impl std::fmt::Display>,
     ) -> Result<N, FormatError> {
         number
             .map_err(|error| FormatError::refused(self.path, self.line(place), &error.to_string()))

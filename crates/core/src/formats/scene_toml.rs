@@ -1,9 +1,9 @@
 //! The tables of a `.raycast.toml`, as they stand in the file.
 
-use crate::camera::{Curve, Ease, Projection};
+use crate::camera::{Curve, Ease, PixelFilter, Projection};
 use crate::hit::{Cull, Precision};
 use crate::scene::{Color, ColorMap, ColorRule, Shape, TextureProjection, UpAxis, Wrap};
-use crate::shade::{Filter, Mode};
+use crate::shade::{Filter, LightSet, Mode};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 use toml::Spanned;
 
@@ -41,6 +41,9 @@ pub(super) struct SceneToml {
 pub(super) struct CameraToml {
     #[serde(default)]
     pub(super) projection: ProjectionToml,
+    /// The lens of a perspective camera: k1, k2, p1, p2, k3.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) lens: Option<Spanned<[f64; 5]>>,
     pub(super) eye: Spanned<[f64; 3]>,
     pub(super) target: Spanned<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -78,14 +81,18 @@ pub(super) struct KeyToml {
 }
 
 #[derive(Debug, Default, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(super) struct ImageToml {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) size: Option<Spanned<[u32; 2]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) samples: Option<Spanned<u32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) pixel_filter: Option<PixelFilterToml>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) step: Option<Spanned<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) shift: Option<Spanned<[f64; 2]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) cull: Option<CullToml>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -99,14 +106,18 @@ impl ImageToml {
         let Self {
             size,
             samples,
+            pixel_filter,
             step,
+            shift,
             cull,
             precision,
             background,
         } = self;
         size.is_none()
             && samples.is_none()
+            && pixel_filter.is_none()
             && step.is_none()
+            && shift.is_none()
             && cull.is_none()
             && precision.is_none()
             && background.is_none()
@@ -140,12 +151,24 @@ pub(super) struct ShadingToml {
     pub(super) wireframe_width: Option<Spanned<f32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) wireframe_color: Option<ColorToml>,
+    /// Kinds of edges, with commas between.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) wireframe_edges: Option<Spanned<String>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) wireframe_hidden: Option<Spanned<f32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) blend: Option<Spanned<f32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) filter: Option<FilterToml>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) texture_projection: Option<TextureProjectionToml>,
+    /// Below which angle, in degrees, edges are smooth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) crease: Option<Spanned<f32>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) lights: Option<LightSetToml>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) plain_color: Option<ColorToml>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) color_map: Option<ColorMapToml>,
     /// The numbers at the map's ends.
@@ -153,6 +176,10 @@ pub(super) struct ShadingToml {
     pub(super) color_range: Option<Spanned<[f64; 2]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) legend: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) back_faces: Option<ColorToml>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) x_ray_opacity: Option<Spanned<f32>>,
 }
 
 /// A clipping plane.
@@ -203,6 +230,9 @@ pub(super) struct ObjectToml {
     pub(super) texture_up: Option<Spanned<[f64; 3]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) texture_size: Option<Spanned<[f64; 2]>>,
+    /// The scalar that says how much of the texture shows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) blend_by: Option<Spanned<String>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) translate: Option<Spanned<[f64; 3]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -416,13 +446,15 @@ macro_rules! words {
 }
 
 words!(ModeToml for Mode {
-    Color, Flat, Smooth, Normals, Depth, Barycentric, Uv, Texture, Wireframe
+    Color, Flat, Smooth, Material, Normals, Depth, Barycentric, Uv, Texture, Wireframe, XRay
 });
 words!(CullToml for Cull { None, Back });
 words!(PrecisionToml for Precision { Fast, Exact });
+words!(PixelFilterToml for PixelFilter { Box, Tent, Mitchell, Gaussian });
 words!(CurveToml for Curve { Linear, CatmullRom });
 words!(EaseToml for Ease { None, Smooth });
 words!(UpAxisToml for UpAxis { Y, Z });
+words!(LightSetToml for LightSet { Soft, Headlight, ThreePoint });
 words!(FilterToml for Filter { Nearest, Bilinear, Trilinear, Ewa });
 words!(ColorMapToml for ColorMap { Viridis, Magma, Turbo, Cividis, Diverging });
 words!(TextureProjectionToml for TextureProjection {

@@ -8,7 +8,7 @@ use super::scene_toml::{
 use crate::camera::Projection;
 use crate::quote::shorten;
 use crate::scene::{ClippingPlane, Scene, SceneError, Transform, UpAxis, Wrap};
-use crate::shade::{Background, Shading};
+use crate::shade::{Background, EdgeKinds, Shading};
 use glam::DAffine3;
 use std::path::Path;
 use toml::Spanned;
@@ -72,7 +72,9 @@ impl SceneFile {
                     .size
                     .map(|(columns, rows)| spanned([columns, rows])),
                 samples: self.image.samples.map(spanned),
+                pixel_filter: self.image.pixel_filter.map(Into::into),
                 step: self.image.step.map(spanned),
+                shift: self.image.shift.map(spanned),
                 cull: self.image.cull.map(Into::into),
                 precision: self.image.precision.map(Into::into),
                 background: self.shading.map(|shading| {
@@ -105,6 +107,7 @@ fn camera_table(camera: &CameraFile) -> CameraToml {
     };
     CameraToml {
         projection: ProjectionToml(camera.projection),
+        lens: (camera.projection.lens()).map(|lens| spanned(lens.coefficients())),
         eye: spanned(camera.placement.eye.to_array()),
         target: spanned(camera.placement.target.to_array()),
         up: Some(spanned(camera.placement.up.to_array())),
@@ -122,17 +125,32 @@ fn clip_table(plane: &ClippingPlane) -> Spanned<ClipToml> {
 }
 
 fn shading_table(shading: &Shading) -> ShadingToml {
+    let usual = Shading::default();
     ShadingToml {
         mode: Some(shading.mode.into()),
         wireframe: Some(shading.wireframe.is_some()),
         wireframe_width: shading.wireframe.map(|lines| spanned(lines.width)),
         wireframe_color: shading.wireframe.map(|lines| ColorToml(lines.color)),
+        wireframe_edges: (shading.wireframe)
+            .filter(|lines| lines.edges != EdgeKinds::ALL)
+            .map(|lines| spanned(lines.edges.to_string())),
+        wireframe_hidden: (shading.wireframe)
+            .filter(|lines| lines.hidden != 0.0)
+            .map(|lines| spanned(lines.hidden)),
         blend: Some(spanned(shading.blend)),
         filter: Some(shading.filter.into()),
         texture_projection: Some(shading.projection.into()),
+        // Files that use none of these stay readable for programs that do not know them.
+        crease: (shading.crease != usual.crease).then(|| spanned(shading.crease)),
+        lights: (shading.lights != usual.lights).then(|| shading.lights.into()),
+        plain_color: (shading.plain_color != usual.plain_color)
+            .then_some(ColorToml(shading.plain_color)),
         color_map: shading.scale.map(|scale| scale.map.into()),
         color_range: shading.scale.and_then(|scale| scale.range).map(spanned),
         legend: shading.scale.filter(|scale| scale.legend).map(|_| true),
+        back_faces: shading.back_faces.map(ColorToml),
+        x_ray_opacity: (shading.x_ray_opacity != Shading::X_RAY_OPACITY)
+            .then(|| spanned(shading.x_ray_opacity)),
     }
 }
 
@@ -223,6 +241,7 @@ fn object(
         texture_front: projector.map(|at| spanned(at.front.to_array())),
         texture_up: projector.map(|at| spanned(at.up.to_array())),
         texture_size: projector.map(|at| spanned(at.size.to_array())),
+        blend_by: object.blend_by.clone().map(spanned),
         translate: (translate != at_rest.translate).then(|| spanned(translate.to_array())),
         rotate: (rotate != at_rest.rotate).then(|| spanned(rotate.to_array())),
         scale: (scale != at_rest.scale).then(|| spanned(scale.to_array())),

@@ -3,7 +3,8 @@
 use super::scene_read_tests::{MAPPED, WHOLE, files, parse};
 use super::*;
 use crate::camera::{Curve, Ease};
-use crate::scene::Shape;
+use crate::scene::{Color, Shape};
+use crate::shade::{LightSet, Mode};
 use glam::DVec3;
 
 #[test]
@@ -12,9 +13,18 @@ fn saved_scenes_read_the_same() {
         .replace("\"perspective\"", "\"orthographic\"")
         .replace("fov = 40.0", "frame = 2.125")
         .replace("[\"#20242c\", \"#3A4454\"]", "\"transparent\"")
-        .replace("wireframe = true\nwireframe-width = 1.3\n", "");
+        .replace("wireframe = true\nwireframe-width = 1.3\n", "")
+        .replace(
+            "wireframe-edges = \"feature:25,boundary\"\nwireframe-hidden = 0.2\n",
+            "",
+        );
+    let studio = "[shading]\nmode = \"material\"\ncrease = 35.5\nlights = \"headlight\"\nplain-color = \"#c8bfb2\"\n";
+    let read = parse(studio).shading.expect("a shading");
+    assert_eq!((read.mode, read.crease), (Mode::Material, 35.5));
+    assert_eq!(read.lights, LightSet::Headlight);
+    assert_eq!(read.plain_color, Color([0xc8, 0xbf, 0xb2]));
     let mapped = "[[object]]\nmesh = \"b.txt\"";
-    for text in [WHOLE, &orthographic, "", mapped, MAPPED] {
+    for text in [WHOLE, &orthographic, "", mapped, MAPPED, studio] {
         let file = parse(text);
         let saved = file
             .to_toml(Path::new("/nowhere"))

@@ -112,7 +112,7 @@ pub fn check(mesh: &Mesh, go_on: GoOn<'_>) -> Option<Health> {
 }
 
 /// The faces, and the triangles that are one of them once more.
-fn faces(mesh: &Mesh, place: &[u32]) -> (Vec<Face>, Vec<u32>) {
+pub(super) fn faces(mesh: &Mesh, place: &[u32]) -> (Vec<Face>, Vec<u32>) {
     let position = |vertex: u32| mesh.positions().get(vertex as usize);
     let is_there = |vertex: &u32| position(*vertex).is_some_and(|position| position.is_finite());
     let mut faces: Vec<([u32; 3], Face)> = mesh

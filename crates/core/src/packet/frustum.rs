@@ -21,6 +21,17 @@ pub(crate) struct Window {
     pub(crate) along: (f64, f64),
 }
 
+impl Window {
+    /// The window that is larger by this on each side.
+    pub(super) fn grown(&self, by: f64) -> Self {
+        let grown = |(least, most): (f64, f64)| (least - by, most + by);
+        Self {
+            across: grown(self.across),
+            along: grown(self.along),
+        }
+    }
+}
+
 /// Eight planes with normals that point inwards.
 ///
 /// A plane's value at a box is the maximum over the box of N·p + c, rounded. c includes slack, so that the value

@@ -71,7 +71,7 @@ fn scene(random: &mut Random, offset: DVec3) -> Scene {
 /// Holds both against each other; how many rays hit something.
 fn assert_equal(one: &Accel, other: &Accel, offset: DVec3, random: &mut Random) -> usize {
     assert_eq!(one.origin(), other.origin());
-    let mut met = 0;
+    let mut hits = 0;
     for _ in 0..300 {
         let (from, to) = (random.point() * 2.0, random.point());
         let corner = match one.len() as u32 {
@@ -84,7 +84,7 @@ fn assert_equal(one: &Accel, other: &Accel, offset: DVec3, random: &mut Random) 
             let hit = one.cast(&ray, cull);
             assert_eq!(other.cast(&ray, cull), hit, "{ray:?}");
             assert_eq!(other.cast_brute_force(&ray, cull), hit, "{ray:?}");
-            met += usize::from(hit.is_some());
+            hits += usize::from(hit.is_some());
         }
     }
     let (mut expected, mut found) = (Vec::new(), Vec::new());
@@ -117,11 +117,11 @@ fn assert_equal(one: &Accel, other: &Accel, offset: DVec3, random: &mut Random) 
             if !a.is_miss() {
                 assert_eq!(one.identify(a.primitive), other.identify(b.primitive));
                 assert_eq!(one.corners(a.primitive), other.corners(b.primitive));
-                met += 1;
+                hits += 1;
             }
         }
     }
-    met
+    hits
 }
 
 fn is_at_rest(object: &Object) -> bool {
@@ -149,14 +149,14 @@ fn assert_entry_points_have_what_is_seen(accel: &Accel, offset: DVec3) {
 #[test]
 fn instances_answer_as_one_tree_does() {
     let mut random = Random(21);
-    let mut met = 0;
+    let mut hits = 0;
     for round in 0..12 {
         let offset = [DVec3::ZERO, DVec3::new(3e5, -7e6, 41.0)][round % 2];
         let scene = scene(&mut random, offset);
         let one = Accel::build(&scene).expect("a valid scene");
         let other = Accel::build_instances(&scene).expect("a valid scene");
         assert!(other.has_instances() && !one.has_instances());
-        met += assert_equal(&one, &other, offset, &mut random);
+        hits += assert_equal(&one, &other, offset, &mut random);
         for _ in 0..20 {
             let direction = random.point();
             assert_eq!(one.support(direction), other.support(direction));
@@ -170,11 +170,11 @@ fn instances_answer_as_one_tree_does() {
         }
         let before = Accel::build_instances(&elsewhere).expect("a valid scene");
         let moved = before.updated_at_once(&scene).expect("a small change");
-        met += assert_equal(&one, &moved, offset, &mut random);
+        hits += assert_equal(&one, &moved, offset, &mut random);
         assert!(moved.retained_bytes() < before.retained_bytes());
         assert_entry_points_have_what_is_seen(&moved, offset);
     }
-    assert!(met > 100_000, "{met}");
+    assert!(hits > 100_000, "{hits}");
 }
 
 #[test]

@@ -42,6 +42,8 @@ mod decisions;
 mod depth_reference;
 mod frustum;
 #[cfg(test)]
+mod hostile_panorama_tests;
+#[cfg(test)]
 mod instance_tests;
 mod interval_zbuffer;
 mod lane_math;
@@ -53,6 +55,7 @@ mod ray_bounds;
 #[cfg(test)]
 mod ray_bounds_tests;
 mod ray_box;
+mod ray_rect;
 mod rivals;
 mod setup;
 #[cfg(test)]

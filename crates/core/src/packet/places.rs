@@ -4,30 +4,37 @@
 //! triangles are set up as for a perspective packet, but rays lie at places of their own and not on a lattice.
 //!
 //! # Error bound
-//! ε = 2⁻⁵³, K, B and D as in [`setup`](super::setup). A place is ((p − p₀)/s + ½, (q₁ − q)/s + ½), with p and q the
-//! quotients of the products of three vectors (the plane's right, up and forward) and the ray's direction, in the
-//! camera's own axes.
+//! u = 2⁻²⁴, ε = 2⁻⁵³; K, B and D as in [`setup`](super::setup): the plane is at distance D = 1, and rays are s = B/K
+//! apart on it. With r, v and f the plane's right, up and forward and d a ray's direction in the camera's axes, its
+//! tangents are p = r·d/f·d and q = v·d/f·d, at most [`MOST_TANGENT`]; its place is (½ + (p − p₀)/s, ½ + (q₁ − q)/s), where
+//! p₀ is the least p of the packet and q₁ the greatest q.
 //!
-//! * A direction is off by 320ε|v| a coordinate ([`PanoramaRays`]).
-//! * The nine coefficients, products of unit vectors, are off by 4ε; the product of a row and a direction v, in whose
-//!   three products and two sums each term is rounded four times, by 8√3ε|v|. A ray's own direction is rounded five
-//!   times a component on its way to the world and to unit length: 9√3ε|v|. With the direction's
-//!   own √3·320ε|v|, and divided by v's depth, at least |v|·D/B, each of the two products is off by less than
-//!   590ε·B/D, and the quotient, at most one, by 1190ε·B/D.
-//! * The plane's axes are perpendicular to 32ε ([`view`]): that moves p and q by less than 128ε·B/D.
-//! * Divided by s = D·(B/D)/K, and with the two roundings of sum and quotient, which are below 4ε·64: a place is off
-//!   by less than 1500ε·K·B/D columns or rows, [`PLACE_ERROR`] times εK·B/D with a margin.
-//! * It is rounded to single precision, u of itself, which moves a linear function by less than u of the sum of its
-//!   terms' magnitudes; evaluating it there takes three roundings of coefficients, two products and two sums, 6u: far
-//!   below [`LINEAR_ERROR`](super::setup::LINEAR_ERROR), which allows for stepping from row to row.
+//! * **Directions.** d is off by 320ε|d| a coordinate ([`PanoramaRays`]): √3·320ε|d|.
+//! * **Products.** The coefficients of r, v and f in the camera's axes are products of unit vectors, off by 4ε, and each
+//!   term of the product with d is rounded four times: 8√3ε|d|. A ray's own direction is rounded five times a
+//!   coordinate on its way to the world and to unit length: 9√3ε|d|. Together: 590ε|d|.
+//! * **Tangents.** |d| is at most B times f·d. Numerator and denominator are off by 590ε|d|, and the quotient is below
+//!   one: 1180εB, and 2ε for inverse and product. For the packet's own rays B is below 1 + 2·¾ = 2.5:
+//!   [`TANGENT_ERROR`].
+//! * **The plane.** Its axes are perpendicular to 32ε ([`Places::view`]), and T's rows are made of cross products of
+//!   them: that moves p and q by less than 128εB.
+//! * **Places.** Divided by s: 1310εK. The sum and the quotient round by less than 4ε·32, and the place of the packet's
+//!   first ray in the picture by 6εK: below 1400εK, times √2 where both coordinates move a direction. [`PLACE_ERROR`] is
+//!   above that.
+//! * **Single precision.** Rounding a place by u of itself moves a linear function by less than u of the sum of its
+//!   terms' magnitudes: one of the roundings counted where functions are evaluated
+//!   (`interval_zbuffer/at_places`).
+
+mod bounds;
 
 use super::frustum::Window;
 use super::params::{CELLS, ROW, SIDE};
-use super::place_box::PlaceBox;
 use super::setup::PacketSpace;
 use crate::camera::{Camera, ImagePlane, PanoramaRays, Rect};
 use crate::hit::Cull;
-use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
+use crate::num::simd::{LANES, Lanes};
+pub(super) use bounds::first_of;
+use bounds::{CellCentres, PlaceBoxes};
 use glam::DVec3;
 
 /// Rays in a packet.
@@ -39,15 +46,26 @@ pub(super) const ALL_CELLS: usize = CELLS * CELLS;
 /// The error of a place in double precision, in units of εK·B/D: see above.
 const PLACE_ERROR: f64 = 2048.0;
 
-/// The greatest tangent of the angle between a packet's axis and its rays, to the right or up.
+/// The error of a packet's tangents, 2⁻⁴¹: 1182ε·2.5 is below 2¹²ε. The frusta of packets are wider by this. Planes make
+/// room for their own rounding alone, which is relative to a packet's width: of rays that are nearly one it is less.
+const TANGENT_ERROR: f64 = 1.0 / (1u64 << 41) as f64;
+
+/// The greatest tangent of the angle between a packet's axis and its rays, to the right or up. Below one any is correct.
+/// With a greater one cells at the packet's rim see wider than those in its middle, and errors grow with B; with a lesser
+/// one more packets are split.
 const MOST_TANGENT: f64 = 0.75;
 
-/// Places are from half a column to this: inside of what functions are bounded for, however they are rounded.
-const EXTENT: f64 = 30.0;
+/// Places run from this to as much before the last column or row that functions are evaluated for: roundings of a place
+/// leave it within 0 and [`SIDE`], where triangles are set up. With a wider margin cells are a little larger beside the
+/// places' errors.
 const MARGIN: f64 = 0.5;
 
-/// The furthest place of a picture, in radians at its middle, up to which nothing overflows. Directions are at least
-/// half a unit long.
+/// How far apart the first and the last place are: SIDE − 1 columns less both margins.
+const EXTENT: f64 = (SIDE - 1) as f64 - 2.0 * MARGIN;
+
+/// The furthest place of a picture, in radians at its middle, and the furthest eye, of which packets are made. Beyond, rays
+/// are cast one by one. The longest direction is that of a stereographic fisheye, 1 + ρ²/4, below 10¹⁰⁰, whose square is
+/// finite; and no number of a set-up, all products of four corners at most, is infinite or NaN.
 const FURTHEST: f64 = 1e50;
 
 /// What a rectangle of a panorama's rays is to a packet.
@@ -59,45 +77,6 @@ pub(super) enum Span {
     Wide,
     /// They have places.
     Packet,
-}
-
-/// Bounds of eight sets of places.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(32))]
-struct PlaceBoxes {
-    left: [f32; LANES],
-    right: [f32; LANES],
-    top: [f32; LANES],
-    bottom: [f32; LANES],
-}
-
-impl PlaceBoxes {
-    const NONE: Self = Self {
-        left: [0.0; LANES],
-        right: [0.0; LANES],
-        top: [0.0; LANES],
-        bottom: [0.0; LANES],
-    };
-
-    /// Those of the eight, as bits, that a box touches.
-    #[inline(always)]
-    fn touched(&self, lanes: impl Lanes, by: &PlaceBox) -> u32 {
-        let beside = lanes.load(&self.right).lt(lanes.splat(by.left))
-            | lanes.splat(by.right).lt(lanes.load(&self.left));
-        let above = lanes.load(&self.bottom).lt(lanes.splat(by.top))
-            | lanes.splat(by.bottom).lt(lanes.load(&self.top));
-        !(beside | above).bits() & ((1 << LANES) - 1)
-    }
-}
-
-/// Centres and half extents of eight cells.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(32))]
-pub(super) struct CellCentres {
-    pub(super) x: [f32; LANES],
-    pub(super) y: [f32; LANES],
-    pub(super) half_x: [f32; LANES],
-    pub(super) half_y: [f32; LANES],
 }
 
 /// Where the rays of a packet of a panorama lie in packet space.
@@ -118,8 +97,8 @@ pub(super) struct Places {
     pub(super) rows_of_rays: u32,
     /// A camera whose image plane is the packet's.
     pub(super) view: Camera,
-    /// The part of that plane that the rays go through.
-    pub(super) window: Window,
+    /// The part of that plane that the rays go through, but for rounding.
+    window: Window,
     /// Place of the packet's first ray in that picture.
     first: (f64, f64),
     /// Directions in the camera's axes, then places on the plane.
@@ -168,7 +147,8 @@ impl Places {
             return Span::Empty;
         }
         // NaN is not near.
-        let is_near = rays.reach() <= FURTHEST;
+        let eye = camera.placement().eye.abs();
+        let is_near = rays.reach() <= FURTHEST && eye.cmple(DVec3::splat(FURTHEST)).all();
         if !is_near {
             return Span::Wide;
         }
@@ -179,7 +159,7 @@ impl Places {
         if !self.project(camera) {
             return Span::Wide;
         }
-        self.settle();
+        self.scale();
         self.bound(lanes);
         Span::Packet
     }
@@ -259,6 +239,8 @@ impl Places {
         // Rows of rays run along rows of places, as far as they run anywhere: then their bounds are flat.
         let up = in_world(top - low);
         let up = up - forward * up.dot(forward);
+        // Of what ran along the axis rounding is left. Where it is at 60° at least, the cross products of a camera's axes
+        // are no less than 0.86, and their roundings, 3ε each, below 32ε after they are made unit length.
         let up = up.try_normalize().filter(|up| up.dot(forward).abs() < 0.5);
         let up = up.unwrap_or_else(|| forward.any_orthonormal_vector());
         Some(Camera::upright(forward, up))
@@ -310,13 +292,13 @@ impl Places {
 
     /// Scales places to the packet's columns and rows.
     #[inline(always)]
-    fn settle(&mut self) {
+    fn scale(&mut self) {
         let [xs, ys, _] = &self.directions;
         let Window {
             across: (left, right),
             along: (low, high),
         } = self.window;
-        // Of rays that are nearly one, any step will do.
+        // Rays that are less than this apart are one but for rounding. It keeps s above 0 and K finite.
         let extent = (right - left)
             .max(high - low)
             .max(1.0 / (1u64 << 40) as f64);
@@ -341,51 +323,6 @@ impl Places {
         );
     }
 
-    /// Bounds of rows and cells.
-    #[inline(always)]
-    fn bound<L: Lanes>(&mut self, lanes: L) {
-        for cell in 0..ALL_CELLS {
-            let [mut left, mut right, mut top, mut bottom] = [lanes.splat(0.0); 4];
-            for (places, least, most) in [
-                (&self.x, &mut left, &mut right),
-                (&self.y, &mut top, &mut bottom),
-            ] {
-                let mut rows = [lanes.splat(0.0); ROW];
-                for (row, places_of_row) in rows.iter_mut().enumerate() {
-                    let first = first_of(cell, row);
-                    if let Some(eight) = places.get(first..).and_then(|rest| rest.first_chunk()) {
-                        *places_of_row = lanes.load(eight);
-                    }
-                }
-                let [a, b, c, d, e, f, g, h] = lanes.transpose(rows);
-                *least = a.min(b).min(c.min(d)).min(e.min(f).min(g.min(h)));
-                *most = a.max(b).max(c.max(d)).max(e.max(f).max(g.max(h)));
-            }
-            let rows = &mut self.rows[cell];
-            left.store(&mut rows.left);
-            right.store(&mut rows.right);
-            top.store(&mut rows.top);
-            bottom.store(&mut rows.bottom);
-            let zero = lanes.splat(0.0);
-            let (half, lane) = (cell / LANES, cell % LANES);
-            let cells = &mut self.cells[half];
-            cells.left[lane] = left.reduce_min();
-            cells.right[lane] = -(zero - right).reduce_min();
-            cells.top[lane] = top.reduce_min();
-            cells.bottom[lane] = -(zero - bottom).reduce_min();
-        }
-        for (cells, centres) in self.cells.iter().zip(&mut self.centres) {
-            // A mean and a difference are rounded by less than 3u of 32.
-            let half = |least: f32, most: f32| (most - least) * 0.5 + 1.0 / 65536.0;
-            for lane in 0..LANES {
-                centres.x[lane] = (cells.left[lane] + cells.right[lane]) * 0.5;
-                centres.y[lane] = (cells.top[lane] + cells.bottom[lane]) * 0.5;
-                centres.half_x[lane] = half(cells.left[lane], cells.right[lane]);
-                centres.half_y[lane] = half(cells.top[lane], cells.bottom[lane]);
-            }
-        }
-    }
-
     /// The packet's space. `eye` is the camera's, relative to what corners are relative to, and off by at most
     /// `eye_error`.
     pub(super) fn space(&self, eye: DVec3, eye_error: f64, cull: Cull) -> PacketSpace {
@@ -397,67 +334,9 @@ impl Places {
         space
     }
 
-    /// For each of the packet's four columns and rows of cells, the window of its rays.
-    pub(super) fn cell_windows(&self) -> [Window; CELLS] {
-        let step = self.view.plane().step;
-        let (left, high) = (self.window.across.0, self.window.along.1);
-        std::array::from_fn(|index| {
-            let mut all = PlaceBox::EMPTY;
-            for other in 0..CELLS {
-                let column = self.cell(other * CELLS + index);
-                let row = self.cell(index * CELLS + other);
-                all.left = all.left.min(column.left);
-                all.right = all.right.max(column.right);
-                all.top = all.top.min(row.top);
-                all.bottom = all.bottom.max(row.bottom);
-            }
-            // Rounded to single precision: less than 2⁻¹⁸ of a column.
-            let slack = 1.0 / (1 << 16) as f64;
-            let across = |place: f32| left + (f64::from(place) - MARGIN) * step;
-            let along = |place: f32| high - (f64::from(place) - MARGIN) * step;
-            Window {
-                across: (
-                    across(all.left) - slack * step,
-                    across(all.right) + slack * step,
-                ),
-                along: (
-                    along(all.bottom) - slack * step,
-                    along(all.top) + slack * step,
-                ),
-            }
-        })
-    }
-
-    fn cell(&self, cell: usize) -> PlaceBox {
-        let (cells, lane) = (&self.cells[cell / LANES], cell % LANES);
-        PlaceBox {
-            left: cells.left[lane],
-            right: cells.right[lane],
-            top: cells.top[lane],
-            bottom: cells.bottom[lane],
-        }
-    }
-
-    /// The cells that a box touches, as bits.
-    #[inline(always)]
-    pub(super) fn cells_touched(&self, lanes: impl Lanes, by: &PlaceBox) -> u32 {
-        let mut touched = 0;
-        for (half, cells) in self.cells.iter().enumerate() {
-            touched |= cells.touched(lanes, by) << (half * LANES);
-        }
-        touched
-    }
-
-    /// The rows of a cell that a box touches, as bits.
-    #[inline(always)]
-    pub(super) fn rows_touched(&self, lanes: impl Lanes, cell: usize, by: &PlaceBox) -> u32 {
-        self.rows[cell % ALL_CELLS].touched(lanes, by)
-    }
-
-    /// Eight cells' centres, the first eight or the last.
-    #[inline(always)]
-    pub(super) fn centres(&self, half: usize) -> &CellCentres {
-        &self.centres[half % (ALL_CELLS / LANES)]
+    /// The part of the view's plane that the rays go through.
+    pub(super) fn window(&self) -> Window {
+        self.window.grown(TANGENT_ERROR)
     }
 
     /// Places of eight rays from one on.
@@ -480,110 +359,5 @@ fn greater(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// The first ray of a cell's row.
-#[inline(always)]
-pub(super) fn first_of(cell: usize, row: usize) -> usize {
-    (cell / CELLS * ROW + row) * SIDE + cell % CELLS * ROW
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::camera::{Lattice, Panorama, Placement, Projection};
-    use crate::num::simd::Plain;
-    use crate::random::Random;
-
-    fn lattices() -> impl Iterator<Item = Lattice> {
-        let mut random = Random(91);
-        Panorama::ALL.into_iter().flat_map(move |(_, panorama)| {
-            [0.02, 1e-3, 1e-7, 1e-13].map(|step| {
-                let placement = Placement::towards(random.point(), random.point() * 3.0);
-                let distance = placement.eye.distance(placement.target);
-                let plane = ImagePlane::new(70, 50, step * distance).expect("a good plane");
-                let camera = Camera::new(placement, Projection::Panoramic(panorama), plane);
-                camera.whole().lattice()
-            })
-        })
-    }
-
-    /// The truth is the ray's own direction through the packet's map, which is off by a tenth of the bound. Of rays very
-    /// close together places are off by more than single precision rounds them by: they need the bound.
-    #[test]
-    fn rays_are_where_their_places_say() {
-        let (mut packets, mut needed) = (0, 0);
-        for lattice in lattices() {
-            let rays = PanoramaRays::new(&lattice).expect("a panorama");
-            let mut places = Places::new(&lattice.camera);
-            for (x, y) in [(0, 0), (32, 0), (0, 32), (38, 18)] {
-                let rect = Rect {
-                    x,
-                    y,
-                    width: 32,
-                    height: 50 - y.max(18),
-                };
-                if places.find(Plain, (&lattice.camera, &rays), rect) != Span::Packet {
-                    continue;
-                }
-                packets += 1;
-                let space = places.space(DVec3::ZERO, 0.0, Cull::None);
-                for row in 0..rect.height {
-                    for column in 0..rect.width {
-                        if places.has_ray[row as usize] >> column & 1 == 0 {
-                            continue;
-                        }
-                        let direction = lattice.ray(x + column, y + row).direction;
-                        let [i, j, k] = space.map.map(|line| line.dot(direction));
-                        let at = row as usize * SIDE + column as usize;
-                        for (place, truth) in [(places.x[at], i / k), (places.y[at], j / k)] {
-                            let off = (f64::from(place) - truth).abs();
-                            let rounding = truth.abs() / f64::from(1 << 24);
-                            assert!(off <= rounding + space.ray_error, "{place} {truth}");
-                            needed += u32::from(off > 2.0 * rounding);
-                        }
-                        assert!((0.4..31.6).contains(&places.x[at]));
-                        assert!((0.4..31.6).contains(&places.y[at]));
-                    }
-                }
-            }
-        }
-        assert!(packets > 60, "{packets}");
-        assert!(needed > 100, "{needed}");
-    }
-
-    /// What a ray's place is in touches the ray's row and cell.
-    #[test]
-    fn boxes_touch_the_rows_and_cells_of_the_rays_in_them() {
-        for lattice in lattices() {
-            let rays = PanoramaRays::new(&lattice).expect("a panorama");
-            let mut places = Places::new(&lattice.camera);
-            let rect = Rect {
-                x: 7,
-                y: 3,
-                width: 32,
-                height: 32,
-            };
-            if places.find(Plain, (&lattice.camera, &rays), rect) != Span::Packet {
-                continue;
-            }
-            for at in 0..RAYS {
-                let (x, y) = (places.x[at], places.y[at]);
-                let own = PlaceBox {
-                    left: x,
-                    right: x,
-                    top: y,
-                    bottom: y,
-                };
-                let cell = at / SIDE / ROW * CELLS + at % SIDE / ROW;
-                assert!(places.cells_touched(Plain, &own) >> cell & 1 != 0);
-                assert!(places.rows_touched(Plain, cell, &own) >> (at / SIDE % ROW) & 1 != 0);
-                let centres = places.centres(cell / LANES);
-                let lane = cell % LANES;
-                let exact = f64::from(x) - f64::from(centres.x[lane]);
-                assert!(exact.abs() <= f64::from(centres.half_x[lane]));
-                let exact = f64::from(y) - f64::from(centres.y[lane]);
-                assert!(exact.abs() <= f64::from(centres.half_y[lane]));
-            }
-            assert_eq!(places.cells_touched(Plain, &PlaceBox::EMPTY), 0);
-        }
-    }
-}
+mod tests;

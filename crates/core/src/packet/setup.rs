@@ -43,14 +43,13 @@
 //!   M ≤ 4Z, 158 of these. An orthographic eye is off by less than its rays' origins are.
 
 pub(super) mod place_bounds;
+mod space;
 
-use super::depth_reference::DepthReference;
 use super::params::{ROW, SIDE};
 use super::ray_box::RayBox;
-use crate::camera::{Camera, Projection};
 use crate::hit::Cull;
 use crate::num::simd::LANES;
-use glam::DVec3;
+pub(crate) use space::PacketSpace;
 
 /// The furthest place from a packet's first ray at which functions are evaluated: rows of lanes may reach beyond
 /// the packet.
@@ -67,47 +66,6 @@ const EPSILON: f64 = f64::EPSILON / 2.0;
 /// and round each time (32u). Comparing two such values adds the bound to each (2u). 48u covers these and the
 /// higher orders.
 pub(super) const LINEAR_ERROR: f64 = 48.0 / (1u64 << 24) as f64;
-
-/// The rays of a packet: what maps triangles into its space.
-#[derive(Clone, Debug)]
-pub(crate) struct PacketSpace {
-    pub(super) perspective: bool,
-    /// What corners are taken relative to.
-    pub(super) origin: DVec3,
-    /// From there to the point of depth one on the first ray.
-    pub(super) unit_depth: DVec3,
-    /// T's rows.
-    pub(super) map: [DVec3; 3],
-    pub(super) cull: Cull,
-    /// Columns and rows of the packet, less one.
-    pub(super) last: (f32, f32),
-    /// K + h, or K for orthographic packets.
-    stretch_and_reach: f64,
-    /// η.
-    pub(super) origin_error: f64,
-    /// The factors of A and of Z in the bound on r.
-    size: (f64, f64),
-    /// 32εK·B/D; zero for orthographic packets.
-    pub(super) ray_error: f64,
-    /// B/D; one for orthographic packets.
-    pub(super) obliqueness: f64,
-    pub(super) rays: PacketRays,
-    /// What depth keys are relative to.
-    pub(super) reference: f64,
-}
-
-/// The rays of a packet in world space.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct PacketRays {
-    /// d: the direction of the first ray.
-    pub(super) direction: DVec3,
-    /// a and b: the steps from ray to ray, along columns and rows.
-    pub(super) steps: [DVec3; 2],
-    /// D; one for orthographic packets.
-    pub(super) distance: f64,
-    /// B; zero for orthographic packets.
-    pub(super) greatest: f64,
-}
 
 /// Corner coordinates of eight triangles in structure-of-arrays order: x, y and z of the first corner, of the
 /// second, of the third.
@@ -150,122 +108,6 @@ impl TriangleSetup {
 }
 
 impl PacketSpace {
-    /// The packet whose first ray goes through (x, y) of the picture, with rays `stride` pixels apart. `eye` is
-    /// the camera's, relative to what corners are relative to, and off by at most `eye_error`.
-    pub(crate) fn new(
-        camera: &Camera,
-        eye: DVec3,
-        eye_error: f64,
-        (x, y): (f64, f64),
-        stride: f64,
-        (columns, rows): (u32, u32),
-        cull: Cull,
-    ) -> Self {
-        let step = camera.plane().step * stride;
-        let (across, along) = camera.across_and_along(x, y);
-        let reach = (across.abs() + REACH * step) + (along.abs() + REACH * step);
-        let (a, b) = (camera.right() * step, camera.up() * -step);
-        let perspective = camera.projection() == Projection::Perspective;
-        let (d, scale, origin, origin_error) = if perspective {
-            let distance = camera.distance();
-            (camera.direction(x, y), distance, eye, eye_error)
-        } else {
-            let origin = eye + camera.on_plane(x, y);
-            // Each ray's own origin is rounded in world space, and its place on the plane before.
-            let world = camera.placement().eye.abs().max_element()
-                + origin.abs().max_element()
-                + 2.0 * reach;
-            (
-                camera.forward(),
-                1.0,
-                origin,
-                eye_error + 16.0 * EPSILON * world,
-            )
-        };
-        let determinant = a.dot(b.cross(d));
-        let scale = scale / determinant;
-        let map = [b.cross(d) * scale, d.cross(a) * scale, a.cross(b) * scale];
-        let (stretch, size, ray_error, obliqueness) = if perspective {
-            let distance = camera.distance();
-            let greatest = reach + distance;
-            let stretch = greatest / step;
-            let wide = greatest / distance;
-            (
-                stretch,
-                (2.1 * step / distance, 1.1 * wide),
-                32.0 * EPSILON * stretch * wide,
-                wide,
-            )
-        } else {
-            (1.0 / step, (2.1 * step, 1.1), 0.0, 1.0)
-        };
-        Self {
-            perspective,
-            origin,
-            unit_depth: if perspective {
-                d / camera.distance()
-            } else {
-                d
-            },
-            map,
-            cull,
-            last: (columns as f32 - 1.0, rows as f32 - 1.0),
-            stretch_and_reach: if perspective {
-                stretch + REACH
-            } else {
-                stretch
-            },
-            origin_error,
-            size,
-            ray_error,
-            obliqueness,
-            rays: PacketRays {
-                direction: d,
-                steps: [a, b],
-                distance: if perspective { camera.distance() } else { 1.0 },
-                greatest: if perspective {
-                    reach + camera.distance()
-                } else {
-                    0.0
-                },
-            },
-            reference: 0.0,
-        }
-    }
-
-    /// The same packet, with depth keys relative to a reference.
-    pub(super) fn relative_to(self, reference: DepthReference) -> Self {
-        Self {
-            reference: reference.key().into(),
-            ..self
-        }
-    }
-
-    /// Maps corners into packet space.
-    #[inline(always)]
-    fn map(&self, corners: &CornerLanes) -> [[f64; LANES]; 9] {
-        let mut out = [[0.0; LANES]; 9];
-        let [tx, ty, tz] = self.map;
-        let o = self.origin;
-        for corner in 0..3 {
-            for l in 0..LANES {
-                let x = f64::from(corners[3 * corner][l]) - o.x;
-                let y = f64::from(corners[3 * corner + 1][l]) - o.y;
-                let z = f64::from(corners[3 * corner + 2][l]) - o.z;
-                out[3 * corner][l] = x * tx.x + y * tx.y + z * tx.z;
-                out[3 * corner + 1][l] = x * ty.x + y * ty.y + z * ty.z;
-                out[3 * corner + 2][l] = x * tz.x + y * tz.y + z * tz.z;
-            }
-        }
-        out
-    }
-
-    /// δ for corners whose X and Y are at most `reach` and Z at most `depth`.
-    #[inline(always)]
-    fn delta(&self, reach: f64, depth: f64) -> f64 {
-        72.0 * (EPSILON * (reach * self.size.0 + depth * self.size.1) + self.origin_error)
-    }
-
     /// Sets up eight triangles, each for the rays of its bounds.
     #[inline(always)]
     pub(crate) fn set_up(&self, corners: &CornerLanes, boxes: &[RayBox; LANES]) -> TriangleSetup {

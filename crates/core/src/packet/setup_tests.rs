@@ -331,6 +331,50 @@ fn large_triangles_next_to_the_eye_are_decided_only_where_it_is_sure() {
     assert!(tally.hits + tally.culled > 1000, "{tally:?}");
 }
 
+/// The eye is so near to the plane of a large triangle that its depths have few digits, and yet its side is sure. With
+/// F at zero in the depth key this fails.
+#[test]
+fn depth_keys_of_planes_next_to_the_eye_are_within_their_bounds() {
+    let mut random = Random(83);
+    let mut tally = Tally::default();
+    for _ in 0..1500 {
+        let corners = [(); 3].map(|()| (random.point() * 5.0).as_vec3());
+        let [a, b, c] = corners.map(Vec3::as_dvec3);
+        let inside = a + ((b - a) * random.unit() + (c - a) * random.unit()) * 0.5;
+        let normal = (b - a).cross(c - a).normalize();
+        let eye = inside + normal * (1e-12 * crate::math::pow(10.0, 5.0 * random.unit()));
+        let placement = Placement {
+            eye,
+            target: eye - normal * 5.0 + random.point(),
+            up: DVec3::Y,
+        };
+        let plane = ImagePlane::new(32, 32, 0.02).expect("a good plane");
+        let camera = Camera::new(placement, Projection::Perspective, plane);
+        check_one(&mut random, &camera, DVec3::ZERO, corners, &mut tally);
+    }
+    assert!(tally.hits > 1000, "{tally:?}");
+}
+
+/// Triangles up to a million times as deep as wide, through rays that are close together. With
+/// [`LINEAR_ERROR`](super::setup::LINEAR_ERROR) at zero in the depth key this fails.
+#[test]
+fn depth_keys_of_steep_triangles_are_within_their_bounds() {
+    let mut random = Random(84);
+    let mut tally = Tally::default();
+    for round in 0..4000 {
+        let pitch = 1e-12 * crate::math::pow(10.0, 8.0 * random.unit());
+        let projection = [Projection::Perspective, Projection::Orthographic][round % 2];
+        let camera = camera(&mut random, DVec3::ZERO, projection, pitch);
+        let deep = pitch * crate::math::pow(10.0, 1.0 + 5.0 * random.unit());
+        let corners = [(); 3].map(|()| {
+            let along = camera.forward() * (deep.min(2.0) * random.signed());
+            (along + random.point() * (20.0 * pitch)).as_vec3()
+        });
+        check_one(&mut random, &camera, DVec3::ZERO, corners, &mut tally);
+    }
+    assert!(tally.hits > 1000, "{tally:?}");
+}
+
 /// An edge of a triangle that is much larger than the packet goes through it, far from what corners are relative to:
 /// the eye's place there is rounded by more than the packet's width. Without the eye's error this fails, and without
 /// most of the componentwise terms.

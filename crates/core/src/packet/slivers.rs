@@ -39,7 +39,7 @@ const SEVERAL: u32 = 3;
 /// Added to both ends of spans, in columns.
 const SLACK: f32 = 1.0 / 1024.0;
 
-/// Lower bound put on |e_x|, to divide by it: moves e by less than 10⁻¹⁸ in a packet.
+/// Lower bound of |e_x|, which is divided by: moves e by less than 10⁻¹⁸ in a packet.
 const STEEPEST: f32 = 1e-20;
 
 /// Bounds of the rays that may hit eight triangles, both ends included.
@@ -348,10 +348,10 @@ mod tests {
                         }
                         any = true;
                         let (x, y) = (x as f32, y as f32);
-                        let held = small.is_some_and(|[left, right, top, bottom]| {
+                        let is_in_bounds = small.is_some_and(|[left, right, top, bottom]| {
                             (left..=right).contains(&x) && (top..=bottom).contains(&y)
                         });
-                        assert!(held, "{x} {y} of {real:?} in {small:?}");
+                        assert!(is_in_bounds, "{x} {y} of {real:?} in {small:?}");
                     }
                 }
                 if let Some(small) = small {

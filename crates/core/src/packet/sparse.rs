@@ -1,7 +1,8 @@
 //! Rays so far apart that most triangles lie between them: a coarse pass over millions of triangles. A packet's frustum
 //! holds all of those; single rays reach the few that are near them.
 
-use super::traversal::{RayRect, Traversal};
+use super::ray_rect::RayRect;
+use super::traversal::Traversal;
 use crate::camera::Lattice;
 use crate::num::simd::Lanes;
 

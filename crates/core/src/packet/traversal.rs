@@ -4,6 +4,8 @@
 //! Triangles of the leaves reached are projected eight at a time. Small ones are tested and merged at once;
 //! the rest is queued, and set up eight at a time.
 
+mod descent;
+mod entry_points;
 mod placed_packets;
 
 use super::counts::CastCounts;
@@ -15,31 +17,19 @@ use super::observer::Observer;
 use super::params::ROW;
 use super::ray_bounds::{ProjectedTriangles, Projector};
 use super::ray_box::RayBox;
+use super::ray_rect::RayRect;
 use super::setup::{CornerLanes, PacketSpace};
 use crate::bvh::Accel;
-use crate::bvh::tree::{Box32, BoxPair, DEPTH_LIMIT, Subtree};
-use crate::camera::{Camera, Lattice, Projection};
+use crate::bvh::tree::{Box32, BoxPair, Subtree};
+use crate::camera::{Lattice, Projection};
 use crate::hit::{Cull, Precision};
 use crate::num::simd::{F32x8, LANES, Lanes};
+use crate::ray::relative_origin;
 use crate::triangle::clip::{Clip, Kept};
+use descent::{Descent, Limits, SmallBoxes};
+use entry_points::EntryPair;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
-
-/// Entry points at which a large packet's descent ends. Fewer make its packets repeat the upper levels of
-/// the tree; more make each packet test subtrees that it misses.
-const MAX_ENTRY_POINTS: usize = 24;
-
-/// The most triangles of a small subtree that is taken as a leaf. With more, triangles are projected that its nodes
-/// would cull; with fewer, visiting nodes takes longer than projecting the triangles that they cull.
-const RUN: u32 = 32;
-
-/// The largest extent of a small subtree's box, its three sides added, in columns. The nodes of a larger box cull many
-/// triangles beside a packet of 32 columns; those of a smaller one cull few.
-const SMALL: f64 = 16.0;
-
-/// The deepest stack: a pair of entry points, one more subtree a level below, and the primitive index above the top that
-/// is written without a branch.
-const STACK: usize = DEPTH_LIMIT + 3;
 
 /// Rays in the bounds of the queued triangles at which they are set up, although fewer than eight are queued: they may
 /// occlude what comes next. With more, packets visit boxes behind the queued triangles; with fewer, set-up runs with
@@ -53,46 +43,6 @@ const DOUBTFUL: usize = 8;
 /// Nodes to prefetch with a subtree. Nodes are stored depth first, so a subtree's first nodes follow one another;
 /// waiting for memory took half of a traversal of 4 million triangles. Fewer wait again, more evict what is in use.
 const NODES_AHEAD: usize = 4;
-
-/// A rectangle of a lattice's rays.
-#[derive(Clone, Copy)]
-pub(super) struct RayRect {
-    pub(super) column: u32,
-    pub(super) row: u32,
-    pub(super) columns: u32,
-    pub(super) rows: u32,
-}
-
-impl RayRect {
-    /// All rays of a lattice.
-    #[inline(always)]
-    pub(super) fn all(lattice: &Lattice) -> Self {
-        Self {
-            column: 0,
-            row: 0,
-            columns: lattice.columns,
-            rows: lattice.rows,
-        }
-    }
-
-    /// Cuts it into rectangles of at most `side × side` rays.
-    #[inline(always)]
-    pub(super) fn split(self, side: u32) -> impl Iterator<Item = Self> {
-        let (right, bottom) = (self.column + self.columns, self.row + self.rows);
-        (self.row..bottom)
-            .step_by(side as usize)
-            .flat_map(move |row| {
-                (self.column..right)
-                    .step_by(side as usize)
-                    .map(move |column| Self {
-                        column,
-                        row,
-                        columns: side.min(right - column),
-                        rows: side.min(bottom - row),
-                    })
-            })
-    }
-}
 
 /// Up to eight primitive indices, with room for what is written past them.
 #[derive(Default)]
@@ -141,76 +91,6 @@ enum Outcome {
     NoRoom,
 }
 
-/// Two entry points.
-struct EntryPair {
-    boxes: BoxPair,
-    subtrees: [Subtree; 2],
-    /// Where the nearer one begins along the view axis.
-    near: f32,
-}
-
-/// How far along the view axis a box may begin and still hold a first hit.
-#[derive(Clone, Copy)]
-struct Limits {
-    /// Of some ray of the packet.
-    furthest: f32,
-    /// Of the cell whose hits are nearest: beyond it, some cell is occluded.
-    nearest_cell: f32,
-}
-
-/// The state of a packet's descent through the tree.
-struct Descent {
-    frustum: Frustum,
-    small: SmallBoxes,
-    limits: Limits,
-    /// Nodes so far whose children may be occluded in all cells they touch.
-    doubtful: usize,
-    /// The cells' frusta, once they save more than they cost.
-    cells: Option<CellFrusta>,
-    /// Subtrees to visit, the nearest on top, and where each begins.
-    stack: [(Subtree, f32); STACK],
-    depth: usize,
-    /// The next pair of entry points.
-    pair: usize,
-    /// What is left of the leaf that was reached.
-    leaf: Range<u32>,
-    /// Whether small triangles were merged since hi-z was updated.
-    merged_small: bool,
-}
-
-impl Descent {
-    #[inline(always)]
-    fn new(frustum: Frustum, small: SmallBoxes) -> Self {
-        Self {
-            frustum,
-            small,
-            limits: Limits {
-                furthest: f32::INFINITY,
-                nearest_cell: f32::INFINITY,
-            },
-            doubtful: 0,
-            cells: None,
-            stack: [(Subtree::default(), 0.0); STACK],
-            depth: 0,
-            pair: 0,
-            leaf: 0..0,
-            merged_small: false,
-        }
-    }
-
-    /// Puts two children on the stack if they are hit, the nearer one on top. Without a branch: a child
-    /// that is missed is written above the top.
-    #[inline(always)]
-    fn push(&mut self, [(a, near_a, a_hit), (b, near_b, b_hit)]: [(Subtree, f32, bool); 2]) {
-        let b_nearer = near_b < near_a;
-        let a_above = if b_nearer { !a_hit } else { b_hit };
-        let b_above = if b_nearer { a_hit } else { !b_hit };
-        self.stack[self.depth + usize::from(a_above)] = (a, near_a);
-        self.stack[self.depth + usize::from(b_above)] = (b, near_b);
-        self.depth += usize::from(a_hit) + usize::from(b_hit);
-    }
-}
-
 /// The traversal of a lattice's packets, through one tree or through instances too ([`Accel::open`]).
 pub(super) struct Traversal<'a, const INSTANCES: bool> {
     pub(super) accel: &'a Accel,
@@ -244,14 +124,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         lattice: &'a Lattice,
         precision: Precision,
     ) -> Self {
-        let eye_in_world = lattice.camera.placement().eye;
-        let eye = eye_in_world - accel.origin;
-        let off = accel.origin != DVec3::ZERO;
-        let eye_error = if off {
-            eye.abs().max_element() * f64::EPSILON * 0.5
-        } else {
-            0.0
-        };
+        let (eye, eye_error) = relative_origin(lattice.camera.placement().eye, accel.origin);
         Self {
             accel,
             clip,
@@ -313,70 +186,6 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         CellFrusta::new(self.viewpoint(), &diagonal)
     }
 
-    /// Finds the entry points of a large packet.
-    #[inline(always)]
-    pub(super) fn list(&mut self, lanes: impl Lanes, large: &RayRect) {
-        let frustum = self.frustum(large);
-        let camera = &self.lattice.camera;
-        self.list_in(lanes, &frustum, camera);
-    }
-
-    /// Finds the entry points of a frustum of a camera's.
-    #[inline(always)]
-    fn list_in(&mut self, lanes: impl Lanes, frustum: &Frustum, camera: &Camera) {
-        let tree = &self.accel.tree;
-        self.list.clear();
-        self.pairs.clear();
-        let Some(root) = tree.root else { return };
-        self.list.push((root, tree.bounds, f32::NEG_INFINITY));
-        let mut deepened = true;
-        while deepened && self.list.len() < MAX_ENTRY_POINTS {
-            deepened = false;
-            self.next.clear();
-            for &(subtree, bounds, near) in &self.list {
-                let Some(index) = subtree.node() else {
-                    self.next.push((subtree, bounds, near));
-                    continue;
-                };
-                deepened = true;
-                self.counts.nodes += 1;
-                let mut opened = None;
-                let (boxes, children) = self.accel.open::<INSTANCES>(index, &mut opened);
-                let entered = frustum.enter(lanes, boxes);
-                for (child, (near, inside)) in entered.into_iter().enumerate() {
-                    if inside && !self.removes(boxes, child) {
-                        self.next.push((children[child], boxes.get(child), near));
-                    }
-                }
-            }
-            std::mem::swap(&mut self.list, &mut self.next);
-        }
-        // What more precision would decide otherwise, fast casting does not.
-        if self.decisions.are_exact() {
-            let boxes = self.list.iter().map(|entry| entry.1);
-            self.reference = DepthReference::of(boxes, camera, self.eye);
-        }
-        self.list.sort_unstable_by(|a, b| a.2.total_cmp(&b.2));
-        for pair in self.list.chunks(2) {
-            let (first, second) = (&pair[0], pair.get(1));
-            // An empty box is outside every frustum: its least corner is above its greatest.
-            let nothing = (
-                Subtree::default(),
-                Box32 {
-                    min: Vec3::MAX,
-                    max: Vec3::MIN,
-                },
-                f32::INFINITY,
-            );
-            let second = second.unwrap_or(&nothing);
-            self.pairs.push(EntryPair {
-                boxes: BoxPair::of([first.1, second.1]),
-                subtrees: [first.0, second.0],
-                near: first.2,
-            });
-        }
-    }
-
     /// Casts a packet's rays. Returns `false`, and leaves `zbuffer` as it is, where no triangle is near them.
     #[inline(always)]
     pub(super) fn cast(
@@ -390,7 +199,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         let space = self.space(part, cull);
         let nearest = self.pairs.first().map_or(0.0, |pair| pair.near);
         let projector = Projector::new(&space, nearest);
-        let mut descent = Descent::new(self.frustum(part), self.small_boxes());
+        let mut descent = Descent::new(self.frustum(part), SmallBoxes::new(self.lattice));
         let mut projected = ProjectedTriangles::NONE;
         let mut begun = false;
         loop {
@@ -648,21 +457,6 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         }
     }
 
-    fn small_boxes(&self) -> SmallBoxes {
-        let camera = &self.lattice.camera;
-        let side = (SMALL * camera.plane().step * f64::from(self.lattice.stride)) as f32;
-        match camera.projection() {
-            Projection::Perspective | Projection::Panoramic(_) => SmallBoxes {
-                slope: side / camera.distance() as f32,
-                constant: 0.0,
-            },
-            Projection::Orthographic => SmallBoxes {
-                slope: 0.0,
-                constant: side,
-            },
-        }
-    }
-
     fn space(&self, part: &RayRect, cull: Cull) -> PacketSpace {
         PacketSpace::new(
             &self.lattice.camera,
@@ -708,25 +502,4 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
 #[inline(always)]
 fn row<L: Lanes>(lanes: L, [a, b, c]: &[Vec3; 3]) -> L::F32 {
     lanes.load(&[a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y])
-}
-
-/// The size below which boxes count as small: a bound on the sum of their sides, linear in where they begin
-/// along the view axis.
-struct SmallBoxes {
-    slope: f32,
-    constant: f32,
-}
-
-impl SmallBoxes {
-    /// The subtree, as a leaf if its box is small.
-    #[inline(always)]
-    fn whole(&self, boxes: &BoxPair, which: usize, near: f32, subtree: Subtree) -> Subtree {
-        let extent = |axis: usize| boxes.max[axis][which] - boxes.min[axis][which];
-        let small = extent(0) + extent(1) + extent(2) < near * self.slope + self.constant;
-        if small & (subtree.count <= RUN) {
-            subtree.whole()
-        } else {
-            subtree
-        }
-    }
 }

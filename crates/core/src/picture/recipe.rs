@@ -1,6 +1,6 @@
 //! What a picture was made of, in words that a file can hold.
 
-use crate::camera::Camera;
+use crate::camera::{Camera, PixelFilter};
 use crate::digest::Digest;
 use crate::hit::{Cull, Precision};
 use crate::scene::ClippingPlanes;
@@ -21,7 +21,9 @@ pub struct Recipe {
     pub camera: Camera,
     /// Rays a pixel.
     pub samples: u32,
-    /// Which faces they met.
+    /// How they were weighed by their place.
+    pub pixel_filter: PixelFilter,
+    /// Which faces they hit.
     pub cull: Cull,
     /// What was cut away: planes that are enabled.
     pub clip: ClippingPlanes,
@@ -52,17 +54,35 @@ impl Recipe {
             return Some("it was made with other clipping planes".to_owned());
         }
         let (mine, theirs) = (self.lines(), other.lines());
+        // One may have lines more than the other.
+        let count = mine.lines().count().max(theirs.lines().count());
+        let padded = |text: &str| -> Vec<String> {
+            let lines = text.lines().chain(std::iter::repeat("nothing"));
+            lines.take(count).map(str::to_owned).collect()
+        };
+        let (mine, theirs) = (padded(&mine), padded(&theirs));
         let (mine, theirs) = mine
-            .lines()
-            .zip(theirs.lines())
+            .iter()
+            .zip(&theirs)
             .find(|(mine, theirs)| mine != theirs)?;
-        let camera = ["size", "step", "projection", "eye", "target", "up"];
+        let camera = [
+            "size",
+            "step",
+            "projection",
+            "eye",
+            "target",
+            "up",
+            "shift",
+            "lens",
+        ];
         let key = |line: &str| line.split(' ').next().unwrap_or_default().to_owned();
-        Some(if camera.contains(&&*key(theirs)) {
-            format!("it was made with another camera ({theirs}, not {mine})")
-        } else {
-            format!("it was made with other settings ({theirs}, not {mine})")
-        })
+        Some(
+            if camera.contains(&&*key(theirs)) || camera.contains(&&*key(mine)) {
+                format!("it was made with another camera ({theirs}, not {mine})")
+            } else {
+                format!("it was made with other settings ({theirs}, not {mine})")
+            },
+        )
     }
 }
 
@@ -86,6 +106,7 @@ pub(super) mod tests {
             scene: Scene::default().content(),
             camera: Camera::new(placement, Projection::Orthographic, plane),
             samples: 16,
+            pixel_filter: PixelFilter::Mitchell,
             cull: Cull::Back,
             clip: ClippingPlanes::NONE,
             precision: Precision::Fast,
@@ -94,6 +115,8 @@ pub(super) mod tests {
                 wireframe: Some(Wireframe {
                     width: 0.1,
                     color: Color([1, 2, 0xab]),
+                    edges: "polygon,feature:12.5".parse().expect("kinds"),
+                    hidden: 0.25,
                 }),
                 background: Background::Transparent,
                 blend: 1.0 / 3.0,
@@ -104,6 +127,8 @@ pub(super) mod tests {
                     range: Some([-1.5, 1e300]),
                     legend: true,
                 }),
+                back_faces: Some(Color([4, 5, 6])),
+                ..Shading::default()
             },
         }
     }
@@ -123,17 +148,61 @@ pub(super) mod tests {
                  eye = [1e-300, -2.5e0, 3.333333333333333e17]\n\
                  target = [-0e0, 3.333333333333333e-1, 7e0]\nup = [1e0, 0e0, 0e0]\n\
                  samples = 16\ncull = \"back\"\nprecision = \"fast\"\nmode = \"normals\"\n\
-                 wireframe = [1e-1, \"#0102ab\"]\nbackground = \"transparent\"\n\
+                 wireframe = [1e-1, \"#0102ab\", \"polygon,feature:12.5\", 2.5e-1]\nbackground = \"transparent\"\n\
                  blend = 3.3333334e-1\nfilter = \"nearest\"\n\
                  texture-projection = \"triplanar\"\n\
-                 color-scale = [\"turbo\", -1.5e0, 1e300, \"legend\"]\ndigest = \"{digest}\"\n"
+                 color-scale = [\"turbo\", -1.5e0, 1e300, \"legend\"]\n\
+                 pixel-filter = \"mitchell\"\nback-faces = \"#040506\"\ndigest = \"{digest}\"\n"
             )
         );
         let plain = Recipe {
             shading: Shading::default(),
+            pixel_filter: PixelFilter::Box,
             ..recipe
         };
         assert_eq!(plain.to_string().parse::<Recipe>().expect("reads"), plain);
+        let lined = Recipe {
+            shading: Shading {
+                wireframe: Some(Wireframe::default()),
+                ..Shading::default()
+            },
+            ..recipe
+        };
+        let text = lined.to_string();
+        assert!(
+            text.contains("\nwireframe = [1e0, \"#10141a\"]\n"),
+            "{text}"
+        );
+        assert_eq!(text.parse::<Recipe>().expect("reads"), lined);
+    }
+
+    #[test]
+    fn x_ray_tells_its_opacity() {
+        let mut recipe = sample_recipe(40, 30);
+        recipe.shading.mode = Mode::XRay;
+        recipe.shading.x_ray_opacity = 0.5;
+        let text = recipe.to_string();
+        assert!(text.contains("\nx-ray-opacity = 5e-1\n"), "{text}");
+        assert_eq!(text.parse::<Recipe>().expect("reads"), recipe);
+    }
+
+    #[test]
+    fn lights_and_edges_have_lines_where_they_are_not_the_usual() {
+        let recipe = Recipe {
+            shading: Shading::studio(),
+            ..sample_recipe(40, 30)
+        };
+        let text = recipe.to_string();
+        let lines = "\ncrease = 4e1\nlights = \"three-point\"\nplain-color = \"#c8bfb2\"\n";
+        assert!(text.contains(lines), "{text}");
+        assert_eq!(text.parse::<Recipe>().expect("reads"), recipe);
+        for (line, bad) in [
+            ("4e1", "x"),
+            ("three-point", "disco"),
+            ("#c8bfb2", "#c8bfb"),
+        ] {
+            assert!(text.replace(line, bad).parse::<Recipe>().is_err(), "{bad}");
+        }
     }
 
     #[test]

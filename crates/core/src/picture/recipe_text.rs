@@ -1,11 +1,14 @@
 //! A recipe's text: a line for each key.
 
 use super::{ImageError, Recipe};
-use crate::camera::{Camera, ImagePlane, Placement, Projection};
+use crate::camera::{BrownConrady, Camera, ImagePlane, PixelFilter, Placement, Projection};
 use crate::digest::Digest;
 use crate::hit::{Cull, Precision};
+use crate::ranges;
 use crate::scene::{ClippingPlane, ClippingPlanes, Color, ColorMap, ColorScale};
-use crate::shade::{Background, Filter, Mode, Shading, TextureProjection, Wireframe};
+use crate::shade::{
+    Background, EdgeKinds, Filter, LightSet, Mode, Shading, TextureProjection, Wireframe,
+};
 use glam::DVec3;
 use std::fmt::{self, LowerExp};
 use std::str::FromStr;
@@ -20,6 +23,7 @@ impl Recipe {
             scene,
             camera,
             samples,
+            pixel_filter,
             cull,
             clip,
             precision,
@@ -38,11 +42,17 @@ impl Recipe {
             blend,
             filter,
             projection,
+            crease,
+            lights,
+            plain_color,
             scale,
+            back_faces,
+            x_ray_opacity,
         } = shading;
+        let usual = Shading::default();
         let lines = match wireframe {
             None => "\"none\"".to_owned(),
-            Some(Wireframe { width, color }) => format!("[{}, \"{color}\"]", float(width)),
+            Some(lines) => lines_text(lines),
         };
         let background = match background {
             Background::Transparent => "\"transparent\"".to_owned(),
@@ -57,8 +67,34 @@ impl Recipe {
             .collect();
         // What few pictures have has a line where they do.
         let mut more = String::new();
+        if *crease != usual.crease {
+            more += &format!("crease = {}\n", float(crease));
+        }
+        if *lights != usual.lights {
+            more += &format!("lights = \"{}\"\n", lights_word(*lights));
+        }
+        if *plain_color != usual.plain_color {
+            more += &format!("plain-color = \"{plain_color}\"\n");
+        }
         if let Some(scale) = scale {
             more += &format!("color-scale = {}\n", scale_text(scale));
+        }
+        if *pixel_filter != PixelFilter::default() {
+            more += &format!("pixel-filter = \"{pixel_filter}\"\n");
+        }
+        if camera.shift() != [0.0; 2] {
+            let [right, up] = camera.shift().map(|number| float(&number));
+            more += &format!("shift = [{right}, {up}]\n");
+        }
+        if let Some(lens) = camera.projection().lens() {
+            let numbers = lens.coefficients().map(|number| float(&number));
+            more += &format!("lens = [{}]\n", numbers.join(", "));
+        }
+        if let Some(color) = back_faces {
+            more += &format!("back-faces = \"{color}\"\n");
+        }
+        if *mode == Mode::XRay {
+            more += &format!("x-ray-opacity = {}\n", float(x_ray_opacity));
         }
         format!(
             "raycast-recipe = {VERSION}\n\
@@ -138,13 +174,50 @@ fn read(text: &str) -> Result<Recipe, String> {
     let blend = lines.one("blend", "a number")?;
     let filter = lines.word("filter", filter_of)?;
     let texture_projection = lines.word("texture-projection", texture_projection_of)?;
+    let usual = Shading::default();
+    let crease = match lines.optional("crease") {
+        None => usual.crease,
+        Some(value) => value.parse().map_err(|_| lines.wrong("a number", value))?,
+    };
+    let lights = match lines.optional("lights") {
+        None => usual.lights,
+        Some(value) => unquoted(value)
+            .and_then(lights_of)
+            .ok_or_else(|| lines.wrong("lights that this program knows", value))?,
+    };
+    let plain_color = match lines.optional("plain-color") {
+        None => usual.plain_color,
+        Some(value) => unquoted(value)
+            .and_then(|color| color.parse().ok())
+            .ok_or_else(|| lines.wrong("a colour", value))?,
+    };
     let scale = lines.scale()?;
+    let pixel_filter = lines.pixel_filter()?;
+    let shift = match lines.has("shift") {
+        true => lines.list("shift", "two numbers")?,
+        false => [0.0; 2],
+    };
+    ranges::shift(shift).map_err(|error| error.to_string())?;
+    let projection = match (lines.has("lens"), projection) {
+        (false, _) => projection,
+        (true, Projection::Perspective) => {
+            let lens = BrownConrady::new(lines.list("lens", "five numbers")?);
+            Projection::through(lens.map_err(|error| error.to_string())?)
+        }
+        (true, _) => return Err(format!("a lens, which {projection} does not have")),
+    };
+    let back_faces = lines.back_faces()?;
+    let x_ray_opacity = match lines.has("x-ray-opacity") {
+        true => lines.one("x-ray-opacity", "a number")?,
+        false => Shading::X_RAY_OPACITY,
+    };
     let digest: Digest = lines.quoted("digest")?.parse()?;
     let plane = ImagePlane::new(columns, rows, step).map_err(|error| error.to_string())?;
     let recipe = Recipe {
         scene,
-        camera: Camera::new(Placement { eye, target, up }, projection, plane),
+        camera: Camera::new(Placement { eye, target, up }, projection, plane).shifted(shift),
         samples,
+        pixel_filter,
         cull,
         clip,
         precision,
@@ -155,7 +228,12 @@ fn read(text: &str) -> Result<Recipe, String> {
             blend,
             filter,
             projection: texture_projection,
+            crease,
+            lights,
+            plain_color,
             scale,
+            back_faces,
+            x_ray_opacity,
         },
     };
     // Whatever was read must be written as it was: a damaged line is not believed.
@@ -252,21 +330,44 @@ impl<'t> Lines<'t> {
         let read = || {
             let mut items = items(value)?;
             let (width, color) = (items.next()?, unquoted(items.next()?)?);
-            Some(Wireframe {
+            let lines = Wireframe {
                 width: width.parse().ok()?,
                 color: color.parse().ok()?,
+                edges: EdgeKinds::ALL,
+                hidden: 0.0,
+            };
+            Some(match (items.next(), items.next()) {
+                (Some(edges), Some(hidden)) => Wireframe {
+                    edges: unquoted(edges)?.parse().ok()?,
+                    hidden: hidden.parse().ok()?,
+                    ..lines
+                },
+                _ => lines,
             })
         };
         read()
             .map(Some)
-            .ok_or_else(|| self.wrong("a width and a colour, or \"none\"", value))
+            .ok_or_else(|| self.wrong("a width, a colour and perhaps edges, or \"none\"", value))
+    }
+
+    /// Whether the next line has this key.
+    fn has(&self, key: &str) -> bool {
+        let next = self.lines.clone().next();
+        let rest = next.and_then(|line| line.strip_prefix(key));
+        rest.is_some_and(|rest| rest.starts_with(" = "))
     }
 
     /// What stands behind the key, where that is the next line's.
     fn optional(&mut self, key: &str) -> Option<&'t str> {
-        let line = self.lines.clone().next()?;
-        line.strip_prefix(key)?.strip_prefix(" = ")?;
-        self.value(key).ok()
+        self.has(key).then(|| self.value(key).ok())?
+    }
+
+    fn back_faces(&mut self) -> Result<Option<Color>, String> {
+        let Some(value) = self.optional("back-faces") else {
+            return Ok(None);
+        };
+        let color = unquoted(value).and_then(|word| word.parse().ok());
+        color.map(Some).ok_or_else(|| self.wrong("a colour", value))
     }
 
     fn scale(&mut self) -> Result<Option<ColorScale>, String> {
@@ -291,6 +392,15 @@ impl<'t> Lines<'t> {
         })
     }
 
+    fn pixel_filter(&mut self) -> Result<PixelFilter, String> {
+        match self.optional("pixel-filter") {
+            None => Ok(PixelFilter::default()),
+            Some(value) => unquoted(value)
+                .and_then(|word| word.parse().ok())
+                .ok_or_else(|| self.wrong("a pixel filter that this program knows", value)),
+        }
+    }
+
     fn background(&mut self) -> Result<Background, String> {
         let value = self.value("background")?;
         if value == "\"transparent\"" {
@@ -302,6 +412,21 @@ impl<'t> Lines<'t> {
         };
         read().ok_or_else(|| self.wrong("two colours, or \"transparent\"", value))
     }
+}
+
+/// Which edges, and how strongly hidden ones, are told where that is not as usual.
+fn lines_text(lines: &Wireframe) -> String {
+    let Wireframe {
+        width,
+        color,
+        edges,
+        hidden,
+    } = lines;
+    let more = match (*edges, *hidden) {
+        (EdgeKinds::ALL, 0.0) => String::new(),
+        _ => format!(", \"{edges}\", {}", float(hidden)),
+    };
+    format!("[{}, \"{color}\"{more}]", float(width))
 }
 
 fn scale_text(ColorScale { map, range, legend }: &ColorScale) -> String {
@@ -359,12 +484,19 @@ words!(mode_word, mode_of: Mode {
     Color = "color",
     Flat = "flat",
     Smooth = "smooth",
+    Material = "material",
     Normals = "normals",
     Depth = "depth",
     Barycentric = "barycentric",
     Uv = "uv",
     Texture = "texture",
     Wireframe = "wireframe",
+    XRay = "x-ray",
+});
+words!(lights_word, lights_of: LightSet {
+    Soft = "soft",
+    Headlight = "headlight",
+    ThreePoint = "three-point",
 });
 words!(filter_word, filter_of: Filter {
     Nearest = "nearest",

@@ -13,10 +13,11 @@ use glam::DVec3;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-const MODES: [Mode; 9] = [
+const MODES: [Mode; 10] = [
     Mode::Color,
     Mode::Flat,
     Mode::Smooth,
+    Mode::Material,
     Mode::Normals,
     Mode::Depth,
     Mode::Barycentric,

@@ -1,9 +1,9 @@
 //! One tile's way through the passes.
 
-use super::sample::sample_offset;
+use super::compositor::Compositor;
 use super::view::{Clock, Settings, View};
 use super::{Pass, Tile, TileStats};
-use crate::camera::{Lattice, Rect, SubCamera};
+use crate::camera::{Lattice, Rect, SamplePattern, SubCamera};
 use crate::hit::{Detail, MISS};
 use crate::hits::Hits;
 use crate::picture::{Layers, Strip};
@@ -20,7 +20,7 @@ pub(super) struct Job {
     sums: Vec<[f32; 4]>,
     layers: Option<Layers>,
     /// Samples a pixel that have been cast.
-    samples: u32,
+    samples: usize,
 }
 
 impl Job {
@@ -102,11 +102,12 @@ impl Job {
         }
     }
 
-    /// Brings the tile to where `pass` has it: casts what is not yet cast.
+    /// Brings the tile to where `pass` has it: casts what is not yet cast. The pattern is the last pass's.
     pub(super) fn advance(
         &mut self,
         view: &View,
         pass: Pass,
+        pattern: &SamplePattern,
         clock: Clock<'_>,
         buffers: &mut Buffers<'_>,
     ) -> TileStats {
@@ -116,7 +117,7 @@ impl Job {
         if pass.samples <= 1 && !view.settings.layers {
             self.refine(&mut work, stride);
         } else {
-            self.accumulate(&mut work, pass.samples.max(1));
+            self.accumulate(&mut work, pattern, pass.samples.max(1) as usize);
         }
         work.stats
     }
@@ -146,16 +147,20 @@ impl Job {
         let rect = self.sub_camera.rect;
         let pixels = &mut self.pixels;
         let section = work.section();
-        work.shade(|Buffers { shader, hits }| {
+        work.shade(|buffers| {
             for row in 0..lattice.rows {
                 for column in 0..lattice.columns {
                     let (x, y) = lattice.place(column, row);
-                    let hit = hits.get((row * lattice.columns + column) as usize);
+                    let at = (row * lattice.columns + column) as usize;
+                    let hit = buffers.hits.get(at);
                     let cut = section
                         .and_then(|s| s.color8(Section::shown(s.at(x, y, hit.primitive), false)));
                     let color = match cut {
                         Some(color) => color,
-                        None => shader.pixel8(x, y, &hit),
+                        None => match buffers.composited((x, y), hit.primitive) {
+                            Some(color) => shade::encode(color),
+                            None => buffers.shader.pixel8(x, y, &hit),
+                        },
                     };
                     let (left, top) = (
                         lattice.x - rect.x + column * lattice.stride,
@@ -172,27 +177,33 @@ impl Job {
     }
 
     /// Every pixel, with samples beyond the first, or with layers.
-    fn accumulate(&mut self, work: &mut Work<'_, '_>, samples: u32) {
+    fn accumulate(&mut self, work: &mut Work<'_, '_>, pattern: &SamplePattern, count: usize) {
         // A first sample that was only shown in 8 bits is cast again: cheaper than keeping the sums
         // of every picture that never gets a second one.
         if self.sums.is_empty() {
             self.sums = vec![[0.0; 4]; self.sub_camera.rect.area()];
             self.samples = 0;
         }
-        for index in self.samples..samples {
+        let samples = pattern.samples();
+        let count = count.min(samples.len());
+        for (index, sample) in samples.iter().enumerate().take(count).skip(self.samples) {
             let mut lattice = self.sub_camera.lattice();
-            lattice.offset = sample_offset(index);
+            lattice.offset = sample.offset;
+            let weight = sample.weight;
             work.find(&lattice);
             work.evaluate(&lattice);
             let sums = &mut self.sums;
             let cut = work.cut(&lattice);
-            work.shade(|Buffers { shader, hits }| {
-                for (at, (sum, hit)) in sums.iter_mut().zip(hits.iter()).enumerate() {
+            work.shade(|buffers| {
+                for (at, sum) in sums.iter_mut().enumerate() {
+                    let hit = buffers.hits.get(at);
                     let (x, y) =
                         lattice.place(at as u32 % lattice.columns, at as u32 / lattice.columns);
                     let cut = cut.as_ref().and_then(|(s, all)| s.color(all[at]));
-                    let [r, g, b, a] = cut.unwrap_or_else(|| shader.color(x, y, &hit));
-                    *sum = [sum[0] + r * a, sum[1] + g * a, sum[2] + b * a, sum[3] + a];
+                    let color = cut.or_else(|| buffers.composited((x, y), hit.primitive));
+                    let [r, g, b, a] = color.unwrap_or_else(|| buffers.shader.color(x, y, &hit));
+                    let light = [r * a, g * a, b * a, a];
+                    *sum = std::array::from_fn(|channel| sum[channel] + light[channel] * weight);
                 }
             });
             if index == 0 && work.view.settings.layers {
@@ -200,9 +211,18 @@ impl Job {
                 self.layers = Some(layers);
             }
         }
-        self.samples = samples;
-        let share = 1.0 / samples as f32;
-        let mean = |sum: &[f32; 4]| sum.map(|channel| channel * share);
+        self.samples = count;
+        let share = pattern.share(count);
+        let mean = |sum: &[f32; 4]| {
+            let [r, g, b, a] = sum.map(|channel| channel * share);
+            if !pattern.has_negative() {
+                return [r, g, b, a];
+            }
+            // Negative weights overshoot at edges: no pixel is more than opaque, or sends more light than white does.
+            let alpha = a.clamp(0.0, 1.0);
+            let [r, g, b] = [r, g, b].map(|light| light.clamp(0.0, alpha));
+            [r, g, b, alpha]
+        };
         for (pixel, sum) in self.pixels.iter_mut().zip(&self.sums) {
             *pixel = shade::encode_premultiplied(mean(sum));
         }
@@ -244,14 +264,23 @@ impl Job {
 pub(super) struct Buffers<'s> {
     hits: Hits,
     shader: TileShader<'s>,
+    /// Where surfaces let through what lies behind them.
+    compositor: Option<Compositor<'s>>,
 }
 
 impl<'s> Buffers<'s> {
-    pub(super) fn new(shader: &'s Shader<'s>) -> Self {
+    pub(super) fn new(view: &'s View, shader: &'s Shader<'s>) -> Self {
+        let compositor = |translucent| Compositor::new(view, translucent, shader.masks());
         Self {
             hits: Hits::default(),
             shader: shader.tile(),
+            compositor: shader.translucent().map(compositor),
         }
+    }
+
+    /// The colour of the sample at (x, y) whose ray hits `primitive` first, where more of its hits show.
+    fn composited(&mut self, place: (f64, f64), primitive: u32) -> Option<[f32; 4]> {
+        (self.compositor.as_mut()?).color(&mut self.shader, place, primitive)
     }
 }
 
@@ -296,7 +325,7 @@ impl<'a, 's> Work<'a, 's> {
         rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
     ) {
         let Some((section, shown)) = self.cut(lattice) else {
-            return self.shade_uncut(lattice, rect, rows);
+            return self.shade_layers(lattice, rect, rows);
         };
         // What is behind a section is not shaded.
         for (primitive, shown) in self.buffers.hits.primitives.iter_mut().zip(&shown) {
@@ -305,7 +334,7 @@ impl<'a, 's> Work<'a, 's> {
             }
         }
         let mut rows: Vec<_> = rows.collect();
-        self.shade_uncut(lattice, rect, rows.iter_mut().map(|row| &mut **row));
+        self.shade_layers(lattice, rect, rows.iter_mut().map(|row| &mut **row));
         for (row, shown) in rows.iter_mut().zip(shown.chunks(lattice.columns as usize)) {
             for (pixel, shown) in row.iter_mut().zip(shown) {
                 if let Some(color) = section.color8(*shown) {
@@ -336,7 +365,7 @@ impl<'a, 's> Work<'a, 's> {
         let View {
             accel, settings, ..
         } = self.view;
-        let accel = accel.clipped(&settings.clip);
+        let accel = accel.clipped(&settings.clip).masked(self.shader().masks());
         let beside = |is_inside: bool, lattice: Lattice| {
             let mut primitives = Vec::new();
             if is_inside {
@@ -389,19 +418,44 @@ impl<'a, 's> Work<'a, 's> {
     }
 
     /// The same, but for sections.
-    fn shade_uncut<'p>(
+    fn shade_layers<'p>(
+        &mut self,
+        lattice: &Lattice,
+        rect: Rect,
+        rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
+    ) {
+        if self.buffers.compositor.is_none() {
+            return self.shade_nearest(lattice, rect, rows);
+        }
+        let mut rows: Vec<_> = rows.collect();
+        self.shade_nearest(lattice, rect, rows.iter_mut().map(|row| &mut **row));
+        self.shade(|buffers| {
+            for (y, row) in (0..lattice.rows).zip(&mut rows) {
+                for (x, pixel) in (0..lattice.columns).zip(row.iter_mut()) {
+                    let at = (y * lattice.columns + x) as usize;
+                    let primitive = buffers.hits.primitives[at];
+                    if let Some(color) = buffers.composited(lattice.place(x, y), primitive) {
+                        *pixel = shade::encode(color);
+                    }
+                }
+            }
+        });
+    }
+
+    /// The same, but for what shows through the nearest hits.
+    fn shade_nearest<'p>(
         &mut self,
         lattice: &Lattice,
         rect: Rect,
         rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
     ) {
         if self.shader().detail() == Detail::Triangle {
-            self.shade(|Buffers { shader, hits }| {
+            self.shade(|Buffers { shader, hits, .. }| {
                 shader.shade_primitives(rect, &hits.primitives, rows)
             });
         } else {
             self.evaluate(lattice);
-            self.shade(|Buffers { shader, hits }| shader.shade(rect, hits, rows));
+            self.shade(|Buffers { shader, hits, .. }| shader.shade(rect, hits, rows));
         }
     }
 
@@ -415,7 +469,8 @@ impl<'a, 's> Work<'a, 's> {
         } = &self.view.settings;
         let begin = (self.clock)();
         let primitives = &mut self.buffers.hits.primitives;
-        let accel = self.view.accel.clipped(clip);
+        let masks = self.buffers.shader.shader().masks();
+        let accel = self.view.accel.clipped(clip).masked(masks);
         let counts = accel.find(lattice, *cull, *precision, primitives);
         self.stats.cast += self.since(begin);
         self.stats.counts += counts;

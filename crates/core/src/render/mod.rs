@@ -1,15 +1,17 @@
 //! From a view to a picture: tiles, passes, samples, in parallel.
 
+mod compositor;
 mod defaults;
 #[cfg(test)]
 mod instance_tests;
 mod job;
+#[cfg(test)]
+mod mask_tests;
 mod parallel;
 mod pass;
 #[cfg(test)]
 mod pass_tests;
 mod recipe;
-mod sample;
 #[cfg(test)]
 mod section_tests;
 mod tile;

@@ -3,11 +3,11 @@
 use super::job::{Buffers, Job};
 use super::view::{Cancel, Clock, Settings, View};
 use super::{Pass, Tile, TileStats};
-use crate::camera::{Grid, ImagePlane, Rect, SubCamera};
+use crate::camera::{Grid, ImagePlane, Rect, SamplePattern, SubCamera};
 use crate::hit::Detail;
 use crate::hits::Hits;
 use crate::picture::Picture;
-use crate::scene::{ColorRule, Object};
+use crate::scene::{ColorRule, Masks, Object};
 use crate::shade::{DrawnLegend, Legend, Mode, Shader};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -66,7 +66,7 @@ impl View {
         let rect = part.rect;
         let shader = self.shader();
         let legend = self.drawn_legend(&shader);
-        let buffers = || Buffers::new(&shader);
+        let buffers = || Buffers::new(self, &shader);
         if self.settings.samples <= 1 && !self.settings.layers {
             // Long strips first, for long rows of pixels, and short ones last, for which no worker waits
             // long (Polychronopoulos and Kuck, "Guided Self-Scheduling", 1987).
@@ -88,8 +88,9 @@ impl View {
         }
         let tiles = grid.tiles(rect.width, rect.height);
         let picture = Mutex::new(picture);
+        let pattern = self.settings.sample_pattern();
         in_parallel(tiles.len(), cancel, buffers, |buffers, index| {
-            let mut tile = self.finish(part.part(tiles[index]), clock, buffers);
+            let mut tile = self.finish(part.part(tiles[index]), &pattern, clock, buffers);
             draw(legend.as_ref(), &mut tile);
             let mut picture = picture.lock().unwrap_or_else(PoisonError::into_inner);
             picture.place(tiles[index], &tile.pixels, tile.layers.as_ref());
@@ -105,7 +106,7 @@ impl View {
         let tiles = grid.tiles(plane.columns, plane.rows);
         let sum = Mutex::new(TileStats::default());
         let shader = self.shader();
-        let buffers = || Buffers::new(&shader);
+        let buffers = || Buffers::new(self, &shader);
         in_parallel(
             tiles.len(),
             &Cancel::default(),
@@ -122,7 +123,13 @@ impl View {
     /// Renders what a sub-camera of the view's camera sees, on this thread.
     pub fn render_sub_camera(&self, sub_camera: SubCamera, clock: Clock<'_>) -> Tile {
         let shader = self.shader();
-        let mut tile = self.finish(sub_camera, clock, &mut Buffers::new(&shader));
+        let pattern = self.settings.sample_pattern();
+        let mut tile = self.finish(
+            sub_camera,
+            &pattern,
+            clock,
+            &mut Buffers::new(self, &shader),
+        );
         draw(self.drawn_legend(&shader).as_ref(), &mut tile);
         tile
     }
@@ -149,12 +156,14 @@ impl View {
             .collect();
         let shader = self.shader();
         let legend = self.drawn_legend(&shader);
-        let buffers = || Buffers::new(&shader);
+        let buffers = || Buffers::new(self, &shader);
         let last = passes.len().saturating_sub(1);
+        let samples = passes.last().map_or(1, |pass| pass.samples);
+        let pattern = SamplePattern::new(samples, self.settings.pixel_filter);
         passes.iter().enumerate().all(|(number, &pass)| {
             in_parallel(jobs.len(), cancel, buffers, |buffers, index| {
                 let mut job = jobs[index].lock().unwrap_or_else(PoisonError::into_inner);
-                let stats = job.advance(self, pass, clock, buffers);
+                let stats = job.advance(self, pass, &pattern, clock, buffers);
                 let mut tile = if number == last {
                     job.take_tile(stats)
                 } else {
@@ -188,8 +197,13 @@ impl View {
     fn shader(&self) -> Shader<'_> {
         let shader = Shader::new(&self.scene, &self.accel, self.camera, self.settings.shading)
             .with_samples(self.settings.samples)
-            .with_sections(&self.settings.clip, self.settings.cull);
-        match shader.fits_depth().then(|| self.depths_seen()).flatten() {
+            .with_sections(&self.settings.clip, self.settings.cull)
+            .with_overlay(&self.settings.clip);
+        match shader
+            .fits_depth()
+            .then(|| self.depths_seen(shader.masks()))
+            .flatten()
+        {
             Some(seen) => shader.with_depths(seen),
             None => shader,
         }
@@ -197,7 +211,7 @@ impl View {
 
     /// The nearest and the farthest hit of a sparse lattice over the whole picture: the same for every part of it.
     /// `None` where none hits anything.
-    fn depths_seen(&self) -> Option<[f32; 2]> {
+    fn depths_seen(&self, masks: Option<&Masks<'_>>) -> Option<[f32; 2]> {
         let plane = self.camera.plane();
         // Once a band: of a large picture a few rays of each band's many.
         let stride = DEPTH_STRIDE.max(plane.columns.max(plane.rows).div_ceil(DEPTH_RAYS));
@@ -210,7 +224,7 @@ impl View {
         } = self.settings;
         let mut hits = Hits::default();
         let primitives = &mut hits.primitives;
-        (self.accel.clipped(clip)).find(&lattice, cull, precision, primitives);
+        (self.accel.clipped(clip).masked(masks)).find(&lattice, cull, precision, primitives);
         self.accel.evaluate(&lattice, cull, precision, &mut hits);
         let depths = hits.iter().filter(|hit| !hit.is_miss()).map(|hit| hit.t);
         depths.fold(None, |seen, t| {
@@ -220,13 +234,19 @@ impl View {
     }
 
     /// A tile in one go.
-    fn finish(&self, sub_camera: SubCamera, clock: Clock<'_>, buffers: &mut Buffers<'_>) -> Tile {
+    fn finish(
+        &self,
+        sub_camera: SubCamera,
+        pattern: &SamplePattern,
+        clock: Clock<'_>,
+        buffers: &mut Buffers<'_>,
+    ) -> Tile {
         let mut job = Job::new(sub_camera);
         let pass = Pass {
             stride: 1,
             samples: self.settings.samples.max(1),
         };
-        let stats = job.advance(self, pass, clock, buffers);
+        let stats = job.advance(self, pass, pattern, clock, buffers);
         job.take_tile(stats)
     }
 }

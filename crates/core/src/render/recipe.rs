@@ -11,12 +11,14 @@ impl Recipe {
             clip,
             precision,
             samples,
+            pixel_filter,
             layers: _,
         } = view.settings;
         Self {
             scene: view.scene.content(),
             camera: view.camera,
             samples: samples.max(1),
+            pixel_filter,
             cull,
             clip: clip.only_enabled(),
             precision,

@@ -1,5 +1,5 @@
 use crate::bvh::Accel;
-use crate::camera::Camera;
+use crate::camera::{Camera, PixelFilter, SamplePattern};
 use crate::hit::{Cull, Precision};
 use crate::scene::{ClippingPlanes, Scene};
 use crate::shade::Shading;
@@ -20,6 +20,8 @@ pub struct Settings {
     pub precision: Precision,
     /// Rays a pixel, at least 1. The first goes through the pixel's centre.
     pub samples: u32,
+    /// How samples are weighed by their place.
+    pub pixel_filter: PixelFilter,
     /// Whether to keep depth, numbers, normals and texture coordinates beside the colours.
     pub layers: bool,
 }
@@ -55,4 +57,11 @@ pub struct View {
     pub camera: Camera,
     /// How.
     pub settings: Settings,
+}
+
+impl Settings {
+    /// Where the samples of a picture's pixels are.
+    pub fn sample_pattern(&self) -> SamplePattern {
+        SamplePattern::new(self.samples, self.pixel_filter)
+    }
 }

@@ -1,6 +1,7 @@
 use super::{
-    Attribute, Color, ColorRule, Material, Mesh, Object, Projector, Quantity, Scalar, ScalarAt,
-    Scene, Texture, TextureMapping, TextureProjection, Transform, Wrap,
+    Alpha, Attribute, Color, ColorRule, Material, Mesh, Object, Opacity, Projector, Quantity,
+    Reflectance, Scalar, ScalarAt, Scene, Texture, TextureMapping, TextureProjection, Transform,
+    Wrap,
 };
 use crate::digest::{Digest, Digester};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
@@ -32,6 +33,7 @@ fn add_object(hash: &mut Digester, object: &Object) {
         color,
         texture,
         mapping,
+        blend_by,
         source: _,
         up_axis: _,
         texture_source: _,
@@ -99,6 +101,12 @@ fn add_object(hash: &mut Digester, object: &Object) {
         hash.bytes(b"mapping");
         add_mapping(hash, mapping);
     }
+    if let Some(name) = blend_by {
+        hash.bytes(b"blend by");
+        hash.bytes(name.as_bytes());
+        let values = mesh.scalar(name).map_or(&[][..], |scalar| &scalar.values);
+        hash.words(values.iter().map(|value| value.to_bits()));
+    }
     // Nothing is added where all is visible: checksums made before objects could be hidden still hold.
     if !visible {
         hash.bytes(b"hidden");
@@ -136,6 +144,8 @@ fn add_mesh(hash: &mut Digester, mesh: &Mesh) {
             color: _,
             texture,
             by_vertex,
+            reflectance,
+            opacity,
         } = material;
         if *by_vertex || texture.is_some() {
             hash.number(MORE);
@@ -145,6 +155,46 @@ fn add_mesh(hash: &mut Digester, mesh: &Mesh) {
                 None => hash.number(0),
                 Some(texture) => add_texture(hash, texture),
             }
+        }
+        if let Some(reflectance) = reflectance {
+            hash.number(MORE);
+            hash.number(number as u64);
+            add_reflectance(hash, reflectance);
+        }
+        // As above: other scenes keep their checksum.
+        if let Some(Alpha { factor, image }) = opacity.alpha() {
+            hash.bytes(b"opacity");
+            hash.number(number as u64);
+            let cutoff = match opacity {
+                Opacity::Mask { cutoff, .. } => cutoff.to_bits().into(),
+                Opacity::Opaque | Opacity::Blend(_) => MORE,
+            };
+            hash.number(cutoff);
+            hash.number(factor.to_bits().into());
+            match image {
+                None => hash.number(0),
+                Some(image) => add_texture(hash, image),
+            }
+        }
+    }
+}
+
+fn add_reflectance(hash: &mut Digester, reflectance: &Reflectance) {
+    let Reflectance {
+        metallic,
+        roughness,
+        texture,
+        emission: [r, g, b],
+        emission_texture,
+        is_unlit,
+    } = reflectance;
+    let numbers = [metallic, roughness, r, g, b].map(|number| f64::from(*number));
+    hash.doubles(numbers);
+    hash.number((*is_unlit).into());
+    for texture in [texture, emission_texture] {
+        match texture {
+            None => hash.number(0),
+            Some(texture) => add_texture(hash, texture),
         }
     }
 }
@@ -255,6 +305,7 @@ mod tests {
                 at: ScalarAt::Triangles,
                 values: vec![1.0, 2.0],
             }],
+            ..MeshData::default()
         }
     }
 
@@ -273,6 +324,21 @@ mod tests {
         Texture::new(1, 2, vec![[texel; 4], [0; 4]]).map(Arc::new)
     }
 
+    fn rough(roughness: f32) -> Option<Arc<Reflectance>> {
+        Some(Arc::new(Reflectance {
+            roughness,
+            ..Reflectance::default()
+        }))
+    }
+
+    fn alpha(factor: f32, image: Option<Arc<Texture>>) -> Alpha {
+        Alpha { factor, image }
+    }
+
+    fn mask(cutoff: f32, alpha: Alpha) -> Opacity {
+        Opacity::Mask { alpha, cutoff }
+    }
+
     fn wrapped(wrap: Wrap) -> Option<Arc<Texture>> {
         let texture = texture(1).map(Arc::unwrap_or_clone)?;
         Some(Arc::new(texture.wrapped([Wrap::Repeat, wrap])))
@@ -281,7 +347,7 @@ mod tests {
     #[test]
     fn all_that_decides_a_picture_counts() {
         let mut digests = vec![scene(data(), |_| ()).content(), Scene::default().content()];
-        let changes: [fn(&mut MeshData); 15] = [
+        let changes: [fn(&mut MeshData); 22] = [
             |data| data.colors[0] = Some(Color([7, 8, 10])),
             |data| data.colors.swap(0, 1),
             |data| data.positions[1].x = 1f64.next_up() as f32 as f64 + 1e-7,
@@ -295,15 +361,22 @@ mod tests {
             |data| data.materials[1].color = Color([4, 5, 7]),
             |data| data.material_of_triangle = vec![1, 0],
             |data| data.materials[0].by_vertex = true,
+            |data| data.materials[0].reflectance = Some(Arc::default()),
+            |data| data.materials[1].reflectance = Some(Arc::default()),
+            |data| data.materials[0].reflectance = rough(0.25),
             |data| data.materials[0].texture = texture(1),
             |data| data.materials[1].texture = texture(1),
+            |data| data.materials[0].opacity = Opacity::Blend(alpha(0.5, None)),
+            |data| data.materials[1].opacity = Opacity::Blend(alpha(0.5, None)),
+            |data| data.materials[0].opacity = mask(0.5, alpha(0.5, texture(1))),
+            |data| data.materials[0].opacity = mask(0.25, alpha(0.5, texture(1))),
         ];
         for change in changes {
             let mut data = data();
             change(&mut data);
             digests.push(scene(data, |_| ()).content());
         }
-        let changes: [fn(&mut Object); 24] = [
+        let changes: [fn(&mut Object); 26] = [
             |object| object.transform.translate.y = 1e-300,
             |object| object.transform.rotate.y = 1.0,
             |object| object.transform.scale.y = 2.0,
@@ -333,6 +406,8 @@ mod tests {
             |object| object.mapping.projection = Some(TextureProjection::Uv),
             |object| object.mapping.projection = Some(TextureProjection::Plane),
             |object| object.mapping.projector = Some(Projector::about(&Bounds::EMPTY)),
+            |object| object.blend_by = Some("s".to_owned()),
+            |object| object.blend_by = Some("t".to_owned()),
         ];
         for change in changes {
             digests.push(scene(data(), change).content());

@@ -1,4 +1,4 @@
-use super::{Color, Texture};
+use super::{Color, Opacity, Reflectance, Texture};
 use std::sync::Arc;
 
 /// A named colour of the file.
@@ -12,6 +12,10 @@ pub struct Material {
     pub texture: Option<Arc<Texture>>,
     /// Whether the file's colours of vertices go before its own, where all three corners have one.
     pub by_vertex: bool,
+    /// How it reflects light, where the file says it.
+    pub reflectance: Option<Arc<Reflectance>>,
+    /// How much of its surfaces is there.
+    pub opacity: Opacity,
 }
 
 impl Material {
@@ -22,6 +26,8 @@ impl Material {
             color,
             texture: None,
             by_vertex: false,
+            reflectance: None,
+            opacity: Opacity::Opaque,
         }
     }
 }

@@ -1,4 +1,5 @@
 use super::Scalar;
+use super::crease::LastCreased;
 use super::curvature::Curvatures;
 use std::sync::OnceLock;
 
@@ -9,6 +10,7 @@ pub(super) struct Measures {
     pub(super) scalar_ranges: OnceLock<Vec<Option<[f32; 2]>>>,
     pub(super) area_range: OnceLock<Option<[f32; 2]>>,
     pub(super) curvatures: OnceLock<Curvatures>,
+    pub(super) creased: LastCreased,
     pub(super) curvature_ranges: OnceLock<[Option<[f32; 2]>; 2]>,
     /// The vertices that kept triangles have; `None` where those are all.
     pub(super) kept_vertices: OnceLock<Option<Vec<u32>>>,

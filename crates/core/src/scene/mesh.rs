@@ -1,11 +1,13 @@
+use super::adjacency::Adjacency;
+use super::crease;
 use super::measures::Measures;
 use super::mesh_data::recentring_offset;
 use super::rounding::{Measure, Moves, Rounding};
-use super::{Attribute, Bounds, COORDINATE_LIMIT, Color, Material, MeshData};
+use super::{Attribute, Bounds, COORDINATE_LIMIT, Color, Diagonals, Material, MeshData, Opacity};
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use robust::{Coord, orient2d};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// How many triangles were dropped, by reason. They keep their numbers and are never hit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,8 +47,10 @@ pub struct Mesh {
     materials: Vec<Material>,
     material_of_triangle: Vec<u32>,
     colors: Vec<Option<Color>>,
+    diagonals: Diagonals,
     rounding: Rounding,
     bounds: OnceLock<Bounds>,
+    adjacency: OnceLock<Adjacency>,
     measures: Measures,
 }
 
@@ -113,8 +117,10 @@ impl Mesh {
             materials: data.materials,
             material_of_triangle,
             colors: data.colors,
+            diagonals: data.diagonals,
             rounding,
             bounds: OnceLock::new(),
+            adjacency: OnceLock::new(),
             measures: Measures::new(data.scalars),
         }
     }
@@ -176,6 +182,16 @@ impl Mesh {
         self.uvs.is_some()
     }
 
+    /// Unit normals at the corners of the kept triangles, smooth over all edges whose triangles' normals are at most so
+    /// many degrees apart: of 0 only where they are one plane, of 180 wherever two triangles share an edge and face
+    /// one way. The mesh's own normals do not count. Those of the last angle that was asked for are kept: some 20 to
+    /// 50 bytes a triangle.
+    pub fn creased(&self, degrees: f32) -> Arc<Attribute<Vec3>> {
+        self.measures.creased.get(degrees, || {
+            crease::creased(&self.positions, &self.triangles, &self.kept, degrees)
+        })
+    }
+
     /// The mesh's own normals, as stored.
     pub(crate) fn normals(&self) -> Option<&Attribute<Vec3>> {
         self.normals.as_ref()
@@ -202,6 +218,12 @@ impl Mesh {
         self.materials.get(index as usize)
     }
 
+    /// How much of a triangle's surface is there, by its material.
+    pub fn opacity(&self, triangle: u32) -> &Opacity {
+        let material = self.material(triangle);
+        material.map_or(&Opacity::Opaque, |material| &material.opacity)
+    }
+
     /// The file's colours of vertices, by index of position; empty where it gives none any.
     pub fn vertex_colors(&self) -> &[Option<Color>] {
         &self.colors
@@ -212,6 +234,16 @@ impl Mesh {
         let corners = self.triangles.get(triangle as usize)?;
         let [a, b, c] = corners.map(|i| self.colors.get(i as usize).copied().flatten());
         Some([a?, b?, c?])
+    }
+
+    /// Where the file's polygons were cut into triangles.
+    pub fn diagonals(&self) -> &Diagonals {
+        &self.diagonals
+    }
+
+    /// What lies across its edges, which `make` gives when it is first asked for.
+    pub(crate) fn adjacency(&self, make: impl FnOnce() -> Adjacency) -> &Adjacency {
+        self.adjacency.get_or_init(make)
     }
 
     /// How far storing it has moved its corners.
@@ -240,7 +272,7 @@ impl Mesh {
 /// Whether a triangle has exactly no area.
 ///
 /// Its three projections along the axes must all be flat; each is a 2D orientation, whose sign
-/// doubles decide wherever it is beyond their rounding, and integers where it is not.
+/// double precision decides wherever it is beyond its rounding, and integers where it is not.
 fn has_no_area(a: Vec3, b: Vec3, c: Vec3) -> bool {
     if a == b || b == c || c == a {
         return true;

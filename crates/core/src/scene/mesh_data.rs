@@ -1,4 +1,4 @@
-use super::{Attribute, Bounds, Color, Material, Scalar};
+use super::{Attribute, Bounds, Color, Diagonals, Material, Scalar};
 use glam::{DVec3, Vec2, Vec3};
 use std::mem::size_of;
 
@@ -25,6 +25,8 @@ pub struct MeshData {
     pub colors: Vec<Option<Color>>,
     /// The file's numbers of vertices and triangles.
     pub scalars: Vec<Scalar>,
+    /// Where the file's polygons were cut; empty where it has triangles alone.
+    pub diagonals: Diagonals,
 }
 
 impl MeshData {
@@ -58,6 +60,7 @@ impl MeshData {
             + self.uvs.as_ref().map_or(0, Attribute::bytes)
             + self.material_of_triangle.len() * size_of::<u32>()
             + self.colors.len() * size_of::<Option<Color>>()
+            + self.diagonals.bytes()
             + self
                 .scalars
                 .iter()

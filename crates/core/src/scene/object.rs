@@ -1,4 +1,4 @@
-use super::{Color, ColorRule, Mesh, Shape, Texture, TextureMapping, Transform, UpAxis};
+use super::{Color, ColorRule, Mesh, ScalarAt, Shape, Texture, TextureMapping, Transform, UpAxis};
 use crate::quote::shorten;
 use glam::DAffine3;
 use std::collections::BTreeMap;
@@ -22,6 +22,9 @@ pub struct Object {
     pub texture: Option<Arc<Texture>>,
     /// How its texture lies on it, where that is its own.
     pub mapping: TextureMapping,
+    /// The mesh's scalar that says how much of the texture shows, from 0 to 1, times the picture's blend; where it has
+    /// no number, all. `None`: all of it everywhere.
+    pub blend_by: Option<String>,
     /// The file that its mesh was read from, for saving the scene: absolute, or relative where the
     /// mesh came from a caller's own store of files.
     pub source: Option<PathBuf>,
@@ -49,6 +52,7 @@ impl Object {
             color: ColorRule::File,
             texture: None,
             mapping: TextureMapping::default(),
+            blend_by: None,
             source: None,
             up_axis: UpAxis::Y,
             texture_source: None,
@@ -67,6 +71,35 @@ impl Object {
             texture => texture.as_ref(),
         };
         texture.map(|texture| &**texture)
+    }
+
+    /// The number of a triangle's material in its mesh, where that says how it reflects light: where the object shows
+    /// the file's own colours.
+    pub(crate) fn reflecting_material(&self, triangle: u32) -> Option<u32> {
+        let of_triangle = self.mesh.material_of_triangle().get(triangle as usize);
+        let number = *of_triangle.filter(|_| self.color.is_file())?;
+        let material = self.mesh.materials().get(number as usize)?;
+        material.reflectance.is_some().then_some(number)
+    }
+
+    /// Whether the image on a triangle is multiplied by the colours of its corners: where both are its material's.
+    pub(crate) fn is_tinted(&self, triangle: u32) -> bool {
+        let is_own = self.texture.is_none() && self.color.is_file();
+        is_own && (self.mesh.material(triangle)).is_some_and(|material| material.by_vertex)
+    }
+
+    /// The numbers at a triangle's corners that say how much of the texture shows, where the object has any.
+    pub fn blend_numbers(&self, triangle: u32) -> Option<[f32; 3]> {
+        let scalar = self.mesh.scalar(self.blend_by.as_deref()?)?;
+        let at = |index: u32| scalar.values.get(index as usize).copied();
+        match scalar.at {
+            ScalarAt::Triangles => Some([at(triangle)?; 3]),
+            ScalarAt::Vertices => {
+                let corners = self.mesh.triangles().get(triangle as usize)?;
+                let [a, b, c] = corners.map(at);
+                Some([a?, b?, c?])
+            }
+        }
     }
 
     /// Whether any triangle may have an image.
@@ -189,6 +222,26 @@ impl Scene {
             .iter()
             .map(|object| object.mesh.triangles().len())
             .sum()
+    }
+
+    /// Bytes that it takes at most, while they are worked out, to give the meshes without normals those of a crease
+    /// angle; a mesh that several objects have is counted once.
+    pub fn crease_bytes(&self) -> u64 {
+        // A triangle's corners by place, their normals, and both again in parts; a vertex' place, sorted.
+        const TRIANGLE: u64 = 24 + 12 + 36 + 12 + 36;
+        const VERTEX: u64 = 16 + 4 + 8 + 8;
+        let bytes = |mesh: &Mesh| match mesh.has_normals() {
+            true => 0,
+            false => {
+                let (triangles, vertices) = (mesh.triangles().len(), mesh.positions().len());
+                TRIANGLE * triangles as u64 + VERTEX * vertices as u64
+            }
+        };
+        let meshes = self.objects.iter().map(|object| &object.mesh);
+        let distinct: BTreeMap<_, _> = meshes
+            .map(|mesh| (Arc::as_ptr(mesh), bytes(mesh)))
+            .collect();
+        distinct.values().sum()
     }
 
     /// Bytes that the smaller versions of its textures take once a filter needs them; a texture that several

@@ -3,7 +3,7 @@ use crate::math;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::f64::consts::TAU;
 
-/// A mesh that is told by a few numbers: closed, but for the plane and the disc, centred on the origin, Y up,
+/// A mesh that a few numbers describe: closed, but for the plane and the disc, centred on the origin, Y up,
 /// with normals and texture coordinates. Lengths are in scene units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {

@@ -150,6 +150,21 @@ impl Texture {
         self.height
     }
 
+    /// The alpha of the texel that is shown in any column and row, within the image or beyond its sides: 255 where
+    /// that is a border's colour, 0 where it is no texel at all.
+    pub(crate) fn alpha(&self, column: i64, row: i64) -> u8 {
+        let [across, down] = self.wrap;
+        match (
+            across.texel(column, self.width),
+            down.texel(row, self.height),
+        ) {
+            (Some(x), Some(y)) => self.texels[y as usize * self.width as usize + x as usize][3],
+            (None, _) if across == Wrap::Border(None) => 0,
+            (Some(_), None) if down == Wrap::Border(None) => 0,
+            _ => u8::MAX,
+        }
+    }
+
     /// The texels, row by row from the top.
     pub fn texels(&self) -> &[[u8; 4]] {
         &self.texels

@@ -17,6 +17,20 @@ pub enum Wrap {
 }
 
 impl Wrap {
+    /// A coordinate with the same texels as a given one, at most two sides from zero: products with an image's
+    /// side then keep their fraction. What is not finite is zero.
+    pub(crate) fn near(self, coordinate: f64) -> f64 {
+        if !coordinate.is_finite() {
+            return 0.0;
+        }
+        match self {
+            Self::Repeat => coordinate - coordinate.floor(),
+            Self::Mirror => coordinate - 2.0 * (coordinate * 0.5).floor(),
+            // A side away there is nothing but the border, also between texels.
+            Self::Clamp | Self::Border(_) => coordinate.clamp(-1.0, 2.0),
+        }
+    }
+
     /// The texel that stands at `index` along a side of `size` texels, which is not 0; `None` is the border.
     #[inline]
     pub fn texel(self, index: i64, size: u32) -> Option<u32> {

@@ -9,6 +9,30 @@ const FADE_WIDTHS: f64 = 8.0;
 /// How far lines fade in triangles smaller than a pixel.
 const FAINTEST: f64 = 0.1;
 
+/// How a line along an edge looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LineStyle {
+    /// In the lines' colour; it fades in small triangles.
+    Plain,
+    /// In the lines' colour.
+    Feature,
+    /// Of an edge that one triangle has.
+    Boundary,
+    /// Of an edge that more than two triangles have.
+    NonManifold,
+}
+
+impl LineStyle {
+    /// What is left of a line in a triangle so many pixels high.
+    pub(super) fn fade(self, height: f64, width: f64) -> f64 {
+        match self {
+            // Where all edges of a far mesh are lines, they are all that there is to see.
+            Self::Plain => (height / (FADE_WIDTHS * width.max(1.0))).clamp(FAINTEST, 1.0),
+            Self::Feature | Self::Boundary | Self::NonManifold => 1.0,
+        }
+    }
+}
+
 /// What turns a pixel's place into its distance from each edge of one triangle.
 ///
 /// Seen from an eye, an edge from B to C lies in the plane with normal B × C (both relative to the
@@ -22,6 +46,8 @@ pub(super) struct EdgeLines {
     lines: [[f64; 3]; 3],
     /// The triangle's least height in pixels.
     height: f64,
+    /// Of each edge that has a line, where not all have plain ones.
+    styles: Option<[Option<LineStyle>; 3]>,
 }
 
 /// A picture whose rays are linear in the pixel's place.
@@ -39,11 +65,11 @@ impl EdgeLines {
     /// The edges of a triangle with corners relative to the eye.
     pub(super) fn new(camera: &Camera, corners: [DVec3; 3]) -> Self {
         let plane = camera.plane();
-        let (columns, rows) = (f64::from(plane.columns), f64::from(plane.rows));
+        let [x, y] = camera.principal_point();
         let across = camera.right() * plane.step;
         let down = camera.up() * -plane.step;
         let view = LinearView {
-            first: across * (-0.5 * columns) + down * (-0.5 * rows),
+            first: across * -x + down * -y,
             across,
             down,
             forward: camera.forward(),
@@ -121,7 +147,25 @@ impl EdgeLines {
                 .map(|(_, height)| height)
                 .into_iter()
                 .fold(f64::INFINITY, f64::min),
+            styles: None,
         }
+    }
+
+    /// The same with some edges alone, each in its style.
+    pub(super) fn chosen(mut self, styles: [Option<LineStyle>; 3]) -> Self {
+        self.styles = Some(styles);
+        self
+    }
+
+    /// The same with another's choice of edges.
+    pub(super) fn chosen_as(mut self, other: &Self) -> Self {
+        self.styles = other.styles;
+        self
+    }
+
+    /// The triangle's least height in pixels.
+    pub(super) fn height(&self) -> f64 {
+        self.height
     }
 
     /// The distance in pixels from (x, y) to the nearest edge's line.
@@ -132,15 +176,35 @@ impl EdgeLines {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// How much of the line's colour shows at (x, y): 0 to 1, over a pixel from none to all.
+    /// How much of a line's colour shows at (x, y): 0 to 1, over a pixel from none to all; and the style of the
+    /// line that shows most.
     ///
     /// Half of a line lies in each of the two triangles at an edge. In triangles that are only a few
-    /// line widths high lines fade, so that a far mesh keeps its shading.
-    pub(super) fn coverage(&self, x: f64, y: f64, width: f64) -> f32 {
-        let covered = (width * 0.5 + 0.5 - self.distance(x, y)).clamp(0.0, width.clamp(0.0, 1.0));
-        let fade = (self.height / (FADE_WIDTHS * width.max(1.0))).clamp(FAINTEST, 1.0);
-        (covered * fade) as f32
+    /// line widths high plain lines fade, so that a far mesh keeps its shading.
+    pub(super) fn coverage(&self, x: f64, y: f64, width: f64) -> (f32, LineStyle) {
+        let Some(styles) = self.styles else {
+            let fade = LineStyle::Plain.fade(self.height, width);
+            let covered = covered(self.distance(x, y), width);
+            return ((covered * fade) as f32, LineStyle::Plain);
+        };
+        let mut most = (0.0, LineStyle::Plain);
+        for (line, style) in self.lines.iter().zip(styles) {
+            let Some(style) = style else {
+                continue;
+            };
+            let distance = (line[0] * x + line[1] * y + line[2]).abs();
+            let covered = covered(distance, width) * style.fade(self.height, width);
+            if covered > most.0 {
+                most = (covered, style);
+            }
+        }
+        (most.0 as f32, most.1)
     }
+}
+
+/// How much of a pixel a line covers whose middle is so many pixels away.
+pub(super) fn covered(distance: f64, width: f64) -> f64 {
+    (width * 0.5 + 0.5 - distance).clamp(0.0, width.clamp(0.0, 1.0))
 }
 
 #[cfg(test)]
@@ -204,7 +268,7 @@ mod tests {
         let near = EdgeLines::new(&camera, corners);
         let far = EdgeLines::new(&camera, corners.map(|corner| corner * 1e20));
         for (x, y) in [(100.0, 50.0), (70.5, 20.5)] {
-            assert!((near.coverage(x, y, 2.0) - far.coverage(x, y, 2.0)).abs() < 1e-6);
+            assert!((near.coverage(x, y, 2.0).0 - far.coverage(x, y, 2.0).0).abs() < 1e-6);
         }
     }
 
@@ -213,12 +277,13 @@ mod tests {
         let edges = EdgeLines {
             lines: [[1.0, 0.0, 0.0], [0.0, 1.0, 1e3], [0.0, 1.0, 2e3]],
             height: 1e3,
+            styles: None,
         };
-        let at = |x| edges.coverage(x, 0.0, 3.0);
+        let at = |x| edges.coverage(x, 0.0, 3.0).0;
         assert_eq!((at(0.0), at(1.0), at(1.5), at(2.0)), (1.0, 1.0, 0.5, 0.0));
         // A line half a pixel wide never covers more than half a pixel.
-        assert_eq!(edges.coverage(0.0, 0.0, 0.5), 0.5);
-        assert_eq!(edges.coverage(0.0, 0.0, 0.0), 0.0);
+        assert_eq!(edges.coverage(0.0, 0.0, 0.5).0, 0.5);
+        assert_eq!(edges.coverage(0.0, 0.0, 0.0).0, 0.0);
     }
 
     #[test]
@@ -226,10 +291,32 @@ mod tests {
         let edges = |height| EdgeLines {
             lines: [[1.0, 0.0, 0.0], [0.0, 1.0, 1e3], [0.0, 1.0, 2e3]],
             height,
+            styles: None,
         };
-        assert_eq!(edges(0.01).coverage(0.0, 0.0, 1.0), FAINTEST as f32);
-        assert_eq!(edges(4.0).coverage(0.0, 0.0, 1.0), 0.5);
-        assert_eq!(edges(50.0).coverage(0.0, 0.0, 1.0), 1.0);
+        assert_eq!(edges(0.01).coverage(0.0, 0.0, 1.0).0, FAINTEST as f32);
+        assert_eq!(edges(4.0).coverage(0.0, 0.0, 1.0).0, 0.5);
+        assert_eq!(edges(50.0).coverage(0.0, 0.0, 1.0).0, 1.0);
+    }
+
+    #[test]
+    fn chosen_edges_alone_have_lines_in_their_styles() {
+        // Lines at x = 0, 10 and 20, in a triangle that plain lines fade in.
+        let edges = EdgeLines {
+            lines: [[1.0, 0.0, 0.0], [1.0, 0.0, -10.0], [1.0, 0.0, -20.0]],
+            height: 4.0,
+            styles: None,
+        };
+        let styles = [None, Some(LineStyle::Boundary), Some(LineStyle::Plain)];
+        let chosen = edges.chosen(styles);
+        assert_eq!(chosen.coverage(0.0, 0.0, 1.0).0, 0.0);
+        assert_eq!(chosen.coverage(10.0, 0.0, 1.0), (1.0, LineStyle::Boundary));
+        assert_eq!(chosen.coverage(20.0, 0.0, 1.0), (0.5, LineStyle::Plain));
+        // All of them in the plain style are what they are without a choice.
+        let plain = edges.chosen([Some(LineStyle::Plain); 3]);
+        for x in 0..100 {
+            let x = f64::from(x) * 0.25;
+            assert_eq!(plain.coverage(x, 0.0, 2.5).0, edges.coverage(x, 0.0, 2.5).0);
+        }
     }
 
     #[test]
@@ -237,8 +324,8 @@ mod tests {
         let camera = camera(Projection::Perspective, DVec3::ZERO);
         let forward = camera.forward();
         let edges = EdgeLines::new(&camera, [forward, forward * 2.0, forward * 3.0]);
-        assert!(!edges.coverage(10.5, 10.5, 1.0).is_nan());
+        assert!(!edges.coverage(10.5, 10.5, 1.0).0.is_nan());
         let behind = EdgeLines::new(&camera, [forward, -forward, forward + camera.right()]);
-        assert!(!behind.coverage(10.5, 10.5, 1.0).is_nan());
+        assert!(!behind.coverage(10.5, 10.5, 1.0).0.is_nan());
     }
 }

@@ -20,6 +20,8 @@ pub(super) struct Needs {
     pub(super) texture: bool,
     /// Texture coordinates themselves.
     pub(super) uvs: bool,
+    /// How its material reflects light.
+    pub(super) reflectance: bool,
     /// Lines.
     pub(super) edges: bool,
 }
@@ -42,8 +44,14 @@ pub(super) struct Facet {
     pub(super) to_eye: Vec3,
     /// How its texture lies on it.
     pub(super) texture: Option<Mapping>,
+    /// Whether the texture is multiplied by the triangle's own colours.
+    pub(super) is_tinted: bool,
+    /// How much of it shows at the corners, where the object says it.
+    pub(super) blends: Option<[f32; 3]>,
     /// Texture coordinates at the corners.
     pub(super) uvs: Option<[Vec2; 3]>,
+    /// Its material's number in its mesh, where that says how it reflects light.
+    pub(super) material: Option<u32>,
     pub(super) edges: Option<EdgeLines>,
 }
 
@@ -82,9 +90,27 @@ impl Facet {
         varied: Varied::No,
         to_eye: Vec3::ZERO,
         texture: None,
+        is_tinted: false,
+        blends: None,
         uvs: None,
+        material: None,
         edges: None,
     };
+
+    /// How much of the texture shows at barycentrics (u, v), 0 to 1; all of it where there is no number.
+    pub(super) fn blend_at(&self, u: f32, v: f32) -> f32 {
+        match self.blends {
+            None => 1.0,
+            Some(blends) => {
+                let share = blend(blends, u, v);
+                if share.is_nan() {
+                    1.0
+                } else {
+                    share.clamp(0.0, 1.0)
+                }
+            }
+        }
+    }
 
     /// The unit normal at barycentrics (u, v): the mesh's own where it has them, on the side that
     /// the triangle shows.

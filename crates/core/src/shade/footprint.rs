@@ -2,7 +2,7 @@
 
 use super::Filter;
 use super::mipmap::{level, levels};
-use super::sample::{near, sample, wrapped_texel};
+use super::sample::{sample, wrapped_texel};
 use super::srgb::Tables;
 use crate::math;
 use crate::scene::Texture;
@@ -146,8 +146,8 @@ fn ewa(
     let (a, b, c) = (yy / area, -xy / area, xx / area);
     let [wrap_u, wrap_v] = texture.wrap();
     let at = DVec2::new(
-        near(uv.x, wrap_u) * size.x - 0.5,
-        (1.0 - near(uv.y, wrap_v)) * size.y - 0.5,
+        wrap_u.near(uv.x) * size.x - 0.5,
+        (1.0 - wrap_v.near(uv.y)) * size.y - 0.5,
     );
     // Rows point down, v up: the mixed term changes its sign.
     let b = -b;

@@ -1,10 +1,15 @@
 //! From hits to colours.
 
+mod edge_choice;
+mod edge_kinds;
 mod edges;
 mod facet;
 mod footprint;
 mod legend;
 mod light;
+mod line_overlay;
+#[cfg(test)]
+mod line_tests;
 mod mapping;
 mod mipmap;
 mod mode;
@@ -14,9 +19,11 @@ mod own_color_tests;
 mod per_triangle;
 mod placed;
 mod ramp;
+mod reflection;
 mod sample;
 mod section;
 mod shader;
+mod sides;
 mod slopes;
 mod smooth;
 #[cfg(test)]
@@ -27,17 +34,20 @@ mod tests;
 mod texture_map;
 mod texturing;
 mod tile;
+mod translucent;
 mod triplanar;
 #[cfg(test)]
 mod vertex_color_tests;
 
 pub use crate::scene::TextureProjection;
+pub use edge_kinds::{EdgeKinds, EdgeKindsError};
 pub(crate) use legend::DrawnLegend;
 pub use legend::Legend;
 pub use mapping::texture_corners;
-pub use mode::{Background, Filter, Mode, Shading, Wireframe};
+pub use mode::{Background, Filter, LightSet, Mode, Shading, Wireframe};
 pub(crate) use section::{Cut, Section, Shown};
 pub use shader::Shader;
-pub(crate) use srgb::{encode_premultiplied, over_black};
+pub(crate) use srgb::{encode, encode_premultiplied, over_black};
 pub use texture_map::TextureMap;
 pub use tile::TileShader;
+pub(crate) use translucent::{SEEN, Translucent};

@@ -1,3 +1,4 @@
+use super::EdgeKinds;
 use crate::scene::{Color, ColorScale, TextureProjection};
 
 /// What a picture shows.
@@ -10,6 +11,9 @@ pub enum Mode {
     /// Lit, with the mesh's own normals between corners; as [`Mode::Flat`] where there are none.
     #[default]
     Smooth,
+    /// Lit, as metals and dielectrics of their file's roughness are, with light of their own, over normals as
+    /// [`Mode::Smooth`] has.
+    Material,
     /// Directions of the surface as colours: x red, y green, z blue.
     Normals,
     /// Distance: near is light, far is dark.
@@ -20,22 +24,34 @@ pub enum Mode {
     Uv,
     /// The texture, unlit; the object's colours where there is none.
     Texture,
-    /// Lines alone, over the background, with what is hidden left out.
+    /// Lines alone, over the background.
     Wireframe,
+    /// All layers, each faint and lit as in [`Mode::Smooth`], the nearest over those behind it.
+    XRay,
 }
 
 impl Mode {
+    /// Whether it shows normals between corners.
+    pub(crate) fn shows_normals(self) -> bool {
+        matches!(
+            self,
+            Self::Smooth | Self::Material | Self::Normals | Self::XRay
+        )
+    }
+
     /// Each of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::Color,
         Self::Flat,
         Self::Smooth,
+        Self::Material,
         Self::Normals,
         Self::Depth,
         Self::Barycentric,
         Self::Uv,
         Self::Texture,
         Self::Wireframe,
+        Self::XRay,
     ];
 }
 
@@ -67,8 +83,13 @@ impl Filter {
 pub struct Wireframe {
     /// Width in pixels.
     pub width: f32,
-    /// Colour.
+    /// Colour of all lines but those of [`EdgeKinds::boundary`] and [`EdgeKinds::non_manifold`] edges, which have
+    /// [`Wireframe::BOUNDARY`] and [`Wireframe::NON_MANIFOLD`].
     pub color: Color,
+    /// Which edges have lines.
+    pub edges: EdgeKinds,
+    /// How strongly lines show through what hides them, from 0 (not at all) to 1; not in panoramas.
+    pub hidden: f32,
 }
 
 impl Wireframe {
@@ -77,7 +98,18 @@ impl Wireframe {
     pub const ALONE: Self = Self {
         width: 1.0,
         color: Color([0xd6, 0xde, 0xe8]),
+        edges: EdgeKinds::ALL,
+        hidden: 0.0,
     };
+
+    /// The colour of boundary edges.
+    pub const BOUNDARY: Color = Color([0xff, 0x9d, 0x2e]);
+
+    /// The colour of non-manifold edges.
+    pub const NON_MANIFOLD: Color = Color([0xff, 0x3b, 0x5c]);
+
+    /// How strongly hidden lines show where nobody says how strongly.
+    pub const FAINT: f32 = 0.25;
 }
 
 impl Default for Wireframe {
@@ -86,6 +118,8 @@ impl Default for Wireframe {
         Self {
             width: 1.0,
             color: Color([0x10, 0x14, 0x1a]),
+            edges: EdgeKinds::ALL,
+            hidden: 0.0,
         }
     }
 }
@@ -105,6 +139,20 @@ impl Default for Background {
     }
 }
 
+/// The lights of lit modes. They stand still to the camera, so that whatever one looks at is lit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightSet {
+    /// A key light up and to the left, whose shadow side is soft, a fill from all around, lighter from above, and a faint
+    /// rim where surfaces turn away.
+    #[default]
+    Soft,
+    /// One light at the eye, where a mesh's faults show best: brightness tells the angle between surface and view.
+    Headlight,
+    /// A warm key light up and to the left, a cool fill light from the right, a rim light from behind and above, and a
+    /// little light from all around: a photographer's.
+    ThreePoint,
+}
+
 /// All that decides a picture's colours, besides the scene and the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shading {
@@ -120,10 +168,28 @@ pub struct Shading {
     pub filter: Filter,
     /// How surfaces find their place in textures, where their object does not say it.
     pub projection: TextureProjection,
+    /// Below which angle between two triangles, in degrees, the edge that they share is smooth, in meshes without
+    /// normals; zero leaves every triangle flat. It is for light and for [`Mode::Normals`]; a picture's layers keep
+    /// the file's normals.
+    pub crease: f32,
+    /// Where light comes from.
+    pub lights: LightSet,
+    /// The colour of triangles to which neither their file nor a rule gives one.
+    pub plain_color: Color,
     /// How numbers become colours: those of [`ColorRule::Value`](crate::scene::ColorRule::Value), which have
     /// the default scale where this is `None`, and distances in [`Mode::Depth`], which are then greys over the
     /// scene's box. Fitted, depth is over what is seen.
     pub scale: Option<ColorScale>,
+    /// The colour of triangles that are seen from behind, in place of their own and their texture's; `None` for the
+    /// same as in front. In modes that show what surfaces look like.
+    pub back_faces: Option<Color>,
+    /// In [`Mode::XRay`], how much of what lies behind it a surface covers that is seen from above: 0 to 1.
+    pub x_ray_opacity: f32,
+}
+
+impl Shading {
+    /// Where none is given.
+    pub const X_RAY_OPACITY: f32 = 0.2;
 }
 
 impl Default for Shading {
@@ -135,7 +201,30 @@ impl Default for Shading {
             blend: 1.0,
             filter: Filter::default(),
             projection: TextureProjection::default(),
+            crease: 0.0,
+            lights: LightSet::default(),
+            plain_color: Color::DEFAULT,
             scale: None,
+            back_faces: None,
+            x_ray_opacity: Self::X_RAY_OPACITY,
+        }
+    }
+}
+
+impl Shading {
+    /// Whether meshes without normals get those of the crease angle.
+    pub fn is_creased(&self) -> bool {
+        self.crease > 0.0 && self.mode.shows_normals()
+    }
+
+    /// What windows begin with, where the files say nothing: edges of up to 40° smooth, three lights, and a
+    /// warm grey.
+    pub fn studio() -> Self {
+        Self {
+            crease: 40.0,
+            lights: LightSet::ThreePoint,
+            plain_color: Color([0xc8, 0xbf, 0xb2]),
+            ..Self::default()
         }
     }
 }

@@ -15,6 +15,8 @@ pub(super) struct OwnColors {
     ramp: Option<Box<Ramp>>,
     /// Unlit, a file without materials would be one flat patch: there each triangle has a colour of its own.
     colorless_differ: bool,
+    /// For triangles to which neither their file nor a rule gives a colour.
+    plain: Color,
     /// Whether colours may change within a triangle.
     pub(super) vary: bool,
 }
@@ -70,6 +72,7 @@ impl OwnColors {
                 false => Vec::new(),
             },
             ramp: values.then(|| Box::new(Ramp::new(scale.map))),
+            plain: shading.plain_color,
             colorless_differ: shading.mode == Mode::Color,
             vary: objects.iter().any(within),
         }
@@ -106,7 +109,8 @@ impl OwnColors {
             let rule = ColorRule::PerTriangle { seed: 0 };
             rule.color(triangle).unwrap_or(Color::DEFAULT)
         } else {
-            object.triangle_color(triangle)
+            mesh.material(triangle)
+                .map_or(self.plain, |material| material.color)
         }
     }
 

@@ -46,8 +46,8 @@ pub(super) fn sample(
 #[inline(never)]
 fn sample_wrapped(tables: &Tables, texture: &Texture, u: f64, v: f64, filter: Filter) -> [f32; 4] {
     let [across, down] = texture.wrap();
-    let x = near(u, across) * f64::from(texture.width());
-    let y = (1.0 - near(v, down)) * f64::from(texture.height());
+    let x = across.near(u) * f64::from(texture.width());
+    let y = (1.0 - down.near(v)) * f64::from(texture.height());
     match filter {
         Filter::Nearest => wrapped_texel(tables, texture, x.floor() as i64, y.floor() as i64),
         Filter::Bilinear | Filter::Trilinear | Filter::Ewa => {
@@ -65,20 +65,6 @@ fn sample_wrapped(tables: &Tables, texture: &Texture, u: f64, v: f64, filter: Fi
             }
             color
         }
-    }
-}
-
-/// A coordinate with the same texels as a given one, at most two sides from zero: products with an image's
-/// side then keep their fraction. What is not finite is zero.
-pub(super) fn near(coordinate: f64, wrap: Wrap) -> f64 {
-    if !coordinate.is_finite() {
-        return 0.0;
-    }
-    match wrap {
-        Wrap::Repeat => coordinate - coordinate.floor(),
-        Wrap::Mirror => coordinate - 2.0 * (coordinate * 0.5).floor(),
-        // A side away there is nothing but the border, also between texels.
-        Wrap::Clamp | Wrap::Border(_) => coordinate.clamp(-1.0, 2.0),
     }
 }
 

@@ -9,12 +9,14 @@
 //! A sample is on the outline where one a pixel to its left or right, above or below, is not of the same section: one of
 //! another plane, of another object, or none. What lies beyond the picture's border counts as the same.
 
+use super::LightSet;
 use super::light::Lights;
+use super::sides::Sides;
 use super::{Mode, srgb};
 use crate::bvh::Accel;
 use crate::camera::{Camera, Projection};
 use crate::hit::{Cull, MISS, Precision};
-use crate::scene::{ClippingPlane, ClippingPlanes, Color, Scene};
+use crate::scene::{ClippingPlane, ClippingPlanes, Color, Masks, Scene};
 use crate::single::Clipped;
 use glam::{DVec3, Vec3};
 
@@ -40,12 +42,12 @@ impl Shown {
 pub(crate) struct Section<'a> {
     accel: &'a Accel,
     camera: Camera,
-    /// The eye, relative to the tree's origin.
-    eye: DVec3,
+    sides: Sides,
     /// Those through which rays enter what is kept: the same for all rays that get there.
     planes: Vec<Plane>,
     /// What those alone leave of the triangles.
     entered: Clipped<'a>,
+    masks: Option<Masks<'a>>,
     /// Those through which rays leave what is kept.
     exits: Vec<Plane>,
     /// Whether an object's transform turns its triangles' fronts to the inside.
@@ -74,7 +76,7 @@ impl<'a> Section<'a> {
     /// `None` where the picture has none: no plane that any ray enters through, rays that pass through backs, or a mode that
     /// shows what hits are rather than what they look like.
     pub(crate) fn new(
-        scene: &Scene,
+        scene: &'a Scene,
         accel: &'a Accel,
         camera: Camera,
         mode: Mode,
@@ -83,9 +85,9 @@ impl<'a> Section<'a> {
         let is_shown = cull == Cull::None
             && matches!(
                 mode,
-                Mode::Color | Mode::Flat | Mode::Smooth | Mode::Texture
+                Mode::Color | Mode::Flat | Mode::Smooth | Mode::Material | Mode::Texture
             );
-        let lights = Lights::new(&camera);
+        let lights = Lights::new(&camera, LightSet::Soft);
         let eye = camera.placement().eye;
         let (base, to_eye) = (srgb::linear(SECTION), -camera.forward().as_vec3());
         let planes = clip.enabled().filter(|_| is_shown).map(|given| {
@@ -115,9 +117,10 @@ impl<'a> Section<'a> {
         (!planes.is_empty()).then(|| Self {
             accel,
             camera,
-            eye: eye - accel.origin,
+            sides: Sides::new(&camera, accel.origin),
             planes,
             entered,
+            masks: Masks::of(scene),
             exits: exits.into_iter().map(|(plane, _)| plane).collect(),
             mirrored: mirrored(scene),
             colors,
@@ -136,7 +139,7 @@ impl<'a> Section<'a> {
             hit => hit,
         };
         let object = self.accel.identify(primitive).0;
-        if self.is_back(primitive) == self.mirrored[object as usize] {
+        if (self.sides).is_back(self.accel.corners(primitive)) == self.mirrored[object as usize] {
             return None;
         }
         // A hit is kept, so its ray has entered through every plane that it goes through this way: the last one counts.
@@ -186,7 +189,11 @@ impl<'a> Section<'a> {
             return None;
         }
         let ray = self.camera.ray(x, y);
-        let hit = (self.entered).cast_primitive(&ray, Cull::None, Precision::Exact);
+        let cast = |kept: &Clipped<'_>| kept.cast_primitive(&ray, Cull::None, Precision::Exact);
+        let hit = match &self.masks {
+            None => cast(&self.entered),
+            masks => cast(&self.entered.clone().masked(masks.as_ref())),
+        };
         (!hit.is_miss()).then_some(hit.primitive)
     }
 
@@ -213,16 +220,6 @@ impl<'a> Section<'a> {
         self.colors
             .get(usize::from(number))
             .map(|(_, color)| *color)
-    }
-
-    /// Whether rays see the side of a triangle from which its corners turn right.
-    fn is_back(&self, primitive: u32) -> bool {
-        let [a, b, c] = self.accel.corners(primitive).map(Vec3::as_dvec3);
-        let along = match self.camera.projection() {
-            Projection::Orthographic => self.camera.forward(),
-            _ => a - self.eye,
-        };
-        (b - a).cross(c - a).dot(along) > 0.0
     }
 }
 

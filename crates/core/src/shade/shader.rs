@@ -1,22 +1,30 @@
-use super::edges::EdgeLines;
+use super::edge_choice::EdgeChoice;
+use super::edges::{EdgeLines, LineStyle};
 use super::facet::{Facet, Mapping, Needs, Varied, blend, facing_normal, unit};
 use super::legend::Legend;
 use super::light::Lights;
+use super::line_overlay::{LineOverlay, Wanted};
 use super::own_color::{OwnColors, Placed, distance_range};
 use super::ramp::{Ramp, Span};
+use super::reflection::{self, Surface};
 use super::section::Section;
+use super::sides::Sides;
 use super::slopes::slopes;
 use super::smooth::{self, Facets, Row, Vectors};
 use super::srgb::{self, Tables};
 use super::texturing::Texturing;
+use super::translucent::Translucent;
 use super::{Background, Mode, Shading, Wireframe};
 use crate::bvh::Accel;
 use crate::camera::{Camera, Projection, Rect};
 use crate::hit::{Cull, Detail, MISS, PrimitiveHit};
 use crate::num::simd::Lanes;
 use crate::num::simd::Simd;
-use crate::scene::{ClippingPlanes, ColorScale, Object, Scene, Texture};
+use crate::scene::{
+    Attribute, ClippingPlanes, ColorScale, Masks, Object, Reflectance, Scene, Texture,
+};
 use glam::{DAffine3, DMat3, DVec3, Mat3, Vec2, Vec3};
+use std::sync::Arc;
 
 /// Gives hits their colours: everything about a picture that does not change from pixel to pixel,
 /// worked out once.
@@ -35,6 +43,8 @@ pub struct Shader<'a> {
     /// adds.
     to_eye: [Vec3; 3],
     lights: Lights,
+    /// For each object without normals, those that its crease angle gives it; empty where no pixel needs them.
+    creased: Vec<Option<Arc<Attribute<Vec3>>>>,
     /// For each object, world-space normals from its own; `None` for one that is squashed flat.
     world_normals: Vec<Option<Mat3>>,
     own_colors: OwnColors,
@@ -45,10 +55,84 @@ pub struct Shader<'a> {
     background: Option<[Vec3; 2]>,
     /// The background at the middle of each row.
     backdrops: Vec<[u8; 4]>,
-    line_color: Vec3,
-    line_width: f64,
+    lines: Lines<'a>,
     section: Option<Section<'a>>,
+    masks: Option<Masks<'a>>,
+    translucent: Option<Translucent>,
+    /// Which sides of triangles are seen, and the colour of backs, where they have their own.
+    backs: Option<(Sides, Vec3)>,
     pub(super) tables: &'static Tables,
+}
+
+/// How lines look.
+#[derive(Debug)]
+struct Lines<'a> {
+    color: Vec3,
+    boundary: Vec3,
+    non_manifold: Vec3,
+    width: f64,
+    /// Which edges have them; `None`: all.
+    choice: Option<EdgeChoice<'a>>,
+    /// How strongly hidden ones show.
+    hidden: f32,
+    /// Those that no triangle at a pixel has, where any are to be seen.
+    overlay: Option<LineOverlay>,
+}
+
+impl<'a> Lines<'a> {
+    fn new(scene: &'a Scene, lines: Wireframe, needs: Needs) -> Self {
+        let width = if lines.width.is_finite() {
+            lines.width.max(0.0)
+        } else {
+            Wireframe::ALONE.width
+        };
+        Self {
+            color: srgb::linear(lines.color),
+            boundary: srgb::linear(Wireframe::BOUNDARY),
+            non_manifold: srgb::linear(Wireframe::NON_MANIFOLD),
+            width: f64::from(width),
+            choice: (needs.edges)
+                .then(|| EdgeChoice::new(scene, lines.edges))
+                .flatten(),
+            hidden: if needs.edges { lines.hidden } else { 0.0 },
+            overlay: None,
+        }
+    }
+
+    /// A line over what it lies on.
+    fn over(&self, (coverage, style): (f32, LineStyle), under: [f32; 4]) -> [f32; 4] {
+        let color = match style {
+            LineStyle::Plain | LineStyle::Feature => self.color,
+            LineStyle::Boundary => self.boundary,
+            LineStyle::NonManifold => self.non_manifold,
+        };
+        over(color, coverage, under)
+    }
+
+    /// Hidden lines over what hides them.
+    fn seen_through(&self, x: f64, y: f64, under: [f32; 4]) -> [f32; 4] {
+        match &self.overlay {
+            Some(overlay) if self.hidden > 0.0 => {
+                let (coverage, style) = overlay.hidden(x, y);
+                self.over((coverage * self.hidden, style), under)
+            }
+            _ => under,
+        }
+    }
+
+    /// Silhouettes over what lies behind them, at `t`.
+    fn outlined(&self, x: f64, y: f64, t: f32, under: [f32; 4]) -> [f32; 4] {
+        match &self.overlay {
+            Some(overlay) if self.has_silhouettes() => {
+                self.over(overlay.silhouette(x, y, t), under)
+            }
+            _ => under,
+        }
+    }
+
+    fn has_silhouettes(&self) -> bool {
+        (self.choice.as_ref()).is_some_and(EdgeChoice::has_silhouettes)
+    }
 }
 
 /// How the depth mode shows distances.
@@ -113,11 +197,6 @@ impl<'a> Shader<'a> {
         let own_colors = OwnColors::new(scene, &camera, &shading, colored);
         let needs = needs(scene, &shading, &own_colors);
         let lines = shading.wireframe.unwrap_or(Wireframe::ALONE);
-        let width = if lines.width.is_finite() {
-            lines.width.max(0.0)
-        } else {
-            Wireframe::ALONE.width
-        };
         Self {
             scene,
             accel,
@@ -126,7 +205,8 @@ impl<'a> Shader<'a> {
             needs,
             eye: camera.placement().eye - accel.origin(),
             to_eye: to_eye(&camera),
-            lights: Lights::new(&camera),
+            lights: Lights::new(&camera, shading.lights),
+            creased: creased(scene, &shading),
             world_normals: world_normals(scene),
             own_colors,
             texturing: Texturing::new(scene, shading, needs.texture),
@@ -143,9 +223,14 @@ impl<'a> Shader<'a> {
                 Background::Transparent => None,
             },
             backdrops: Vec::new(),
-            line_color: srgb::linear(lines.color),
-            line_width: f64::from(width),
+            lines: Lines::new(scene, lines, needs),
             section: None,
+            masks: Masks::of(scene),
+            translucent: Translucent::of(scene, &shading),
+            backs: (shading.back_faces.filter(|_| colored)).map(|color| {
+                let sides = Sides::new(&camera, accel.origin());
+                (sides, srgb::linear(color))
+            }),
             tables: srgb::tables(),
         }
         .with_backdrops()
@@ -160,9 +245,50 @@ impl<'a> Shader<'a> {
         }
     }
 
+    /// With lines where no triangle at a pixel has them: hidden ones, and silhouettes, of what clipping planes keep.
+    pub(crate) fn with_overlay(mut self, clip: &ClippingPlanes) -> Self {
+        if self.needs.edges {
+            let wanted = Wanted {
+                choice: self.lines.choice.as_ref(),
+                width: self.lines.width,
+                hidden: self.lines.hidden > 0.0,
+                clip,
+            };
+            self.lines.overlay = LineOverlay::new(self.accel, self.camera, wanted);
+        }
+        self
+    }
+
+    /// Whether there may be lines where nothing is hit.
+    pub(super) fn has_overlay(&self) -> bool {
+        self.lines.overlay.is_some()
+    }
+
     /// The section that clipping planes make, if any is seen.
     pub(crate) fn section(&self) -> Option<&Section<'a>> {
         self.section.as_ref()
+    }
+
+    /// Which hits count: the masks of the scene's materials.
+    pub(crate) fn masks(&self) -> Option<&Masks<'a>> {
+        self.masks.as_ref()
+    }
+
+    /// Which surfaces let through what lies behind them, if any do.
+    pub(crate) fn translucent(&self) -> Option<&Translucent> {
+        self.translucent.as_ref()
+    }
+
+    /// The alpha of a hit's material.
+    pub(super) fn alpha(&self, hit: &PrimitiveHit) -> f32 {
+        let (object, triangle) = self.accel.identify(hit.primitive);
+        let mesh = &self.scene.objects[object as usize].mesh;
+        match mesh.opacity(triangle).alpha() {
+            Some(alpha) => alpha
+                .at(mesh.corner_uvs(triangle), hit.u, hit.v)
+                .clamp(0.0, 1.0) as f32,
+            None => 1.0,
+        }
     }
 
     /// Of a picture with so many samples a pixel: each stands for its part of what the pixel sees of a
@@ -215,6 +341,7 @@ impl<'a> Shader<'a> {
     pub fn detail(&self) -> Detail {
         let needs = self.needs;
         let weighs = needs.smooth || needs.texture || needs.uvs || needs.varied;
+        let weighs = weighs || (needs.edges && self.lines.has_silhouettes());
         if weighs || matches!(self.shading.mode, Mode::Barycentric | Mode::Depth) {
             Detail::Full
         } else {
@@ -248,10 +375,12 @@ impl<'a> Shader<'a> {
         let mesh = &self.scene.objects[object as usize].mesh;
         let needs = Needs {
             normal: true,
-            smooth: mesh.has_normals(),
             ..Needs::default()
         };
-        let facet = self.facet(hit.primitive, needs);
+        let mut facet = self.facet(hit.primitive, needs);
+        if mesh.has_normals() {
+            facet.normals = self.normals_in_world(object, mesh.corner_normals(triangle));
+        }
         let uv = mesh
             .corner_uvs(triangle)
             .map_or(Vec2::ZERO, |uvs| blend(uvs, hit.u, hit.v));
@@ -265,9 +394,16 @@ impl<'a> Shader<'a> {
         )
     }
 
-    /// As [`TileShader::shade`](super::TileShader::shade) where nothing was met.
+    /// As [`TileShader::shade`](super::TileShader::shade) where no ray hits anything.
     pub fn shade_nothing<'p>(&self, rect: Rect, rows: impl Iterator<Item = &'p mut [[u8; 4]]>) {
         for (y, row) in (rect.y..rect.bottom()).zip(rows) {
+            if self.has_overlay() {
+                for (x, pixel) in (rect.x..).zip(&mut *row) {
+                    let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+                    *pixel = srgb::encode(self.behind(x, y));
+                }
+                continue;
+            }
             row.fill(self.backdrop8(y));
             self.clear_beyond(rect.x, y, row);
         }
@@ -340,10 +476,12 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// What lies behind everything at a place of the picture; nothing where it has no such place.
-    pub(super) fn behind(&self, x: f64, y: f64) -> [f32; 4] {
+    /// What shows at a place of the picture whose ray hits nothing: what lies behind everything, and lines over it;
+    /// nothing where it has no such place.
+    pub(crate) fn behind(&self, x: f64, y: f64) -> [f32; 4] {
         if self.camera.has_place(x, y) {
-            self.backdrop(y)
+            let behind = self.lines.seen_through(x, y, self.backdrop(y));
+            self.lines.outlined(x, y, f32::INFINITY, behind)
         } else {
             [0.0; 4]
         }
@@ -381,7 +519,11 @@ impl<'a> Shader<'a> {
             }
             if needs.edges {
                 // Where the picture is no plane, `color_on` has them at each place.
-                facet.edges = Some(EdgeLines::new(&self.camera, corners));
+                let edges = EdgeLines::new(&self.camera, corners);
+                facet.edges = Some(match &self.lines.choice {
+                    None => edges,
+                    Some(choice) => edges.chosen(choice.styles(number, triangle)),
+                });
             }
         }
         if needs.smooth {
@@ -397,13 +539,31 @@ impl<'a> Shader<'a> {
         }
         if needs.texture {
             facet.triangle = triangle;
+            facet.is_tinted = object.is_tinted(triangle);
             facet.texture = object
                 .texture_on(triangle)
                 .and_then(|_| self.texturing.mapping(number, object, triangle));
+            facet.blends = object.blend_numbers(triangle);
+        }
+        if needs.reflectance {
+            facet.material = object.reflecting_material(triangle);
         }
         if needs.uvs {
             facet.uvs = object.mesh.corner_uvs(triangle);
         }
+        if let Some(color) = self.back_color(primitive) {
+            facet.color = color;
+            facet.varied = Varied::No;
+            facet.texture = None;
+        }
+    }
+
+    /// The colour of a triangle that is seen from behind, where backs have their own.
+    #[inline(always)]
+    fn back_color(&self, primitive: u32) -> Option<Vec3> {
+        let (sides, color) = self.backs.as_ref()?;
+        let is_back = sides.is_back(self.accel.corners(primitive));
+        is_back.then_some(*color)
     }
 
     /// A triangle's corners, relative to the eye.
@@ -453,7 +613,10 @@ impl<'a> Shader<'a> {
         let (number, triangle) = self.accel.identify(primitive);
         let object = &self.scene.objects[number as usize];
         let place = || self.placed(number, primitive);
-        let color = self.own_colors.of_triangle(number, object, triangle, place);
+        let color = match self.back_color(primitive) {
+            Some(color) => color,
+            None => (self.own_colors).of_triangle(number, object, triangle, place),
+        };
         if self.shading.mode == Mode::Color {
             return opaque(color);
         }
@@ -464,11 +627,19 @@ impl<'a> Shader<'a> {
         opaque(color * light)
     }
 
-    /// The mesh's own normals at a triangle's corners, in world space.
+    /// The normals between which light is worked out, at a triangle's corners, in world space.
     fn smooth_normals(&self, number: u32, object: &Object, triangle: u32) -> Option<[Vec3; 3]> {
+        let normals = match self.creased.get(number as usize) {
+            Some(Some(creased)) => creased.corners(triangle, [u32::MAX; 3]),
+            _ => object.mesh.corner_normals(triangle),
+        };
+        self.normals_in_world(number, normals)
+    }
+
+    /// An object's normals in world space.
+    fn normals_in_world(&self, number: u32, normals: Option<[Vec3; 3]>) -> Option<[Vec3; 3]> {
         let world_from_object = self.world_normals.get(number as usize).copied().flatten()?;
-        let normals = object.mesh.corner_normals(triangle)?;
-        Some(normals.map(|normal| (world_from_object * normal).normalize_or_zero()))
+        Some(normals?.map(|normal| (world_from_object * normal).normalize_or_zero()))
     }
 
     /// The colour of a sample on a triangle: linear light, alpha not multiplied in.
@@ -477,13 +648,15 @@ impl<'a> Shader<'a> {
         let Some(edges) = &facet.edges else {
             return inside;
         };
-        let coverage = if self.is_panoramic() {
-            let edges = EdgeLines::at(&self.camera, self.corners(hit.primitive), (x, y));
-            edges.coverage(x, y, self.line_width)
-        } else {
-            edges.coverage(x, y, self.line_width)
-        };
-        over(self.line_color, coverage, inside)
+        let lines = &self.lines;
+        if self.is_panoramic() {
+            let corners = self.corners(hit.primitive);
+            let edges = EdgeLines::at(&self.camera, corners, (x, y)).chosen_as(edges);
+            return lines.over(edges.coverage(x, y, lines.width), inside);
+        }
+        let inside = lines.seen_through(x, y, inside);
+        let lined = lines.over(edges.coverage(x, y, lines.width), inside);
+        lines.outlined(x, y, hit.t, lined)
     }
 
     /// The colour of a sample on a triangle, without lines.
@@ -496,11 +669,12 @@ impl<'a> Shader<'a> {
                 let light = self.lights.on(facet.normal, facet.to_eye);
                 opaque(self.surface_color(facet, || (x, y), hit) * light)
             }
-            Mode::Smooth => {
+            Mode::Smooth | Mode::XRay => {
                 let to_eye = self.to_eye_at(x, y);
                 let light = self.lights.on(facet.normal_at(hit.u, hit.v), to_eye);
                 opaque(self.surface_color(facet, || (x, y), hit) * light)
             }
+            Mode::Material => opaque(self.reflected(facet, (x, y), hit)),
             Mode::Normals => display(facet.normal_at(hit.u, hit.v) * 0.5 + 0.5),
             Mode::Depth => opaque(self.depth.at(hit.t, self.tables)),
             Mode::Barycentric => display(Vec3::new(1.0 - hit.u - hit.v, hit.u, hit.v)),
@@ -511,6 +685,36 @@ impl<'a> Shader<'a> {
             }
             Mode::Wireframe => self.backdrop(y),
         }
+    }
+
+    /// What a material sends back, and its own light.
+    fn reflected(&self, facet: &Facet, (x, y): (f64, f64), hit: &PrimitiveHit) -> Vec3 {
+        let base = self.surface_color(facet, || (x, y), hit);
+        let material = facet.material.and_then(|number| {
+            let materials = self.scene.objects[facet.object as usize].mesh.materials();
+            materials.get(number as usize)?.reflectance.as_deref()
+        });
+        let (factors, emission) = match material {
+            None => {
+                let Reflectance {
+                    metallic,
+                    roughness,
+                    ..
+                } = Reflectance::default();
+                ([metallic, roughness], Vec3::ZERO)
+            }
+            Some(material) if material.is_unlit => return base,
+            Some(material) => self.texturing.reflectance(material, facet.uvs, hit),
+        };
+        let [metallic, roughness] = factors;
+        let surface = Surface {
+            base,
+            metallic,
+            roughness,
+        };
+        let to_eye = self.to_eye_at(x, y);
+        let normal = facet.normal_at(hit.u, hit.v);
+        reflection::reflected(&self.lights, surface, normal, to_eye) + emission
     }
 
     /// The unit vector from a sample to the eye.
@@ -555,8 +759,14 @@ impl<'a> Shader<'a> {
         } else {
             self.texturing.sampled(texture, mapping, hit)
         };
-        let blend = self.shading.blend;
-        color * (1.0 - a * blend) + Vec3::new(r, g, b) * blend
+        let blend = self.shading.blend * facet.blend_at(hit.u, hit.v);
+        let texel = Vec3::new(r, g, b);
+        let texel = if facet.is_tinted {
+            texel * color
+        } else {
+            texel
+        };
+        color * (1.0 - a * blend) + texel * blend
     }
 
     /// The texture's colour over what the sample at a place sees of it.
@@ -579,25 +789,50 @@ impl<'a> Shader<'a> {
 fn is_colored(mode: Mode) -> bool {
     matches!(
         mode,
-        Mode::Color | Mode::Flat | Mode::Smooth | Mode::Texture
+        Mode::Color | Mode::Flat | Mode::Smooth | Mode::Material | Mode::Texture | Mode::XRay
     )
 }
 
 /// What a picture's mode asks of triangles.
 fn needs(scene: &Scene, shading: &Shading, own_colors: &OwnColors) -> Needs {
     let colored = is_colored(shading.mode);
-    let has_normals = || scene.objects.iter().any(|object| object.mesh.has_normals());
+    let has_normals = || {
+        let mut objects = scene.objects.iter();
+        shading.is_creased() || objects.any(|object| object.mesh.has_normals())
+    };
+    let reflects = shading.mode == Mode::Material;
+    let has_images = || {
+        let mut objects = scene.objects.iter();
+        objects.any(|object| {
+            let mut materials = object.mesh.materials().iter();
+            let has_images = |known: &Arc<Reflectance>| known.has_textures();
+            materials.any(|material| material.reflectance.as_ref().is_some_and(has_images))
+        })
+    };
     let has_texture = || scene.objects.iter().any(Object::has_texture);
     Needs {
-        normal: matches!(shading.mode, Mode::Flat | Mode::Smooth | Mode::Normals),
+        normal: shading.mode == Mode::Flat || shading.mode.shows_normals(),
         middle: shading.mode == Mode::Flat,
-        smooth: matches!(shading.mode, Mode::Smooth | Mode::Normals) && has_normals(),
+        smooth: shading.mode.shows_normals() && has_normals(),
         color: colored,
         varied: colored && own_colors.vary,
         texture: colored && shading.mode != Mode::Color && shading.blend > 0.0 && has_texture(),
-        uvs: shading.mode == Mode::Uv,
+        uvs: shading.mode == Mode::Uv || reflects && has_images(),
+        reflectance: reflects,
         edges: shading.wireframe.is_some() || shading.mode == Mode::Wireframe,
     }
+}
+
+/// For each object without normals, those of the crease angle; nothing where the mode or the angle asks for none.
+fn creased(scene: &Scene, shading: &Shading) -> Vec<Option<Arc<Attribute<Vec3>>>> {
+    if !shading.is_creased() {
+        return Vec::new();
+    }
+    let normals = |object: &Object| {
+        let has_none = object.visible && !object.mesh.has_normals();
+        has_none.then(|| object.mesh.creased(shading.crease))
+    };
+    scene.objects.iter().map(normals).collect()
 }
 
 /// For each object, world-space normals from its own: the inverse transpose.

@@ -50,7 +50,7 @@ mod tests {
     use super::*;
     use crate::camera::{ImagePlane, Panorama, Placement};
 
-    /// Barycentrics of the place where the plane of a triangle is met, in doubles.
+    /// Barycentrics of the place where a ray intersects the plane of a triangle, in double precision.
     fn weights(camera: &Camera, [a, b, c]: [DVec3; 3], (x, y): (f64, f64)) -> DVec2 {
         let direction = camera.direction(x, y);
         let plane = camera.plane();

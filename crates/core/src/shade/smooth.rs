@@ -4,7 +4,7 @@
 //! operation, so that the bytes are the same.
 
 use super::facet::Facet;
-use super::light::{GROUND, KEY, Lights, RIM, SKY, WRAP};
+use super::light::{GROUND, KEY, Lights, RIM, SKY, Source, WRAP};
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use glam::Vec3;
 
@@ -222,7 +222,17 @@ pub(super) fn light<L: Lanes>(
 fn on<L: Lanes>(lanes: L, lights: &Lights, normal: Vectors<L>, to_eye: Vectors<L>) -> Vectors<L> {
     let splat = |vector| Vectors::splat(lanes, vector);
     let (zero, one, half) = (lanes.splat(0.0), lanes.splat(1.0), lanes.splat(0.5));
-    let key = normal.dot(splat(lights.to_key)) + WRAP;
+    if !lights.is_soft {
+        let above = half + half * normal.dot(splat(lights.up));
+        let mut light = splat(lights.ground).plus(splat(lights.sky - lights.ground).scaled(above));
+        for Source { direction, color } in lights.sources {
+            let direction = direction.map_or(to_eye, splat);
+            light = light.plus(splat(color).scaled(normal.dot(direction).max(zero)));
+        }
+        return light;
+    }
+    let to_key = lights.sources[0].direction.map_or(to_eye, splat);
+    let key = normal.dot(to_key) + WRAP;
     let key = (key / (1.0 + WRAP)).max(zero);
     let above = half + half * normal.dot(splat(lights.up));
     let facing = normal.dot(to_eye);

@@ -1,6 +1,7 @@
 //! Smooth shading of eight pixels against one pixel, float by float, with every instruction set: bytes
 //! forgive what a fused multiplication changes, nearly always.
 
+use super::LightSet;
 use super::facet::Facet;
 use super::light::Lights;
 use super::smooth::{Facets, Row, Rows, Vectors, light};
@@ -45,9 +46,11 @@ fn every_instruction_set_gives_one_pixels_colours_to_the_bit() {
         target: DVec3::ZERO,
         up: DVec3::Y,
     };
-    let lights = Lights::new(&Camera::new(placement, Projection::Perspective, plane));
+    let camera = Camera::new(placement, Projection::Perspective, plane);
+    let sets = [LightSet::Soft, LightSet::Headlight, LightSet::ThreePoint];
     let mut random = Random(31);
     for round in 0..3000 {
+        let lights = Lights::new(&camera, sets[round / 6 % 3]);
         let mut vector = || random.point().as_vec3();
         let facet = Facet {
             normal: vector().normalize(),

@@ -146,6 +146,16 @@ pub(crate) fn tables() -> &'static Tables {
     &TABLES
 }
 
+/// Tables for images of numbers: a byte is its share of 255, and what is encoded is as ever.
+pub(crate) fn numbers() -> &'static Tables {
+    &NUMBERS
+}
+
+static NUMBERS: LazyLock<Tables> = LazyLock::new(|| Tables {
+    linear: std::array::from_fn(|byte| (byte as f64 / 255.0) as f32),
+    steps: TABLES.steps,
+});
+
 /// The linear light of a colour that a person chose.
 pub(crate) fn linear(color: Color) -> Vec3 {
     Vec3::from(color.0.map(|byte| TABLES.decode(byte)))

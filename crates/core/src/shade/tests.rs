@@ -6,7 +6,8 @@ use crate::camera::{Camera, ImagePlane, Placement, Projection, Rect};
 use crate::hit::{Cull, Detail, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::scene::{
-    Attribute, Color, ColorRule, Material, Mesh, MeshData, Object, Scene, Texture, Transform,
+    Attribute, Color, ColorRule, Material, Mesh, MeshData, Object, Scalar, ScalarAt, Scene,
+    Texture, Transform,
 };
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
@@ -304,12 +305,54 @@ fn a_texture_stands_upright() {
     }
 }
 
+/// The truth is the line between the two colours, at the number between the corners'.
+#[test]
+fn a_scalar_blends_the_texture_in() {
+    let with = |values: [f32; 4]| {
+        let mut object = object(MeshData {
+            scalars: vec![Scalar {
+                name: "share".to_owned(),
+                at: ScalarAt::Vertices,
+                values: values.to_vec(),
+            }],
+            ..square()
+        });
+        object.texture = Texture::new(1, 1, vec![[0, 255, 0, 255]]).map(Arc::new);
+        object.blend_by = Some("share".to_owned());
+        Bench::new(vec![object], front())
+    };
+    let shading = Shading {
+        blend: 0.5,
+        ..mode(Mode::Texture)
+    };
+    let (own, image) = (linear([200, 100, 50]), linear([0, 255, 0]));
+    // From 0 on the left to 1 on the right; beyond these numbers it is they.
+    for (values, least) in [([0.0, 1.0, 1.0, 0.0], 0.0), ([-9.0, 1.0, 1.0, -9.0], -9.0)] {
+        let bench = with(values);
+        for x in [10.5, 15.5, 20.5, 29.5] {
+            let found = bench.color(shading, x, 15.3);
+            let share = least + (1.0 - least) * (x as f32 - 10.0) / 20.0;
+            let blend = 0.5 * share.clamp(0.0, 1.0);
+            for channel in 0..3 {
+                let expected = own[channel] * (1.0 - blend) + image[channel] * blend;
+                assert!((found[channel] - expected).abs() < 1e-5, "{found:?} at {x}");
+            }
+        }
+    }
+    // Where there is no number, all of the picture's blend shows.
+    let mut plain = with([f32::NAN; 4]);
+    let none = plain.color(shading, 15.5, 15.3);
+    plain.scene.objects[0].blend_by = None;
+    assert_eq!(none, plain.color(shading, 15.5, 15.3));
+}
+
 #[test]
 fn lines_lie_on_edges_alone() {
     let bench = Bench::new(vec![object(square())], front());
     let line = Wireframe {
         width: 1.5,
         color: Color([255, 0, 255]),
+        ..Wireframe::default()
     };
     let shading = Shading {
         wireframe: Some(line),

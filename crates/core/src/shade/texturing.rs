@@ -1,14 +1,15 @@
 //! The colours of textures on surfaces.
 
-use super::Shading;
 use super::facet::{Mapping, blend};
 use super::footprint::{Footprint, sample_over};
 use super::mapping::ObjectMapping;
 use super::sample::sample;
 use super::srgb::{self, Tables};
+use super::{Filter, Shading};
 use crate::hit::PrimitiveHit;
-use crate::scene::{Object, Scene, Texture};
-use glam::{DVec2, DVec3, Vec3};
+use crate::scene::{Object, Reflectance, Scene, Texture};
+use glam::{DVec2, DVec3, Vec2, Vec3};
+use std::sync::Arc;
 
 /// How the textures of a scene's objects lie on them, and are read.
 #[derive(Debug)]
@@ -84,6 +85,33 @@ impl Texturing {
                 read(uv.x, uv.y)
             }
         }
+    }
+
+    /// A material's metallic share and roughness at a hit, and its own light. Their images are read as textures are,
+    /// but over no footprint: between four texels, or at the nearest.
+    pub(super) fn reflectance(
+        &self,
+        material: &Reflectance,
+        uvs: Option<[Vec2; 3]>,
+        hit: &PrimitiveHit,
+    ) -> ([f32; 2], Vec3) {
+        let filter = match self.shading.filter {
+            Filter::Nearest => Filter::Nearest,
+            Filter::Bilinear | Filter::Trilinear | Filter::Ewa => Filter::Bilinear,
+        };
+        // An image without coordinates is as if it were not there.
+        let read = |texture: &Option<Arc<Texture>>, tables| {
+            let (texture, [a, b, c]) = (texture.as_ref()?, uvs?.map(|uv| uv.as_dvec2()));
+            let uv = a + (b - a) * f64::from(hit.u) + (c - a) * f64::from(hit.v);
+            let [r, g, b, alpha] = sample(tables, texture, uv.x, uv.y, filter);
+            // Opacity is not theirs.
+            (alpha > 0.0).then(|| Vec3::new(r, g, b) / alpha)
+        };
+        let factors = read(&material.texture, srgb::numbers()).unwrap_or(Vec3::ONE);
+        let glow = read(&material.emission_texture, self.tables).unwrap_or(Vec3::ONE);
+        let metallic = (material.metallic * factors.z).clamp(0.0, 1.0);
+        let roughness = (material.roughness * factors.y).clamp(0.0, 1.0);
+        ([metallic, roughness], Vec3::from(material.emission) * glow)
     }
 
     /// The same over what the pixel sees of it; `slopes` are the change of the hit's barycentrics along a

@@ -1,5 +1,6 @@
 use super::facet::Facet;
 use super::smooth::{Facets, Row, Rows, Vectors};
+use super::translucent::{Translucent, shell};
 use super::{Shader, srgb};
 use crate::camera::Rect;
 use crate::num::simd::{LANES, Lanes, Work, dispatch};
@@ -17,7 +18,7 @@ const FACETS: usize = 256;
 /// Pixels that are looked at together: most show one triangle, or none.
 const RUN: usize = 16;
 
-/// A [`Shader`] for many pixels near each other, which mostly show triangles already met.
+/// A [`Shader`] for many pixels near each other, which mostly show triangles already seen.
 ///
 /// What it remembers changes nothing but the time: every answer is that of the [`Shader`].
 #[derive(Debug)]
@@ -30,7 +31,7 @@ pub struct TileShader<'s> {
 }
 
 impl Shader<'_> {
-    /// A shader for many pixels, on one thread: it remembers the triangles that it met.
+    /// A shader for many pixels, on one thread: it remembers the triangles that it has shaded.
     pub fn tile(&self) -> TileShader<'_> {
         TileShader::new(self)
     }
@@ -66,6 +67,29 @@ impl<'s> TileShader<'s> {
         } else {
             srgb::encode(self.color(x, y, hit))
         }
+    }
+
+    /// A layer's colour, linear light, and how much of what lies behind it covers: `along` is the unit vector of the ray.
+    pub(crate) fn layer(
+        &mut self,
+        (x, y): (f64, f64),
+        along: Vec3,
+        hit: &PrimitiveHit,
+    ) -> (Vec3, f32) {
+        let shader = self.shader();
+        let covers = match shader.translucent() {
+            Some(Translucent::All(alpha)) => {
+                let normal = self.facet(hit.primitive).normal_at(hit.u, hit.v);
+                shell(*alpha, normal.dot(along).abs())
+            }
+            Some(Translucent::Blended(_)) => shader.alpha(hit),
+            None => 1.0,
+        };
+        if covers == 0.0 {
+            return (Vec3::ZERO, 0.0);
+        }
+        let [r, g, b, _] = self.color(x, y, hit);
+        (Vec3::new(r, g, b), covers)
     }
 
     /// Colours the pixels of `rect`, given as its rows, from hits at their centres, row by row.
@@ -105,7 +129,7 @@ impl<'s> TileShader<'s> {
         for (column, pixel) in pixels.iter_mut().enumerate() {
             let hit = hits.get(first + column);
             let x = f64::from(left) + column as f64 + 0.5;
-            *pixel = if hit.primitive == MISS {
+            *pixel = if hit.primitive == MISS && !self.shader.has_overlay() {
                 backdrop
             } else {
                 srgb::encode(self.color(x, y, &hit))
@@ -296,7 +320,7 @@ impl<'s> TileShader<'s> {
 
     /// A triangle, remembered or made ready.
     #[inline(always)]
-    fn facet(&mut self, primitive: u32) -> &Facet {
+    pub(super) fn facet(&mut self, primitive: u32) -> &Facet {
         let place = primitive as usize % FACETS;
         if self
             .facets
@@ -384,9 +408,15 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadePrimitives<'_, '_,
         let left = self.rect.x;
         let shader = self.shader;
         let (constant, smooth) = (shader.shader.is_constant(), shader.shader.is_smooth());
+        let has_overlay = shader.shader.has_overlay();
         let primitives = self.primitives.chunks(columns);
         for ((y, primitives), pixels) in (self.rect.y..).zip(primitives).zip(self.rows) {
-            if smooth {
+            if has_overlay {
+                for (x, (&primitive, pixel)) in (left..).zip(primitives.iter().zip(&mut *pixels)) {
+                    let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+                    *pixel = shader.pixel8(x, y, &on(primitive));
+                }
+            } else if smooth {
                 shader.shade_smooth_row(lanes, left, y, primitives, pixels);
             } else if constant {
                 shader.shade_row::<true>(left, y, primitives, pixels);

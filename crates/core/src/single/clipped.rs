@@ -1,16 +1,19 @@
 use super::traversal;
 use crate::bvh::Accel;
-use crate::hit::{Cull, Hit, Precision, PrimitiveHit};
+use crate::camera::Lattice;
+use crate::hit::{Cull, Hit, MISS, Precision, PrimitiveHit};
 use crate::ray::Ray;
-use crate::scene::ClippingPlanes;
+use crate::scene::{ClippingPlanes, Masks};
 use crate::triangle::clip::Clip;
 use crate::triangle::{Nearest, PreparedRay};
 
-/// What clipping planes leave of a tree's triangles: a hit counts where every plane keeps its exact point.
+/// What clipping planes and opacity masks leave of a tree's triangles: a hit counts where every plane keeps its exact
+/// point, and the mask of its material keeps its barycentrics, rounded to single precision.
 #[derive(Clone, Debug)]
 pub struct Clipped<'a> {
     pub(crate) accel: &'a Accel,
     pub(crate) clip: Clip,
+    masks: Option<&'a Masks<'a>>,
 }
 
 impl Accel {
@@ -19,6 +22,7 @@ impl Accel {
         Clipped {
             accel: self,
             clip: Clip::new(planes, self.origin),
+            masks: None,
         }
     }
 
@@ -45,7 +49,13 @@ impl Accel {
     }
 }
 
-impl Clipped<'_> {
+impl<'a> Clipped<'a> {
+    /// The same, of which masks reject hits: those of the scene that the tree was built over.
+    #[must_use]
+    pub fn masked(self, masks: Option<&'a Masks<'a>>) -> Self {
+        Self { masks, ..self }
+    }
+
     /// The closest hit that is kept, else as [`Accel::cast`].
     pub fn cast(&self, ray: &Ray, cull: Cull) -> Option<Hit> {
         self.accel.to_hit(self.nearest(ray, cull, Precision::Exact))
@@ -61,16 +71,92 @@ impl Clipped<'_> {
         let ray = PreparedRay::new(ray, self.accel.origin, cull, Precision::Exact)?;
         let mut nearest = Nearest::NONE;
         for primitive in self.accel.primitives() {
-            self.accel
-                .intersect_kept(&self.clip, &ray, primitive, &mut nearest);
+            let mut hit = Nearest::NONE;
+            (self.accel).intersect_kept(&self.clip, &ray, primitive, &mut hit);
+            if !hit.is_miss() && self.passes_mask(&hit) {
+                self.accel.intersect(&ray, primitive, &mut nearest);
+            }
         }
         self.accel.to_hit(nearest)
     }
 
+    /// Where masks reject what the rays of a lattice hit first, the next hit that they keep takes its place: in
+    /// `primitives`, which the planes alone have kept. Returns how many rays have none left.
+    ///
+    /// A ray that is not rejected costs a look at its material; others are traversed once more, however many layers
+    /// there are.
+    pub(crate) fn reject_masked(
+        &self,
+        lattice: &Lattice,
+        cull: Cull,
+        precision: Precision,
+        primitives: &mut [u32],
+    ) -> u64 {
+        let Some(masks) = self.masks else { return 0 };
+        let mut lost = 0;
+        let mut last = (MISS, false);
+        for (at, primitive) in (0..).zip(primitives) {
+            if *primitive != last.0 {
+                let (object, triangle) = match *primitive {
+                    MISS => (MISS, MISS),
+                    hit => self.accel.identify(hit),
+                };
+                last = (*primitive, masks.is_masked(object, triangle));
+            }
+            if !last.1 {
+                continue;
+            }
+            let ray = lattice.ray(at % lattice.columns, at / lattice.columns);
+            let Some(ray) = PreparedRay::new(&ray, self.accel.origin, cull, precision) else {
+                continue;
+            };
+            let hit = ray.evaluate(*primitive, self.accel.corners(*primitive));
+            // In rounded arithmetic the ray alone may miss what its packet hit.
+            if hit.is_miss() || self.passes_mask(&hit) {
+                continue;
+            }
+            *primitive = self.nearest_kept(&ray).primitive;
+            lost += u64::from(*primitive == MISS);
+        }
+        lost
+    }
+
     fn nearest(&self, ray: &Ray, cull: Cull, precision: Precision) -> Nearest {
         match PreparedRay::new(ray, self.accel.origin, cull, precision) {
+            Some(ray) if self.masks.is_some() => self.nearest_kept(&ray),
             Some(ray) => traversal::nearest(self.accel, &self.clip, &ray),
             None => Nearest::NONE,
         }
+    }
+
+    /// The closest hit that planes and masks keep: a hit that is not kept is left out before it is compared with
+    /// others, so that equal distances need no rule of their own.
+    fn nearest_kept(&self, ray: &PreparedRay) -> Nearest {
+        let mut nearest = Nearest::NONE;
+        traversal::visit(self.accel, ray, |primitives| {
+            for primitive in primitives {
+                let mut closer = nearest;
+                self.accel.intersect(ray, primitive, &mut closer);
+                if closer.primitive != nearest.primitive && self.keeps(ray, &closer) {
+                    nearest = closer;
+                }
+            }
+            nearest
+        });
+        nearest
+    }
+
+    /// Whether planes and masks keep a hit.
+    pub(super) fn keeps(&self, ray: &PreparedRay, hit: &Nearest) -> bool {
+        let corners = || self.accel.corners(hit.primitive);
+        (self.clip.is_empty() || self.clip.keeps(&ray.ray, corners(), hit)) && self.passes_mask(hit)
+    }
+
+    fn passes_mask(&self, hit: &Nearest) -> bool {
+        self.masks.is_none_or(|masks| {
+            let (object, triangle) = self.accel.identify(hit.primitive);
+            let PrimitiveHit { u, v, .. } = hit.to_primitive_hit();
+            masks.keeps(object, triangle, (u, v))
+        })
     }
 }

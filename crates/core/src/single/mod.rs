@@ -1,6 +1,7 @@
 //! The single ray: the reference that packets agree with.
 
 mod clipped;
+mod layers;
 mod slab;
 #[cfg(test)]
 mod tie_tests;
@@ -12,6 +13,7 @@ use crate::ray::Ray;
 use crate::triangle::clip::Clip;
 use crate::triangle::{Nearest, PreparedRay};
 pub use clipped::Clipped;
+pub(crate) use layers::Layers;
 pub(crate) use traversal::nearest;
 
 impl Accel {

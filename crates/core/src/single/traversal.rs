@@ -6,12 +6,29 @@ use crate::bvh::tree::{DEPTH_LIMIT, Subtree};
 use crate::triangle::clip::Clip;
 use crate::triangle::{Nearest, PreparedRay};
 
-/// The closest hit that `clip` keeps. Children are visited near to far; those beyond the nearest hit so far are skipped.
+/// The closest hit that `clip` keeps.
 pub(crate) fn nearest(accel: &Accel, clip: &Clip, ray: &PreparedRay) -> Nearest {
     let mut nearest = Nearest::NONE;
+    visit(accel, ray, |primitives| {
+        for primitive in primitives {
+            accel.intersect_kept(clip, ray, primitive, &mut nearest);
+        }
+        nearest
+    });
+    nearest
+}
+
+/// Hands `leaf` the primitives of each leaf that the ray may hit, near to far; boxes beyond the hit that it returns
+/// are skipped.
+#[inline(always)]
+pub(super) fn visit(
+    accel: &Accel,
+    ray: &PreparedRay,
+    mut leaf: impl FnMut(std::ops::Range<u32>) -> Nearest,
+) {
     let tree = &accel.tree;
     let Some(mut subtree) = tree.root else {
-        return nearest;
+        return;
     };
     let slab = SlabRay::new(ray, &tree.bounds);
     let mut limit = slab.limit(ray.ray.t_max, 0.0);
@@ -45,9 +62,7 @@ pub(crate) fn nearest(accel: &Accel, clip: &Clip, ray: &PreparedRay) -> Nearest 
                 (false, false) => {}
             }
         } else {
-            for primitive in subtree.primitives() {
-                accel.intersect_kept(clip, ray, primitive, &mut nearest);
-            }
+            let nearest = leaf(subtree.primitives());
             if !nearest.is_miss() {
                 limit = slab.limit(nearest.t, nearest.t_error);
             }
@@ -55,7 +70,7 @@ pub(crate) fn nearest(accel: &Accel, clip: &Clip, ray: &PreparedRay) -> Nearest 
         // A box that begins beyond the limit holds nothing nearer; one that begins at it may tie.
         loop {
             if depth == 0 {
-                return nearest;
+                return;
             }
             depth -= 1;
             let (next, near) = stack[depth];

@@ -93,37 +93,16 @@ pub(crate) fn interpolate_row(
     }
 }
 
-/// [`interpolate_row`] for a panorama's rays, with these directions in its camera's axes. Their major axis is that of
-/// one lane.
+/// [`interpolate_row`] for a panorama's rays, which have these directions. Their major axis is that of one lane.
 #[inline(always)]
-#[allow(
-    clippy::needless_range_loop,
-    reason = "a lane is an index into all the arrays at once"
-)]
 pub(crate) fn interpolate_around(
     camera: &Camera,
     frame: DVec3,
     (directions, lane): (&Vectors, usize),
     corners: &Corners,
 ) -> RowHits {
-    let mut in_world = [[0.0; LANES]; 3];
-    let [right, up, forward] =
-        [camera.right(), camera.up(), camera.forward()].map(|v| v.to_array());
-    let [x, y, z] = directions;
-    for lane in 0..LANES {
-        // `Camera::ray`, a coordinate at a time.
-        let mut direction = [0.0; 3];
-        for axis in 0..3 {
-            direction[axis] = right[axis] * x[lane] + up[axis] * y[lane] + forward[axis] * z[lane];
-        }
-        let [x, y, z] = direction;
-        let length = (x * x + y * y + z * z).sqrt();
-        for axis in 0..3 {
-            in_world[axis][lane] = direction[axis] / length;
-        }
-    }
-    let [x, y, z] = in_world.map(|all| all[lane % LANES]);
-    let rays = (Places::NONE, &in_world);
+    let [x, y, z] = directions.map(|all| all[lane % LANES]);
+    let rays = (Places::NONE, directions);
     match major_axis(x, y, z) {
         0 => interpolate::<0, AROUND>(camera, frame, rays, corners),
         1 => interpolate::<1, AROUND>(camera, frame, rays, corners),

@@ -32,6 +32,7 @@
 
 use super::interpolate::{LANES, RowHits};
 use crate::camera::{Lattice, Projection};
+use crate::ray::relative_origin;
 use glam::{DVec3, Vec3};
 
 /// The unit roundoff of double precision.
@@ -74,14 +75,7 @@ impl Pencil {
         if camera.projection() != Projection::Perspective || lattice.is_empty() {
             return None;
         }
-        let eye = camera.placement().eye - frame;
-        // Nothing is rounded where nothing is subtracted.
-        let is_rounded = frame != DVec3::ZERO;
-        let eye_error = if is_rounded {
-            eye.abs().max_element() * EPSILON
-        } else {
-            0.0
-        };
+        let (eye, eye_error) = relative_origin(camera.placement().eye, frame);
         let [first, last] =
             [(0, 0), (lattice.columns - 1, lattice.rows - 1)].map(|(column, row)| {
                 let (x, y) = lattice.place(column, row);

@@ -13,7 +13,7 @@ use super::coplanar::are_coplanar;
 use super::edges::{Edges, Point, WELL_CONDITIONED, axes, major_axis};
 use super::exact::{self, Placed};
 use crate::hit::{Cull, Precision};
-use crate::ray::Ray;
+use crate::ray::{Ray, relative_origin};
 use glam::{DVec3, Vec3};
 use std::cell::Cell;
 use std::cmp::Ordering;
@@ -60,14 +60,7 @@ impl PreparedRay {
         if !ray.is_valid() {
             return None;
         }
-        let origin = ray.origin - frame;
-        // Nothing is rounded where nothing is subtracted.
-        let off = frame != DVec3::ZERO;
-        let origin_error = if off {
-            origin.abs().max_element() * EPSILON
-        } else {
-            0.0
-        };
+        let (origin, origin_error) = relative_origin(ray.origin, frame);
         let DVec3 { x, y, z } = ray.direction;
         let major = major_axis(x, y, z);
         let d = ray.direction.to_array();
@@ -230,6 +223,24 @@ impl PreparedRay {
             corners,
             origin: self.frame,
         }
+    }
+
+    /// Which of two hits comes first along the ray: of two at one distance the lower primitive id.
+    pub(crate) fn order(
+        &self,
+        first: &Nearest,
+        second: &Nearest,
+        corners: impl Fn(u32) -> [Vec3; 3],
+        id: impl Fn(u32) -> u32,
+    ) -> Ordering {
+        if first.is_surely_before(second) {
+            return Ordering::Less;
+        }
+        if second.is_surely_before(first) {
+            return Ordering::Greater;
+        }
+        let by_id = || id(first.primitive).cmp(&id(second.primitive));
+        self.compare(first, second, corners).then_with(by_id)
     }
 
     /// Which of two hits is nearer, where their errors overlap.

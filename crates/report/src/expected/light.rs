@@ -2,8 +2,9 @@
 //! wrapped a little round the shape, a fill from sky to ground, and a rim. Written down a second time on
 //! purpose: what this says and what the shader does must agree.
 
-use super::range::{Single, Vector, dot, exactly_single, plus, scaled};
+use super::range::{Single, Vector, dot, exactly_single, minus, plus, scaled};
 use raycast_core::camera::Camera;
+use raycast_core::shade::LightSet;
 
 const KEY: f64 = 0.80;
 const WRAP: f64 = 0.10;
@@ -11,37 +12,89 @@ const SKY: [f64; 3] = [0.160, 0.168, 0.184];
 const GROUND: [f64; 3] = [0.066, 0.060, 0.055];
 const RIM: f64 = 0.10;
 
-/// Where the lights stand, in the camera's axes.
+/// A light's direction in the camera's axes (right, up and back; `None`: at the eye), and its colour.
+type Given = (Option<[f64; 3]>, [f64; 3]);
+
+const HEADLIGHT: [Given; 1] = [(None, [0.88; 3])];
+const THREE_POINT: [Given; 3] = [
+    (Some([-0.65, 0.65, 0.85]), [0.78, 0.735, 0.675]),
+    (Some([0.90, 0.05, 0.60]), [0.125, 0.150, 0.185]),
+    (Some([0.45, 0.60, -0.80]), [0.300, 0.315, 0.340]),
+];
+
+/// Where the lights stand.
 pub(super) struct Lights {
-    to_key: Vector<24>,
+    /// The key light of the soft set, which is wrapped round shapes.
+    to_key: Option<Vector<24>>,
+    /// Those of the other sets.
+    sources: Vec<(Option<Vector<24>>, Vector<24>)>,
     up: Vector<24>,
+    sky: Vector<24>,
+    ground: Vector<24>,
 }
 
 impl Lights {
-    pub(super) fn new(camera: &Camera) -> Self {
+    pub(super) fn new(camera: &Camera, set: LightSet) -> Self {
         // The vector and its length are rounded, so the unit vector may be a few roundings off.
-        let to_key = camera.up() * 0.7 - camera.right() * 0.6 - camera.forward() * 0.9;
         let near = |x: f64| Single::around(x, 4.0 * f64::from(f32::EPSILON));
+        let towards = |[x, y, z]: [f64; 3]| -> Vector<24> {
+            let direction = camera.up() * y + camera.right() * x - camera.forward() * z;
+            direction.normalize().to_array().map(near)
+        };
+        let constant = |rgb: [f64; 3]| rgb.map(|channel| Single::exactly(channel).rounded());
+        let (given, sky, ground): (&[Given], _, _) = match set {
+            LightSet::Soft => (&[], SKY, GROUND),
+            LightSet::Headlight => (&HEADLIGHT, [0.06; 3], [0.06; 3]),
+            LightSet::ThreePoint => (&THREE_POINT, [0.100, 0.107, 0.120], [0.058, 0.052, 0.047]),
+        };
+        let sources = given.iter();
         Self {
-            to_key: to_key.normalize().to_array().map(near),
+            to_key: (set == LightSet::Soft).then(|| towards([-0.6, 0.7, 0.9])),
+            sources: sources
+                .map(|(direction, color)| (direction.map(towards), constant(*color)))
+                .collect(),
             up: exactly_single(camera.up().as_vec3()),
+            sky: constant(sky),
+            ground: constant(ground),
+        }
+    }
+
+    /// The light from all around on a surface with this unit normal.
+    pub(super) fn around(&self, normal: Vector<24>) -> Vector<24> {
+        let half = Single::exactly(0.5);
+        let above = half + half * dot(normal, self.up);
+        plus(self.ground, scaled(minus(self.sky, self.ground), above))
+    }
+
+    /// Each light's direction (`None`: at the eye) and what a white surface that faces it sends back.
+    pub(super) fn shining(&self) -> Vec<(Option<Vector<24>>, Vector<24>)> {
+        match self.to_key {
+            Some(to_key) => vec![(Some(to_key), [Single::exactly(KEY).rounded(); 3])],
+            None => self.sources.clone(),
         }
     }
 
     /// What a white surface with this unit normal sends to an eye in that direction.
     pub(super) fn on(&self, normal: Vector<24>, to_eye: Vector<24>) -> Vector<24> {
         let number = Single::exactly;
-        let key =
-            (dot(normal, self.to_key) + number(WRAP).rounded()) / number(1.0 + WRAP).rounded();
+        let Some(to_key) = self.to_key else {
+            let mut light = self.around(normal);
+            for (direction, color) in &self.sources {
+                let facing = dot(normal, direction.unwrap_or(to_eye)).max(0.0);
+                light = plus(light, scaled(*color, facing));
+            }
+            return light;
+        };
+        let key = (dot(normal, to_key) + number(WRAP).rounded()) / number(1.0 + WRAP).rounded();
         let key = key.max(0.0);
         let above = number(0.5) + number(0.5) * dot(normal, self.up);
         let away = number(1.0) - dot(normal, to_eye).abs().min(1.0);
         let rim = away * away * away * above;
         let white = number(KEY).rounded() * key + number(RIM).rounded() * rim;
-        let constant = |rgb: [f64; 3]| rgb.map(|channel| number(channel).rounded());
-        let ground = constant(GROUND);
-        let sky: Vector<24> = std::array::from_fn(|i| constant(SKY)[i] - ground[i]);
-        plus(plus(ground, scaled(sky, above)), [white; 3])
+        plus(
+            plus(self.ground, scaled(minus(self.sky, self.ground), above)),
+            [white; 3],
+        )
     }
 }
 

@@ -4,29 +4,35 @@
 //!
 //! Lines along edges are left out: a hit under lines has no known colour.
 
+mod crease;
 mod light;
+mod mask;
 mod normal;
 mod own_color;
 mod range;
+mod reflection;
 mod section;
 mod srgb;
 mod texture;
 
+pub(crate) use mask::seen;
 pub(crate) use range::Single;
 
 use crate::stage::Stage;
 use crate::wrong_answer::{GRAZING, T_BOUND, UV_BOUND, WrongAnswer, ulp};
+use crease::Creased;
 use light::Lights;
 use normal::ToWorld;
 use own_color::Numbers;
-use range::{Double, Vector, exactly, minus, plus};
+use range::{Double, Vector, exactly, exactly_single, minus, plus};
 use raycast_core::Cull;
 use raycast_core::camera::{Camera, Projection, Rect};
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{Object, Wrap};
+use raycast_core::scene::{ColorRule, Object, Opacity, Reflectance, Texture, Wrap};
 use raycast_core::shade::{Background, Filter, Legend, Mode, Shading, TextureProjection};
 use raycast_oracle::Truth;
 use rayon::prelude::*;
+use std::sync::Arc;
 use texture::Repeat;
 
 /// sRGB grey at the near and the far end of the depth mode.
@@ -39,6 +45,8 @@ pub(crate) struct Expected<'a> {
     camera: Camera,
     shading: Shading,
     lights: Lights,
+    /// For each object without normals, those of the crease angle, where light goes by them.
+    creased: Vec<Option<Creased<'a>>>,
     /// For each object, what takes its mesh's normals to the world.
     to_world: Vec<Option<ToWorld>>,
     /// For each object with a texture, how that lies on it where it has no place of its own.
@@ -96,7 +104,8 @@ impl<'a> Expected<'a> {
             stage,
             camera,
             shading,
-            lights: Lights::new(&camera),
+            lights: Lights::new(&camera, shading.lights),
+            creased: creased(stage, &shading),
             to_world,
             repeats: stage.scene.objects.iter().map(repeat).collect(),
             depth,
@@ -119,6 +128,12 @@ impl<'a> Expected<'a> {
         (self.normal(&hit), uv)
     }
 
+    /// Whether lines may show where nothing is hit.
+    fn has_lines_beyond(&self) -> bool {
+        let lines = self.shading.wireframe;
+        lines.is_some_and(|lines| lines.hidden > 0.0 || lines.edges.silhouette)
+    }
+
     /// The colour of the sample at (x, y) of the picture, in pixels from its top left corner, where its
     /// ray hits `truth`: linear light, alpha not multiplied in. Unknown where it is undecided.
     pub(crate) fn color(&self, x: f64, y: f64, truth: Option<&Truth>) -> [Single; 4] {
@@ -128,10 +143,18 @@ impl<'a> Expected<'a> {
         }
         let lines = self.shading.wireframe.is_some() || self.shading.mode == Mode::Wireframe;
         let section = || section::color(self.stage, &self.camera, self.shading.mode, (x, y), truth);
+        let is_cut = self.has_sections && self.stage.clip().enabled().next().is_some();
+        if is_cut && self.stage.has_masks() {
+            // Sections behind masks are not worked out a second time.
+            return [Single::UNKNOWN; 4];
+        }
         let cut = self.has_sections.then(section).flatten();
         let Some(truth) = truth else {
             if !self.camera.has_place(x, y) {
                 return [Single::exactly(0.0); 4];
+            }
+            if self.has_lines_beyond() {
+                return [Single::UNKNOWN; 4];
             }
             return cut.map_or_else(|| self.backdrop(y), opaque);
         };
@@ -141,14 +164,35 @@ impl<'a> Expected<'a> {
         if let Some(cut) = cut {
             return opaque(cut);
         }
+        let mesh = &hit.object.mesh;
+        let is_blended = matches!(mesh.opacity(hit.triangle), Opacity::Blend(_));
+        if is_blended
+            && !matches!(
+                self.shading.mode,
+                Mode::Normals | Mode::Depth | Mode::Barycentric | Mode::Uv
+            )
+        {
+            // Layers are not composited a second time.
+            return [Single::UNKNOWN; 4];
+        }
+        // A back is what culling drops.
+        let back = self.shading.back_faces.filter(|_| {
+            let ray = self.camera.ray(x, y);
+            let numbers = (truth.object, truth.triangle);
+            self.stage.intersect(numbers, &ray, Cull::Back).is_none()
+        });
+        let surface_color = || match back {
+            Some(color) => srgb::linear(color),
+            None => self.surface_color(&hit),
+        };
         let lit = |light: Vector<24>| {
-            let color = self.surface_color(&hit);
+            let color = surface_color();
             std::array::from_fn(|i| color[i] * light[i])
         };
         let number = Single::exactly;
         opaque(match self.shading.mode {
-            Mode::Color => self.own_color(&hit),
-            Mode::Texture => self.surface_color(&hit),
+            Mode::Color => back.map_or_else(|| self.own_color(&hit), srgb::linear),
+            Mode::Texture => surface_color(),
             Mode::Flat => {
                 let normal = normal::flat(&self.camera, hit.corners);
                 let to_eye = normal::middle_to_eye(&self.camera, hit.corners);
@@ -156,11 +200,13 @@ impl<'a> Expected<'a> {
             }
             Mode::Smooth => {
                 let to_eye = light::to_eye(&self.camera, x, y);
-                lit(self.lights.on(self.normal(&hit), to_eye))
+                lit(self.lights.on(self.shown_normal(&hit), to_eye))
             }
+            Mode::Material => self.reflected(&hit, (x, y)),
             Mode::Normals => {
                 let half = number(0.5);
-                self.normal(&hit).map(|n| srgb::displayed(n * half + half))
+                self.shown_normal(&hit)
+                    .map(|n| srgb::displayed(n * half + half))
             }
             Mode::Depth => match (self.depth_map, self.shading.scale) {
                 (Some(range), _) => self.numbers.color(hit.t.to(), range),
@@ -176,7 +222,7 @@ impl<'a> Expected<'a> {
                 let [u, v] = uv.map(fraction);
                 [u, v, number(0.25)].map(srgb::displayed)
             }
-            Mode::Wireframe => [Single::UNKNOWN; 3],
+            Mode::Wireframe | Mode::XRay => [Single::UNKNOWN; 3],
         })
     }
 
@@ -226,9 +272,26 @@ impl<'a> Expected<'a> {
             Some(normals) => {
                 let to_world = self.to_world.get(hit.number as usize);
                 let to_world = to_world.and_then(Option::as_ref);
+                let normals = normals.map(exactly_single);
                 normal::smooth(normals, to_world, hit.weights, flat)
             }
         }
+    }
+
+    /// The normal that light goes by: [`Expected::normal`], or that of the crease angle.
+    fn shown_normal(&self, hit: &Hit<'_>) -> Vector<24> {
+        let Some(Some(creased)) = self.creased.get(hit.number as usize) else {
+            return self.normal(hit);
+        };
+        let flat = normal::flat(&self.camera, hit.corners);
+        let to_world = self.to_world.get(hit.number as usize);
+        let normals = creased.corner_normals(hit.triangle);
+        normal::smooth(
+            normals,
+            to_world.and_then(Option::as_ref),
+            hit.weights,
+            flat,
+        )
     }
 
     /// The object's colour at a hit, by its rule.
@@ -282,9 +345,80 @@ impl<'a> Expected<'a> {
             let [_, u, v] = hit.weights;
             texture::sample(texture, texture::place(uvs, u, v), filter)
         };
-        let blend = Single::exactly(self.shading.blend.into());
+        // What a file's material has of both is one colour: the image times that of the vertices.
+        let of_material = hit
+            .object
+            .texture
+            .is_none()
+            .then(|| mesh.material(hit.triangle));
+        let is_tinted = of_material
+            .flatten()
+            .is_some_and(|material| material.by_vertex);
+        let [r, g, b] = match is_tinted {
+            true => std::array::from_fn(|i| [r, g, b][i] * color[i]),
+            false => [r, g, b],
+        };
+        let mut blend = Single::exactly(self.shading.blend.into());
+        if let Some(numbers) = hit.object.blend_numbers(hit.triangle) {
+            if !numbers.iter().all(|number| number.is_finite()) {
+                return [Single::UNKNOWN; 3];
+            }
+            let corners = numbers.map(|number| [Single::exactly(number.into())]);
+            let [share] = normal::blend(corners, hit.weights);
+            blend = blend * share.max(0.0).min(1.0);
+        }
         let rest = Single::exactly(1.0) - a * blend;
         plus(color.map(|c| c * rest), [r, g, b].map(|c| c * blend))
+    }
+
+    /// What a material sends back, and its own light.
+    fn reflected(&self, hit: &Hit<'_>, (x, y): (f64, f64)) -> Vector<24> {
+        let base = self.surface_color(hit);
+        let mesh = &hit.object.mesh;
+        let by_file = matches!(hit.object.color, ColorRule::File);
+        let material = mesh.material(hit.triangle).filter(|_| by_file);
+        let usual = Reflectance::default();
+        let known = material.and_then(|material| material.reflectance.as_deref());
+        let known = known.unwrap_or(&usual);
+        if known.is_unlit {
+            return base;
+        }
+        let filter = match self.shading.filter {
+            Filter::Nearest => Filter::Nearest,
+            _ => Filter::Bilinear,
+        };
+        let place = mesh.corner_uvs(hit.triangle).map(|uvs| {
+            let [_, u, v] = hit.weights;
+            texture::place(uvs, u, v)
+        });
+        let one = Single::exactly(1.0);
+        let number = |factor: f32| Single::exactly(factor.into());
+        // Images that are wrapped in other ways, or see-through, are not worked out a second time.
+        let is_plain = |texture: &Texture| {
+            texture.wrap() == [Wrap::Repeat; 2] && texture.texels().iter().all(|t| t[3] == 255)
+        };
+        let read = |texture: &Option<Arc<Texture>>, of: fn(u8) -> Single| -> Vector<24> {
+            match (texture, place) {
+                (Some(texture), Some(place)) if is_plain(texture) => {
+                    let [r, g, b, a] = texture::sample_of(texture, place, filter, of);
+                    [r, g, b].map(|channel| channel / a)
+                }
+                (Some(_), Some(_)) => [Single::UNKNOWN; 3],
+                _ => [one; 3],
+            }
+        };
+        let share = |byte: u8| Single::exactly(f64::from(byte) / 255.0).rounded();
+        let [_, rough, metal] = read(&known.texture, share);
+        let glow = read(&known.emission_texture, srgb::light_of);
+        let shares = [
+            number(known.metallic) * metal,
+            number(known.roughness) * rough,
+        ];
+        let shares = shares.map(|share| share.max(0.0).min(1.0));
+        let normal = self.shown_normal(hit);
+        let to_eye = light::to_eye(&self.camera, x, y);
+        let light = reflection::reflected(&self.lights, base, shares, normal, to_eye);
+        std::array::from_fn(|i| light[i] + number(known.emission[i]) * glow[i])
     }
 
     /// Near is light, far is dark.
@@ -294,6 +428,19 @@ impl<'a> Expected<'a> {
         let [near, far] = [NEAR_GREY, FAR_GREY].map(|grey| Single::exactly(grey).rounded());
         near + (far - near) * share
     }
+}
+
+/// For each object without normals, those of the crease angle; nothing where the mode shows none.
+fn creased<'a>(stage: &'a Stage, shading: &Shading) -> Vec<Option<Creased<'a>>> {
+    if !shading.is_creased() {
+        return Vec::new();
+    }
+    let objects = stage.scene.objects.iter();
+    let normals = objects.map(|object| {
+        let has_none = object.visible && !object.mesh.has_normals();
+        has_none.then(|| Creased::new(&object.mesh, shading.crease))
+    });
+    normals.collect()
 }
 
 /// Where the depth mode's greys begin, and one over how far they reach: over the scene's box; zero where they
@@ -344,9 +491,16 @@ fn depths_seen(stage: &Stage, camera: &Camera, cull: Cull) -> Option<[Double; 2]
         .into_par_iter()
         .filter_map(|(x, y)| {
             let ray = camera.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
-            stage.truth(&ray, cull).map(|truth| truth.t)
+            // What is not sure leaves the range open.
+            match seen(stage, &ray, cull) {
+                Some(truth) => truth.map(|truth| truth.t),
+                None => Some(f64::NAN),
+            }
         })
         .collect();
+    if truths.iter().any(|t| t.is_nan()) {
+        return None;
+    }
     let near = truths.iter().copied().reduce(f64::min)?;
     let far = truths.into_iter().reduce(f64::max)?;
     Some([near, far].map(|t| Double::around(t, T_BOUND * ulp(t))))

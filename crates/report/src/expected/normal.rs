@@ -64,11 +64,10 @@ impl ToWorld {
 
     /// A mesh's normal in the world, of unit length; its sign is that of the mesh's.
     pub(super) fn direction(&self, normal: Vec3) -> Vector<24> {
-        unit(self.apply(normal))
+        unit(self.apply(exactly_single(normal)))
     }
 
-    fn apply(&self, normal: Vec3) -> Vector<24> {
-        let [x, y, z] = exactly_single(normal);
+    fn apply(&self, [x, y, z]: Vector<24>) -> Vector<24> {
         let [a, b, c] = self.0;
         plus(plus(scaled(a, x), scaled(b, y)), scaled(c, z))
     }
@@ -77,7 +76,7 @@ impl ToWorld {
 /// The mesh's normals at the corners, blended by the weights of a hit and turned to the side of `flat`;
 /// that itself where they cancel out. `to_world` is `None` where it is not known.
 pub(super) fn smooth(
-    normals: [Vec3; 3],
+    normals: [Vector<24>; 3],
     to_world: Option<&ToWorld>,
     weights: [Single; 3],
     flat: Vector<24>,
@@ -85,8 +84,8 @@ pub(super) fn smooth(
     let Some(to_world) = to_world else {
         return [Single::UNKNOWN; 3];
     };
-    let corner = |normal: Vec3| {
-        if normal == Vec3::ZERO {
+    let corner = |normal: Vector<24>| {
+        if normal.iter().all(|n| n.low == 0.0 && n.high == 0.0) {
             exactly(DVec3::ZERO)
         } else {
             unit(to_world.apply(normal))

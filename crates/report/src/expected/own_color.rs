@@ -12,6 +12,8 @@ const NO_NUMBER: Color = Color([0x80; 3]);
 
 /// The colours of numbers in one picture.
 pub(super) struct Numbers {
+    /// The colour where there is none.
+    plain: Color,
     colors: Vec<Vector<24>>,
     given: Option<[f64; 2]>,
     /// For each object the range of its quantity, where its rule shows one that is checked.
@@ -28,6 +30,7 @@ impl Numbers {
             _ => None,
         };
         Self {
+            plain: shading.plain_color,
             colors: colors(scale.map),
             given: scale.range,
             ranges: objects.iter().map(range).collect(),
@@ -171,7 +174,7 @@ pub(super) fn own_color(
             Some(colors) if by_vertex(object, hit.triangle) => {
                 normal::blend(colors.map(srgb::linear), hit.weights)
             }
-            _ => srgb::linear(file_color(object, hit.triangle, mode)),
+            _ => srgb::linear(file_color(hit, numbers.plain, mode)),
         },
         ColorRule::Uniform(color) => srgb::linear(*color),
         rule @ ColorRule::PerTriangle { .. } => rule
@@ -203,15 +206,15 @@ fn by_vertex(object: &Object, triangle: u32) -> bool {
 }
 
 /// Unlit, the triangles of a file without materials and colours have one each.
-fn file_color(object: &Object, triangle: u32, mode: Mode) -> Color {
-    let mesh = &object.mesh;
+fn file_color(hit: &Hit<'_>, plain: Color, mode: Mode) -> Color {
+    let (mesh, triangle) = (&hit.object.mesh, hit.triangle);
     let colorless = mesh.materials().is_empty() && mesh.vertex_colors().is_empty();
     let own = ColorRule::PerTriangle { seed: 0 };
     match own.color(triangle) {
         Some(color) if colorless && mode == Mode::Color => color,
         _ => mesh
             .material(triangle)
-            .map_or(Color::DEFAULT, |material| material.color),
+            .map_or(plain, |material| material.color),
     }
 }
 

@@ -125,6 +125,22 @@ impl<const DIGITS: i32> Range<DIGITS> {
         self.each(|number| if number > most { most } else { number })
     }
 
+    /// The lesser of each number and each of another range's.
+    pub(crate) fn at_most(self, most: Self) -> Self {
+        Self {
+            low: if self.low > most.low {
+                most.low
+            } else {
+                self.low
+            },
+            high: if self.high > most.high {
+                most.high
+            } else {
+                self.high
+            },
+        }
+    }
+
     /// A function that never falls, of each number; it is not rounded.
     pub(crate) fn each(self, rising: impl Fn(f64) -> f64) -> Self {
         Self {

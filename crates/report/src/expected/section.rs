@@ -8,7 +8,7 @@ use raycast_core::Cull;
 use raycast_core::camera::{Camera, Projection};
 use raycast_core::glam::DVec3;
 use raycast_core::scene::Color;
-use raycast_core::shade::Mode;
+use raycast_core::shade::{LightSet, Mode};
 use raycast_oracle::Truth;
 
 /// sRGB.
@@ -39,7 +39,7 @@ pub(super) fn color(
 ) -> Option<Vector<24>> {
     let is_shown = matches!(
         mode,
-        Mode::Color | Mode::Flat | Mode::Smooth | Mode::Texture
+        Mode::Color | Mode::Flat | Mode::Smooth | Mode::Material | Mode::Texture
     );
     if !is_shown || stage.clip().enabled().next().is_none() {
         return None;
@@ -71,7 +71,8 @@ pub(super) fn color(
     }
     let near = |x: f32| Single::around(f64::from(x), 2.0 * f64::from(f32::EPSILON));
     let to_us = (-unit).as_vec3().to_array().map(near);
-    let light = Lights::new(camera).on(to_us, exactly_single((-camera.forward()).as_vec3()));
+    let light = Lights::new(camera, LightSet::Soft)
+        .on(to_us, exactly_single((-camera.forward()).as_vec3()));
     let base = srgb::linear(SECTION);
     Some(std::array::from_fn(|i| base[i] * light[i]))
 }

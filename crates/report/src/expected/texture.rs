@@ -24,7 +24,17 @@ pub(super) fn place([a, b, c]: [Vec2; 3], u: Single, v: Single) -> [Double; 2] {
 
 /// The texture at coordinates in a range. Its origin is bottom left, it repeats every unit, and texels'
 /// centres lie half a texel from its edges. Unknown where the range is as wide as a texel.
-pub(super) fn sample(texture: &Texture, [u, v]: [Double; 2], filter: Filter) -> Texel {
+pub(super) fn sample(texture: &Texture, place: [Double; 2], filter: Filter) -> Texel {
+    sample_of(texture, place, filter, srgb::light_of)
+}
+
+/// The same, where a byte of the image stands for what `of` says.
+pub(super) fn sample_of(
+    texture: &Texture,
+    [u, v]: [Double; 2],
+    filter: Filter,
+    of: fn(u8) -> Single,
+) -> Texel {
     let (columns, rows) = (f64::from(texture.width()), f64::from(texture.height()));
     // Not taken into the first repeat: texels are found by their remainder.
     let x = u * Double::exactly(columns);
@@ -38,26 +48,26 @@ pub(super) fn sample(texture: &Texture, [u, v]: [Double; 2], filter: Filter) -> 
                 x.low.floor()..=x.high.floor(),
                 y.low.floor()..=y.high.floor(),
             );
-            match texels(texture, across, down) {
+            match texels(texture, across, down, of) {
                 Some(texels) => all_of(&texels),
                 None => UNKNOWN,
             }
         }
-        Filter::Bilinear => bilinear(texture, x, y),
+        Filter::Bilinear => bilinear(texture, x, y, of),
         // What a pixel sees of a texture is not worked out a second time.
         Filter::Trilinear | Filter::Ewa => UNKNOWN,
     }
 }
 
 /// Between the four texels about a place, in proportion.
-fn bilinear(texture: &Texture, x: Double, y: Double) -> Texel {
+fn bilinear(texture: &Texture, x: Double, y: Double, of: fn(u8) -> Single) -> Texel {
     let half = Double::exactly(0.5);
     let (x, y) = (x - half, y - half);
     let across = x.low.floor()..=x.high.floor() + 1.0;
     let down = y.low.floor()..=y.high.floor() + 1.0;
     let width = (across.end() - across.start()) as usize + 1;
     let (left, top) = (*across.start(), *down.start());
-    let Some(texels) = texels(texture, across, down) else {
+    let Some(texels) = texels(texture, across, down, of) else {
         return UNKNOWN;
     };
     let at = |column: usize, row: usize, channel: usize| {
@@ -105,6 +115,7 @@ fn texels(
     texture: &Texture,
     across: std::ops::RangeInclusive<f64>,
     down: std::ops::RangeInclusive<f64>,
+    of: fn(u8) -> Single,
 ) -> Option<Vec<Texel>> {
     let counts = [across.end() - across.start(), down.end() - down.start()];
     if counts.iter().any(|count| *count > 2.0) {
@@ -122,7 +133,7 @@ fn texels(
             } else {
                 alpha
             };
-            let [r, g, b] = [r, g, b].map(|byte| srgb::light_of(byte) * alpha);
+            let [r, g, b] = [r, g, b].map(|byte| of(byte) * alpha);
             texels.push([r, g, b, alpha]);
         }
     }

@@ -116,7 +116,7 @@ pub fn measure(
     })
 }
 
-fn with_samples(view: &View, samples: u32) -> View {
+pub(super) fn with_samples(view: &View, samples: u32) -> View {
     View {
         settings: Settings {
             samples,
@@ -127,7 +127,7 @@ fn with_samples(view: &View, samples: u32) -> View {
 }
 
 /// The same frame with rays so many pixels apart.
-fn with_step(view: &View, step: f64) -> Result<View, ReportError> {
+pub(super) fn with_step(view: &View, step: f64) -> Result<View, ReportError> {
     let plane = view.camera.plane();
     let count = |pixels: u32| (f64::from(pixels) / step).round().max(1.0) as u32;
     let dense = ImagePlane::new(count(plane.columns), count(plane.rows), plane.step * step)?;
@@ -159,7 +159,7 @@ pub(super) fn to_rgb(picture: &Picture) -> RgbImage {
 }
 
 /// At another size: pixels are repeated, or averaged in linear light.
-fn resized(picture: &RgbImage, (width, height): (u32, u32)) -> RgbImage {
+pub(super) fn resized(picture: &RgbImage, (width, height): (u32, u32)) -> RgbImage {
     let linear = |value: u8| {
         let value = f64::from(value) / 255.0;
         if value <= 0.04045 {

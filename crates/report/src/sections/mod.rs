@@ -10,6 +10,7 @@ mod level_figure;
 pub mod levels;
 pub mod meshes;
 pub mod numerics;
+pub mod samples;
 mod section;
 pub mod shape;
 pub mod time;

@@ -6,6 +6,7 @@
 //! picture if anything that decides it has changed, and takes in the tiles of the last one. Nothing
 //! here waits.
 
+pub mod effects;
 pub mod frames;
 mod keys;
 pub mod log;
@@ -16,10 +17,10 @@ use crate::panels::{self, Commands, Status, overlay::TileOverlay};
 use crate::state::command::Command;
 use crate::state::effect::{Effect, Keep};
 use crate::state::news::{self, News};
-use crate::state::{PromptKind, State, update};
+use crate::state::{State, update};
 use crate::ui::canvas::{self, Canvas};
 use crate::ui::{present, theme};
-use crate::worker::files::{Files, Saving};
+use crate::worker::files::Files;
 use crate::worker::outbox::Outbox;
 use crate::worker::render::{Renderer, Request};
 use crate::worker::watch::Watch;
@@ -67,6 +68,8 @@ pub struct App {
     /// What is watched, and the files that it watches.
     watch: Option<Watch>,
     watched: Vec<PathBuf>,
+    /// The file that changes keys, once it has been read.
+    keys_file: Option<PathBuf>,
     /// Whether the person has said that the window may close.
     may_close: bool,
     clock: SharedClock,
@@ -131,6 +134,7 @@ impl App {
             files: tasks,
             watch: Watch::start(wake),
             watched: Vec::new(),
+            keys_file: None,
             may_close: false,
             clock,
             log,
@@ -149,7 +153,15 @@ impl App {
         self.state.now = now;
         let mut news = self.files.fetch();
         if let Some(watch) = &self.watch {
-            news.extend(watch.changes().into_iter().map(News::Changed));
+            for path in watch.changes() {
+                match self.keys_file.as_ref() == Some(&path) {
+                    true if self.state.preferences.watch => {
+                        keys::read_again(&mut self.state, &self.files);
+                    }
+                    true => {}
+                    false => news.push(News::Changed(path)),
+                }
+            }
         }
         for news in news {
             if let News::Loaded(loaded) = &news {
@@ -181,19 +193,20 @@ impl App {
         self.drop_in(context, paths, adds);
     }
 
-    /// Watches the files of the scene that is open.
+    /// Watches the files of the scene that is open, and the one that changes keys.
     fn watch_files(&mut self) {
-        let (Some(watch), Some(document)) = (&self.watch, &self.state.document) else {
+        let Some(watch) = &self.watch else {
             return;
         };
-        let files = if document.opened.is_empty() {
-            &document.paths
-        } else {
-            &document.opened
+        let files = match &self.state.document {
+            Some(document) if document.opened.is_empty() => &document.paths[..],
+            Some(document) => &document.opened,
+            None => &[],
         };
-        if *files != self.watched {
-            self.watched.clone_from(files);
-            watch.watch(files.clone());
+        let files = files.iter().chain(&self.keys_file);
+        if !self.watched.iter().eq(files.clone()) {
+            self.watched = files.cloned().collect();
+            watch.watch(self.watched.clone());
         }
     }
 
@@ -255,113 +268,17 @@ impl App {
     fn carry_out(&mut self, context: &egui::Context, effect: Option<Effect>) {
         match effect {
             None => {}
-            Some(Effect::Open(paths, keep)) => self.files.open(paths, keep),
-            Some(Effect::Add(paths)) => self.files.add(paths),
-            Some(Effect::OpenNeighbor(path, step)) => self.files.open_neighbor(path, step),
-            Some(Effect::OpenCase(name)) => self.files.open_case(name),
-            Some(Effect::CancelLoad) => self.files.cancel_load(),
-            Some(Effect::Build) => {
-                if let Some(document) = &self.state.document {
-                    let (scene, accel) = (&document.scene, &document.accel);
-                    self.files.build(Arc::clone(scene), Arc::clone(accel));
-                }
-            }
-            Some(Effect::LoadTexture(path, which)) => self.files.load_texture(path, which),
-            Some(Effect::Dialog(kind)) => {
-                let suggested = match kind.saves() {
-                    true => update::suggested_name(&self.state, kind),
-                    false => String::new(),
-                };
-                self.files.ask(kind, suggested);
-            }
-            Some(Effect::OpenPicture(path, among)) => {
-                let scene = self.state.document.as_ref();
-                let scene = scene.map(|document| Arc::clone(&document.scene));
-                self.files.open_picture(path, scene, among);
-            }
-            Some(Effect::SavePicture { path, replace }) => self.save_picture(path, replace),
-            Some(Effect::SaveScene { path, replace }) => self.save_scene(path, replace),
-            Some(Effect::SaveMeasurements { path, replace }) => {
-                let text = self.state.measuring.csv(&self.state.lengths());
-                self.files
-                    .save_text(text, path, PromptKind::Measurements, replace);
-            }
-            Some(Effect::SaveOutline {
-                plane: index,
-                path,
-                replace,
-            }) => {
-                let plane = self.state.settings.clip.all().get(index);
-                if let Some((document, plane)) = self.state.document.as_ref().zip(plane) {
-                    let cut = (Arc::clone(&document.accel), *plane);
-                    let by = PromptKind::Outline(index);
-                    self.files.save_outline(cut, path, by, replace);
-                }
-            }
-            Some(Effect::Weigh(object)) => self.weigh(object),
-            Some(Effect::Check(objects)) => self.check(&objects),
-            Some(Effect::OpenKeysFile) => keys::open(&mut self.state, &self.files),
-            Some(Effect::ReadKeysFile) => keys::read_again(&mut self.state, &self.files),
             Some(Effect::SetKeys { text, asked }) => {
                 keys::set(&mut self.state, context, &text, asked);
+                // As the watch tells of it.
+                self.keys_file = keys::path().and_then(|path| path.canonicalize().ok());
             }
             Some(Effect::Copy(text)) => context.copy_text(text),
             Some(Effect::Close) => {
                 self.may_close = true;
                 context.send_viewport_cmd(egui::ViewportCommand::Close);
             }
-        }
-    }
-
-    /// Works out the size of an object, if it is not known.
-    fn weigh(&self, number: usize) {
-        let scene = self.state.document.as_ref().map(|document| &document.scene);
-        let Some((scene, transforms)) =
-            scene.and_then(|scene| Some((scene, scene.world_from_objects().ok()?)))
-        else {
-            return;
-        };
-        if let (Some(object), Some(place)) = (scene.objects.get(number), transforms.get(number))
-            && self.state.inspection.size(&object.mesh, place).is_none()
-        {
-            self.files.weigh(Arc::clone(&object.mesh), *place);
-        }
-    }
-
-    fn check(&self, numbers: &[usize]) {
-        let Some(document) = &self.state.document else {
-            return;
-        };
-        let objects = &document.scene.objects;
-        let name = match *numbers {
-            [one] => objects.get(one).map(|object| object.name.clone()),
-            _ => None,
-        };
-        let meshes = numbers
-            .iter()
-            .filter_map(|&number| Some((number, Arc::clone(&objects.get(number)?.mesh))));
-        let name = name.unwrap_or_else(|| document.name.clone());
-        self.files.check(name, meshes.collect());
-    }
-
-    fn save_picture(&self, path: PathBuf, replace: bool) {
-        if let Some(view) = self.state.view_at_rest() {
-            let state = &self.state;
-            let picture = Saving {
-                view,
-                grid: state.grid,
-                threads: state.threads,
-            };
-            self.files.save(picture, path, replace);
-        }
-    }
-
-    fn save_scene(&self, path: PathBuf, replace: bool) {
-        let state = &self.state;
-        if let (Some(document), Some(scene)) = (&state.document, state.scene_file()) {
-            let own = document.file.clone();
-            let revision = state.history.revision();
-            self.files.save_scene(scene, (path, own), revision, replace);
+            Some(effect) => effects::hand_out(&mut self.state, &self.files, effect),
         }
     }
 

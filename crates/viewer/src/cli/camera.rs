@@ -1,6 +1,6 @@
 use super::{OrbitArg, values};
 use clap::Args;
-use raycast_core::camera::Projection;
+use raycast_core::camera::{BrownConrady, Projection};
 use raycast_core::glam::DVec3;
 
 /// Where the camera stands and what its rays are.
@@ -19,6 +19,12 @@ pub struct CameraArgs {
     /// How rays leave the camera [default: perspective]
     #[arg(long, value_name = "KIND", value_parser = values::named(values::PROJECTIONS))]
     pub projection: Option<Projection>,
+    /// Off-centre frame: so many heights of the frame to the right and up of the view axis
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = values::shift)]
+    pub shift: Option<[f64; 2]>,
+    /// See a perspective picture through a calibrated lens, Brown-Conrady as OpenCV has it
+    #[arg(long, value_name = "K1,K2,P1,P2,K3", allow_hyphen_values = true, value_parser = values::lens)]
+    pub lens: Option<BrownConrady>,
     /// Where the camera stands
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
     pub eye: Option<DVec3>,

@@ -1,7 +1,7 @@
-use super::{SceneColor, TextureProjectionArgs, WireframeArg, values};
+use super::{BackFacesArg, SceneColor, TextureProjectionArgs, WireframeArg, values};
 use clap::Args;
 use raycast_core::scene::{Color, ColorMap, Crop, Wrap};
-use raycast_core::shade::{Background, Filter, Mode};
+use raycast_core::shade::{Background, EdgeKinds, Filter, LightSet, Mode};
 use std::path::PathBuf;
 
 /// In which colours a picture is made.
@@ -25,6 +25,26 @@ pub struct ShadingArgs {
     /// The color of these edges: `#rrggbb` or `#rgb`
     #[arg(long, value_name = "COLOR", requires = "wireframe")]
     pub wireframe_color: Option<Color>,
+    /// Which edges have lines: `all`, or `polygon` (of the file's polygons), `feature[:DEGREES]` (where the surface
+    /// turns by so much or more; 30), `silhouette`, `boundary`, `non-manifold` with commas between [default: all]
+    #[arg(long, value_name = "KINDS")]
+    pub wireframe_edges: Option<EdgeKinds>,
+    /// How strongly lines show through what hides them: 0 (not at all) to 1 [default: 0; 0.25 without a number]
+    #[arg(
+        long,
+        value_name = "0..1",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "0.25",
+        value_parser = values::hidden_lines
+    )]
+    pub wireframe_hidden: Option<f32>,
+    /// The color of triangles that are seen from behind, in place of their own: `#rrggbb`, `#rgb` or `none`
+    #[arg(long, value_name = "COLOR", value_parser = values::back_faces)]
+    pub back_faces: Option<BackFacesArg>,
+    /// In `--mode x-ray`, how much of what lies behind it a surface covers that is seen from above [default: 0.2]
+    #[arg(long, value_name = "0..1", allow_hyphen_values = true, value_parser = values::opacity)]
+    pub x_ray_opacity: Option<f32>,
     /// An image for the surface of every object
     #[arg(long, value_name = "IMAGE")]
     pub texture: Option<PathBuf>,
@@ -41,6 +61,9 @@ pub struct ShadingArgs {
     /// From the object's colours (0) to its texture (1) [default: 1]
     #[arg(long, value_name = "0..1", allow_hyphen_values = true, value_parser = values::blend)]
     pub blend: Option<f32>,
+    /// The file's number that says how much of the texture shows, 0 to 1, times `--blend`: `raycast info` lists them
+    #[arg(long, value_name = "SCALAR")]
+    pub blend_by: Option<String>,
     /// How the texture is read between its texels [default: bilinear]
     #[arg(long, value_name = "KIND", value_parser = values::named(values::FILTERS))]
     pub filter: Option<Filter>,
@@ -50,6 +73,16 @@ pub struct ShadingArgs {
     /// or one a triangle where it has none]
     #[arg(long, value_name = "COLOR", value_parser = values::scene_color)]
     pub color: Option<SceneColor>,
+    /// The colour of triangles to which neither their file nor `--color` gives one [default: #c8ccd2]
+    #[arg(long, value_name = "COLOR")]
+    pub plain_color: Option<Color>,
+    /// Smooth the edges of meshes without normals, where two triangles are at most so many degrees apart; 0 leaves every
+    /// triangle flat [default: 0]
+    #[arg(long, value_name = "DEGREES", value_parser = values::crease)]
+    pub crease: Option<f32>,
+    /// Where light comes from; it moves with the camera [default: soft]
+    #[arg(long, value_name = "KIND", value_parser = values::named(values::LIGHTS))]
+    pub lights: Option<LightSet>,
     /// The colours of numbers, from low to high; with it, or either of the next two, `--mode depth` is in these
     /// colours instead of greys, over the distances seen [default: viridis]
     #[arg(long, value_name = "MAP", value_parser = values::named(values::COLOR_MAPS))]

@@ -2,12 +2,14 @@
 
 use clap::builder::{PossibleValuesParser, RangedI64ValueParser, TypedValueParser};
 use raycast_core::Cull;
-use raycast_core::camera::{ImagePlane, Panorama, Projection, check_step};
+use raycast_core::camera::{
+    BrownConrady, ImagePlane, LensError, Panorama, PixelFilter, Projection, check_step,
+};
 use raycast_core::glam::{DVec2, DVec3};
 use raycast_core::ranges;
 use raycast_core::render::Precision;
 use raycast_core::scene::{Color, ColorMap, ColorRule, Crop, TextureProjection, UpAxis, Wrap};
-use raycast_core::shade::{Background, Filter, Mode};
+use raycast_core::shade::{Background, Filter, LightSet, Mode};
 use std::str::FromStr;
 
 /// `--orbit`: degrees, and scene units where they were given.
@@ -55,12 +57,14 @@ pub(super) const MODES: Names<Mode> = &[
     ("color", Mode::Color),
     ("flat", Mode::Flat),
     ("smooth", Mode::Smooth),
+    ("material", Mode::Material),
     ("normals", Mode::Normals),
     ("depth", Mode::Depth),
     ("barycentric", Mode::Barycentric),
     ("uv", Mode::Uv),
     ("texture", Mode::Texture),
     ("wireframe", Mode::Wireframe),
+    ("x-ray", Mode::XRay),
 ];
 
 pub(super) const TEXTURE_PROJECTIONS: Names<TextureProjection> = &[
@@ -72,12 +76,20 @@ pub(super) const TEXTURE_PROJECTIONS: Names<TextureProjection> = &[
     ("cylinder", TextureProjection::Cylinder),
 ];
 
+pub(super) const LIGHTS: Names<LightSet> = &[
+    ("soft", LightSet::Soft),
+    ("headlight", LightSet::Headlight),
+    ("three-point", LightSet::ThreePoint),
+];
+
 pub(super) const FILTERS: Names<Filter> = &[
     ("nearest", Filter::Nearest),
     ("bilinear", Filter::Bilinear),
     ("trilinear", Filter::Trilinear),
     ("ewa", Filter::Ewa),
 ];
+
+pub(super) const PIXEL_FILTERS: Names<PixelFilter> = &PixelFilter::ALL;
 
 pub(super) const COLOR_MAPS: Names<ColorMap> = &[
     ("viridis", ColorMap::Viridis),
@@ -107,6 +119,31 @@ pub(super) fn named<T: Copy + Send + Sync + 'static>(
     })
 }
 
+/// Reads how much of what lies behind it a surface covers.
+pub(super) fn opacity(text: &str) -> Result<f32, String> {
+    ranges::opacity(number(text)?).map_err(|error| error.to_string())
+}
+
+/// `--back-faces`: their colour, or none although a scene file has one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BackFacesArg {
+    /// As in front.
+    None,
+    /// In a colour of their own.
+    Color(Color),
+}
+
+/// Reads `--back-faces`.
+pub(super) fn back_faces(text: &str) -> Result<BackFacesArg, String> {
+    match text {
+        "none" => Ok(BackFacesArg::None),
+        _ => text
+            .parse()
+            .map(BackFacesArg::Color)
+            .map_err(|_| "expected #rrggbb, #rgb or none".to_owned()),
+    }
+}
+
 /// Reads a count of workers.
 pub(super) fn threads() -> RangedI64ValueParser<u16> {
     clap::value_parser!(u16).range(0..=256)
@@ -117,6 +154,21 @@ pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
     let (columns, rows) = by(text, "a size as WIDTHxHEIGHT")?;
     ImagePlane::new(columns, rows, 1.0).map_err(|error| error.to_string())?;
     Ok((columns, rows))
+}
+
+/// Reads how far a frame is off the view axis.
+pub(super) fn shift(text: &str) -> Result<[f64; 2], String> {
+    let parts = text.split(',').map(|part| number(part.trim()));
+    let parts = parts.collect::<Result<Vec<f64>, _>>()?;
+    let shift = parts
+        .try_into()
+        .map_err(|_| "expected two numbers, X,Y".to_owned())?;
+    ranges::shift(shift).map_err(|error| error.to_string())
+}
+
+/// Reads a lens's coefficients.
+pub(super) fn lens(text: &str) -> Result<BrownConrady, String> {
+    text.parse().map_err(|error: LensError| error.to_string())
 }
 
 /// Reads a grid's counts.
@@ -219,6 +271,11 @@ pub(super) fn wireframe(text: &str) -> Result<WireframeArg, String> {
         .map_err(|error| format!("{error}, or none"))
 }
 
+/// Reads how strongly hidden lines show.
+pub(super) fn hidden_lines(text: &str) -> Result<f32, String> {
+    ranges::hidden_lines(number(text)?).map_err(|error| error.to_string())
+}
+
 /// Reads a line's width in pixels.
 pub(super) fn line_width(text: &str) -> Result<f32, String> {
     ranges::line_width(number(text)?).map_err(|error| error.to_string())
@@ -227,6 +284,11 @@ pub(super) fn line_width(text: &str) -> Result<f32, String> {
 /// Reads a share.
 pub(super) fn blend(text: &str) -> Result<f32, String> {
     ranges::blend(number(text)?).map_err(|error| error.to_string())
+}
+
+/// Reads a crease angle in degrees.
+pub(super) fn crease(text: &str) -> Result<f32, String> {
+    ranges::crease(number(text)?).map_err(|error| error.to_string())
 }
 
 /// Reads a part of an image.

@@ -1,5 +1,6 @@
-use super::{CameraArgs, CastingArgs, ReadingArgs, ShadingArgs};
+use super::{CameraArgs, CastingArgs, ReadingArgs, ShadingArgs, values};
 use clap::Args;
+use raycast_core::camera::PixelFilter;
 use std::path::PathBuf;
 
 /// `raycast verify`.
@@ -50,6 +51,14 @@ pub struct VerifyArgs {
         value_parser = clap::value_parser!(u32).range(1..=4096)
     )]
     pub samples: Option<u32>,
+    /// How samples are weighed by their place; wider than a pixel but for a box [default: the recipe's, else box]
+    #[arg(
+        long,
+        value_name = "KIND",
+        help_heading = "Casting",
+        value_parser = values::named(values::PIXEL_FILTERS)
+    )]
+    pub pixel_filter: Option<PixelFilter>,
     /// How rays meet triangles.
     #[command(flatten)]
     pub casting: CastingArgs,

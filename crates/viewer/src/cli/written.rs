@@ -3,14 +3,15 @@
 use super::clip;
 use super::shell::quoted;
 use super::values::{
-    self, COLOR_MAPS, CULLS, FILTERS, MODES, Names, PRECISIONS, PROJECTIONS, TEXTURE_PROJECTIONS,
+    self, COLOR_MAPS, CULLS, FILTERS, LIGHTS, MODES, Names, PIXEL_FILTERS, PRECISIONS, PROJECTIONS,
+    TEXTURE_PROJECTIONS,
 };
 use raycast_core::camera::{Placement, Projection, frame_to_fov};
 use raycast_core::formats::{CameraFile, Limits};
 use raycast_core::glam::DVec3;
 use raycast_core::render::View;
 use raycast_core::scene::{Scene, UpAxis};
-use raycast_core::shade::Background;
+use raycast_core::shade::{Background, Mode};
 use std::path::PathBuf;
 
 /// `raycast render` with all that decides the picture's bytes, whatever a scene file among `files` says of camera
@@ -37,7 +38,13 @@ pub fn render_command(
     let (plane, placement) = (camera.plane(), camera.placement());
     option("--size", format!("{}x{}", plane.columns, plane.rows));
     option("--step", plane.step.to_string());
-    option("--projection", word(PROJECTIONS, camera.projection()));
+    option("--projection", camera.projection().name().to_owned());
+    if let Some(lens) = camera.projection().lens() {
+        option("--lens", lens.to_string());
+    }
+    // What is the usual is said too: a scene file may say something else.
+    let [right, up] = camera.shift();
+    option("--shift", format!("{right},{up}"));
     option("--eye", point(placement.eye));
     option("--target", point(placement.target));
     option("--up", point(placement.up));
@@ -52,6 +59,9 @@ pub fn render_command(
     );
     option("--blend", shading.blend.to_string());
     option("--filter", word(FILTERS, shading.filter));
+    option("--crease", shading.crease.to_string());
+    option("--lights", word(LIGHTS, shading.lights));
+    option("--plain-color", shading.plain_color.to_string());
     if !has_own_projection(&view.scene) {
         let projection = word(TEXTURE_PROJECTIONS, shading.projection);
         option("--texture-projection", projection);
@@ -63,6 +73,7 @@ pub fn render_command(
         }
     }
     option("--samples", settings.samples.max(1).to_string());
+    option("--pixel-filter", word(PIXEL_FILTERS, settings.pixel_filter));
     option("--cull", word(CULLS, settings.cull));
     option("--precision", word(PRECISIONS, settings.precision));
     let planes = clip::words(&settings.clip);
@@ -73,10 +84,20 @@ pub fn render_command(
     for plane in planes {
         option("--clip", plane);
     }
+    let back_faces = shading.back_faces.map(|color| color.to_string());
+    option(
+        "--back-faces",
+        back_faces.unwrap_or_else(|| "none".to_owned()),
+    );
+    if shading.mode == Mode::XRay {
+        option("--x-ray-opacity", shading.x_ray_opacity.to_string());
+    }
     match shading.wireframe {
         Some(lines) => {
             option("--wireframe-color", lines.color.to_string());
+            option("--wireframe-edges", lines.edges.to_string());
             words.push(format!("--wireframe={}", lines.width));
+            words.push(format!("--wireframe-hidden={}", lines.hidden));
         }
         None => words.push("--wireframe=none".to_owned()),
     }
@@ -106,12 +127,14 @@ pub fn camera_options(camera: &CameraFile) -> String {
         Projection::Orthographic => frame_to_fov(*frame, placement.eye.distance(placement.target)),
         Projection::Perspective | Projection::Panoramic(_) => *frame,
     };
+    let lens = projection.lens().map(|lens| format!(" --lens {lens}"));
     format!(
-        "--eye {} --target {} --up {} --fov {fov} --projection {}",
+        "--eye {} --target {} --up {} --fov {fov} --projection {}{}",
         point(placement.eye),
         point(placement.target),
         point(placement.up),
-        word(PROJECTIONS, *projection),
+        projection.name(),
+        lens.unwrap_or_default(),
     )
 }
 
@@ -134,6 +157,12 @@ pub fn camera_of(text: &str) -> Option<CameraFile> {
     let projection = match told("--projection") {
         Some(name) => PROJECTIONS.iter().find(|(known, _)| *known == name)?.1,
         None => Projection::Perspective,
+    };
+    let projection = match told("--lens") {
+        Some(lens) if projection == Projection::Perspective => {
+            Projection::through(values::lens(lens).ok()?)
+        }
+        _ => projection,
     };
     let distance = eye.distance(target);
     let fov = told("--fov").map(values::fov).transpose().ok()?;

@@ -4,7 +4,9 @@ use crate::output::print;
 use crate::progress::TerminalProgress;
 use crate::stats::{self, json, milliseconds};
 use crate::{memory, setup};
-use raycast_core::camera::{Camera, Grid, Lattice, Placement, PlaneRequest, fov_to_frame};
+use raycast_core::camera::{
+    Camera, Grid, Lattice, PixelFilter, Placement, PlaneRequest, fov_to_frame,
+};
 use raycast_core::formats;
 use raycast_core::picture::Picture;
 use raycast_core::render::{Cancel, Precision, Settings, TileStats, View};
@@ -188,6 +190,7 @@ fn measure(
                 clip: args.casting.clip.planes(ClippingPlanes::NONE)?,
                 precision: args.casting.precision.unwrap_or_default(),
                 samples: 1,
+                pixel_filter: PixelFilter::Box,
                 layers: false,
             },
         };

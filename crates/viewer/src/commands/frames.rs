@@ -151,7 +151,7 @@ impl<'a> Frames<'a> {
         let camera = match self.way {
             Way::Turntable(count) => {
                 let placement = CameraPath::turntable(&base.placement(), count, frame);
-                Camera::new(placement, base.projection(), base.plane())
+                Camera::new(placement, base.projection(), base.plane()).shifted(base.shift())
             }
             Way::Path(path) => {
                 let key = path.at(frame);
@@ -164,6 +164,7 @@ impl<'a> Frames<'a> {
                 let bounds = setup::bounds(&view.scene, &view.accel);
                 let image = ImageSettings {
                     size: Some((base.plane().columns, base.plane().rows)),
+                    shift: Some(base.shift()),
                     ..ImageSettings::default()
                 };
                 setup::camera(&self.args.camera, Some(&file), image, &bounds)

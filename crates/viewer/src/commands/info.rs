@@ -1,3 +1,6 @@
+mod health;
+
+use self::health::HealthInfo;
 use super::Failure;
 use crate::cli::{CameraArgs, InfoArgs, ReadingArgs};
 use crate::output::print;
@@ -5,9 +8,7 @@ use crate::progress::TerminalProgress;
 use crate::stats::{json, milliseconds};
 use crate::{memory, setup};
 use raycast_core::formats::{self, SceneFile};
-use raycast_core::glam::DAffine3;
-use raycast_core::health;
-use raycast_core::scene::{Bounds, Dropped, Mesh, Object, Scalar, ScalarAt};
+use raycast_core::scene::{Bounds, Dropped, Object, Scalar, ScalarAt};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
@@ -89,70 +90,6 @@ impl ScalarInfo {
         match range {
             Some([low, high]) => format!("{name} of {at}, {low} to {high}"),
             None => format!("{name} of {at}, no numbers"),
-        }
-    }
-}
-
-/// How the triangles of a mesh join, and how much there is of it.
-#[derive(Debug, Serialize)]
-struct HealthInfo {
-    closed: bool,
-    shells: usize,
-    euler_characteristic: i64,
-    open_edges: usize,
-    non_manifold_edges: usize,
-    flipped: usize,
-    degenerate: usize,
-    duplicates: usize,
-    unused_vertices: usize,
-    one_sided: usize,
-    inside_out: usize,
-    /// In its place in the scene, in scene units.
-    area: f64,
-    /// `null` where it is open.
-    volume: Option<f64>,
-}
-
-impl HealthInfo {
-    fn of(mesh: &Mesh, world_from_object: &DAffine3) -> Option<Self> {
-        let health = health::check(mesh, &|_| true)?;
-        let size = health::size(mesh, world_from_object, &|_| true)?;
-        Some(Self {
-            closed: health.is_closed(),
-            shells: health.shells,
-            euler_characteristic: health.euler_characteristic(),
-            open_edges: health.open_edges.len(),
-            non_manifold_edges: health.non_manifold_edges.len(),
-            flipped: health.flipped.len(),
-            degenerate: health.degenerate.len(),
-            duplicates: health.duplicates.len(),
-            unused_vertices: health.unused_vertices.len(),
-            one_sided: health.one_sided,
-            inside_out: health.inside_out,
-            area: size.area,
-            volume: health.is_closed().then_some(size.volume),
-        })
-    }
-
-    /// The faults that there are, in words.
-    fn faults(&self) -> String {
-        let kinds = [
-            (self.open_edges, "open edges"),
-            (self.non_manifold_edges, "non-manifold edges"),
-            (self.flipped, "flipped"),
-            (self.degenerate, "degenerate"),
-            (self.duplicates, "duplicates"),
-            (self.unused_vertices, "unused vertices"),
-            (self.one_sided, "one-sided parts"),
-            (self.inside_out, "shells inside out"),
-        ];
-        let found = kinds.into_iter().filter(|(count, _)| *count > 0);
-        let found: Vec<_> = found
-            .map(|(count, kind)| format!("{count} {kind}"))
-            .collect();
-        match found[..] {
-            [] => "none".to_owned(),
-            _ => found.join(", "),
         }
     }
 }

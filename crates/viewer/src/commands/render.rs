@@ -263,6 +263,9 @@ pub(super) fn open(
             .or(file.image.precision)
             .unwrap_or_default(),
         samples: args.samples.or(file.image.samples).unwrap_or(1).max(1),
+        pixel_filter: (args.pixel_filter)
+            .or(file.image.pixel_filter)
+            .unwrap_or_default(),
         layers: format == Format::Exr,
     };
 
@@ -282,7 +285,11 @@ pub(super) fn open(
         true => scene.level_bytes(),
         false => 0,
     };
-    memory::check_scene(&name, setup::stored_triangles(&scene), levels)?;
+    let normals = match settings.shading.is_creased() {
+        true => scene.crease_bytes(),
+        false => 0,
+    };
+    memory::check_scene(&name, setup::stored_triangles(&scene), levels + normals)?;
     let accel = pool.install(|| setup::visible_tree(&name, &scene))?;
     let build_time = building.elapsed();
     let bounds = setup::bounds(&scene, &accel);

@@ -64,7 +64,9 @@ fn scene_file(view: &View, animation: Option<&CameraPath>) -> SceneFile {
         image: ImageSettings {
             size: Some((plane.columns, plane.rows)),
             samples: Some(settings.samples),
+            pixel_filter: Some(settings.pixel_filter),
             step: Some(plane.step),
+            shift: Some(camera.shift()).filter(|shift| *shift != [0.0; 2]),
             cull: Some(settings.cull),
             precision: Some(settings.precision),
         },

@@ -1,12 +1,15 @@
+mod image;
+
+use self::image::{Image, WHOLE, cannot_read, read};
 use super::render::render_rect;
 use super::{Failure, warn_of_reading, workers};
 use crate::cli::{CameraArgs, VerifyArgs};
 use crate::progress::TerminalProgress;
 use crate::{memory, output, setup};
 use raycast_core::Cull;
-use raycast_core::camera::{Camera, Grid, Rect};
+use raycast_core::camera::{Camera, Grid, PixelFilter, Rect};
 use raycast_core::formats::{ImageSettings, SceneFile};
-use raycast_core::picture::{self, ImageError, ImageFile, Picture, Recipe, RowReader};
+use raycast_core::picture::{self, Picture, Recipe};
 use raycast_core::render::View;
 use raycast_core::scene::{ClippingPlanes, Scene};
 use raycast_core::shade::Shading;
@@ -14,8 +17,6 @@ use raycast_report::verify::{Channels, Claim, Verification, WrongPixel, verify};
 use raycast_report::{Stage, WrongAnswer};
 use rayon::ThreadPool;
 use std::fmt::Write;
-use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -26,6 +27,7 @@ struct Ways {
     camera: Camera,
     shading: Shading,
     samples: u32,
+    pixel_filter: PixelFilter,
     cull: Cull,
     clip: ClippingPlanes,
 }
@@ -67,6 +69,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
         .unwrap_or_default();
     view.settings.shading = ways.shading;
     view.settings.samples = ways.samples;
+    view.settings.pixel_filter = ways.pixel_filter;
     // A band at a time, of a picture that has several: what is drawn is the same share of each.
     let rows = match (&image, WHOLE / u64::from(rect.width)) {
         (Some(Image::Whole(_)), _) => rect.height,
@@ -139,6 +142,7 @@ impl Checking<'_> {
                 cull: ways.cull,
                 shading: ways.shading,
                 samples: ways.samples,
+                pixel_filter: ways.pixel_filter,
                 picture: &picture,
             };
             // Of the pixels down to here so many are to be drawn in all.
@@ -208,6 +212,7 @@ impl Asked<'_> {
             scene: self.stage.scene.content(),
             camera: ways.camera,
             samples: ways.samples,
+            pixel_filter: ways.pixel_filter,
             cull: ways.cull,
             clip: ways.clip.only_enabled(),
             precision: recipe.precision,
@@ -249,6 +254,10 @@ impl Asked<'_> {
             camera,
             shading: setup::shading(&args.shading, shading),
             samples: samples.unwrap_or(1).max(1),
+            pixel_filter: (args.pixel_filter)
+                .or(recipe.map(|recipe| recipe.pixel_filter))
+                .or(file.image.pixel_filter)
+                .unwrap_or_default(),
             cull: (args.casting.cull)
                 .or(recipe.map(|recipe| recipe.cull))
                 .or(file.image.cull)
@@ -269,8 +278,12 @@ fn places(args: &CameraArgs) -> bool {
         target,
         up,
         orbit,
+        shift,
+        lens,
     } = args;
     step.is_some()
+        || shift.is_some()
+        || lens.is_some()
         || fov.is_some()
         || projection.is_some()
         || eye.is_some()
@@ -303,61 +316,6 @@ fn split(files: &[PathBuf]) -> Result<(Option<&Path>, &[PathBuf]), Failure> {
         ))),
         _ => Ok((image, scene)),
     }
-}
-
-/// Pixels of an image that is read, or rendered, at once.
-const WHOLE: u64 = 1 << 21;
-
-/// An image that RayCast wrote.
-enum Image<'a> {
-    /// All of it: of few pixels, or a fragment, whose checksum is that of all its pixels.
-    Whole(Box<ImageFile>),
-    /// To be read from the top; the name is for errors.
-    Rows(&'a Path, Box<RowReader<BufReader<File>>>),
-}
-
-impl Image<'_> {
-    fn full_size(&self) -> (u32, u32) {
-        match self {
-            Self::Whole(image) => image.full_size(),
-            Self::Rows(_, reader) => reader.full_size(),
-        }
-    }
-
-    fn rect(&self) -> Rect {
-        match self {
-            Self::Whole(image) => image.rect(),
-            Self::Rows(_, reader) => reader.rect(),
-        }
-    }
-
-    fn recipe(&self) -> Option<&Recipe> {
-        match self {
-            Self::Whole(image) => image.recipe.as_ref(),
-            Self::Rows(_, reader) => reader.recipe(),
-        }
-    }
-}
-
-/// Opens an image that RayCast wrote, whole or a fragment.
-fn read(path: &Path) -> Result<Image<'_>, Failure> {
-    let cannot = |error: std::io::Error| Failure::could_not(format!("{}: {error}", path.display()));
-    let file = File::open(path).map_err(cannot)?;
-    let length = file.metadata().map_err(cannot)?.len();
-    let reader = RowReader::open(BufReader::new(file), length);
-    let reader = reader.map_err(|error| cannot_read(path, &error))?;
-    let (columns, rows) = reader.size();
-    let is_large = u64::from(columns) * u64::from(rows) > WHOLE;
-    if is_large && reader.full_size() == (columns, rows) {
-        return Ok(Image::Rows(path, Box::new(reader)));
-    }
-    let image = ImageFile::decode(&std::fs::read(path).map_err(cannot)?);
-    let image = image.map_err(|error| cannot_read(path, &error))?;
-    Ok(Image::Whole(Box::new(image)))
-}
-
-fn cannot_read(path: &Path, error: &ImageError) -> Failure {
-    Failure::could_not(format!("{}: {error}", path.display()))
 }
 
 fn stage(name: &str, scene: Scene) -> Result<Stage, Failure> {

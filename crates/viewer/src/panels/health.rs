@@ -1,14 +1,14 @@
 //! What is wrong with meshes: counted, listed, clicked to be looked at.
 
 use super::Commands;
-use super::widgets::{fact, section};
+use super::widgets::{fact, section_that_opens};
 use crate::state::State;
 use crate::state::command::Command;
 use crate::state::inspection::{Checked, Fault, Shown};
 use crate::ui::format;
 use crate::ui::registry::{self, action};
 use crate::ui::theme;
-use egui::{Button, RichText, Ui, vec2};
+use egui::{Button, Id, RichText, Ui, vec2};
 use std::sync::Arc;
 
 /// The most objects whose faults are listed: more are not read, and take longer than a frame has.
@@ -18,23 +18,26 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     let Some(document) = &state.document else {
         return;
     };
-    section(ui, "Health", false, |ui| {
-        let check = action("tools.check");
+    // A check is asked for from menus and the palette too: its answer is not to stay behind a closed title.
+    let last = Id::unique("last check");
+    let rounds = state.inspection.rounds;
+    let is_new = rounds > 0 && ui.data(|data| data.get_temp(last)) != Some(rounds);
+    if is_new {
+        ui.data_mut(|data| data.insert_temp(last, rounds));
+    }
+    section_that_opens(ui, "Health", false, is_new, |ui| {
         let name = match state.selected.and_then(|n| document.scene.objects.get(n)) {
             Some(object) => format!("Check {}", object.name),
             None => "Check all objects".to_owned(),
         };
-        let width = ui.available_width();
-        let button = Button::new(name).truncate().min_size(vec2(width, 0.0));
-        let response = ui.add_enabled((check.applies)(state), button);
-        response
-            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Check the mesh"));
-        if response
-            .on_hover_text(registry::hint(ui.ctx(), check.id))
-            .clicked()
-        {
-            out.push((check.command)(state));
-        }
+        ask(ui, state, "tools.check", &name, out);
+        ask(
+            ui,
+            state,
+            "tools.intersections",
+            "Find self-intersections",
+            out,
+        );
         let objects = &document.scene.objects;
         let checked = state.inspection.checked.iter().filter_map(|checked| {
             let object = objects.get(checked.object)?;
@@ -43,7 +46,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
         // What is sound among many needs no lines of its own.
         let is_one = state.inspection.checked.len() == 1;
         let (listed, sound): (Vec<_>, Vec<_>) =
-            checked.partition(|(checked, _)| is_one || !checked.health.is_sound());
+            checked.partition(|(checked, _)| is_one || !checked.is_sound());
         for (checked, name) in listed.iter().take(MOST) {
             ui.push_id(checked.object, |ui| object(ui, state, name, checked, out));
         }
@@ -57,12 +60,27 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     });
 }
 
+/// A button of the whole width for a command of the registry.
+fn ask(ui: &mut Ui, state: &State, id: &str, text: &str, out: &mut Commands) {
+    let action = action(id);
+    let width = ui.available_width();
+    let button = Button::new(text).truncate().min_size(vec2(width, 0.0));
+    let response = ui.add_enabled((action.applies)(state), button);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, action.name));
+    if response
+        .on_hover_text(registry::hint(ui.ctx(), action.id))
+        .clicked()
+    {
+        out.push((action.command)(state));
+    }
+}
+
 fn object(ui: &mut Ui, state: &State, name: &str, checked: &Checked, out: &mut Commands) {
     let health = &checked.health;
     let colors = theme::colors(ui);
     ui.horizontal(|ui| {
         ui.add(egui::Label::new(RichText::new(name).strong()).truncate());
-        let (verdict, color) = match (health.is_sound(), health.is_closed()) {
+        let (verdict, color) = match (checked.is_sound(), health.is_closed()) {
             (true, _) => ("sound", colors.done),
             (false, true) => ("closed, with faults", colors.error),
             (false, false) => ("not closed", colors.error),
@@ -71,7 +89,7 @@ fn object(ui: &mut Ui, state: &State, name: &str, checked: &Checked, out: &mut C
     });
     let mut is_clean = true;
     for fault in Fault::ALL {
-        let count = fault.count(health);
+        let count = checked.count(fault);
         if count > 0 {
             is_clean = false;
             faults(ui, state, checked, fault, count, out);
@@ -97,8 +115,17 @@ fn object(ui: &mut Ui, state: &State, name: &str, checked: &Checked, out: &mut C
             &format::count(health.one_sided as u64),
         );
     }
-    if is_clean {
-        ui.weak("No fault was found");
+    match &checked.intersections {
+        None if is_clean => {
+            ui.weak("No fault was found; self-intersections were not looked for");
+        }
+        Some(_) if is_clean => {
+            ui.weak("No fault was found, nor any self-intersection");
+        }
+        Some(found) if found.pairs.is_empty() => {
+            ui.weak("No self-intersection was found");
+        }
+        _ => {}
     }
     let euler = health.euler_characteristic();
     fact(
@@ -131,7 +158,11 @@ fn faults(
             index,
         }))
     };
-    let text = RichText::new(format::count(count as u64)).color(theme::colors(ui).error);
+    let mut text = format::count(count as u64);
+    if checked.has_more(fault) {
+        text = format!("over {text}");
+    }
+    let text = RichText::new(text).color(theme::colors(ui).error);
     let button = Button::new(name)
         .selected(shown.is_some())
         .right_text(text)
@@ -174,9 +205,7 @@ fn faults(
             "The next fault",
             (shown.index + 1) % count,
         ));
-        let number = fault
-            .number(&checked.health, shown.index)
-            .unwrap_or_default();
+        let number = checked.number(fault, shown.index).unwrap_or_default();
         ui.add(egui::Label::new(format!("{} of {count}: {number}", shown.index + 1)).truncate());
     });
 }

@@ -6,7 +6,7 @@ use crate::state::command::Command;
 use crate::ui::input;
 use crate::ui::registry::{Chord, Keymap, Menu, actions};
 use crate::ui::theme;
-use egui::{Grid, Id, Modal, RichText, ScrollArea, Ui};
+use egui::{Grid, Id, Label, Modal, RichText, ScrollArea, Ui};
 
 /// Shows them over the window; a click beside them, Esc or F1 closes them.
 pub(super) fn show(context: &egui::Context, state: &State, out: &mut Commands) {
@@ -52,14 +52,20 @@ fn table(ui: &mut Ui, title: &str, entries: impl Iterator<Item = (String, &'stat
     let colors = theme::colors(ui);
     ui.add_space(6.0);
     ui.label(RichText::new(title).strong().color(colors.accent));
+    const KEYS: f32 = 184.0;
+    const GAP: f32 = 16.0;
+    // What is longer than a narrow window has room for goes on below.
+    let room = (ui.available_width() - KEYS - GAP).max(KEYS);
     Grid::new(title)
         .num_columns(2)
-        .min_col_width(184.0)
-        .spacing([16.0, 4.0])
+        .min_col_width(KEYS)
+        .max_col_width(room)
+        .spacing([GAP, 4.0])
         .show(ui, |ui| {
             for (key, does) in entries {
                 ui.label(RichText::new(key).color(colors.strong));
-                ui.label(RichText::new(does).color(colors.quiet));
+                let does = RichText::new(does).color(colors.quiet);
+                ui.add(Label::new(does).wrap());
                 ui.end_row();
             }
         });

@@ -1,6 +1,6 @@
 //! What is changed daily of how things look: the mode, lines, colours, texture, background.
 
-use super::widgets::{Number, color, row, section, tick};
+use super::widgets::{Number, color, row, section, select, tick};
 use super::{Commands, colors};
 use crate::state::PromptKind;
 use crate::state::State;
@@ -9,11 +9,14 @@ use crate::ui::modes::MODES;
 use crate::ui::registry;
 use egui::{Button, Ui, vec2};
 use raycast_core::ranges::WIDEST_LINE;
-use raycast_core::shade::{Background, Mode};
+use raycast_core::shade::{Background, EdgeKinds, Mode, Wireframe};
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     section(ui, "Look", true, |ui| {
         modes(ui, state, out);
+        if state.settings.shading.mode == Mode::XRay {
+            x_ray(ui, state, out);
+        }
         lines(ui, state, out);
         colors::show(ui, state, out);
         texture(ui, state, out);
@@ -44,9 +47,35 @@ fn modes(ui: &mut Ui, state: &State, out: &mut Commands) {
     });
 }
 
+fn x_ray(ui: &mut Ui, state: &State, out: &mut Commands) {
+    row(
+        ui,
+        "Opacity",
+        "How much of what lies behind it a surface covers",
+        |ui, label| {
+            let number = Number {
+                value: f64::from(state.settings.shading.x_ray_opacity),
+                range: 0.0..=1.0,
+                speed: 0.01,
+                decimals: Some(2),
+                suffix: "",
+                width: 52.0,
+                hint: "Of a surface seen from above; at a slant it covers more",
+            };
+            out.extend(
+                number
+                    .show(ui, label)
+                    .map(|share| Command::SetXRayOpacity(share as f32)),
+            );
+        },
+    );
+}
+
 fn lines(ui: &mut Ui, state: &State, out: &mut Commands) {
     let shading = &state.settings.shading;
     let lines = shading.wireframe;
+    let alone = (shading.mode == Mode::Wireframe).then_some(Wireframe::ALONE);
+    let shown = lines.or(alone);
     row(
         ui,
         "Lines",
@@ -61,8 +90,7 @@ fn lines(ui: &mut Ui, state: &State, out: &mut Commands) {
                 )
                 .map(Command::SetWireframe),
             );
-            if lines.is_some() || shading.mode == Mode::Wireframe {
-                let lines = lines.unwrap_or_default();
+            if let Some(lines) = shown {
                 let number = Number {
                     value: f64::from(lines.width),
                     range: 0.25..=f64::from(WIDEST_LINE),
@@ -82,6 +110,64 @@ fn lines(ui: &mut Ui, state: &State, out: &mut Commands) {
             }
         },
     );
+    if let Some(lines) = shown {
+        edges(ui, lines, out);
+    }
+}
+
+/// Which edges have lines, and whether hidden ones are seen.
+fn edges(ui: &mut Ui, lines: Wireframe, out: &mut Commands) {
+    const NONE: EdgeKinds = EdgeKinds::NONE;
+    const POLYGONS: EdgeKinds = EdgeKinds {
+        polygon: true,
+        ..NONE
+    };
+    const FEATURES: EdgeKinds = EdgeKinds {
+        feature: Some(EdgeKinds::FEATURE),
+        boundary: true,
+        ..NONE
+    };
+    const OUTLINE: EdgeKinds = EdgeKinds {
+        silhouette: true,
+        ..FEATURES
+    };
+    const FAULTS: EdgeKinds = EdgeKinds {
+        boundary: true,
+        non_manifold: true,
+        ..NONE
+    };
+    row(ui, "Edges", "Which edges have lines", |ui, label| {
+        let mut options = vec![
+            (EdgeKinds::ALL, "All", "Every triangle's edges"),
+            (
+                POLYGONS,
+                "Polygons",
+                "The edges of the file's polygons: no diagonals",
+            ),
+            (
+                FEATURES,
+                "Features",
+                "Where the surface turns by 30° or more, and where it ends",
+            ),
+            (OUTLINE, "Outline", "Features and silhouettes"),
+            (
+                FAULTS,
+                "Faults",
+                "Edges of one triangle (orange) and of more than two (red)",
+            ),
+        ];
+        if !options.iter().any(|(kinds, ..)| *kinds == lines.edges) {
+            options.push((lines.edges, "Custom", "As the scene file has them"));
+        }
+        let hint = "Show lines faintly through what hides them";
+        out.extend(
+            tick(ui, lines.hidden > 0.0, "Hidden", hint)
+                .map(|on| Command::SetWireframeHidden(if on { Wireframe::FAINT } else { 0.0 })),
+        );
+        out.extend(
+            select(ui, "edges", label, lines.edges, &options).map(Command::SetWireframeEdges),
+        );
+    });
 }
 
 fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {

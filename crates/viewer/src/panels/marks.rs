@@ -165,7 +165,7 @@ fn faults<P: Fn((f64, f64)) -> Pos2>(pen: &Pen<'_, P>, state: &State) {
     else {
         return;
     };
-    let count = shown.fault.count(&checked.health);
+    let count = checked.count(shown.fault);
     // The one that is looked at comes last, over the others.
     let others = (0..count.min(MOST_FAULTS)).filter(|index| *index != shown.index);
     for index in others.chain([shown.index]) {
@@ -181,10 +181,13 @@ fn faults<P: Fn((f64, f64)) -> Pos2>(pen: &Pen<'_, P>, state: &State) {
         match corners[..] {
             [point] => pen.dot(point, color, 1.5 + width),
             [a, b] => pen.line([a, b], color, width),
-            [a, b, c] => [[a, b], [b, c], [c, a]]
-                .into_iter()
-                .for_each(|ends| pen.line(ends, color, width)),
-            _ => {}
+            _ => {
+                let (triangles, _) = corners.as_chunks::<3>();
+                let sides = triangles
+                    .iter()
+                    .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+                sides.for_each(|ends| pen.line(ends, color, width));
+            }
         }
     }
     if count > MOST_FAULTS {

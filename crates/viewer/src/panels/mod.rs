@@ -9,11 +9,13 @@ mod health;
 mod help;
 mod highlight;
 mod legend;
+mod light;
 mod look;
 mod manipulator;
 mod marks;
 mod measure;
 mod menu;
+mod object_tree;
 mod objects;
 #[allow(clippy::disallowed_methods, reason = "tints are no part of a picture")]
 pub mod overlay;

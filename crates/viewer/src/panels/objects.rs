@@ -1,7 +1,7 @@
 //! The objects of the scene: shown and hidden, named, coloured.
 
 use super::widgets::{choice, color, item, row, section};
-use super::{Commands, transform};
+use super::{Commands, object_tree, transform};
 use crate::state::State;
 use crate::state::command::Command;
 use crate::ui::format;
@@ -28,6 +28,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     ui.push_id("objects", |ui| {
         section(ui, &title, true, |ui| {
             let height = ui.spacing().interact_size.y;
+            let tree = object_tree::Tree::of(objects);
             let mut list = ScrollArea::vertical()
                 .id_salt("objects")
                 .max_height(HEIGHT)
@@ -38,14 +39,16 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
             if is_new {
                 ui.data_mut(|data| data.insert_temp(last, state.selected));
                 if let Some(number) = state.selected {
+                    let number = tree.row_of(number);
                     let row = height + ui.spacing().item_spacing.y;
                     list =
                         list.vertical_scroll_offset((number as f32 * row - HEIGHT * 0.4).max(0.0));
                 }
             }
             list.show_rows(ui, height, objects.len(), |ui, rows| {
-                for number in rows {
-                    object_row(ui, state, number, &objects[number], out);
+                for row in rows {
+                    let (number, depth) = tree.at(row);
+                    object_row(ui, state, (number, depth), objects, out);
                 }
             });
             if let Some((number, object)) = state
@@ -58,12 +61,20 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     });
 }
 
-fn object_row(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut Commands) {
+fn object_row(
+    ui: &mut Ui,
+    state: &State,
+    (number, depth): (usize, usize),
+    objects: &[Object],
+    out: &mut Commands,
+) {
+    let object = &objects[number];
     let colors = theme::colors(ui);
     let is_marked = state.selected == Some(number);
     ui.push_id(number, |ui| {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
+            ui.add_space(object_tree::indent(depth));
             let hint = if object.visible { "Hide" } else { "Show" };
             if eye(ui, object.visible, &format!("{hint} {}", object.name)) {
                 out.push(Command::SetVisible(number, !object.visible));
@@ -103,12 +114,14 @@ fn object_row(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &
                         .truncate()
                         // Pushes the name to the left.
                         .right_text("")
+                        .sense(Sense::click_and_drag())
                         .min_size(room);
                     let response = ui.add(button);
                     response.widget_info(|| {
                         let role = egui::Role::Button;
                         egui::WidgetInfo::selected(role, true, is_marked, &object.name)
                     });
+                    object_tree::drag(ui, &response, number, objects, out);
                     if response.double_clicked() {
                         out.push(Command::EditName(Some(number)));
                     } else if response.clicked() {
@@ -284,6 +297,7 @@ fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut 
             }
         });
     });
+    object_tree::parent(ui, state, number, out);
     transform::show(ui, state, number, object, out);
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(3.0, 3.0);

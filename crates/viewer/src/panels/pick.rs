@@ -86,7 +86,10 @@ fn values(pinned: &Pinned) -> Vec<Value> {
         ),
         value(
             "Point",
-            "Where the ray met it, in the scene's coordinates",
+            match pinned.has_moved {
+                true => "Where it is now, in the scene's coordinates",
+                false => "Where the ray met it, in the scene's coordinates",
+            },
             short(pinned.pick.point),
             point(pinned.pick.point),
         ),
@@ -97,18 +100,21 @@ fn values(pinned: &Pinned) -> Vec<Value> {
             point(pinned.normal),
         ),
         value(
-            "Distance",
-            "From the eye to the point",
-            format::length(hit.t),
-            hit.t.to_string(),
-        ),
-        value(
             "Weights",
             "u and v: the weights of the second and the third corner",
             format!("{:.5} {:.5}", hit.u, hit.v),
             format!("{} {}", hit.u, hit.v),
         ),
     ];
+    if !pinned.has_moved {
+        let distance = value(
+            "Distance",
+            "From the eye to the point",
+            format::length(hit.t),
+            hit.t.to_string(),
+        );
+        values.insert(4, distance);
+    }
     if let Some(uv) = pinned.uv {
         values.push(value(
             "UV",

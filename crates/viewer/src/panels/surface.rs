@@ -1,12 +1,12 @@
 //! How rays meet surfaces, and how textures lie on them: what is seldom changed.
 
-use super::Commands;
-use super::widgets::{choice, row, section, select};
+use super::widgets::{choice, color, row, section, select, tick};
+use super::{Commands, light};
 use crate::state::State;
 use crate::state::command::Command;
 use egui::Ui;
 use raycast_core::Cull;
-use raycast_core::scene::Object;
+use raycast_core::scene::{Color, Object};
 use raycast_core::shade::{Filter, TextureProjection};
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
@@ -22,9 +22,28 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
             ];
             out.extend(choice(ui, state.settings.cull, &options).map(Command::SetCull));
         });
+        light::rows(ui, state, out);
+        backs(ui, state, out);
         let document = state.document.as_ref();
         if document.is_some_and(|d| d.scene.objects.iter().any(Object::has_texture)) {
             texture(ui, state, out);
+        }
+    });
+}
+
+/// What backs are shown in where no other colour was chosen: far from the hues of clay, skin and stone.
+const BACKS: Color = Color([0xd0, 0x4a, 0x9a]);
+
+fn backs(ui: &mut Ui, state: &State, out: &mut Commands) {
+    let hint = "Show triangles that are seen from behind in a color of their own";
+    row(ui, "Backs", hint, |ui, label| {
+        let current = state.settings.shading.back_faces;
+        if let Some(own) = tick(ui, current.is_some(), "Own color", hint) {
+            out.push(Command::SetBackFaces(own.then_some(BACKS)));
+        }
+        if let Some(shown) = current {
+            let chosen = color(ui, shown, label, "The color of backs");
+            out.extend(chosen.map(|color| Command::SetBackFaces(Some(color))));
         }
     });
 }

@@ -46,9 +46,24 @@ pub(super) fn select_all(context: &egui::Context, id: Id, characters: usize) {
 
 /// A part of the panel with a title, which opens and closes.
 pub(super) fn section(ui: &mut Ui, title: &str, open: bool, body: impl FnOnce(&mut Ui)) {
+    section_that_opens(ui, title, open, false, body);
+}
+
+/// The same, which opens by itself once there is something new to see.
+pub(super) fn section_that_opens(
+    ui: &mut Ui,
+    title: &str,
+    open: bool,
+    is_new: bool,
+    body: impl FnOnce(&mut Ui),
+) {
     ui.add(egui::Separator::default().spacing(2.0));
+    if is_new {
+        ui.scroll_to_cursor(Some(egui::Align::Min));
+    }
     CollapsingHeader::new(RichText::new(title).strong())
         .default_open(open)
+        .open(is_new.then_some(true))
         .show_unindented(ui, |ui| {
             body(ui);
             ui.add_space(1.0);

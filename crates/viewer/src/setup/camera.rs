@@ -26,10 +26,32 @@ pub fn camera(
         .projection
         .or(file.map(|file| file.projection))
         .unwrap_or_default();
+    let projection = match args.lens {
+        None => projection,
+        Some(lens) if projection.name() == Projection::Perspective.name() => {
+            Projection::through(lens)
+        }
+        Some(_) => {
+            return Err(Failure::usage(format!(
+                "--lens is for --projection perspective, not {projection}"
+            )));
+        }
+    };
+    let shift = args.shift.or(image.shift).unwrap_or_default();
+    if shift != [0.0; 2] && projection.panorama().is_some() && projection.lens().is_none() {
+        return Err(Failure::usage(format!(
+            "--shift is for perspective and orthographic pictures, not {projection}"
+        )));
+    }
     // A field of view and a shape mean something else in another kind of picture.
-    let alike = file.filter(|file| file.projection.panorama() == projection.panorama());
+    let kind = |projection: Projection| {
+        projection
+            .panorama()
+            .filter(|_| projection.lens().is_none())
+    };
+    let alike = file.filter(|file| kind(file.projection) == kind(projection));
     let rows = file_size.map_or(DEFAULT_SIZE.1, |(_, rows)| rows);
-    let default_size = match (projection.panorama(), alike) {
+    let default_size = match (kind(projection), alike) {
         (Some(panorama), None) => panorama.size(rows),
         _ => file_size.unwrap_or(DEFAULT_SIZE),
     };
@@ -85,7 +107,7 @@ pub fn camera(
             return Err(Failure::usage(format!("a step of {step}: {error}")));
         }
     }
-    Ok(Camera::new(placement, projection, plane))
+    Ok(Camera::new(placement, projection, plane).shifted(shift))
 }
 
 /// Why there is no camera: bad usage, if anything was asked of it; else the fault of the files.
@@ -96,7 +118,9 @@ pub fn no_camera(args: &CameraArgs, name: &str, failure: Failure) -> Failure {
         || args.eye.is_some()
         || args.target.is_some()
         || args.up.is_some()
-        || args.orbit.is_some();
+        || args.orbit.is_some()
+        || args.shift.is_some()
+        || args.lens.is_some();
     if was_asked {
         failure
     } else {

@@ -1,9 +1,9 @@
-use crate::cli::{ReadingArgs, ShadingArgs, TextureProjectionArgs, WireframeArg};
+use crate::cli::{BackFacesArg, ReadingArgs, ShadingArgs, TextureProjectionArgs, WireframeArg};
 use crate::failure::Failure;
 use crate::memory;
 use raycast_core::formats;
 use raycast_core::scene::{ColorRule, ColorScale, Projector, Quantity, Scene};
-use raycast_core::shade::{Shading, Wireframe};
+use raycast_core::shade::{Mode, Shading, Wireframe};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -39,19 +39,24 @@ pub fn paint(scene: &mut Scene, args: &ShadingArgs, reading: &ReadingArgs) -> Re
         }
     }
     if let Some(rule) = &args.color {
-        check_scalar(scene, rule)?;
+        if let ColorRule::Value(Quantity::Scalar(name)) = rule {
+            check_scalar(scene, ("--color scalar:", &**name))?;
+        }
         for object in &mut scene.objects {
             object.color = rule.clone();
+        }
+    }
+    if let Some(name) = &args.blend_by {
+        check_scalar(scene, ("--blend-by ", &**name))?;
+        for object in &mut scene.objects {
+            object.blend_by = Some(name.clone());
         }
     }
     place_textures(scene, &args.projection)
 }
 
-/// Whether an object has the scalar that a rule names.
-fn check_scalar(scene: &Scene, rule: &ColorRule) -> Result<(), Failure> {
-    let ColorRule::Value(Quantity::Scalar(name)) = rule else {
-        return Ok(());
-    };
+/// Whether an object has the scalar that an option names.
+fn check_scalar(scene: &Scene, (option, name): (&str, &str)) -> Result<(), Failure> {
     let mut meshes = scene.objects.iter().map(|object| &object.mesh);
     if meshes.any(|mesh| mesh.scalar(name).is_some()) {
         return Ok(());
@@ -62,9 +67,9 @@ fn check_scalar(scene: &Scene, rule: &ColorRule) -> Result<(), Failure> {
         .collect();
     let names: Vec<_> = names.into_iter().collect();
     Err(Failure::usage(match names[..] {
-        [] => format!("--color scalar:{name}: the files have no scalars"),
+        [] => format!("{option}{name}: the files have no scalars"),
         _ => format!(
-            "--color scalar:{name}: the files have no such scalar, but {}",
+            "{option}{name}: the files have no such scalar, but {}",
             names.join(", ")
         ),
     }))
@@ -105,25 +110,47 @@ fn place_textures(scene: &mut Scene, args: &TextureProjectionArgs) -> Result<(),
 /// The shading that was asked for, over the scene file's, over the defaults.
 pub fn shading(args: &ShadingArgs, file: Option<Shading>) -> Shading {
     let base = file.unwrap_or_default();
+    let mode = args.mode.unwrap_or(base.mode);
+    let has_kinds = args.wireframe_edges.is_some() || args.wireframe_hidden.is_some();
     let wireframe = match args.wireframe {
-        None => base.wireframe,
         Some(WireframeArg::None) => None,
-        Some(WireframeArg::Width(width)) => {
-            let lines = base.wireframe.unwrap_or_default();
+        None if !has_kinds => base.wireframe,
+        width => {
+            let alone = width.is_none() && mode == Mode::Wireframe;
+            let usual = if alone {
+                Wireframe::ALONE
+            } else {
+                Wireframe::default()
+            };
+            let lines = base.wireframe.unwrap_or(usual);
             Some(Wireframe {
-                width,
+                width: match width {
+                    Some(WireframeArg::Width(width)) => width,
+                    _ => lines.width,
+                },
                 color: args.wireframe_color.unwrap_or(lines.color),
+                edges: args.wireframe_edges.unwrap_or(lines.edges),
+                hidden: args.wireframe_hidden.unwrap_or(lines.hidden),
             })
         }
     };
     Shading {
-        mode: args.mode.unwrap_or(base.mode),
+        mode,
         wireframe,
         background: args.background.unwrap_or(base.background),
         blend: args.blend.unwrap_or(base.blend),
         filter: args.filter.unwrap_or(base.filter),
         projection: args.projection.kind.unwrap_or(base.projection),
+        crease: args.crease.unwrap_or(base.crease),
+        lights: args.lights.unwrap_or(base.lights),
+        plain_color: args.plain_color.unwrap_or(base.plain_color),
         scale: scale(args, base.scale),
+        back_faces: match args.back_faces {
+            None => base.back_faces,
+            Some(BackFacesArg::None) => None,
+            Some(BackFacesArg::Color(color)) => Some(color),
+        },
+        x_ray_opacity: args.x_ray_opacity.unwrap_or(base.x_ray_opacity),
     }
 }
 
@@ -143,7 +170,7 @@ fn scale(args: &ShadingArgs, file: Option<ColorScale>) -> Option<ColorScale> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raycast_core::shade::Mode;
+    use raycast_core::shade::EdgeKinds;
 
     #[test]
     fn shading_options_override_one_by_one() {
@@ -160,6 +187,30 @@ mod tests {
         let made = shading(&args, Some(file));
         assert_eq!((made.mode, made.blend), (Mode::Depth, 0.5));
         assert_eq!(made.wireframe.map(|lines| lines.width), Some(2.0));
+        // Kinds of edges alone are lines as well: light ones where they stand by themselves.
+        let polygon = EdgeKinds {
+            polygon: true,
+            ..EdgeKinds::NONE
+        };
+        let kinds = ShadingArgs {
+            wireframe_edges: Some(polygon),
+            wireframe_hidden: Some(0.5),
+            ..ShadingArgs::default()
+        };
+        for (mode, color) in [
+            (Mode::Wireframe, Wireframe::ALONE.color),
+            (Mode::Flat, Wireframe::default().color),
+        ] {
+            let args = ShadingArgs {
+                mode: Some(mode),
+                ..kinds.clone()
+            };
+            let lines = shading(&args, None).wireframe.expect("lines");
+            assert_eq!(
+                (lines.edges, lines.hidden, lines.color),
+                (polygon, 0.5, color)
+            );
+        }
         assert_eq!(shading(&ShadingArgs::default(), None), Shading::default());
         let none = ShadingArgs {
             wireframe: Some(WireframeArg::None),

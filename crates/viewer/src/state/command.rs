@@ -13,7 +13,7 @@ use raycast_core::camera::{FrameLock, Grid, Projection};
 use raycast_core::formats::LengthUnit;
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{ClippingPlane, Color, ColorRule, ColorScale, Transform};
-use raycast_core::shade::{Background, Filter, Mode, TextureProjection};
+use raycast_core::shade::{Background, EdgeKinds, Filter, LightSet, Mode, TextureProjection};
 use std::path::PathBuf;
 
 /// One wish. Places are in the picture's pixels, from its top left corner.
@@ -137,6 +137,10 @@ pub enum Command {
     SetWireframeWidth(f32),
     /// Their colour.
     SetWireframeColor(Color),
+    /// Which edges have them.
+    SetWireframeEdges(EdgeKinds),
+    /// How strongly hidden ones show.
+    SetWireframeHidden(f32),
     /// From the object's colours (0) to its texture (1).
     SetBlend(f32),
     /// Between texels.
@@ -145,8 +149,18 @@ pub enum Command {
     SetTextureProjection(TextureProjection),
     /// Which faces rays meet.
     SetCull(Cull),
+    /// In x-ray, how much of what lies behind it a surface covers.
+    SetXRayOpacity(f32),
+    /// The colour of triangles seen from behind; `None` for the same as in front.
+    SetBackFaces(Option<Color>),
     /// What lies behind everything.
     SetBackground(Background),
+    /// Below which angle between triangles edges are smooth, in degrees.
+    SetCrease(f32),
+    /// Where light comes from.
+    SetLights(LightSet),
+    /// The colour of what has none.
+    SetPlainColor(Color),
     /// How numbers become colours; `None` for the usual way, and depth in greys.
     SetColorScale(Option<ColorScale>),
     /// How an object's triangles get their colours; all objects' for `None`.
@@ -174,6 +188,8 @@ pub enum Command {
     SetLocked(usize, bool),
     /// Put an object elsewhere.
     SetTransform(usize, Transform),
+    /// Let an object move with another, or with none; it stays where it is.
+    SetParent(usize, Option<usize>),
     /// Turn an object, as [`SetTurning`](Self::SetTurning) says, about this axis (0 to 2).
     Turn(usize, usize),
     /// How objects are turned and scaled.
@@ -224,7 +240,10 @@ pub enum Command {
     /// Forget all that was measured.
     ClearMeasurements,
     /// Look the marked object over, or all if none is.
-    Check,
+    Check {
+        /// Also for triangles that pass through one another.
+        deep: bool,
+    },
     /// Look at one fault of a mesh, or at none.
     ShowFault(Option<Shown>),
 
@@ -345,11 +364,18 @@ impl Command {
             Self::SetWireframe(_) => ("Wireframe", false),
             Self::SetWireframeWidth(_) => ("Change of lines", true),
             Self::SetWireframeColor(_) => ("Color of lines", true),
+            Self::SetWireframeEdges(_) => ("Choice of edges", false),
+            Self::SetWireframeHidden(_) => ("Hidden lines", true),
             Self::SetBlend(_) => ("Change of blend", true),
             Self::SetFilter(_) => ("Change of filter", false),
             Self::SetTextureProjection(_) => ("Change of mapping", false),
             Self::SetCull(_) => ("Change of faces", false),
+            Self::SetXRayOpacity(_) => ("Opacity of x-ray", true),
+            Self::SetBackFaces(_) => ("Color of back faces", true),
             Self::SetBackground(_) => ("Change of background", true),
+            Self::SetCrease(_) => ("Change of crease angle", true),
+            Self::SetLights(_) => ("Change of lights", false),
+            Self::SetPlainColor(_) => ("Change of plain color", true),
             Self::SetColorScale(_) => ("Change of color scale", true),
             Self::SetColorRule(..) => ("Change of color", true),
             Self::RemoveTexture(None) => ("Remove textures", false),
@@ -363,6 +389,7 @@ impl Command {
             Self::SetLocked(_, true) => ("Lock", false),
             Self::SetLocked(_, false) => ("Unlock", false),
             Self::SetTransform(..) => ("Move", true),
+            Self::SetParent(..) => ("Change of parent", false),
             Self::Turn(..) => ("Turn", false),
             Self::AddPlane(_) => ("Cut", false),
             Self::SetPlane(..) => ("Change of clipping plane", true),

@@ -24,6 +24,8 @@ pub struct Document {
     pub file: Option<PathBuf>,
     /// The unit that its files say their coordinates are in.
     pub unit: Option<LengthUnit>,
+    /// The size of the picture that they ask for.
+    pub size: Option<(u32, u32)>,
     /// The camera's keyframes, which are saved as they were read.
     pub animation: Option<CameraPath>,
     /// The shading that its files tell.
@@ -56,6 +58,7 @@ impl Document {
             opened: Vec::new(),
             file: None,
             unit: None,
+            size: None,
             animation: None,
             shading: None,
             read: Arc::clone(&scene),

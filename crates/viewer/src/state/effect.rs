@@ -70,7 +70,12 @@ pub enum Effect {
     /// Work out the size of an object.
     Weigh(usize),
     /// Look objects over.
-    Check(Vec<usize>),
+    Check {
+        /// Which.
+        objects: Vec<usize>,
+        /// Also for triangles that pass through one another.
+        deep: bool,
+    },
     /// Open the file that changes keys in the desktop's editor; write one that changes nothing if there is none.
     OpenKeysFile,
     /// Read the file that changes keys.

@@ -26,9 +26,12 @@ pub(super) fn ask(state: &mut State, kind: PromptKind) -> Effect {
 /// Takes what stands in the path line.
 pub(super) fn confirm(state: &mut State) -> Option<Effect> {
     let prompt = state.prompt.clone()?;
-    let text = prompt.text.trim();
+    let mut text = prompt.text.trim();
     if text.is_empty() {
         return None;
+    }
+    if prompt.kind.saves() {
+        text = with_one_ending(text, &suggested_name(state, prompt.kind));
     }
     let path = match text.strip_prefix("~/").zip(std::env::home_dir()) {
         Some((rest, home)) => home.join(rest),
@@ -38,6 +41,21 @@ pub(super) fn confirm(state: &mut State) -> Option<Effect> {
     let opens = matches!(prompt.kind, PromptKind::Open | PromptKind::Add);
     state.typed = opens.then(|| prompt.clone());
     take(state, prompt.kind, vec![path], false)
+}
+
+/// The path without the ending of the suggested name, where that stands behind an ending of its own: who types a
+/// whole name over the marked part of the suggestion leaves it there.
+fn with_one_ending<'t>(text: &'t str, suggested: &str) -> &'t str {
+    let ending = suggested.find('.').map_or("", |at| &suggested[at..]);
+    let shorter = text.strip_suffix(ending).unwrap_or(text);
+    let name = shorter.rsplit(['/', '\\']).next().unwrap_or(shorter);
+    let has_ending = Path::new(name).extension().is_some_and(|own| {
+        let known = [
+            "png", "ppm", "jpg", "jpeg", "exr", "csv", "svg", "dxf", "toml",
+        ];
+        known.iter().any(|known| own.eq_ignore_ascii_case(known))
+    });
+    if has_ending { shorter } else { text }
 }
 
 /// Does what paths were asked for. The desktop's dialog has `asked` whether a file may be replaced.

@@ -46,7 +46,7 @@ impl Snapshot {
 }
 
 /// What tells changes that go on from new ones: the kind of command and the object.
-pub type Kind = (
+pub type Continued = (
     std::mem::Discriminant<super::command::Command>,
     Option<usize>,
 );
@@ -73,7 +73,7 @@ pub struct History {
     revision: u64,
     newest: u64,
     saved: u64,
-    last: Option<(Kind, Duration)>,
+    last: Option<(Continued, Duration)>,
 }
 
 impl History {
@@ -81,7 +81,7 @@ impl History {
     pub fn record(
         &mut self,
         name: &'static str,
-        kind: Option<Kind>,
+        kind: Option<Continued>,
         (before, after): (Snapshot, &Snapshot),
         now: Duration,
     ) {
@@ -147,7 +147,7 @@ impl History {
         here: Snapshot,
         revision: &mut u64,
         onto: &mut Vec<Step>,
-        last: &mut Option<(Kind, Duration)>,
+        last: &mut Option<(Continued, Duration)>,
     ) -> (&'static str, Snapshot) {
         *last = None;
         let there = step.revision;

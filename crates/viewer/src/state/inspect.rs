@@ -12,14 +12,14 @@ use raycast_core::scene::Bounds;
 const AROUND: f64 = 12.0;
 
 /// Looks the marked object over, or all if none is.
-pub(super) fn check(state: &mut State) -> Option<Effect> {
+pub(super) fn check(state: &mut State, deep: bool) -> Option<Effect> {
     let count = state.document.as_ref()?.scene.objects.len();
-    let which: Vec<usize> = match state.selected {
+    let objects: Vec<usize> = match state.selected {
         Some(marked) => vec![marked],
         None => (0..count).collect(),
     };
     state.inspection.shown = None;
-    (!which.is_empty()).then_some(Effect::Check(which))
+    (!objects.is_empty()).then_some(Effect::Check { objects, deep })
 }
 
 /// Lights a fault up and brings it into view.

@@ -1,8 +1,9 @@
 //! What was found out about meshes: their size, and what is wrong with them.
 
 use raycast_core::glam::{DAffine3, DVec3};
-use raycast_core::health::{Health, Size};
+use raycast_core::health::{Health, Intersections, Size};
 use raycast_core::scene::{Mesh, Scene};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The size of an object, as it stood.
@@ -25,6 +26,8 @@ pub struct Checked {
     pub mesh: Arc<Mesh>,
     /// What is wrong.
     pub health: Arc<Health>,
+    /// Where it passes through itself, if that was looked for.
+    pub intersections: Option<Arc<Intersections>>,
 }
 
 /// A kind of fault.
@@ -42,17 +45,20 @@ pub enum Fault {
     Duplicates,
     /// Vertices that no triangle has.
     UnusedVertices,
+    /// Pairs of triangles that pass through one another.
+    SelfIntersections,
 }
 
 impl Fault {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::OpenEdges,
         Self::NonManifoldEdges,
         Self::Flipped,
         Self::Degenerate,
         Self::Duplicates,
         Self::UnusedVertices,
+        Self::SelfIntersections,
     ];
 
     /// What it is called, and what it is.
@@ -79,47 +85,77 @@ impl Fault {
                 "Triangles at the same three places as another",
             ),
             Self::UnusedVertices => ("Unused vertices", "Vertices that no triangle has"),
-        }
-    }
-
-    /// How many there are.
-    pub fn count(self, health: &Health) -> usize {
-        match self {
-            Self::OpenEdges => health.open_edges.len(),
-            Self::NonManifoldEdges => health.non_manifold_edges.len(),
-            Self::Flipped => health.flipped.len(),
-            Self::Degenerate => health.degenerate.len(),
-            Self::Duplicates => health.duplicates.len(),
-            Self::UnusedVertices => health.unused_vertices.len(),
-        }
-    }
-
-    /// The number of one of them in its file, by which people find it.
-    pub fn number(self, health: &Health, index: usize) -> Option<String> {
-        let edge = |[a, b]: &[u32; 2]| format!("vertices {a} and {b}");
-        let triangle = |number: &u32| format!("triangle {number}");
-        match self {
-            Self::OpenEdges => health.open_edges.get(index).map(edge),
-            Self::NonManifoldEdges => health.non_manifold_edges.get(index).map(edge),
-            Self::Flipped => health.flipped.get(index).map(triangle),
-            Self::Degenerate => health.degenerate.get(index).map(triangle),
-            Self::Duplicates => health.duplicates.get(index).map(triangle),
-            Self::UnusedVertices => {
-                let vertex = health.unused_vertices.get(index);
-                vertex.map(|number| format!("vertex {number}"))
-            }
+            Self::SelfIntersections => (
+                "Self-intersections",
+                "Pairs of triangles that meet elsewhere than at a corner or an edge of both",
+            ),
         }
     }
 }
 
 impl Checked {
-    /// The corners of one fault in the mesh's space: one, two or three; none where a coordinate is not finite.
+    /// How many faults of a kind there are; of those that are not looked for unasked, none is known of.
+    pub fn count(&self, fault: Fault) -> usize {
+        let health = &self.health;
+        match fault {
+            Fault::OpenEdges => health.open_edges.len(),
+            Fault::NonManifoldEdges => health.non_manifold_edges.len(),
+            Fault::Flipped => health.flipped.len(),
+            Fault::Degenerate => health.degenerate.len(),
+            Fault::Duplicates => health.duplicates.len(),
+            Fault::UnusedVertices => health.unused_vertices.len(),
+            Fault::SelfIntersections => self.pairs().len(),
+        }
+    }
+
+    /// Whether there are more of a kind than were counted.
+    pub fn has_more(&self, fault: Fault) -> bool {
+        let found = self.intersections.as_ref();
+        fault == Fault::SelfIntersections && found.is_some_and(|found| found.has_more)
+    }
+
+    /// Whether no fault is known of.
+    pub fn is_sound(&self) -> bool {
+        self.health.is_sound() && self.pairs().is_empty()
+    }
+
+    fn pairs(&self) -> &[[u32; 2]] {
+        self.intersections
+            .as_ref()
+            .map_or(&[], |found| &found.pairs)
+    }
+
+    /// The number of one fault in its file, by which people find it.
+    pub fn number(&self, fault: Fault, index: usize) -> Option<String> {
+        let edge = |[a, b]: &[u32; 2]| format!("vertices {a} and {b}");
+        let triangle = |number: &u32| format!("triangle {number}");
+        let health = &self.health;
+        match fault {
+            Fault::OpenEdges => health.open_edges.get(index).map(edge),
+            Fault::NonManifoldEdges => health.non_manifold_edges.get(index).map(edge),
+            Fault::Flipped => health.flipped.get(index).map(triangle),
+            Fault::Degenerate => health.degenerate.get(index).map(triangle),
+            Fault::Duplicates => health.duplicates.get(index).map(triangle),
+            Fault::UnusedVertices => {
+                let vertex = health.unused_vertices.get(index);
+                vertex.map(|number| format!("vertex {number}"))
+            }
+            Fault::SelfIntersections => {
+                let pair = self.pairs().get(index);
+                pair.map(|[a, b]| format!("triangles {a} and {b}"))
+            }
+        }
+    }
+
+    /// The corners of one fault in the mesh's space: of a vertex, an edge, a triangle, or of one triangle and then
+    /// another. A corner that is not finite is left out.
     pub fn corners(&self, fault: Fault, index: usize) -> Vec<DVec3> {
-        let triangle = |list: &[u32]| -> Vec<u32> {
-            let number = list.get(index).copied();
-            let corners = number.and_then(|n| self.mesh.triangles().get(n as usize));
-            corners.map(|corners| corners.to_vec()).unwrap_or_default()
+        let triangles = |numbers: &[u32]| -> Vec<u32> {
+            let triangles = numbers.iter();
+            let triangles = triangles.filter_map(|n| self.mesh.triangles().get(*n as usize));
+            triangles.flatten().copied().collect()
         };
+        let triangle = |list: &[u32]| triangles(list.get(index..=index).unwrap_or_default());
         let edge = |list: &[[u32; 2]]| list.get(index).map(|edge| edge.to_vec());
         let health = &self.health;
         let vertices = match fault {
@@ -134,6 +170,10 @@ impl Checked {
                 .copied()
                 .into_iter()
                 .collect(),
+            Fault::SelfIntersections => {
+                let pair = self.pairs().get(index);
+                pair.map(|pair| triangles(pair)).unwrap_or_default()
+            }
         };
         let place = |vertex: u32| self.mesh.positions().get(vertex as usize);
         let places = vertices.into_iter().filter_map(place);
@@ -162,6 +202,8 @@ pub struct Inspection {
     pub sized: Option<Sized>,
     /// Objects that were looked over.
     pub checked: Vec<Checked>,
+    /// How often objects were looked over: what was found last is shown.
+    pub rounds: u64,
     /// The fault that is lit up, and all of its kind with it.
     pub shown: Option<Shown>,
 }
@@ -172,6 +214,26 @@ impl Inspection {
         let mesh = &scene.objects.get(object)?.mesh;
         let mut checked = self.checked.iter();
         checked.find(|checked| checked.object == object && Arc::ptr_eq(&checked.mesh, mesh))
+    }
+
+    /// Takes in what was found out about objects, in place of what was known of them. Where a mesh was not searched
+    /// for intersections this time, those that were found in it stay.
+    pub(super) fn take(&mut self, checked: Vec<Checked>) {
+        let known = self
+            .checked
+            .drain(..)
+            .map(|checked| (checked.object, checked));
+        let mut known: BTreeMap<usize, Checked> = known.collect();
+        for mut new in checked {
+            if let Some(old) = known.remove(&new.object)
+                && Arc::ptr_eq(&old.mesh, &new.mesh)
+            {
+                new.intersections = new.intersections.or(old.intersections);
+            }
+            known.insert(new.object, new);
+        }
+        self.checked = known.into_values().collect();
+        self.rounds += 1;
     }
 
     /// The size of a mesh in a place, if that is what was worked out last.

@@ -228,7 +228,10 @@ pub(super) fn release(state: &mut State) -> Option<Effect> {
 /// Gives the drag up: the object is back where it was.
 pub(super) fn cancel(state: &mut State) -> Option<Effect> {
     let drag = state.manipulating.drag.take()?;
-    objects::restore(state, drag.before)
+    // What came meanwhile from elsewhere, as another look of the scene, is no part of the drag.
+    let here = state.snapshot()?;
+    let scene = drag.before.scene;
+    objects::restore(state, Snapshot { scene, ..here })
 }
 
 fn put(state: &mut State, object: usize, transform: Transform) -> Option<Effect> {

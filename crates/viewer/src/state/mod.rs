@@ -23,6 +23,7 @@ mod names;
 mod navigate;
 pub mod news;
 mod objects;
+pub mod parents;
 pub mod pick;
 mod plane;
 pub mod preferences;
@@ -41,15 +42,14 @@ use measure::Measuring;
 use motion::{Motion, Trail};
 use pick::{Pick, Pinned};
 use preferences::Preferences;
-use raycast_core::Cull;
 use raycast_core::camera::{
     Camera, FrameLock, Grid, ImagePlane, PlaneError, PlaneRequest, Projection,
 };
 use raycast_core::formats::{ImageSettings, Limits, SceneFile};
 use raycast_core::glam::DVec3;
 use raycast_core::render::{Settings, View};
-use raycast_core::scene::Bounds;
-use raycast_core::shade::Legend;
+use raycast_core::scene::{Bounds, Masks};
+use raycast_core::shade::{Legend, Shading};
 use std::sync::Arc;
 use std::time::Duration;
 use turn::Turning;
@@ -109,6 +109,8 @@ pub struct State {
     pub document: Option<Document>,
     /// Where columns and rows come from.
     pub resolution: Resolution,
+    /// How far the frame is off the view axis, as the scene's file says: to the right and up, in its heights.
+    pub shift: [f64; 2],
     /// Rays a pixel, where a person or the scene has set them.
     pub samples: Option<u32>,
     /// Shading and culling.
@@ -192,14 +194,23 @@ pub struct State {
     pub preferences: Preferences,
 }
 
+/// The settings of pictures whose files say none.
+fn first_settings() -> Settings {
+    Settings {
+        shading: Shading::studio(),
+        ..Settings::default()
+    }
+}
+
 impl Default for State {
     fn default() -> Self {
         Self {
             now: Duration::ZERO,
             document: None,
             resolution: Resolution::Window { density: 1.0 },
+            shift: [0.0; 2],
             samples: None,
-            settings: Settings::default(),
+            settings: first_settings(),
             history: History::default(),
             viewpoint: Viewpoint::default(),
             home: Viewpoint::default(),
@@ -298,11 +309,17 @@ impl State {
             // Zooming narrows the frame; the plane that rays start from stays before the scene.
             viewpoint.orbit.distance = viewpoint.orbit.distance.max(self.clear_distance());
         }
-        Some(Camera::new(
-            viewpoint.placement(),
-            viewpoint.projection,
-            plane,
-        ))
+        let camera = Camera::new(viewpoint.placement(), viewpoint.projection, plane);
+        Some(match self.can_shift() {
+            true => camera.shifted(self.shift),
+            false => camera,
+        })
+    }
+
+    /// Whether the picture is one of those that may be off the view axis.
+    fn can_shift(&self) -> bool {
+        let projection = self.viewpoint.projection;
+        projection.panorama().is_none() || projection.lens().is_some()
     }
 
     /// How far from the pivot an eye has everything in front of it.
@@ -432,11 +449,15 @@ impl State {
             image: ImageSettings {
                 size: match self.resolution {
                     Resolution::Fixed(columns, rows) => Some((columns, rows)),
-                    Resolution::Window { .. } => None,
+                    Resolution::Window { .. } => document.size,
                 },
                 samples: self.samples,
-                cull: (self.settings.cull != Cull::default()).then_some(self.settings.cull),
-                ..ImageSettings::default()
+                cull: unusual(self.settings.cull),
+                precision: unusual(self.settings.precision),
+                pixel_filter: unusual(self.settings.pixel_filter),
+                shift: unusual(self.shift).filter(|_| self.can_shift()),
+                // The camera's field of view says it.
+                step: None,
             },
             shading: Some(self.settings.shading),
             clip: self.settings.clip,
@@ -454,12 +475,10 @@ impl State {
     /// What the ray through (x, y) of the picture meets.
     pub fn pick(&self, x: f64, y: f64) -> Option<Pick> {
         let ray = self.camera()?.ray(x, y);
-        let hit = self
-            .document
-            .as_ref()?
-            .accel
-            .clipped(&self.settings.clip)
-            .cast(&ray, self.settings.cull)?;
+        let document = self.document.as_ref()?;
+        let masks = Masks::of(&document.scene);
+        let kept = document.accel.clipped(&self.settings.clip);
+        let hit = (kept.masked(masks.as_ref())).cast(&ray, self.settings.cull)?;
         Some(Pick {
             hit,
             point: ray.at(hit.t),
@@ -475,3 +494,8 @@ impl State {
 
 #[cfg(test)]
 mod tests;
+
+/// A setting that a scene file tells: one that is not the usual one.
+fn unusual<T: Default + PartialEq>(setting: T) -> Option<T> {
+    (setting != T::default()).then_some(setting)
+}

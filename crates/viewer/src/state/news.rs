@@ -10,18 +10,14 @@ use super::manipulator;
 use super::measure::Measuring;
 use super::navigate;
 use super::objects;
-use super::pick::Pinned;
 use super::plane;
 use super::viewpoint::{DEFAULT_FOV, Viewpoint};
-use super::{Pending, PromptKind, Replacing, Resolution, SAMPLES_LIMIT, State};
-use raycast_core::Cull;
+use super::{Pending, PromptKind, Replacing, Resolution, SAMPLES_LIMIT, State, first_settings};
 use raycast_core::camera::{Orbit, Projection};
-use raycast_core::formats::{CameraFile, LengthUnit};
+use raycast_core::formats::{CameraFile, ImageSettings, LengthUnit};
 use raycast_core::picture::Recipe;
-use raycast_core::render::Settings;
 use raycast_core::scene::{ClippingPlanes, Object, Scene, Texture};
 use raycast_core::shade::Mode;
-use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -105,12 +101,10 @@ pub struct Loaded {
     pub keep: Keep,
     /// The file's camera.
     pub camera: Option<CameraFile>,
-    /// The file's samples a pixel.
-    pub samples: Option<u32>,
+    /// What the file says of its picture.
+    pub image: ImageSettings,
     /// The file's clipping planes.
     pub clip: ClippingPlanes,
-    /// Which faces rays pass through, as the file says.
-    pub cull: Option<Cull>,
     /// What could be read only in part, to be told.
     pub notes: Vec<String>,
     /// Files that could not be read at all, while others could.
@@ -124,9 +118,8 @@ impl Loaded {
             document,
             keep: Keep::Nothing,
             camera: None,
-            samples: None,
+            image: ImageSettings::default(),
             clip: ClippingPlanes::NONE,
-            cull: None,
             notes: Vec::new(),
             errors: Vec::new(),
         }
@@ -171,10 +164,7 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
         }
         News::Sized(sized) => state.inspection.sized = Some(sized),
         News::Checked(checked) => {
-            let again: HashSet<usize> = checked.iter().map(|new| new.object).collect();
-            let kept = |old: &Checked| !again.contains(&old.object);
-            state.inspection.checked.retain(kept);
-            state.inspection.checked.extend(checked);
+            state.inspection.take(checked);
         }
         News::Recipe(recipe) => {
             return change(state, "Look of a picture", |state| {
@@ -195,7 +185,7 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
                 && document.take_tree(&scene, tree)
                 && let Some(pinned) = &state.pinned
             {
-                state.pinned = Pinned::of(document, pinned.pick);
+                state.pinned = pinned.renewed(document);
             }
             return state.selected.map(Effect::Weigh);
         }
@@ -301,9 +291,8 @@ fn show(state: &mut State, loaded: Loaded) {
         mut document,
         keep,
         camera,
-        samples,
+        image,
         clip,
-        cull,
         notes,
         errors,
     } = loaded;
@@ -346,18 +335,24 @@ fn show(state: &mut State, loaded: Loaded) {
     };
     match shading {
         Some(shading) => state.settings.shading = shading,
-        None if keep == Keep::Nothing => state.settings = Settings::default(),
+        None if keep == Keep::Nothing => state.settings = first_settings(),
         None => {}
     }
     state.settings.clip = clip;
-    state.settings.cull = match keep {
-        Keep::Nothing => cull.unwrap_or_default(),
-        _ => cull.unwrap_or(state.settings.cull),
-    };
     if keep == Keep::Nothing {
+        let settings = &mut state.settings;
+        settings.cull = Default::default();
+        settings.precision = Default::default();
+        settings.pixel_filter = Default::default();
+        state.shift = [0.0; 2];
         state.resolution = Resolution::Window { density: 1.0 };
     }
-    state.samples = samples.map(|samples| samples.clamp(1, SAMPLES_LIMIT));
+    state.samples = image.samples.map(|samples| samples.clamp(1, SAMPLES_LIMIT));
+    state.shift = image.shift.unwrap_or(state.shift);
+    let settings = &mut state.settings;
+    settings.cull = image.cull.unwrap_or(settings.cull);
+    settings.precision = image.precision.unwrap_or(settings.precision);
+    settings.pixel_filter = image.pixel_filter.unwrap_or(settings.pixel_filter);
     state.viewpoint = match camera {
         Some(camera) => Viewpoint::of(&camera),
         None => {
@@ -424,7 +419,10 @@ fn apply(state: &mut State, recipe: &Recipe) {
         state.samples = Some(recipe.samples.clamp(1, SAMPLES_LIMIT));
     }
     state.settings.shading = recipe.shading;
+    state.shift = recipe.camera.shift();
     state.settings.cull = recipe.cull;
+    state.settings.precision = recipe.precision;
+    state.settings.pixel_filter = recipe.pixel_filter;
     state.settings.clip = recipe.clip;
     navigate::go(state, Viewpoint::of(&camera));
     state.tell("Shown as that picture was made");

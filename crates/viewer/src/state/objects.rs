@@ -3,7 +3,6 @@
 use super::State;
 use super::effect::Effect;
 use super::history::Snapshot;
-use super::pick::Pinned;
 use super::turn::{Turning, axis_in, turned};
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{Object, Scene, Transform};
@@ -134,7 +133,7 @@ fn set_scene(state: &mut State, scene: Arc<Scene>) -> Option<Effect> {
         return None;
     }
     if let Some(pinned) = &state.pinned {
-        state.pinned = Pinned::of(document, pinned.pick);
+        state.pinned = pinned.renewed(document);
     }
     state.selected.map(Effect::Weigh)
 }

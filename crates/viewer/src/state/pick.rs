@@ -29,6 +29,8 @@ pub struct Pinned {
     pub uv: Option<Vec2>,
     /// The triangle's own colour.
     pub color: Color,
+    /// Whether its object has moved since: then the point is the same on the triangle, and no ray's.
+    pub has_moved: bool,
 }
 
 impl Pinned {
@@ -61,6 +63,19 @@ impl Pinned {
             normal: (b - a).cross(c - a).normalize_or_zero(),
             uv,
             color: object.triangle_color(triangle),
+            has_moved: false,
         })
+    }
+
+    /// The same in the scene as it is now: where its triangle has moved, the point has moved with it.
+    pub(super) fn renewed(&self, document: &Document) -> Option<Self> {
+        let mut new = Self::of(document, self.pick)?;
+        new.has_moved = self.has_moved || new.corners != self.corners;
+        if new.corners != self.corners {
+            let Hit { u, v, .. } = new.pick.hit;
+            let [a, b, c] = new.corners;
+            new.pick.point = a * (1.0 - u - v) + b * u + c * v;
+        }
+        Some(new)
     }
 }

@@ -93,7 +93,7 @@ fn about(axis: DVec3, degrees: f64) -> DMat3 {
 
 /// The angles about x, then y, then z in degrees that a rotation is made of (Shoemake, "Euler Angle
 /// Conversion", Graphics Gems IV, 1994). Where y is a right angle only the sum or difference of the two others counts: x is then zero.
-fn angles(m: DMat3) -> DVec3 {
+pub(super) fn angles(m: DMat3) -> DVec3 {
     let across = (m.x_axis.x * m.x_axis.x + m.x_axis.y * m.x_axis.y).sqrt();
     // Rounding leaves some 1e-14 of a degree: a turn by 90 is to read 90, and nobody turns by less than this.
     let tidy = |radians: f64| (radians.to_degrees() * 1e9).round() * 1e-9 + 0.0;

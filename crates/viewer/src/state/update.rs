@@ -8,7 +8,8 @@ use super::pick::Pinned;
 use super::viewpoint::fov_range;
 use super::{Palette, Pending, PromptKind, Resolution, SAMPLES_LIMIT, State};
 use super::{
-    as_command, bookmarks, cut, files, history, inspect, navigate, objects, plane, preferences,
+    as_command, bookmarks, cut, files, history, inspect, navigate, objects, parents, plane,
+    preferences,
 };
 use raycast_core::ranges::WIDEST_LINE;
 use raycast_core::shade::{Mode, Wireframe};
@@ -27,7 +28,7 @@ pub fn update(state: &mut State, command: Command) -> Option<Effect> {
     let Some((name, goes_on)) = edit else {
         return carry_out(state, command).or(released);
     };
-    let kind: Option<history::Kind> =
+    let kind: Option<history::Continued> =
         goes_on.then(|| (std::mem::discriminant(&command), command.object()));
     let before = state.snapshot();
     let effect = carry_out(state, command);
@@ -119,6 +120,11 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             }
             shading.mode = mode;
         }
+        Command::SetCrease(degrees) => {
+            state.settings.shading.crease = degrees.clamp(0.0, 180.0);
+        }
+        Command::SetLights(lights) => state.settings.shading.lights = lights,
+        Command::SetPlainColor(color) => state.settings.shading.plain_color = color,
         Command::SetColorScale(scale) => state.settings.shading.scale = scale,
         Command::SetWireframe(on) => {
             state.settings.shading.wireframe = on.then(Wireframe::default);
@@ -127,12 +133,18 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             wireframe(state).width = width.clamp(0.25, WIDEST_LINE);
         }
         Command::SetWireframeColor(color) => wireframe(state).color = color,
+        Command::SetWireframeEdges(edges) => wireframe(state).edges = edges,
+        Command::SetWireframeHidden(share) => wireframe(state).hidden = share.clamp(0.0, 1.0),
         Command::SetBlend(blend) => state.settings.shading.blend = blend.clamp(0.0, 1.0),
         Command::SetFilter(filter) => state.settings.shading.filter = filter,
         Command::SetTextureProjection(projection) => {
             state.settings.shading.projection = projection;
         }
         Command::SetCull(cull) => state.settings.cull = cull,
+        Command::SetXRayOpacity(opacity) => {
+            state.settings.shading.x_ray_opacity = opacity.clamp(0.0, 1.0);
+        }
+        Command::SetBackFaces(color) => state.settings.shading.back_faces = color,
         Command::SetBackground(background) => state.settings.shading.background = background,
         Command::SetColorRule(which, rule) => {
             return objects::change(state, which, |object| object.color = rule.clone());
@@ -168,6 +180,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::SetTransform(which, transform) => {
             return objects::set_transform(state, which, transform);
         }
+        Command::SetParent(which, parent) => return parents::set(state, which, parent),
         Command::Turn(which, axis) => return objects::turn(state, which, axis),
         Command::SetTurning(turning) => {
             if turning.degrees.is_finite() {
@@ -181,6 +194,9 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             state.cutting = None;
             state.measuring.tool = None;
             state.manipulating.tool = tool;
+            if tool.is_some() {
+                tell_of_handles(state);
+            }
         }
         Command::GrabHandle { handle, at, length } => {
             manipulator::grab(state, handle, at, length);
@@ -215,7 +231,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             }
         }
         Command::ClearMeasurements => state.measuring.list.clear(),
-        Command::Check => return inspect::check(state),
+        Command::Check { deep } => return inspect::check(state, deep),
         Command::ShowFault(shown) => inspect::show(state, shown),
 
         Command::Pin { at: (x, y) } if state.cutting.is_some() => {
@@ -358,6 +374,18 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
     None
 }
 
+/// Says why there are no handles where a person has asked for them.
+fn tell_of_handles(state: &mut State) {
+    let why = if state.selected.is_none() {
+        "Mark an object, in the list or by a click: its handles appear"
+    } else if state.viewpoint.projection.panorama().is_some() {
+        "Panoramas have no handles: the numbers in the panel move objects here too"
+    } else {
+        return;
+    };
+    state.tell(why);
+}
+
 /// Moves what moves by itself on to the present; whether anything still does.
 pub fn advance(state: &mut State) -> bool {
     navigate::advance(state)
@@ -365,11 +393,12 @@ pub fn advance(state: &mut State) -> bool {
 
 /// The wireframe's settings, switched on if they were not.
 fn wireframe(state: &mut State) -> &mut Wireframe {
-    state
-        .settings
-        .shading
-        .wireframe
-        .get_or_insert_with(Wireframe::default)
+    let shading = &mut state.settings.shading;
+    let usual = match shading.mode {
+        Mode::Wireframe => Wireframe::ALONE,
+        _ => Wireframe::default(),
+    };
+    shading.wireframe.get_or_insert(usual)
 }
 
 /// Closes what lies on top.

@@ -2,8 +2,8 @@
 
 use raycast_core::shade::Mode;
 
-/// Modes in the order of their keys, Alt+1 to Alt+9, and what a person calls each.
-pub const MODES: [(Mode, &str, &str); 9] = [
+/// Modes in the order of their keys, Alt+1 to Alt+9, Alt+0 and Alt+X, and what a person calls each.
+pub const MODES: [(Mode, &str, &str); 11] = [
     (Mode::Color, "Colors", "The triangles' own colors, unlit"),
     (Mode::Flat, "Flat", "Lit, one brightness a triangle"),
     (
@@ -28,5 +28,15 @@ pub const MODES: [(Mode, &str, &str); 9] = [
         Mode::Wireframe,
         "Lines only",
         "Edges alone; what is hidden is left out",
+    ),
+    (
+        Mode::Material,
+        "Material",
+        "Lit, as metals and dielectrics of the file's roughness are",
+    ),
+    (
+        Mode::XRay,
+        "X-ray",
+        "All layers, each faint, the nearest over those behind it",
     ),
 ];

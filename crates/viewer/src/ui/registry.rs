@@ -160,6 +160,9 @@ mod tests {
             pressed(&keymap, &state, true, Key::O, Modifiers::COMMAND),
             Some(Command::Ask(PromptKind::Open))
         );
+        let typed = |key| pressed(&keymap, &state, true, key, Modifiers::COMMAND);
+        assert!(typed(Key::Num0).is_some() && typed(Key::Plus).is_some());
+        assert!(typed(Key::Z).is_none() && typed(Key::A).is_none());
     }
 
     #[test]

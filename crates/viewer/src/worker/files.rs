@@ -1,22 +1,16 @@
-//! Reading scenes and textures, building trees, writing pictures and scenes, asking for paths: a named thread
-//! for each task.
+//! Reading scenes and textures, building trees, asking for paths: a named thread for each task.
 
-use super::check::check;
 use super::dialog::{DIALOG_ENDINGS, dialog};
 use super::load::{Load, scene_name, tree};
-use super::save::{save, save_outline, save_scene, save_text};
 use super::tasks::{ANY, LoadStage, Progress, Shared, lock};
 use super::{Wake, case, keys, neighbors, panic_text};
 use crate::memory;
+use crate::state::PromptKind;
 use crate::state::effect::Keep;
-use crate::state::inspection::Sized;
 use crate::state::news::News;
-use crate::state::{PromptKind, Replacing};
 use raycast_core::Accel;
-use raycast_core::formats::{self, Limits, SceneFile};
-use raycast_core::glam::DAffine3;
-use raycast_core::health;
-use raycast_core::scene::{ClippingPlane, Mesh, Scene};
+use raycast_core::formats::{self, Limits};
+use raycast_core::scene::Scene;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -40,7 +34,7 @@ pub struct Activity {
 #[derive(Debug)]
 pub struct Files {
     limits: Limits,
-    shared: Arc<Shared>,
+    pub(super) shared: Arc<Shared>,
     news: Receiver<(u64, News)>,
 }
 
@@ -250,127 +244,6 @@ impl Files {
         });
     }
 
-    /// Renders the picture once more, with all that the file's kind holds, and writes it; not where a
-    /// file is there, unless it may `replace` that.
-    pub fn save(&self, picture: Saving, path: PathBuf, replace: bool) {
-        self.shared.saves.fetch_add(1, Ordering::Relaxed);
-        self.shared.spawn("raycast-save", ANY, move |shared| {
-            let saved = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-                save(picture, &path, replace, shared)
-            }));
-            shared.saves.fetch_sub(1, Ordering::Relaxed);
-            match saved.map_err(|panic| panic_text(&*panic))? {
-                Ok(true) => Ok(News::PictureSaved(path)),
-                Ok(false) => Ok(News::Taken(Replacing {
-                    path,
-                    by: PromptKind::Picture,
-                })),
-                Err(failure) => Err(failure.to_string()),
-            }
-        });
-    }
-
-    /// Writes a scene file, of this revision of the document; not where a file is there, unless it may
-    /// `replace` that, and over a file that was opened only if that is its `own`.
-    pub fn save_scene(
-        &self,
-        scene: SceneFile,
-        (path, own): (PathBuf, Option<PathBuf>),
-        revision: u64,
-        replace: bool,
-    ) {
-        self.shared.spawn("raycast-save", ANY, move |shared| {
-            let saved = save_scene(&scene, &path, own.as_deref(), replace, shared);
-            Ok(match saved {
-                Ok(true) => News::SceneSaved(path, revision),
-                Ok(false) => News::Taken(Replacing {
-                    path,
-                    by: PromptKind::Scene,
-                }),
-                Err(failure) => News::NotSaved(failure.to_string()),
-            })
-        });
-    }
-
-    /// Writes text, likewise.
-    pub fn save_text(&self, text: String, path: PathBuf, by: PromptKind, replace: bool) {
-        self.shared.spawn("raycast-save", ANY, move |shared| {
-            match save_text(&text, &path, replace, shared) {
-                Ok(true) => Ok(News::PictureSaved(path)),
-                Ok(false) => Ok(News::Taken(Replacing { path, by })),
-                Err(failure) => Err(failure.to_string()),
-            }
-        });
-    }
-
-    /// Writes the outline that a plane cuts, likewise.
-    pub fn save_outline(
-        &self,
-        (accel, plane): (Arc<Accel>, ClippingPlane),
-        path: PathBuf,
-        by: PromptKind,
-        replace: bool,
-    ) {
-        self.shared.saves.fetch_add(1, Ordering::Relaxed);
-        self.shared.spawn("raycast-save", ANY, move |shared| {
-            let saved = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-                save_outline((&accel, &plane), &path, replace, shared)
-            }));
-            shared.saves.fetch_sub(1, Ordering::Relaxed);
-            match saved.map_err(|panic| panic_text(&*panic))? {
-                Ok(Some((open, all))) => {
-                    if open > 0 {
-                        let said =
-                            format!("{open} of {all} lines are not closed: the mesh is open there");
-                        shared.tell(ANY, News::Done(said));
-                    }
-                    Ok(News::PictureSaved(path))
-                }
-                Ok(None) => Ok(News::Taken(Replacing { path, by })),
-                Err(failure) => Err(failure.to_string()),
-            }
-        });
-    }
-
-    /// Works out the size of a mesh in its place.
-    pub fn weigh(&self, mesh: Arc<Mesh>, world_from_object: DAffine3) {
-        let ticket = self.shared.newest_size.fetch_add(1, Ordering::Relaxed) + 1;
-        self.shared.spawn("raycast-size", ANY, move |shared| {
-            let goes_on = |_| shared.newest_size.load(Ordering::Relaxed) == ticket;
-            let size = health::size(&mesh, &world_from_object, &goes_on);
-            Ok(size.map_or(News::Nothing, |size| {
-                News::Sized(Sized {
-                    mesh: Arc::clone(&mesh),
-                    world_from_object,
-                    size,
-                })
-            }))
-        });
-    }
-
-    /// Looks meshes over, each of an object, and calls what is done by a name. The newest call wins.
-    pub fn check(&self, name: String, meshes: Vec<(usize, Arc<Mesh>)>) {
-        let ticket = self.shared.newest_check.fetch_add(1, Ordering::Relaxed) + 1;
-        let progress = Arc::new(Progress::default());
-        *lock(&self.shared.check) = Some((ticket, name, Arc::clone(&progress)));
-        self.shared.spawn("raycast-check", ANY, move |shared| {
-            let goes_on = || {
-                (shared.wake)();
-                shared.newest_check.load(Ordering::Relaxed) == ticket
-            };
-            let checked = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-                check(&meshes, &progress, &goes_on)
-            }));
-            let mut under_way = lock(&shared.check);
-            if under_way.as_ref().is_some_and(|(own, ..)| *own == ticket) {
-                *under_way = None;
-            }
-            drop(under_way);
-            let checked = checked.map_err(|panic| panic_text(&*panic))?;
-            Ok(checked.map_or(News::Nothing, News::Checked))
-        });
-    }
-
     /// Reads the file that changes keys.
     pub fn read_keys(&self, path: PathBuf, asked: bool) {
         self.shared.spawn("raycast-keys", ANY, move |_| {
@@ -391,6 +264,9 @@ impl Files {
             keys::write(&path, &template)?;
             let said = format!("Keys are changed in {}", path.display());
             shared.tell(ANY, News::Done(said));
+            // From now on it is watched.
+            let text = keys::read(&path)?.unwrap_or_default();
+            shared.tell(ANY, News::Keys { text, asked: false });
             keys::edit(&path).map(|()| News::Nothing)
         });
     }
@@ -409,7 +285,9 @@ mod tests {
     use crate::setup;
     use crate::worker::demo;
     use raycast_core::camera::Grid;
+    use raycast_core::formats::SceneFile;
     use raycast_core::render::View;
+    use raycast_core::scene::ClippingPlane;
     use std::path::Path;
 
     fn files() -> Files {
@@ -441,7 +319,7 @@ mod tests {
         }));
         let file = demo::scene().expect("the demo scene");
         let mesh = Arc::clone(&file.scene.objects[0].mesh);
-        files.check("a mesh".to_owned(), vec![(0, mesh)]);
+        files.check("a mesh".to_owned(), vec![(0, mesh)], false);
         assert!(matches!(wait(&files), News::Failed(text) if text.contains("on purpose")));
         assert_eq!(files.activity(), None);
     }

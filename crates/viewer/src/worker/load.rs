@@ -243,6 +243,7 @@ impl Load<'_> {
             paths,
             opened: file.opened,
             unit: file.unit,
+            size: file.image.size,
             animation: file.animation,
             shading: file.shading,
             file: own,
@@ -251,9 +252,8 @@ impl Load<'_> {
         };
         Ok(Loaded {
             camera: file.camera,
-            samples: file.image.samples,
+            image: file.image,
             clip: file.clip,
-            cull: file.image.cull,
             notes,
             ..Loaded::new(document)
         })

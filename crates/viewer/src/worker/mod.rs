@@ -8,6 +8,7 @@ mod check;
 pub mod demo;
 mod dialog;
 pub mod files;
+mod inspecting;
 mod keys;
 pub mod layout;
 mod load;
@@ -18,6 +19,7 @@ pub mod pace;
 mod priority;
 pub mod render;
 mod save;
+mod saving;
 mod tasks;
 pub mod watch;
 

@@ -153,9 +153,10 @@ pub(super) struct Material {
     pub(super) pbr_metallic_roughness: MetallicRoughness,
     pub(super) normal_texture: Option<IgnoredAny>,
     pub(super) occlusion_texture: Option<IgnoredAny>,
-    pub(super) emissive_texture: Option<IgnoredAny>,
+    pub(super) emissive_texture: Option<TextureInfo>,
     pub(super) emissive_factor: Option<[f64; 3]>,
     pub(super) alpha_mode: Option<String>,
+    pub(super) alpha_cutoff: Option<f32>,
     #[serde(default)]
     pub(super) extensions: MaterialExtensions,
 }
@@ -165,19 +166,33 @@ pub(super) struct Material {
 pub(super) struct MetallicRoughness {
     pub(super) base_color_factor: Option<[f64; 4]>,
     pub(super) base_color_texture: Option<TextureInfo>,
-    pub(super) metallic_roughness_texture: Option<IgnoredAny>,
+    pub(super) metallic_factor: Option<f64>,
+    pub(super) roughness_factor: Option<f64>,
+    pub(super) metallic_roughness_texture: Option<TextureInfo>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct MaterialExtensions {
     #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
     pub(super) specular_glossiness: Option<SpecularGlossiness>,
+    #[serde(rename = "KHR_materials_emissive_strength")]
+    pub(super) emissive_strength: Option<EmissiveStrength>,
+    #[serde(rename = "KHR_materials_unlit")]
+    pub(super) unlit: Option<IgnoredAny>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct EmissiveStrength {
+    pub(super) emissive_strength: Option<f64>,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct SpecularGlossiness {
     pub(super) diffuse_factor: Option<[f64; 4]>,
+    pub(super) glossiness_factor: Option<f64>,
+    pub(super) specular_glossiness_texture: Option<IgnoredAny>,
     pub(super) diffuse_texture: Option<TextureInfo>,
 }
 

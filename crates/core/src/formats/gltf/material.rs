@@ -6,11 +6,15 @@ use crate::formats::error::FormatError;
 use crate::formats::texture;
 use crate::math;
 use crate::quote;
-use crate::scene::{Color, Material, Texture, Wrap};
+use crate::scene::{Alpha, Color, Material, Opacity, Reflectance, Texture, Wrap};
 use crate::shade::srgb;
 use glam::{DVec2, Vec2};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
+
+/// The brightest light of its own that a material has: far beyond any picture, and far from the end of single
+/// precision.
+const BRIGHTEST: f64 = 1e30;
 
 /// White, opaque.
 const WHITE: [f64; 4] = [1.0; 4];
@@ -21,18 +25,25 @@ pub(super) struct Base<'d> {
     /// Linear light.
     pub(super) factor: [f64; 4],
     pub(super) texture: Option<&'d TextureInfo>,
+    /// The image that decides which of a mesh's coordinates count: that of the base colour, else another.
+    pub(super) placed: Option<&'d TextureInfo>,
 }
+
+/// An image of the file, and what it shows beyond its sides.
+type ImageKey = (u32, [Wrap; 2]);
 
 /// The materials of one file, and what was made of their images.
 pub(super) struct Materials<'m, 'd> {
     data: &'m Data<'d>,
     /// By image and wrapping; `None` for one that cannot be read, which is told once.
-    images: HashMap<(u32, [Wrap; 2]), Option<Arc<Texture>>>,
+    images: HashMap<ImageKey, Option<Arc<Texture>>>,
     /// By image, wrapping and factor.
     tinted: HashMap<(u32, [Wrap; 2], [u64; 3]), Arc<Texture>>,
     /// Materials that were used, by what is not shown of them.
     unused: BTreeMap<&'static str, usize>,
     is_told: Vec<bool>,
+    /// Used materials that are blended.
+    pub(super) blended: usize,
     pub(super) warnings: Vec<String>,
 }
 
@@ -44,6 +55,7 @@ impl<'m, 'd> Materials<'m, 'd> {
             tinted: HashMap::new(),
             unused: BTreeMap::new(),
             is_told: vec![false; data.root.materials.len()],
+            blended: 0,
             warnings: Vec::new(),
         }
     }
@@ -54,15 +66,76 @@ impl<'m, 'd> Materials<'m, 'd> {
         let material = self.data.one(list, index, place, "materials")?;
         let other = material.extensions.specular_glossiness.as_ref();
         let pbr = &material.pbr_metallic_roughness;
-        Ok(match other {
-            Some(other) => Base {
-                factor: other.diffuse_factor.unwrap_or(WHITE),
-                texture: other.diffuse_texture.as_ref(),
-            },
-            None => Base {
-                factor: pbr.base_color_factor.unwrap_or(WHITE),
-                texture: pbr.base_color_texture.as_ref(),
-            },
+        let (factor, texture, rough) = match other {
+            Some(other) => (other.diffuse_factor, other.diffuse_texture.as_ref(), None),
+            None => (
+                pbr.base_color_factor,
+                pbr.base_color_texture.as_ref(),
+                pbr.metallic_roughness_texture.as_ref(),
+            ),
+        };
+        Ok(Base {
+            factor: factor.unwrap_or(WHITE),
+            texture,
+            placed: texture.or(rough).or(material.emissive_texture.as_ref()),
+        })
+    }
+
+    /// How a material reflects light, and its own light; images that lie by other coordinates than `base` says are
+    /// left out, and told.
+    fn reflectance(
+        &mut self,
+        json: &'d MaterialJson,
+        base: Base<'d>,
+        has_coordinates: bool,
+        place: &str,
+    ) -> Result<Reflectance, FormatError> {
+        let mut image = |info: &'d Option<TextureInfo>, what| {
+            let Some(info) = info.as_ref() else {
+                return Ok(None);
+            };
+            let fits = |placed: &TextureInfo| {
+                Coordinates::set(placed) == Coordinates::set(info)
+                    && Coordinates::of(placed) == Coordinates::of(info)
+            };
+            if !has_coordinates || !base.placed.is_some_and(fits) {
+                *self.unused.entry(what).or_default() += 1;
+                return Ok(None);
+            }
+            let Some((image, key)) = self.image_of(info, place)? else {
+                return Ok(None);
+            };
+            self.tinted(image, key, WHITE)
+        };
+        let pbr = &json.pbr_metallic_roughness;
+        let other = json.extensions.specular_glossiness.as_ref();
+        let texture = match other {
+            Some(_) => None,
+            None => image(
+                &pbr.metallic_roughness_texture,
+                "images of metal and roughness by other coordinates than of colour",
+            )?,
+        };
+        let emission_texture = image(
+            &json.emissive_texture,
+            "images of emission by other coordinates than of colour",
+        )?;
+        let share = |factor: Option<f64>| factor.unwrap_or(1.0).clamp(0.0, 1.0) as f32;
+        let (metallic, roughness) = match other {
+            Some(other) => (0.0, 1.0 - share(other.glossiness_factor)),
+            None => (share(pbr.metallic_factor), share(pbr.roughness_factor)),
+        };
+        let strength = json.extensions.emissive_strength.as_ref();
+        let strength = strength.and_then(|strength| strength.emissive_strength);
+        let emission = json.emissive_factor.unwrap_or_default();
+        Ok(Reflectance {
+            metallic,
+            roughness,
+            texture,
+            emission: emission
+                .map(|light| (light * strength.unwrap_or(1.0)).clamp(0.0, BRIGHTEST) as f32),
+            emission_texture,
+            is_unlit: json.extensions.unlit.is_some(),
         })
     }
 
@@ -75,18 +148,26 @@ impl<'m, 'd> Materials<'m, 'd> {
     ) -> Result<Material, FormatError> {
         let place = format!("materials[{index}]");
         let base = self.base(index, &place)?;
-        let json = self
-            .data
-            .one(&self.data.root.materials, index, &place, "materials")?;
+        let data = self.data;
+        let list: &'d [MaterialJson] = &data.root.materials;
+        let json = data.one(list, index, &place, "materials")?;
         self.tell(index, json);
-        let texture = match base.texture {
-            Some(info) if has_coordinates => self.texture(info, base.factor, &place)?,
+        let image = match base.texture {
+            Some(info) if has_coordinates => self.image_of(info, &place)?,
             _ => None,
         };
+        let opacity = opacity(json, base.factor, image.as_ref().map(|(image, _)| image));
+        let texture = match image {
+            Some((image, key)) => self.tinted(image, key, base.factor)?,
+            None => None,
+        };
+        let reflectance = self.reflectance(json, base, has_coordinates, &place)?;
         let name = json.name.clone();
         Ok(Material {
             texture,
             by_vertex,
+            reflectance: Some(Arc::new(reflectance)),
+            opacity,
             ..Material::new(
                 name.unwrap_or_else(|| format!("material {index}")),
                 color(base.factor),
@@ -102,21 +183,16 @@ impl<'m, 'd> Materials<'m, 'd> {
         if std::mem::replace(is_told, true) {
             return;
         }
-        let emits = material.emissive_texture.is_some()
-            || material
-                .emissive_factor
-                .is_some_and(|factor| factor != [0.0; 3]);
-        let is_see_through = material
-            .alpha_mode
-            .as_deref()
-            .is_some_and(|mode| mode != "OPAQUE");
-        let metal = &material.pbr_metallic_roughness.metallic_roughness_texture;
+        let mode = material.alpha_mode.as_deref();
+        self.blended += usize::from(mode == Some("BLEND"));
+        let is_unknown = mode.is_some_and(|mode| !["OPAQUE", "MASK", "BLEND"].contains(&mode));
+        let other = material.extensions.specular_glossiness.as_ref();
+        let gloss = other.and_then(|other| other.specular_glossiness_texture.as_ref());
         let parts = [
-            (metal.is_some(), "images of metal and roughness"),
+            (gloss.is_some(), "images of specular colour and gloss"),
             (material.normal_texture.is_some(), "images of normals"),
             (material.occlusion_texture.is_some(), "images of occlusion"),
-            (emits, "light of their own"),
-            (is_see_through, "opacity"),
+            (is_unknown, "opacity of another mode"),
         ];
         for (_, part) in parts.iter().filter(|(has, _)| *has) {
             *self.unused.entry(part).or_default() += 1;
@@ -129,12 +205,12 @@ impl<'m, 'd> Materials<'m, 'd> {
         self.unused.iter().map(of).collect()
     }
 
-    fn texture(
+    /// A texture's image as the file has it, and what it is known by.
+    fn image_of(
         &mut self,
         info: &TextureInfo,
-        factor: [f64; 4],
         place: &str,
-    ) -> Result<Option<Arc<Texture>>, FormatError> {
+    ) -> Result<Option<(Arc<Texture>, ImageKey)>, FormatError> {
         let root = self.data.root;
         let json = self
             .data
@@ -166,9 +242,16 @@ impl<'m, 'd> Materials<'m, 'd> {
                 image
             }
         };
-        let Some(image) = image else {
-            return Ok(None);
-        };
+        Ok(image.map(|image| (image, (source, wrap))))
+    }
+
+    /// An image times a material's colour.
+    fn tinted(
+        &mut self,
+        image: Arc<Texture>,
+        (source, wrap): ImageKey,
+        factor: [f64; 4],
+    ) -> Result<Option<Arc<Texture>>, FormatError> {
         let [r, g, b, _] = factor;
         let is_plain = [r, g, b] == [1.0; 3] && image.texels().iter().all(|texel| texel[3] == 255);
         if is_plain {
@@ -256,8 +339,29 @@ pub(super) fn color([r, g, b, _]: [f64; 4]) -> Color {
     Color([r, g, b].map(|channel| tables.encode(channel as f32)))
 }
 
-/// An image times a factor, in linear light. It is opaque: opacity is not shown, and what is see-through
-/// may be any colour.
+/// How much of a material's surface is there: its alpha is the base colour's, of factor and image.
+fn opacity(
+    material: &MaterialJson,
+    [_, _, _, factor]: [f64; 4],
+    image: Option<&Arc<Texture>>,
+) -> Opacity {
+    let has_alpha = |image: &&Arc<Texture>| image.texels().iter().any(|texel| texel[3] < 255);
+    let alpha = Alpha {
+        factor: factor.clamp(0.0, 1.0) as f32,
+        image: image.filter(has_alpha).cloned(),
+    };
+    match material.alpha_mode.as_deref() {
+        Some("MASK") => Opacity::Mask {
+            alpha,
+            cutoff: material.alpha_cutoff.unwrap_or(Opacity::CUTOFF),
+        },
+        Some("BLEND") if alpha.factor < 1.0 || alpha.image.is_some() => Opacity::Blend(alpha),
+        _ => Opacity::Opaque,
+    }
+}
+
+/// An image times a factor, in linear light. It is opaque: alpha is the material's, and what is translucent may be
+/// any colour.
 fn tint(image: &Texture, factor: [f64; 3]) -> Option<Texture> {
     let tables = srgb::tables();
     let levels = factor.map(|factor| {

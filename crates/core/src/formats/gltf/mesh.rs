@@ -5,7 +5,7 @@ use super::json::Primitive;
 use super::material::{Base, Coordinates, Materials, color};
 use crate::formats::error::FormatError;
 use crate::formats::limits::Share;
-use crate::scene::{Attribute, Color, MeshData};
+use crate::scene::{Attribute, Color, MeshData, Scalar, ScalarAt};
 use glam::{DVec3, Vec2, Vec3};
 use std::collections::HashMap;
 use std::mem::size_of;
@@ -33,6 +33,7 @@ struct Key {
     normals: Option<u32>,
     uvs: Option<(u32, [u64; 6])>,
     colors: Option<(u32, [u64; 3])>,
+    scalars: Vec<(String, u32)>,
 }
 
 /// Lists that grow primitive by primitive.
@@ -101,7 +102,7 @@ impl Builder<'_, '_, '_> {
             None => None,
         };
         let named = |name: &str| primitive.attributes.get(name).copied();
-        let coordinates = base.and_then(|base| base.texture).map_or_else(
+        let coordinates = base.and_then(|base| base.placed).map_or_else(
             // Without a texture they are there to be shown themselves.
             || named("TEXCOORD_0").map(|uvs| (uvs, Coordinates::PLAIN)),
             |info| {
@@ -110,8 +111,14 @@ impl Builder<'_, '_, '_> {
             },
         );
         let colors = named("COLOR_0");
-        let (first, count) =
-            self.vertices(place, positions, named("NORMAL"), coordinates, colors, base)?;
+        let (first, count) = self.vertices(
+            place,
+            positions,
+            named("NORMAL"),
+            coordinates,
+            colors,
+            (base, self.scalars(primitive)),
+        )?;
         let corners = match primitive.indices {
             None => (0..count).collect(),
             Some(index) => self.corners(place, index, count)?,
@@ -180,16 +187,19 @@ impl Builder<'_, '_, '_> {
         normals: Option<u32>,
         uvs: Option<(u32, Coordinates)>,
         colors: Option<u32>,
-        base: Option<Base<'_>>,
+        (base, scalars): (Option<Base<'_>>, Vec<(String, u32)>),
     ) -> Result<(u32, u32), FormatError> {
         let data = self.data;
         let found = data.accessor(positions, place, &["VEC3"])?;
-        let [r, g, b, _] = base.map_or([1.0; 4], |base| base.factor);
+        // An image has the factor already, and is multiplied by the colours of vertices.
+        let untextured = base.filter(|base| base.texture.is_none() || uvs.is_none());
+        let [r, g, b, _] = untextured.map_or([1.0; 4], |base| base.factor);
         let key = Key {
             positions,
             normals,
             uvs: uvs.map(|(uvs, coordinates)| (uvs, coordinates.bits())),
             colors: colors.map(|colors| (colors, [r, g, b].map(f64::to_bits))),
+            scalars,
         };
         let first = self.mesh.positions.len();
         let count = found.count;
@@ -201,9 +211,11 @@ impl Builder<'_, '_, '_> {
             let expected = format!("fewer than {NONE} vertices in a mesh");
             return Err(data.fault(place, &expected, &all.to_string()));
         }
-        let vertex = 2 * (size_of::<DVec3>() + size_of::<Vec3>() + size_of::<Vec2>() + 8);
+        let vertex = 2 * (size_of::<DVec3>() + size_of::<Vec3>() + size_of::<Vec2>() + 8)
+            + (self.mesh.scalars.len() + key.scalars.len()) * size_of::<f32>();
         self.share
             .grow(data.path, "the mesh", vertex as u64 * all)?;
+        let scalars = key.scalars.clone();
         self.firsts.insert(key, first as u32);
         let other = |index: u32, name: &str, shapes: &[&str]| {
             let place = format!("{place}.attributes.{name}");
@@ -234,6 +246,21 @@ impl Builder<'_, '_, '_> {
             });
             self.mesh.colors.extend(mixed);
         }
+        for (name, index) in &scalars {
+            let numbers = other(*index, name, &["SCALAR"])?;
+            let known = self.mesh.scalars.iter().position(|s| s.name == *name);
+            let at = known.unwrap_or(self.mesh.scalars.len());
+            if known.is_none() {
+                self.mesh.scalars.push(Scalar {
+                    name: name.clone(),
+                    at: ScalarAt::Vertices,
+                    values: Vec::new(),
+                });
+            }
+            let values = &mut self.mesh.scalars[at].values;
+            values.resize(first, f32::NAN);
+            values.extend(numbers.values([0.0], |[number]| number as f32));
+        }
         let positions = found.values([0.0; 3], DVec3::from_array);
         if self.mesh.positions.is_empty() {
             self.mesh.positions = positions;
@@ -241,6 +268,18 @@ impl Builder<'_, '_, '_> {
             self.mesh.positions.extend(positions);
         }
         Ok((first as u32, count as u32))
+    }
+
+    /// The application's own attributes of a number a vertex, by name: the standard has theirs begin with an
+    /// underscore.
+    fn scalars(&self, primitive: &Primitive) -> Vec<(String, u32)> {
+        let is_number = |index: u32| {
+            let accessor = self.data.root.accessors.get(index as usize);
+            accessor.is_some_and(|accessor| accessor.shape == "SCALAR")
+        };
+        let own = primitive.attributes.iter();
+        let own = own.filter(|(name, index)| name.starts_with('_') && is_number(**index));
+        own.map(|(name, index)| (name.clone(), *index)).collect()
     }
 
     /// A primitive's indices, each of a vertex that there is.
@@ -297,6 +336,9 @@ impl Builder<'_, '_, '_> {
         }
         if !uvs.is_empty() {
             uvs.resize(count, Vec2::NAN);
+        }
+        for scalar in &mut mesh.scalars {
+            scalar.values.resize(count, f32::NAN);
         }
         mesh.normals = attribute(normals, &mesh.triangles, |normal| *normal != Vec3::ZERO);
         mesh.uvs = attribute(uvs, &mesh.triangles, |uv| uv.is_finite());

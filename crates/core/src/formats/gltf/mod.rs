@@ -14,6 +14,7 @@ use crate::formats::Progress;
 use crate::formats::error::{FormatError, quote};
 use crate::formats::files::Files;
 use crate::formats::kind::without_mark;
+use crate::formats::parsed::BLENDED;
 use crate::formats::placed::{Placed, PlacedMesh};
 use crate::quote;
 use data::Data;
@@ -39,8 +40,10 @@ const KNOWN: [&str; 6] = [
 ];
 
 /// Extensions of which all is shown that there is.
-const READ: [&str; 3] = [
+const READ: [&str; 5] = [
+    "KHR_materials_emissive_strength",
     "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_unlit",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 ];
@@ -94,13 +97,13 @@ pub(super) fn read(
     }
     placed.unit = Some(LengthUnit::Metre);
     placed.notes = notes(&root, &materials);
-    placed.warnings = warnings(path, &mesh_nodes, &told);
+    placed.warnings = warnings(path, &mesh_nodes, &told, materials.blended);
     placed.warnings.append(&mut materials.warnings);
     Ok(placed)
 }
 
 /// What is not shown, or not as the file has it: a line a kind.
-fn warnings(path: &Path, nodes: &[MeshNode<'_>], told: &Told) -> Vec<String> {
+fn warnings(path: &Path, nodes: &[MeshNode<'_>], told: &Told, blended: usize) -> Vec<String> {
     let path = quote::path(path);
     let skinned = nodes.iter().filter(|node| node.node.skin.is_some()).count();
     let counts = [
@@ -121,6 +124,7 @@ fn warnings(path: &Path, nodes: &[MeshNode<'_>], told: &Told) -> Vec<String> {
             told.morphs,
             "meshes with morph targets, which are shown at rest",
         ),
+        (blended, BLENDED),
     ];
     let told = counts.iter().filter(|(count, _)| *count > 0);
     told.map(|(count, what)| format!("{path}: {what}: {count}"))

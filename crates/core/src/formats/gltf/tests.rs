@@ -2,7 +2,7 @@ use crate::formats::SceneFile;
 use crate::formats::held::Held;
 use crate::formats::limits::Budget;
 use crate::formats::read_scene_from;
-use crate::scene::{Color, Mesh, Wrap};
+use crate::scene::{Alpha, Color, Mesh, Opacity, Wrap};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::{DVec3, Vec2, Vec3};
@@ -65,6 +65,44 @@ fn notes(text: &str) -> Vec<String> {
 
 fn mesh(file: &SceneFile) -> &Mesh {
     &file.scene.objects[0].mesh
+}
+
+#[test]
+fn own_attributes_of_one_number_are_scalars() {
+    // Four numbers as floats, and as normalised bytes; and four pairs, which are no numbers.
+    let floats: [f32; 4] = [0.5, -1.0, 1e30, 7.0];
+    let mut more: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).collect();
+    more.extend([0, 51, 102, 255]);
+    let accessors = r#",
+ {"bufferView": 2, "componentType": 5126, "count": 4, "type": "SCALAR"},
+ {"bufferView": 2, "byteOffset": 16, "componentType": 5121, "normalized": true, "count": 4, "type": "SCALAR"},
+ {"bufferView": 2, "componentType": 5121, "count": 4, "type": "VEC2"},
+ {"bufferView": 2, "componentType": 5126, "count": 3, "type": "SCALAR"}"#;
+    let of = |list: &str| try_read(gltf(&more, accessors, &primitives(list)).as_bytes());
+    let file = of(
+        r#"{"attributes": {"POSITION": 0, "_HEAT": 2, "_PAIR": 4, "_SHARE": 3}, "mode": 5},
+ {"attributes": {"POSITION": 0, "_HEAT": 3}, "mode": 5}, {"attributes": {"POSITION": 0}, "mode": 5}"#,
+    )
+    .expect("a good file");
+    let mesh = mesh(&file);
+    assert_eq!((mesh.positions().len(), mesh.triangles().len()), (12, 6));
+    let none = [f32::NAN; 4];
+    let shares = [0.0, 0.2, 0.4, 1.0];
+    let expected = [
+        ("_HEAT", [floats, shares, none].concat()),
+        ("_SHARE", [shares, none, none].concat()),
+    ];
+    assert_eq!(mesh.scalars().len(), 2);
+    for (scalar, (name, values)) in mesh.scalars().iter().zip(expected) {
+        assert_eq!(scalar.name, name);
+        let bits = |values: &[f32]| -> Vec<u32> { values.iter().map(|v| v.to_bits()).collect() };
+        assert_eq!(bits(&scalar.values), bits(&values), "{name}");
+    }
+    let told = of(r#"{"attributes": {"POSITION": 0, "_HEAT": 5}}"#).expect_err("too few");
+    assert!(
+        told.contains("_HEAT: expected as many as positions, 4"),
+        "{told}"
+    );
 }
 
 #[test]
@@ -301,6 +339,47 @@ fn nodes_are_objects_depth_first_and_share_their_meshes() {
     );
 }
 
+/// Two triangles with coordinates, of the materials given.
+fn reflecting(materials: &str) -> (Arc<Mesh>, Vec<String>) {
+    let uvs = [0f32, 0., 1., 0., 1., 1., 0., 0.25];
+    let more: Vec<u8> = uvs.iter().flat_map(|x| x.to_le_bytes()).collect();
+    let accessors = r#", {"bufferView": 2, "componentType": 5126, "count": 4, "type": "VEC2"}"#;
+    let rest = format!(
+        r#""nodes": [{{"mesh": 0}}], "meshes": [{{"primitives": [
+  {{"attributes": {{"POSITION": 0, "TEXCOORD_0": 2}}, "material": 0}},
+  {{"attributes": {{"POSITION": 0, "TEXCOORD_0": 2}}, "material": 1}}]}}],
+"materials": [{materials}],
+"extensionsUsed": ["KHR_materials_unlit", "KHR_materials_emissive_strength", "KHR_materials_clearcoat"],
+"textures": [{{"source": 0}}], "images": [{{"uri": "t.ppm"}}]"#
+    );
+    let file = gltf(&more, accessors, &rest);
+    (Arc::clone(&read(&file).scene.objects[0].mesh), notes(&file))
+}
+
+#[test]
+fn materials_say_how_they_reflect_light_and_what_is_not_shown_is_counted() {
+    let (mesh, notes) = reflecting(
+        r#"{"pbrMetallicRoughness": {"metallicFactor": 0.25, "roughnessFactor": 7,
+    "metallicRoughnessTexture": {"index": 0}}, "normalTexture": {"index": 0}, "occlusionTexture": {"index": 0},
+   "emissiveFactor": [1, 0.5, 0], "emissiveTexture": {"index": 0, "texCoord": 1},
+   "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}, "KHR_materials_clearcoat": {}}},
+  {"extensions": {"KHR_materials_unlit": {}}}"#,
+    );
+    let known = |number: usize| {
+        let known = mesh.materials()[number].reflectance.clone();
+        known.expect("a reflectance")
+    };
+    let first = known(0);
+    assert_eq!((first.metallic, first.roughness), (0.25, 1.0));
+    assert_eq!(first.emission, [4.0, 2.0, 0.0]);
+    assert!(first.texture.is_some() && first.emission_texture.is_none());
+    assert!(!first.is_unlit && known(1).is_unlit);
+    assert_eq!((known(1).metallic, known(1).roughness), (1.0, 1.0));
+    let told = "not used: images of emission by other coordinates than of colour (1 materials), images of normals \
+                (1 materials), images of occlusion (1 materials), \"KHR_materials_clearcoat\"";
+    assert_eq!(notes[1], told);
+}
+
 #[test]
 fn colours_are_those_of_factors_vertices_and_images() {
     let mut more: Vec<u8> = vec![
@@ -343,6 +422,20 @@ fn colours_are_those_of_factors_vertices_and_images() {
     assert!(object.texture_on(1).is_none());
     let image = object.texture_on(2).expect("an image");
     assert_eq!(image.texels(), [[188, 100, 0, 255]]);
+    let half = Alpha {
+        factor: 0.5,
+        image: None,
+    };
+    assert_eq!(*object.mesh.opacity(0), Opacity::Blend(half.clone()));
+    assert_eq!(*object.mesh.opacity(1), Opacity::Opaque);
+    for (given, cutoff) in [("", 0.5), (", \"alphaCutoff\": 0.25", 0.25)] {
+        let masked = rest.replace("\"BLEND\"", &format!("\"MASK\"{given}"));
+        let file = read(&gltf(&more, accessors, &masked));
+        let alpha = half.clone();
+        let opacity = file.scene.objects[0].mesh.opacity(0).clone();
+        assert_eq!(opacity, Opacity::Mask { alpha, cutoff });
+        assert_eq!(file.warnings.len(), 1, "{:?}", file.warnings);
+    }
     assert_eq!(image.wrap(), [Wrap::Clamp, Wrap::Mirror]);
     // (u, v) scaled by (2, 1), turned by a quarter to (v, −u), moved by (0.5, 0), and upright.
     let uvs = object.mesh.corner_uvs(2).expect("coordinates");
@@ -353,10 +446,21 @@ fn colours_are_those_of_factors_vertices_and_images() {
     assert_eq!(object.mesh.corner_uvs(0), None);
     assert_eq!(
         file.warnings,
-        ["a.gltf: corners behind the last whole triangle, which are passed over: 4"]
+        [
+            "a.gltf: corners behind the last whole triangle, which are passed over: 4",
+            "a.gltf: blended materials, of which each layer covers by its alpha, with nothing refracted: 1",
+        ]
     );
-    let told = "not used: light of their own (1 materials), opacity (1 materials), \"X_y\"";
+    let told = "not used: \"X_y\"";
     assert_eq!(notes(&gltf(&more, accessors, rest))[1], told);
+    let emission = |triangle| {
+        let material = object.mesh.material(triangle).expect("a material");
+        material.reflectance.as_ref().map(|known| known.emission)
+    };
+    assert_eq!(
+        (emission(0), emission(2)),
+        (Some([0.0; 3]), Some([1.0, 0.0, 0.0]))
+    );
     // An image that cannot be read is told, and the rest is shown.
     let file = read(&gltf(&more, accessors, &rest.replace("t.ppm", "none.png")));
     assert!(file.scene.objects[0].texture_on(2).is_none());

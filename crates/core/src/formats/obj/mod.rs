@@ -8,14 +8,17 @@ mod words;
 use crate::formats::Progress;
 use crate::formats::error::FormatError;
 use crate::formats::files::{By, Contents, Files, beside};
-use crate::formats::polygon;
+use crate::formats::limits::Budget;
+use crate::formats::parsed::BLENDED;
+use crate::formats::{polygon, texture};
 use crate::quote::{self, quote};
-use crate::scene::{Attribute, MeshData};
+use crate::scene::{Alpha, Attribute, Diagonals, MeshData, Opacity, Texture};
 use content::{NONE, ObjText, Oddities};
 use glam::Vec3;
-use mtl::MtlMaterial;
+use mtl::{MtlMaterial, Unused};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// What an OBJ file holds.
 #[derive(Debug)]
@@ -23,6 +26,8 @@ pub(super) struct Obj {
     pub(super) mesh: MeshData,
     /// The one image that the materials of all its faces name.
     pub(super) texture: Option<PathBuf>,
+    /// What its material libraries have and is not shown.
+    pub(super) notes: Vec<String>,
     /// What was not as it should be, and did not matter enough to stop.
     pub(super) warnings: Vec<String>,
 }
@@ -49,7 +54,8 @@ pub(super) fn read(
     let mut warnings = Vec::new();
     warnings.extend(loose_vertices(path, &text)?);
     warnings.extend(odd_lines(path, &text.oddities));
-    let (materials, texture) = materials(path, &text, files, &mut warnings);
+    let mut unused = Unused::new();
+    let (materials, texture) = materials(path, &text, files, &mut warnings, &mut unused);
     let material_of_triangle = if materials.is_empty() {
         Vec::new()
     } else {
@@ -74,6 +80,7 @@ pub(super) fn read(
         material_of_triangle,
         materials: Vec::new(),
         scalars: Vec::new(),
+        diagonals: Diagonals::default(),
     };
     progress(0.95);
     let uncut = polygon::cut(&mut mesh, &text.polygons);
@@ -95,12 +102,23 @@ pub(super) fn read(
     Ok(Obj {
         mesh,
         texture,
+        notes: notes(&unused),
         warnings,
     })
 }
 
 /// The materials of a file's libraries, each with the library that has it.
 type Materials = Vec<(MtlMaterial, PathBuf)>;
+
+/// A line about what is not shown, if anything is not.
+fn notes(unused: &Unused) -> Vec<String> {
+    let of = |(word, count): (&String, &usize)| format!("{} ({count} materials)", quote(word));
+    let words: Vec<String> = unused.iter().map(of).collect();
+    match words.is_empty() {
+        true => Vec::new(),
+        false => vec![format!("not used: {}", words.join(", "))],
+    }
+}
 
 /// The number of each name. Of materials with one name the last one counts.
 fn number_of(materials: &Materials) -> HashMap<&str, u32> {
@@ -183,10 +201,11 @@ fn materials(
     text: &ObjText,
     files: &dyn Files,
     warnings: &mut Vec<String>,
+    unused: &mut Unused,
 ) -> (Materials, Option<PathBuf>) {
     let mut materials = Materials::new();
     for (library, bytes) in libraries(path, &text.libraries, files, warnings) {
-        let read = mtl::read(&library, &bytes, warnings);
+        let read = mtl::read(&library, &bytes, warnings, unused);
         materials.extend(read.into_iter().map(|material| (material, library.clone())));
     }
     let numbers = number_of(&materials);
@@ -203,6 +222,9 @@ fn materials(
             quote::path(path)
         ));
     }
+    let used: Vec<usize> = (text.materials.iter())
+        .filter_map(|name| numbers.get(name.as_str()).map(|&number| number as usize))
+        .collect();
     let image = |name: u32| {
         let (material, library) = material(name)?;
         Some(beside(library, material.texture.as_deref()?))
@@ -215,7 +237,76 @@ fn materials(
     let mut images = names.into_iter().map(image);
     let first = images.next().flatten();
     let texture = first.filter(|first| images.all(|image| image.as_ref() == Some(first)));
+    masks(path, &mut materials, &used, files, warnings);
+    let is_blended = |&&number: &&usize| {
+        let opacity = &materials[number].0.material.opacity;
+        matches!(opacity, Opacity::Blend(_))
+    };
+    let blended = used.iter().filter(is_blended).count();
+    if blended > 0 {
+        warnings.push(format!("{}: {BLENDED}: {blended}", quote::path(path)));
+    }
     (materials, texture)
+}
+
+/// Reads the images of opacity that the used materials name. One that does not say how opaque the rest of it is, is a
+/// mask; elsewhere the image's alpha is a part of the blended one.
+fn masks(
+    path: &Path,
+    materials: &mut Materials,
+    used: &[usize],
+    files: &dyn Files,
+    warnings: &mut Vec<String>,
+) {
+    let mut images: HashMap<PathBuf, Option<Arc<Texture>>> = HashMap::new();
+    for &number in used {
+        let (material, library) = &mut materials[number];
+        let Some(name) = &material.opacity else {
+            continue;
+        };
+        let file = beside(library, name);
+        let image = images.entry(file).or_insert_with_key(|file| {
+            let read = files
+                .read(file, By::Mesh(path), &|_| ())
+                .and_then(|bytes| texture::decode(file, &bytes, files.budget()))
+                .and_then(|image| as_alpha(file, image, files.budget()));
+            match read {
+                Ok(image) => Some(Arc::new(image)),
+                Err(error) => {
+                    let (path, name, why) = (quote::path(path), quote(name), error.reason());
+                    warnings.push(format!(
+                        "{path}: its opacity in {name} cannot be read: {why}"
+                    ));
+                    None
+                }
+            }
+        });
+        let Some(image) = image.clone() else { continue };
+        material.material.opacity = match &material.material.opacity {
+            Opacity::Blend(alpha) => Opacity::Blend(Alpha {
+                image: Some(image),
+                ..alpha.clone()
+            }),
+            Opacity::Opaque | Opacity::Mask { .. } => Opacity::Mask {
+                alpha: Alpha {
+                    factor: 1.0,
+                    image: Some(image),
+                },
+                cutoff: Opacity::CUTOFF,
+            },
+        };
+    }
+}
+
+/// An image of opacity: its alpha where it has any, else its red channel, which is its grey.
+fn as_alpha(path: &Path, image: Texture, budget: &Budget) -> Result<Texture, FormatError> {
+    let texels = image.texels();
+    if texels.iter().any(|texel| texel[3] < u8::MAX) {
+        return Ok(image);
+    }
+    let _copy = budget.share(path, "the image's opacity", size_of_val(texels) as u64)?;
+    let texels = texels.iter().map(|&[grey, ..]| [grey; 4]).collect();
+    Ok(Texture::new(image.width(), image.height(), texels).unwrap_or(image))
 }
 
 /// The index of a material's name for every triangle.
@@ -418,6 +509,44 @@ mod tests {
         let number = obj.mesh.material_of_triangle[0] as usize;
         assert_eq!(obj.mesh.materials[number].color, Color([0, 0, 255]));
         assert_eq!(obj.texture.as_deref(), Some(Path::new("b.png")));
+    }
+
+    #[test]
+    fn materials_are_masks_or_blended() {
+        let library = "newmtl leaf\nmap_d leaf.pgm\nnewmtl glass\nTr 0.75\nmap_d leaf.pgm\n\
+            newmtl stone\nd 1\nTr 0.5\nnewmtl unused\nd 0.5\nmap_d none.pgm\nnewmtl lost\nmap_d none.pgm\n";
+        let text = b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl leaf\nf 1 2 3\nusemtl glass\nf 1 2 3\n\
+            usemtl stone\nf 1 2 3\nusemtl lost\nf 1 2 3\n";
+        let budget = Budget::default();
+        let resolve = |name: &str| match name {
+            "a.mtl" => Some(library.as_bytes().to_vec()),
+            "leaf.pgm" => Some(b"P5 2 1 255 \xff\x20".to_vec()),
+            _ => None,
+        };
+        let files = Held::new(&resolve, &budget);
+        let obj = read(Path::new("a.obj"), text, &files, &|_| ()).expect("a good file");
+        let image = Texture::new(2, 1, vec![[255; 4], [32; 4]]).map(Arc::new);
+        let alpha = |factor| Alpha {
+            factor,
+            image: image.clone(),
+        };
+        let mask = Opacity::Mask {
+            alpha: alpha(1.0),
+            cutoff: 0.5,
+        };
+        let materials = &obj.mesh.materials;
+        let found: Vec<_> = materials.iter().map(|m| m.opacity.clone()).collect();
+        let glass = Opacity::Blend(alpha(0.25));
+        assert_eq!(found[..3], [mask, glass, Opacity::Opaque]);
+        assert_eq!(found[4], Opacity::Opaque);
+        let [lost, blended] = &obj.warnings[..] else {
+            panic!("{:?}", obj.warnings)
+        };
+        assert!(
+            lost.starts_with("a.obj: its opacity in \"none.pgm\" cannot be read: "),
+            "{lost}"
+        );
+        assert!(blended.ends_with("nothing refracted: 1"), "{blended}");
     }
 
     #[test]

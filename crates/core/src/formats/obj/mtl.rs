@@ -1,7 +1,9 @@
 use crate::formats::lines::{Lines, text};
-use crate::quote::{self, quote};
-use crate::scene::{Color, Material};
+use crate::quote::{self, quote, shorten};
+use crate::scene::{Alpha, Color, Material, Opacity, Reflectance};
+use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 /// A material, and what else its library says of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,14 +11,28 @@ pub(super) struct MtlMaterial {
     pub(super) material: Material,
     /// The image for its diffuse colour, as the library names it.
     pub(super) texture: Option<String>,
+    /// The image for its opacity.
+    pub(super) opacity: Option<String>,
 }
 
-/// Reads a material library. What cannot be read is left out, and told in `warnings`.
-pub(super) fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Vec<MtlMaterial> {
+/// What a library has and is not shown: keywords, and how many materials have each.
+pub(super) type Unused = BTreeMap<String, usize>;
+
+/// How many keywords are told by name.
+const NAMED: usize = 12;
+
+/// Reads a material library. What cannot be read is left out, and told in `warnings`; what is not shown is counted.
+pub(super) fn read(
+    path: &Path,
+    bytes: &[u8],
+    warnings: &mut Vec<String>,
+    unused: &mut Unused,
+) -> Vec<MtlMaterial> {
     let text = text(bytes);
     // `tobj` may panic on short colours and gives up at the first fault: it gets what is used here,
     // checked.
     let mut clean = String::new();
+    let mut looks: Vec<Look> = Vec::new();
     for line in Lines::of(&text) {
         let words = line.text.trim();
         let (keyword, rest) = words.split_once(char::is_whitespace).unwrap_or((words, ""));
@@ -29,16 +45,53 @@ pub(super) fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Vec
         match keyword {
             "newmtl" if rest.is_empty() => warn("a name behind `newmtl`"),
             "map_Kd" if image_name(rest).is_none() => warn("a file behind `map_Kd`"),
-            "newmtl" | "map_Kd" => clean.push_str(&format!("{keyword} {rest}\n")),
+            "map_d" if image_name(rest).is_none() => warn("a file behind `map_d`"),
+            "d" | "Tr" => match opacity(rest) {
+                Some(number) => clean.push_str(&format!("{keyword} {number}\n")),
+                None => warn("a number from 0 to 1"),
+            },
+            "newmtl" => {
+                clean.push_str(&format!("{keyword} {rest}\n"));
+                looks.push(Look::default());
+            }
+            "map_Kd" | "map_d" => clean.push_str(&format!("{keyword} {rest}\n")),
             "Kd" => match diffuse(rest) {
                 Some([r, g, b]) => clean.push_str(&format!("Kd {r} {g} {b}\n")),
                 None => warn("one or three numbers behind `Kd`"),
             },
+            "Ks" | "Ke" | "Ns" | "Pm" | "Pr" => {
+                let Some(look) = looks.last_mut() else {
+                    continue;
+                };
+                let number = || diffuse(rest).map(|[x, ..]| x);
+                let is_read = match keyword {
+                    "Ks" => diffuse(rest).map(|color| look.specular = Some(color)),
+                    "Ke" => diffuse(rest).map(|color| look.emission = color),
+                    "Ns" => number().map(|x| look.exponent = Some(x)),
+                    "Pm" => number().map(|x| look.metallic = Some(x)),
+                    _ => number().map(|x| look.roughness = Some(x)),
+                };
+                if is_read.is_none() {
+                    warn(&format!("one or three numbers behind `{keyword}`"));
+                }
+            }
+            // Ambient light, transmission of none, and the model of light: what is shown has no use for them.
+            "" | "Ka" | "Ni" | "illum" | "sharpness" | "Tf" => {}
+            _ if keyword.starts_with('#') => {}
+            // A file's words are anything: few and short ones are kept.
+            _ if unused.contains_key(keyword) || unused.len() < NAMED => {
+                *unused.entry(shorten(keyword)).or_default() += 1;
+            }
             _ => {}
         }
     }
     match tobj::load_mtl_buf(&mut clean.as_bytes()) {
-        Ok((materials, _)) => materials.into_iter().map(convert).collect(),
+        Ok((materials, _)) => {
+            let looks = looks.into_iter().chain(std::iter::repeat(Look::default()));
+            let all = materials.into_iter().zip(looks);
+            all.map(|(material, look)| convert(material, look))
+                .collect()
+        }
         Err(error) => {
             warnings.push(format!("{}: {error}", quote::path(path)));
             Vec::new()
@@ -46,18 +99,86 @@ pub(super) fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Vec
     }
 }
 
-fn convert(material: tobj::Material) -> MtlMaterial {
+/// What a library says of how a material reflects light.
+#[derive(Clone, Debug, Default)]
+struct Look {
+    specular: Option<[f64; 3]>,
+    /// Phong's.
+    exponent: Option<f64>,
+    emission: [f64; 3],
+    metallic: Option<f64>,
+    roughness: Option<f64>,
+}
+
+impl Look {
+    /// Where the library says anything: the metallic share is `Pm`, else 0. The roughness is `Pr`; else that whose
+    /// GGX lobe is as wide as Phong's, α² = 2 / (Ns + 2) (Walter, Marschner, Li, Torrance, 2007), where `Ks` is not
+    /// black; else 1.
+    fn reflectance(&self) -> Option<Reflectance> {
+        let Self {
+            specular,
+            exponent,
+            emission,
+            metallic,
+            roughness,
+        } = self;
+        let says = [exponent, metallic, roughness].iter().any(|n| n.is_some());
+        if !says && specular.is_none() && *emission == [0.0; 3] {
+            return None;
+        }
+        let shines = specular.is_none_or(|color| color.iter().any(|channel| *channel > 0.0));
+        let of_exponent = exponent.filter(|_| shines).map(|exponent| {
+            // α is the roughness' square.
+            (2.0 / (exponent.max(0.0) + 2.0)).sqrt().sqrt()
+        });
+        let usual = Reflectance::default();
+        let else_rough = if shines { usual.roughness.into() } else { 1.0 };
+        let roughness = roughness.or(of_exponent).unwrap_or(else_rough);
+        Some(Reflectance {
+            metallic: metallic.unwrap_or(0.0).clamp(0.0, 1.0) as f32,
+            roughness: roughness.clamp(0.0, 1.0) as f32,
+            emission: emission.map(|light| light.clamp(0.0, BRIGHTEST) as f32),
+            ..usual
+        })
+    }
+}
+
+/// As of glTF's materials: far beyond any picture.
+const BRIGHTEST: f64 = 1e30;
+
+fn convert(material: tobj::Material, look: Look) -> MtlMaterial {
     let color = material.diffuse.map_or(Color::DEFAULT, |diffuse| {
         Color(diffuse.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8))
     });
+    // `Tr` is one less `d`, which goes before it.
+    let transparency = material.unknown_param.get("Tr");
+    let transparency = transparency.and_then(|text| text.parse::<f64>().ok());
+    let factor = (material.dissolve).or(transparency.map(|transparency| 1.0 - transparency));
+    let factor = factor.unwrap_or(1.0);
+    let name = |map: &Option<String>| map.as_deref().and_then(image_name).map(str::to_owned);
     MtlMaterial {
-        texture: material
-            .diffuse_texture
-            .as_deref()
-            .and_then(image_name)
-            .map(str::to_owned),
-        material: Material::new(material.name, color),
+        texture: name(&material.diffuse_texture),
+        opacity: name(&material.dissolve_texture),
+        material: Material {
+            opacity: match factor < 1.0 {
+                true => Opacity::Blend(Alpha {
+                    factor: factor as f32,
+                    image: None,
+                }),
+                false => Opacity::Opaque,
+            },
+            reflectance: look.reflectance().map(Arc::new),
+            ..Material::new(material.name, color)
+        },
     }
+}
+
+/// The number of an opacity, which may follow `-halo`.
+fn opacity(text: &str) -> Option<f32> {
+    let text = text.split('#').next()?.trim();
+    let text = text.strip_prefix("-halo").unwrap_or(text).trim();
+    let number: f32 = text.parse().ok()?;
+    (0.0..=1.0).contains(&number).then_some(number)
 }
 
 /// The numbers of a diffuse colour: one stands for all three.
@@ -108,7 +229,7 @@ mod tests {
         let text = b"\xef\xbb\xbf# caf\xe9\nKd 1 1 1\nnewmtl red one\n Kd 1.0 0.5 -3 \nKs 1\n\
             newmtl grey\r\nKd 0.2\nnewmtl plain\nmap_Kd -s 1 1 1 -bm 0.3 my wood.png\n";
         let mut warnings = Vec::new();
-        let materials = read(Path::new("a.mtl"), text, &mut warnings);
+        let materials = read(Path::new("a.mtl"), text, &mut warnings, &mut Unused::new());
         let colors: Vec<_> = materials
             .iter()
             .map(|m| (m.material.name.as_str(), m.material.color))
@@ -126,11 +247,37 @@ mod tests {
     }
 
     #[test]
+    fn reads_how_materials_reflect_light() {
+        let text = b"newmtl shiny\nKs 1 1 1\nNs 198\nmap_Bump b.png\nnewmtl matt\nKs 0 0 0\nNs 198\nbump b.png\n\
+            newmtl steel\nPm 1\nPr 0.25\nKe 2 0 0\nmap_Bump c.png\nnewmtl nothing\nKd 1\nillum 2\n";
+        let (mut warnings, mut unused) = (Vec::new(), Unused::new());
+        let materials = read(Path::new("a.mtl"), text, &mut warnings, &mut unused);
+        let looks: Vec<_> = materials
+            .iter()
+            .map(|m| m.material.reflectance.as_deref())
+            .map(|look| look.map(|look| (look.metallic, look.roughness, look.emission)))
+            .collect();
+        let tenth = 0.1f32.sqrt();
+        assert_eq!(
+            looks,
+            [
+                Some((0.0, tenth, [0.0; 3])),
+                Some((0.0, 1.0, [0.0; 3])),
+                Some((1.0, 0.25, [2.0, 0.0, 0.0])),
+                None
+            ]
+        );
+        let unused: Vec<_> = unused.into_iter().collect();
+        assert_eq!(unused, [("bump".to_owned(), 1), ("map_Bump".to_owned(), 2)]);
+        assert!(warnings.is_empty(), "{warnings:?}");
+    }
+
+    #[test]
     fn leaves_out_what_it_cannot_read() {
         let text =
             b"newmtl a\nKd 1 0\nKd spectral x.rfl\nKd nan 0 0\nmap_Kd\nmap_Kd -s 1\nnewmtl\n";
         let mut warnings = Vec::new();
-        let materials = read(Path::new("a.mtl"), text, &mut warnings);
+        let materials = read(Path::new("a.mtl"), text, &mut warnings, &mut Unused::new());
         assert_eq!(materials.len(), 1);
         assert_eq!(materials[0].material.color, Color::DEFAULT);
         assert_eq!(materials[0].texture, None);

@@ -77,6 +77,56 @@ fn covers(corners: &[Corner]) {
     }
 }
 
+/// The truth is the faces themselves: what is no diagonal is each of their edges, once.
+#[test]
+fn edges_that_are_no_diagonals_are_those_of_the_faces() {
+    let faces: [&[Corner]; 4] = [
+        &[(0, 0), (4, 0), (0, 4)],
+        &[(0, 0), (1, 0), (1, 1), (0, 1)],
+        &[(2, 0), (2, 1), (1, 1), (1, 3), (0, 3), (0, 0)],
+        // A comb.
+        &[
+            (0, 0),
+            (9, 0),
+            (9, 5),
+            (7, 1),
+            (5, 6),
+            (3, 1),
+            (1, 7),
+            (0, 2),
+        ],
+    ];
+    let mut mesh = MeshData::default();
+    let mut polygons = Vec::new();
+    let mut expected = Vec::new();
+    for face in faces {
+        let first = mesh.positions.len() as u32;
+        let place = |&(x, y): &Corner| DVec3::new(x as f64, y as f64, 0.0);
+        mesh.positions.extend(face.iter().map(place));
+        let count = face.len() as u32;
+        expected.extend((0..count).map(|i| [first + i, first + (i + 1) % count]));
+        if count > 3 {
+            polygons.push(Polygon {
+                first: mesh.triangles.len() as u32,
+                triangles: count - 2,
+            });
+        }
+        let fan = 1..count - 1;
+        mesh.triangles
+            .extend(fan.map(|i| [first, first + i, first + i + 1]));
+    }
+    assert_eq!(cut(&mut mesh, &polygons), Uncut::default());
+    let mut found = Vec::new();
+    for (number, &[a, b, c]) in mesh.triangles.iter().enumerate() {
+        let is_diagonal = mesh.diagonals.on(number as u32);
+        let edges = [[a, b], [b, c], [c, a]].into_iter().zip(is_diagonal);
+        found.extend(edges.filter(|(_, is)| !is).map(|(edge, _)| edge));
+    }
+    found.sort_unstable();
+    expected.sort_unstable();
+    assert_eq!(found, expected);
+}
+
 #[test]
 fn an_l_is_covered_and_nothing_else() {
     let l = [(2, 0), (2, 1), (1, 1), (1, 3), (0, 3), (0, 0)];

@@ -2,7 +2,7 @@
 
 use super::parts::{Joined, Part, Parts};
 use super::written::{WriteError, Written};
-use crate::scene::Color;
+use crate::scene::{Alpha, Color, Opacity};
 use crate::shade::srgb::linear;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
@@ -233,14 +233,30 @@ impl<'p, 's> Object<'p, 's> {
         };
         tables.materials.extend(used.iter().map(|material| {
             let [r, g, b] = linear(material.color).to_array();
-            json!({
+            // Images are not written, and a mask without one would be all or nothing.
+            let (mode, a) = match &material.opacity {
+                Opacity::Blend(Alpha { factor, .. }) => ("BLEND", *factor),
+                Opacity::Opaque | Opacity::Mask { .. } => ("OPAQUE", 1.0),
+            };
+            let mut written = json!({
                 "name": material.name,
                 "pbrMetallicRoughness": {
-                    "baseColorFactor": [r, g, b, 1.0],
+                    "baseColorFactor": [r, g, b, a],
                     "metallicFactor": 0.0,
                 },
                 "doubleSided": true,
-            })
+            });
+            if mode != "OPAQUE" {
+                written["alphaMode"] = mode.into();
+            }
+            if let Some(known) = &material.reflectance {
+                let pbr = &mut written["pbrMetallicRoughness"];
+                pbr["metallicFactor"] = known.metallic.into();
+                pbr["roughnessFactor"] = known.roughness.into();
+                // More would be an extension's.
+                written["emissiveFactor"] = json!(known.emission.map(|light| light.min(1.0)));
+            }
+            written
         }));
         let triangles = self.joined.triangles.len();
         let view = tables.view(12 * triangles as u64, ELEMENT_ARRAY_BUFFER);

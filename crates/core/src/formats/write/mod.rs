@@ -11,6 +11,7 @@ mod written;
 use crate::scene::Scene;
 use parts::Parts;
 use std::io::{self, Write};
+use std::path::Path;
 pub use written::{WriteError, Written};
 
 /// A format that meshes are written in.
@@ -38,7 +39,7 @@ impl MeshFormat {
     /// The format that a file's name asks for, by its extension in any case; `ascii` asks for text
     /// where there is a choice. `None` for a name that asks for none.
     pub fn from_name(name: &str, ascii: bool) -> Option<Self> {
-        let (_, extension) = name.rsplit_once('.')?;
+        let extension = Path::new(name).extension()?.to_str()?;
         Some(match extension.to_ascii_lowercase().as_str() {
             "obj" => Self::Obj,
             "ply" => Self::Ply { ascii },
@@ -81,11 +82,9 @@ pub fn write_meshes(
     if textures > 0 {
         written.lost.push(format!("textures of {textures} objects"));
     }
-    if scene
-        .objects
-        .iter()
-        .any(|object| !object.mesh.scalars().is_empty())
-    {
+    let mut objects = scene.objects.iter();
+    let has_scalars = objects.any(|object| !object.mesh.scalars().is_empty());
+    if has_scalars && !matches!(format, MeshFormat::Ply { .. }) {
         written
             .lost
             .push("scalars of vertices and triangles".to_owned());

@@ -1,6 +1,7 @@
 use super::parts::{Joined, Part, Parts, Shortest};
 use super::written::{WriteError, Written};
-use crate::scene::Color;
+use crate::quote;
+use crate::scene::{Color, Mesh, Scalar, ScalarAt};
 use glam::DVec3;
 use std::io::{self, Write};
 
@@ -11,7 +12,78 @@ struct Columns {
     uvs: bool,
     colors: bool,
     face_colors: bool,
+    /// Names of vertices' scalars, as the meshes have them.
+    scalars: Vec<String>,
+    /// Names of faces' scalars.
+    face_scalars: Vec<String>,
 }
+
+/// What a reader adds to the name of a faces' scalar where vertices have one of that name.
+const OF_FACES: &str = " of faces";
+
+/// The names of all meshes' scalars of vertices or of triangles, each once.
+fn names(parts: &Parts<'_>, at: ScalarAt) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    let meshes = parts.parts.iter().map(|part| part.mesh);
+    for scalar in meshes.flat_map(Mesh::scalars).filter(|s| s.at == at) {
+        if !names.contains(&scalar.name) {
+            names.push(scalar.name.clone());
+        }
+    }
+    names
+}
+
+/// The values of a mesh's scalars with these names; none of those that it does not have.
+fn values<'m>(mesh: &'m Mesh, names: &[String], at: ScalarAt) -> Vec<&'m [f32]> {
+    let is_it = |scalar: &&Scalar, name: &str| scalar.name == name && scalar.at == at;
+    let of = |name: &String| mesh.scalars().iter().find(|scalar| is_it(scalar, name));
+    let values = names.iter().map(of);
+    values
+        .map(|scalar| scalar.map_or(&[][..], |scalar| &scalar.values))
+        .collect()
+}
+
+impl Columns {
+    /// Leaves out the scalars whose names a PLY cannot have, or gives to something else.
+    fn drop_unnamable(&mut self, written: &mut Written) {
+        let mut taken = vec!["x", "y", "z"];
+        for (has, names) in [
+            (self.normals, &["nx", "ny", "nz"][..]),
+            (self.uvs, &["s", "t"]),
+            (self.colors, &COLOR),
+        ] {
+            taken.extend(names.iter().copied().filter(|_| has));
+        }
+        let mut lose = |scalars: &mut Vec<String>, taken: &[&str]| {
+            let mut seen: Vec<String> = Vec::new();
+            scalars.retain(|name| {
+                let property = property(name);
+                let is_word =
+                    !property.is_empty() && property.chars().all(|c| c.is_ascii_graphic());
+                let is_free = !taken.contains(&property) && !seen.iter().any(|s| s == property);
+                if is_word && is_free {
+                    seen.push(property.to_owned());
+                } else {
+                    let name = quote::quote(name);
+                    written.lost.push(format!(
+                        "scalar {name}, whose name stands for something else"
+                    ));
+                }
+                is_word && is_free
+            });
+        };
+        lose(&mut self.scalars, &taken);
+        let taken: &[&str] = if self.face_colors { &COLOR } else { &[] };
+        lose(&mut self.face_scalars, taken);
+    }
+}
+
+/// A scalar's name in the file.
+fn property(name: &str) -> &str {
+    name.strip_suffix(OF_FACES).unwrap_or(name)
+}
+
+const COLOR: [&str; 3] = ["red", "green", "blue"];
 
 /// Writes PLY, little-endian or as text: one list of vertices and one of triangles. Coordinates are
 /// double precision where single does not hold them all.
@@ -31,14 +103,17 @@ pub(super) fn write(
     }
     written.vertices = vertices as u64;
     let colors: Vec<Option<Vec<Color>>> = parts.parts.iter().map(Part::vertex_colors).collect();
-    let columns = Columns {
+    let mut columns = Columns {
         doubles: !parts.is_single,
         normals: parts.has(|part| part.normals.is_some()),
         uvs: parts.has(|part| part.mesh.has_uvs()),
         // Of all or none: a vertex without colour would get one.
         colors: colors.iter().all(Option::is_some) && !colors.is_empty(),
         face_colors: parts.has(|part| !part.mesh.materials().is_empty()),
+        scalars: names(parts, ScalarAt::Vertices),
+        face_scalars: names(parts, ScalarAt::Triangles),
     };
+    columns.drop_unnamable(written);
     if !columns.colors && parts.has(|part| !part.mesh.vertex_colors().is_empty()) {
         written
             .lost
@@ -47,6 +122,7 @@ pub(super) fn write(
     header(&columns, ascii, vertices, written.triangles, out)?;
     let mut row = Row { ascii, out };
     for ((part, joined), colors) in parts.parts.iter().zip(&joined).zip(&colors) {
+        let scalars = values(part.mesh, &columns.scalars, ScalarAt::Vertices);
         for &[position, normal, uv] in &joined.vertices {
             for number in part.positions[position as usize].to_array() {
                 if ascii {
@@ -70,11 +146,13 @@ pub(super) fn write(
             if let Some(colors) = colors.as_ref().filter(|_| columns.colors) {
                 row.color(colors[position as usize])?;
             }
+            row.scalars(&scalars, position as usize)?;
             row.end()?;
         }
     }
     let mut first = 0;
     for (part, joined) in parts.parts.iter().zip(&joined) {
+        let scalars = values(part.mesh, &columns.face_scalars, ScalarAt::Triangles);
         for (number, triangle) in joined.triangles.iter().enumerate() {
             row.number(3u8, &[3])?;
             for corner in triangle {
@@ -85,6 +163,7 @@ pub(super) fn write(
                 let material = part.mesh.material(number as u32);
                 row.color(material.map_or(Color::DEFAULT, |material| material.color))?;
             }
+            row.scalars(&scalars, number)?;
             row.end()?;
         }
         first += joined.vertices.len() as u32;
@@ -128,9 +207,11 @@ fn header(
     if columns.uvs {
         properties("float", &["s", "t"])?;
     }
-    const COLOR: [&str; 3] = ["red", "green", "blue"];
     if columns.colors {
         properties("uchar", &COLOR)?;
+    }
+    for name in &columns.scalars {
+        properties("float", &[property(name)])?;
     }
     writeln!(
         out,
@@ -140,6 +221,9 @@ fn header(
         COLOR
             .iter()
             .try_for_each(|name| writeln!(out, "property uchar {name}"))?;
+    }
+    for name in &columns.face_scalars {
+        writeln!(out, "property float {}", property(name))?;
     }
     writeln!(out, "end_header")
 }
@@ -170,6 +254,12 @@ impl Row<'_> {
         channels
             .iter()
             .try_for_each(|channel| self.number(*channel, &[*channel]))
+    }
+
+    /// What has no value of a scalar has no number.
+    fn scalars(&mut self, scalars: &[&[f32]], index: usize) -> io::Result<()> {
+        let mut values = scalars.iter().map(|values| values.get(index).copied());
+        values.try_for_each(|value| self.single(value.unwrap_or(f32::NAN)))
     }
 
     fn end(&mut self) -> io::Result<()> {

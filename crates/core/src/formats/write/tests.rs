@@ -4,7 +4,9 @@ use crate::formats::held::Held;
 use crate::formats::limits::Budget;
 use crate::formats::mesh_file;
 use crate::render::Cancel;
-use crate::scene::{Attribute, Color, Material, Mesh, MeshData, Object, Shape, Transform, UpAxis};
+use crate::scene::{
+    Attribute, Color, Material, Mesh, MeshData, Object, Scalar, ScalarAt, Shape, Transform, UpAxis,
+};
 use glam::{DVec3, Vec2, Vec3};
 use serde_json::Value;
 use std::path::Path;
@@ -90,7 +92,63 @@ fn rich() -> MeshData {
         ],
         material_of_triangle: vec![0, 1, u32::MAX, 0],
         colors: Vec::new(),
-        scalars: Vec::new(),
+        ..MeshData::default()
+    }
+}
+
+#[test]
+fn scalars_are_written_as_ply_and_read_again() {
+    let scalar = |name: &str, at: ScalarAt, values: &[f32]| Scalar {
+        name: name.to_owned(),
+        at,
+        values: values.to_vec(),
+    };
+    let (vertices, triangles) = (ScalarAt::Vertices, ScalarAt::Triangles);
+    let heat = [0.1, -1e-30, f32::NAN, 3e30, 5.0];
+    let data = MeshData {
+        scalars: vec![
+            scalar("heat", vertices, &heat),
+            scalar("part", vertices, &[0.0, 1.0, 2.0, 3.0, f32::INFINITY]),
+            scalar("heat of faces", triangles, &[1.5, 2.5, -0.0, 4.5]),
+            // Names that are none, or have another meaning.
+            scalar("two words", vertices, &heat),
+            scalar("nx", vertices, &heat),
+            scalar("red", triangles, &[1.0; 4]),
+        ],
+        ..rich()
+    };
+    let scene = scene([data]);
+    let mesh = &scene.objects[0].mesh;
+    for (name, format) in READ {
+        let (bytes, written) = bytes(&scene, format);
+        let lost = written.lost.join("; ");
+        if !matches!(format, MeshFormat::Ply { .. }) {
+            assert!(lost.contains("scalars"), "{name}: {lost}");
+            continue;
+        }
+        for name in ["\"two words\"", "\"nx\"", "\"red\""] {
+            assert!(lost.contains(&format!("scalar {name}")), "{lost}");
+        }
+        assert!(!lost.contains("scalars"), "{lost}");
+        let again = read(&scene, name, &bytes);
+        assert_eq!(again.scalars().len(), 3, "{name}");
+        for (found, expected) in again.scalars().iter().zip(mesh.scalars()) {
+            assert_eq!((&found.name, found.at), (&expected.name, expected.at));
+        }
+        let bits = |values: [f32; 3]| values.map(f32::to_bits);
+        for &number in mesh.kept() {
+            for name in ["heat", "part", "heat of faces"] {
+                let of = |mesh: &Mesh| {
+                    let scalar = mesh.scalar(name).expect("a scalar");
+                    let corners = mesh.triangles()[number as usize];
+                    match scalar.at {
+                        ScalarAt::Vertices => corners.map(|i| scalar.values[i as usize]),
+                        ScalarAt::Triangles => [scalar.values[number as usize]; 3],
+                    }
+                };
+                assert_eq!(bits(of(&again)), bits(of(mesh)), "{name} of {number}");
+            }
+        }
     }
 }
 

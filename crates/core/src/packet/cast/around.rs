@@ -2,12 +2,13 @@
 //! ([`places`](crate::packet::places)). Packets that see too wide for a plane are split, the smallest ones cast ray by ray.
 
 use super::Find;
-use crate::camera::{PanoramaRays, Rect};
+use crate::camera::PanoramaRays;
 use crate::num::simd::{Lanes, Work};
 use crate::packet::interval_zbuffer::IntervalZBuffer;
 use crate::packet::params::{LARGE_SIDE, ROW, SIDE};
 use crate::packet::places::{Places, Span};
-use crate::packet::traversal::{RayRect, Traversal};
+use crate::packet::ray_rect::RayRect;
+use crate::packet::traversal::Traversal;
 use glam::DVec3;
 
 /// [`Find`] for a panorama's lattice.
@@ -54,42 +55,5 @@ impl Work for FindAround<'_> {
         }
         find.counts.nodes += traversal.counts.nodes;
         find.counts.triangles += traversal.counts.triangles;
-    }
-}
-
-impl RayRect {
-    fn rect(&self) -> Rect {
-        Rect {
-            x: self.column,
-            y: self.row,
-            width: self.columns,
-            height: self.rows,
-        }
-    }
-
-    /// Cuts it before these columns and rows.
-    fn split_at(self, [columns, rows]: [Vec<u32>; 2]) -> impl Iterator<Item = Self> {
-        let ends = |cuts: Vec<u32>, first: u32, count: u32| {
-            let end = first + count;
-            let cuts = cuts
-                .into_iter()
-                .filter(move |cut| (first + 1..end).contains(cut));
-            let mut from = first;
-            let ranges = cuts
-                .chain([end])
-                .map(move |to| (std::mem::replace(&mut from, to), to));
-            ranges.collect::<Vec<_>>()
-        };
-        let columns = ends(columns, self.column, self.columns);
-        let rows = ends(rows, self.row, self.rows);
-        rows.into_iter().flat_map(move |(top, bottom)| {
-            let part = move |&(left, right): &(u32, u32)| Self {
-                column: left,
-                row: top,
-                columns: right - left,
-                rows: bottom - top,
-            };
-            columns.iter().map(part).collect::<Vec<_>>()
-        })
     }
 }

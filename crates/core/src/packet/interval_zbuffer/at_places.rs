@@ -1,26 +1,24 @@
 //! Rasterising where rays lie at places of their own: the packets of panoramas.
 //!
 //! Functions are evaluated at each ray's place instead of stepping from ray to ray; cells and rows are found by their
-//! bounds. The bounds on errors are those of lattices, which allow for more roundings
-//! ([`places`](crate::packet::places)).
+//! bounds.
+//!
+//! # Error bound
+//! u = 2⁻²⁴, M as at [`LINEAR_ERROR`](crate::packet::setup::LINEAR_ERROR), whose 48u of M cover all of this. At a ray a
+//! function is off by u for its place, u for coefficients, u for products and 2u for sums. Over a cell its extremes are
+//! the value at the centre, off by 4u, and the swing from there, off by 3u; their sum rounds by 2u, and bounds hold
+//! places as rounded, by u: 10u.
 
 use super::cut_triangles::Cut;
-use super::{
-    ALL, DepthMerge, EdgeFunctions, IntervalZBuffer, RAYS, ROW, SIDE, UNDECIDED, for_each_bit,
-    stored_primitive,
-};
+use super::depth_merge::DepthMerge;
+use super::edge_functions::EdgeFunctions;
+use super::{ALL, IntervalZBuffer, ROW, SIDE, UNDECIDED, for_each_bit, stored_primitive};
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use crate::packet::decisions::Decisions;
 use crate::packet::place_box::PlaceBox;
-use crate::packet::places::{Places, first_of};
+use crate::packet::places::{ALL_CELLS, Places, first_of};
 use crate::packet::ray_box::RayBox;
 use crate::packet::setup::{CornerLanes, PacketSpace};
-use crate::scene::CLIPPING_PLANES;
-
-const NO_CUT: Cut = Cut {
-    values: [0.0; 3],
-    error: 0.0,
-};
 
 /// Functions are set up for all of a packet.
 const WHOLE: RayBox = RayBox {
@@ -88,19 +86,13 @@ impl IntervalZBuffer {
                 continue;
             }
             let functions = EdgeFunctions::of(&set_up, l, primitive);
-            let (mut cuts, mut count) = ([NO_CUT; CLIPPING_PLANES], 0);
-            if !decisions.clip().is_empty() {
-                for at in decisions.clipped(primitive) {
-                    cuts[count % CLIPPING_PLANES] = Cut::new(&at, set_up.edge_error[l]);
-                    count += 1;
-                }
-            }
+            let (cuts, count) = Cut::all(primitive, set_up.edge_error[l], decisions);
             // What was set up by component has a scale for each edge, and cuts go by one.
             if set_up.ill_conditioned[l] || count > 0 && set_up.is_rough[l] {
                 self.mark_places_undecided(lanes, places, &functions, &bounds[l]);
             } else {
-                let cuts = &cuts[..count.min(CLIPPING_PLANES)];
-                self.rasterize_cells_at(lanes, places, (&functions, cuts), &bounds[l], decisions);
+                let functions = (&functions, &cuts[..count]);
+                self.rasterize_cells_at(lanes, places, functions, &bounds[l], decisions);
             }
         }
         self.update_hi_z(lanes);
@@ -125,7 +117,7 @@ impl IntervalZBuffer {
         } = *functions;
         let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
         let touched = places.cells_touched(lanes, bounds);
-        for half in 0..RAYS / (ROW * ROW * LANES) {
+        for half in 0..ALL_CELLS / LANES {
             let touched = touched >> (half * LANES) & ((1 << LANES) - 1);
             if touched == 0 {
                 continue;
@@ -217,9 +209,9 @@ impl IntervalZBuffer {
                 return;
             };
             let near = value(lanes, depth_key, at);
-            let open = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
-            if open.rays != 0 {
-                self.leave_undecided(merge.primitive, open, first, decisions);
+            let undecided = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
+            if undecided.rays != 0 {
+                self.leave_undecided(merge.primitive, undecided, first, decisions);
             }
         }
     }
@@ -243,9 +235,9 @@ impl IntervalZBuffer {
                 return;
             };
             let near = value(lanes, functions.depth_key, (lanes.load(x), lanes.load(y)));
-            let open = merge.row(lanes, near, None, low, high, primitives);
-            if open.rays != 0 {
-                self.leave_undecided(merge.primitive, open, first, decisions);
+            let undecided = merge.row(lanes, near, None, low, high, primitives);
+            if undecided.rays != 0 {
+                self.leave_undecided(merge.primitive, undecided, first, decisions);
             }
         }
     }
@@ -272,9 +264,9 @@ impl IntervalZBuffer {
                     let has_ray = places.has_ray[ray / SIDE] >> (ray % SIDE) & 1 != 0;
                     if has_ray && !(below & above) {
                         self.high[ray] = f32::INFINITY;
-                        let held = std::mem::replace(&mut self.primitives[ray], UNDECIDED);
+                        let stored = std::mem::replace(&mut self.primitives[ray], UNDECIDED);
                         self.rivals
-                            .push_both(ray, stored_primitive(held), functions.primitive);
+                            .push_both(ray, stored_primitive(stored), functions.primitive);
                     }
                 }
             });

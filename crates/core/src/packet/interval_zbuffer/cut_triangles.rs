@@ -10,7 +10,10 @@
 //! fₖ are off by η and by u of themselves, F is the sum of their magnitudes. Three products and two sums round no term
 //! more than three times: F·E + (3η + u·F)(1 + E) + 3u·F(1 + 2E) < F·(E + 11u) + 6η.
 
-use super::{CELLS, COLUMNS, DepthMerge, EdgeFunctions, IntervalZBuffer, ROW, SIDE};
+use super::depth_merge::DepthMerge;
+use super::edge_functions::EdgeFunctions;
+use super::rasterize::COLUMNS;
+use super::{CELLS, IntervalZBuffer, ROW, SIDE};
 use crate::num::simd::{F32x8, Lanes};
 use crate::packet::decisions::Decisions;
 use crate::packet::setup::TriangleSetup;
@@ -27,8 +30,29 @@ pub(super) struct Cut {
     pub(super) error: f32,
 }
 
+/// The planes that cut a triangle, and how many they are.
+pub(super) type Cuts = ([Cut; CLIPPING_PLANES], usize);
+
 impl Cut {
-    pub(super) fn new(at: &AtCorners, edge_error: f32) -> Self {
+    const NONE: Self = Self {
+        values: [0.0; 3],
+        error: 0.0,
+    };
+
+    /// Those of a triangle whose edge functions are off by `edge_error`.
+    #[inline(always)]
+    pub(super) fn all(primitive: u32, edge_error: f32, decisions: &Decisions<'_>) -> Cuts {
+        let (mut cuts, mut count) = ([Self::NONE; CLIPPING_PLANES], 0);
+        if !decisions.clip().is_empty() {
+            for (cut, at) in cuts.iter_mut().zip(decisions.clipped(primitive)) {
+                *cut = Self::new(&at, edge_error);
+                count += 1;
+            }
+        }
+        (cuts, count)
+    }
+
+    fn new(at: &AtCorners, edge_error: f32) -> Self {
         let sum: f32 = at.values.iter().map(|value| value.abs()).sum();
         // A hundredth covers the rounding of the bound itself.
         let error = 1.01 * (sum * (edge_error + 12.0 * U) + 6.0 * at.error) + f32::MIN_POSITIVE;
@@ -50,15 +74,7 @@ impl IntervalZBuffer {
         primitive: u32,
         decisions: &mut Decisions<'_>,
     ) -> bool {
-        let none = Cut {
-            values: [0.0; 3],
-            error: 0.0,
-        };
-        let (mut cuts, mut count) = ([none; CLIPPING_PLANES], 0);
-        for at in decisions.clipped(primitive) {
-            cuts[count % CLIPPING_PLANES] = Cut::new(&at, set_up.edge_error[l]);
-            count += 1;
-        }
+        let (cuts, count) = Cut::all(primitive, set_up.edge_error[l], decisions);
         if count == 0 {
             return false;
         }

@@ -1,6 +1,7 @@
 //! Merging a triangle's depths into rows of eight rays: intervals that do not overlap are ordered.
 
-use super::{ALL, EdgeFunctions, ROW};
+use super::edge_functions::EdgeFunctions;
+use super::{ALL, ROW};
 use crate::num::simd::{F32x8, Lanes, Mask8};
 
 /// Of eight rays, as bits, those that merging a triangle leaves undecided: neither won by it nor surely nearer.

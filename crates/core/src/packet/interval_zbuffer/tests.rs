@@ -1,11 +1,14 @@
 //! What the interval z-buffer leaves undecided, and what it culls.
 
+use super::depth_merge::DepthMerge;
+use super::edge_functions::EdgeFunctions;
 use super::*;
 use crate::bvh::Accel;
 use crate::camera::{Camera, ImagePlane, Placement, Projection};
 use crate::hit::Precision;
 use crate::num::simd::Plain;
 use crate::packet::cast_tests::waves;
+use crate::packet::decisions::Decisions;
 use crate::triangle::clip::Clip;
 use glam::DVec3;
 

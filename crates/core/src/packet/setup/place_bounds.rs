@@ -2,10 +2,11 @@
 //!
 //! # Error bound
 //! A corner's place is X/Z and Y/Z, with X and Y off by Kδ and Z by δ (see [`setup`](super)). Where Z ≥ 1024δ, a place p
-//! with |p| ≤ 64 is off by less than 1.01(K + 64)δ/Z; one further out by as much and a thousandth of itself, so that it
-//! stays further out than any ray. Rays lie within 32 columns or rows; their places and these bounds are rounded to
-//! single precision, 32u and 64u: 2⁻¹⁶ covers both, and the rays' own error comes on top. A hit is no nearer than the
-//! nearest corner, whose inverse depth is off by 1.01δ/Z of itself.
+//! is off by less than 1.001(K + |p|)δ/Z. 1.01(K + h + 64)δ/Z, which is taken, is more where |p| ≤ 100 + K/120; a place
+//! further out is off by less than (K + |p|)/1000, and stays beyond 32 columns or rows, where no ray is. Places of rays
+//! and these bounds are rounded to single precision, 32u and 64u: 2⁻¹⁶ covers both, and the rays' own error comes on
+//! top. A hit is no nearer than the nearest corner, whose inverse depth is off by 1.01δ/Z of itself, and by u where it is
+//! rounded to single precision: twice both are taken.
 
 #![allow(
     clippy::needless_range_loop,
@@ -73,7 +74,7 @@ impl PacketSpace {
             let reach = max(max3(ax[l], bx[l], cx[l]), max3(ay[l], by[l], cy[l]));
             let delta = self.delta(reach, max3(az[l], bz[l], cz[l]));
             let front = least(az[l], bz[l], cz[l]);
-            // NaN is not clear, nor behind.
+            // No number is NaN: eyes and corners are far within range (`FURTHEST` in `places`).
             let is_clear = front > CLEAR * delta;
             behind[l] = most(az[l], bz[l], cz[l]) < -delta;
             let [ia, ib, ic] = [1.0 / az[l], 1.0 / bz[l], 1.0 / cz[l]];
@@ -86,7 +87,6 @@ impl PacketSpace {
             out.right[l] = or(most(px, qx, rx) + off, f32::INFINITY);
             out.top[l] = or(least(py, qy, ry) - off, f32::NEG_INFINITY);
             out.bottom[l] = or(most(py, qy, ry) + off, f32::INFINITY);
-            // The factor covers rounding to single precision too.
             let nearest =
                 nearest * (1.0 + 2.0 / (1u64 << 24) as f64) + 2.0 * delta * nearest * nearest;
             out.nearest[l] = or(nearest, f32::INFINITY);

@@ -1,63 +1,22 @@
 //! Packet traversal for the rays of a panorama, which lie at places of their own.
 
-use super::{Batch, BoxPair, Descent, EntryPair, LANES, MANY_RAYS, RayRect, Traversal};
-use crate::bvh::tree::{Box32, Subtree};
+use super::descent::{Descent, SmallBoxes};
+use super::{Batch, LANES, MANY_RAYS, Traversal};
 use crate::camera::Camera;
 use crate::hit::Cull;
 use crate::num::simd::Lanes;
 use crate::packet::depth_reference::DepthReference;
-use crate::packet::frustum::{CellFrusta, Frustum, Viewpoint, Window};
+use crate::packet::frustum::{CellFrusta, Frustum, Viewpoint};
 use crate::packet::interval_zbuffer::IntervalZBuffer;
 use crate::packet::params::ROW;
 use crate::packet::place_box::PlaceBox;
 use crate::packet::places::Places;
+use crate::packet::ray_rect::RayRect;
 use crate::packet::setup::place_bounds::PlaceBounds;
-use glam::{DVec3, Vec3};
-
-/// A box that is outside of every frustum.
-const NOTHING: Box32 = Box32 {
-    min: Vec3::MAX,
-    max: Vec3::MIN,
-};
 
 impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
-    /// Finds the entry points of a large packet of a panorama, which looks along an axis in world space and within a
-    /// cone of this tangent; all of the tree where that is not known. Whether there are any.
-    #[inline(always)]
-    pub(in crate::packet) fn list_around(
-        &mut self,
-        lanes: impl Lanes,
-        cone: Option<(DVec3, f64)>,
-    ) -> bool {
-        let tree = &self.accel.tree;
-        let Some(root) = tree.root else { return false };
-        if let Some((axis, tangent)) = cone {
-            let view = Camera::along(axis);
-            let window = Window {
-                across: (-tangent, tangent),
-                along: (-tangent, tangent),
-            };
-            let frustum = Frustum::new(self.seen_from(&view), &window);
-            self.list_in(lanes, &frustum, &view);
-        } else {
-            self.list.clear();
-            self.pairs.clear();
-            self.list.push((root, tree.bounds, f32::NEG_INFINITY));
-            self.pairs.push(EntryPair {
-                boxes: BoxPair::of([tree.bounds, NOTHING]),
-                subtrees: [root, Subtree::default()],
-                near: f32::NEG_INFINITY,
-            });
-        }
-        // A packet has a view axis of its own.
-        for pair in &mut self.pairs {
-            pair.near = f32::NEG_INFINITY;
-        }
-        !self.list.is_empty()
-    }
-
     /// The eye, as a camera's whose axes are other ones.
-    fn seen_from<'v>(&'v self, view: &'v Camera) -> Viewpoint<'v> {
+    pub(super) fn seen_from<'v>(&'v self, view: &'v Camera) -> Viewpoint<'v> {
         Viewpoint {
             camera: view,
             eye: self.eye,
@@ -81,11 +40,11 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
             self.reference = DepthReference::of(boxes, &places.view, self.eye);
         }
         let from = self.seen_from(&places.view);
-        let frustum = Frustum::new(from, &places.window);
+        let frustum = Frustum::new(from, &places.window());
         let cells = CellFrusta::new(from, &places.cell_windows());
         let space = places.space(self.eye, self.eye_error, cull);
         let space = space.relative_to(self.reference);
-        let mut descent = Descent::new(frustum, self.small_boxes());
+        let mut descent = Descent::new(frustum, SmallBoxes::new(self.lattice));
         descent.cells = Some(cells);
         // The cells' frusta are there: nothing else is made of this.
         let part = RayRect {

@@ -314,3 +314,23 @@ fn undo_outlives_a_file_that_is_read_again_and_shows_what_it_holds_now() {
     assert_eq!(visible(&state), [false, true]);
     assert!(Arc::ptr_eq(&document(&state).scene.objects[0].mesh, &new));
 }
+
+#[test]
+fn a_whole_name_that_is_typed_over_the_suggestion_keeps_one_ending() {
+    let mut state = opened(1);
+    for (typed, written) in [
+        ("/out/a.jpg.png", "/out/a.jpg"),
+        ("/out/a.png.png", "/out/a.png"),
+        ("/out/a.png", "/out/a.png"),
+        ("/out/v1.2.png", "/out/v1.2.png"),
+    ] {
+        update(&mut state, Command::Ask(PromptKind::Picture));
+        update(&mut state, Command::TypePath(typed.to_owned()));
+        let effect = update(&mut state, Command::ConfirmPath);
+        let expected = Effect::SavePicture {
+            path: written.into(),
+            replace: false,
+        };
+        assert_eq!(effect, Some(expected), "{typed}");
+    }
+}

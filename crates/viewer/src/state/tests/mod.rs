@@ -19,12 +19,12 @@ use crate::state::motion;
 use crate::state::news::{DialogAnswer, Loaded, News, expire_toasts, receive};
 use crate::state::viewpoint::{DEFAULT_FOV, StandardView, Viewpoint};
 use crate::state::{Answer, Replacing, TILES_LIMIT};
-use raycast_core::Accel;
-use raycast_core::camera::{FrameLock, Grid, Placement, Projection};
-use raycast_core::formats::CameraFile;
+use raycast_core::camera::{FrameLock, Grid, PixelFilter, Placement, Projection};
+use raycast_core::formats::{CameraFile, ImageSettings};
 use raycast_core::glam::{DAffine3, DVec3};
 use raycast_core::scene::{Color, ColorRule, Mesh, MeshData, Object, Scene, Texture, Transform};
 use raycast_core::shade::Mode;
+use raycast_core::{Accel, Cull, Precision};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -105,4 +105,33 @@ fn build(state: &mut State) {
     let scene = Arc::clone(&document(state).scene);
     let tree = tree(&scene);
     receive(state, News::Built(scene, tree), Duration::ZERO);
+}
+
+#[test]
+fn what_a_scene_file_says_of_its_picture_is_shown_and_saved() {
+    let image = ImageSettings {
+        size: Some((320, 240)),
+        samples: Some(4),
+        pixel_filter: Some(PixelFilter::Gaussian),
+        step: None,
+        shift: Some([0.25, -0.5]),
+        cull: Some(Cull::Back),
+        precision: Some(Precision::Fast),
+    };
+    let mut state = State::default();
+    let News::Loaded(mut news) = loaded(1, None) else {
+        unreachable!("a scene");
+    };
+    news.image = image;
+    news.document.size = image.size;
+    receive(&mut state, News::Loaded(news), Duration::ZERO);
+    let view = state.view().expect("a view");
+    assert_eq!(view.camera.shift(), [0.25, -0.5]);
+    assert_eq!(view.settings.pixel_filter, PixelFilter::Gaussian);
+    assert_eq!(view.settings.precision, Precision::Fast);
+    assert_eq!(state.scene_file().expect("a scene").image, image);
+    // Another scene has nothing of it.
+    receive(&mut state, loaded(1, None), Duration::ZERO);
+    let nothing = ImageSettings::default();
+    assert_eq!(state.scene_file().expect("a scene").image, nothing);
 }

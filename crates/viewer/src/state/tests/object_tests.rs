@@ -118,6 +118,90 @@ fn what_is_pinned_moves_with_its_object_at_once() {
     let effect = update(&mut state, Command::SetTransform(1, moved));
     assert_eq!(effect, Some(Effect::Weigh(1)));
     assert_eq!(pinned(&state), Some(DVec3::X * 5.0));
+    let pin = state.pinned.as_ref().expect("still there");
+    assert!(pin.pick.point.distance(DVec3::new(5.25, 0.5, 0.0)) < 1e-6);
+    assert!(pin.has_moved);
+}
+
+#[test]
+fn a_parent_is_given_in_place_moves_its_children_and_is_taken_away() {
+    let mut state = opened_to_edit(3);
+    let place = |state: &State, object: usize| {
+        let places = document(state).scene.world_from_objects();
+        places.expect("a sound scene")[object]
+    };
+    let turned = Transform {
+        translate: DVec3::new(1.0, 2.0, 3.0),
+        rotate: DVec3::new(10.0, 20.0, 30.0),
+        scale: DVec3::splat(2.0),
+        ..Transform::IDENTITY
+    };
+    update(&mut state, Command::SetTransform(0, turned));
+    let before = place(&state, 2);
+    update(&mut state, Command::SetParent(2, Some(0)));
+    assert_eq!(document(&state).scene.objects[2].parent, Some(0));
+    assert!(place(&state, 2).abs_diff_eq(before, 1e-9));
+    // Numbers that can be read, and no matrix.
+    let own = document(&state).scene.objects[2].transform;
+    assert!((own.scale - DVec3::splat(0.5)).length() < 1e-9, "{own:?}");
+    let moved = Transform {
+        translate: turned.translate + DVec3::X,
+        ..turned
+    };
+    update(&mut state, Command::SetTransform(0, moved));
+    let way = place(&state, 2).translation - before.translation;
+    assert!((way - DVec3::X).length() < 1e-9, "it moves along");
+
+    // Neither with itself nor with what moves with it.
+    for parent in [0, 2] {
+        let steps = state.history.revision();
+        update(&mut state, Command::SetParent(0, Some(parent)));
+        assert_eq!(document(&state).scene.objects[0].parent, None);
+        assert_eq!(state.history.revision(), steps);
+        assert!(state.toasts.pop().is_some(), "it says why");
+    }
+    for object in [7, 2] {
+        update(&mut state, Command::SetParent(object, Some(9)));
+        assert_eq!(document(&state).scene.objects[2].parent, Some(0));
+    }
+    let here = place(&state, 2);
+    update(&mut state, Command::SetParent(2, None));
+    assert!(place(&state, 2).abs_diff_eq(here, 1e-9));
+    for _ in 0..2 {
+        update(&mut state, Command::Undo);
+    }
+    update(&mut state, Command::Undo);
+    assert_eq!(document(&state).scene.objects[2].parent, None);
+    assert!(place(&state, 2).abs_diff_eq(before, 0.0));
+}
+
+#[test]
+fn intersections_that_were_found_stay_known_while_the_mesh_is_the_same() {
+    let mut state = opened(1);
+    let mesh = Arc::clone(&document(&state).scene.objects[0].mesh);
+    let health = Arc::new(raycast_core::health::check(&mesh, &|_| true).expect("it goes on"));
+    let found = raycast_core::health::Intersections {
+        pairs: vec![[0, 0]],
+        has_more: false,
+    };
+    let checked = |intersections| {
+        let (mesh, health) = (Arc::clone(&mesh), Arc::clone(&health));
+        News::Checked(vec![Checked {
+            object: 0,
+            mesh,
+            health,
+            intersections,
+        }])
+    };
+    receive(&mut state, checked(Some(Arc::new(found))), Duration::ZERO);
+    receive(&mut state, checked(None), Duration::ZERO);
+    let [known] = &state.inspection.checked[..] else {
+        panic!("{:?}", state.inspection.checked);
+    };
+    let fault = Fault::SelfIntersections;
+    assert_eq!((known.count(fault), known.is_sound()), (1, false));
+    assert_eq!(known.number(fault, 0), Some("triangles 0 and 0".to_owned()));
+    assert_eq!(known.corners(fault, 0).len(), 6);
 }
 
 #[test]
@@ -369,14 +453,20 @@ fn measurements_are_saved_where_the_person_says() {
 fn faults_are_looked_at_one_by_one_while_the_mesh_is_the_same() {
     let mut state = opened(2);
     assert_eq!(
-        update(&mut state, Command::Check),
-        Some(Effect::Check(vec![0, 1]))
+        update(&mut state, Command::Check { deep: false }),
+        Some(Effect::Check {
+            objects: vec![0, 1],
+            deep: false
+        })
     );
     let weigh = update(&mut state, Command::Select(Some(1)));
     assert_eq!(weigh, Some(Effect::Weigh(1)));
     assert_eq!(
-        update(&mut state, Command::Check),
-        Some(Effect::Check(vec![1]))
+        update(&mut state, Command::Check { deep: false }),
+        Some(Effect::Check {
+            objects: vec![1],
+            deep: false
+        })
     );
     let mesh = Arc::clone(&document(&state).scene.objects[1].mesh);
     let health = Arc::new(raycast_core::health::check(&mesh, &|_| true).expect("it goes on"));
@@ -385,6 +475,7 @@ fn faults_are_looked_at_one_by_one_while_the_mesh_is_the_same() {
         object,
         mesh,
         health,
+        intersections: None,
     }];
     receive(&mut state, News::Checked(checked), Duration::ZERO);
     let fault = Fault::OpenEdges;

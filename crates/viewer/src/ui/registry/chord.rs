@@ -157,12 +157,35 @@ impl Chord {
             && (self.shift == other.shift || is_symbol(self.key))
     }
 
-    /// Whether it means the same while a person types: it is no letter, and not what fields for text use
-    /// themselves.
+    /// Whether it means the same while a person types: it types nothing, and is not what fields for text use
+    /// themselves to edit and to go about.
     pub(super) fn works_while_typing(&self) -> bool {
         let number = self.key.name().strip_prefix('F');
         let is_function = number.is_some_and(|number| number.parse::<u8>().is_ok());
-        is_function || (self.ctrl && matches!(self.key, Key::O | Key::S | Key::P | Key::E | Key::Q))
+        let is_of_text = matches!(
+            self.key,
+            Key::A
+                | Key::C
+                | Key::V
+                | Key::X
+                | Key::Y
+                | Key::Z
+                | Key::H
+                | Key::K
+                | Key::U
+                | Key::W
+                | Key::ArrowLeft
+                | Key::ArrowRight
+                | Key::ArrowUp
+                | Key::ArrowDown
+                | Key::Home
+                | Key::End
+                | Key::Backspace
+                | Key::Delete
+                | Key::Enter
+        );
+        // Ctrl with Alt types signs on many keyboards.
+        is_function || (self.ctrl && !self.alt && !is_of_text)
     }
 }
 

@@ -33,6 +33,8 @@ pub(super) static ACTIONS: &[Action] = &[
     mode!(7, Num7),
     mode!(8, Num8),
     mode!(9, Num9),
+    mode!(10, Num0),
+    mode!(11, X),
     Action::of(
         Menu::Look,
         "look.next_mode",

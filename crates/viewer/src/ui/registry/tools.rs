@@ -146,10 +146,19 @@ pub(super) static ACTIONS: &[Action] = &[
         "Check the mesh",
         "Look for holes and other faults in the marked object, or in all",
         &[],
-        |_| Command::Check,
+        |_| Command::Check { deep: false },
     )
     .when(has_scene)
     .apart(),
+    Action::of(
+        Menu::Tools,
+        "tools.intersections",
+        "Find self-intersections",
+        "Check the marked object, or all, and look for triangles that pass through one another: exactly, so it takes longer",
+        &[],
+        |_| Command::Check { deep: true },
+    )
+    .when(has_scene),
 ];
 
 /// The last clipping plane in the list that cuts.

@@ -1,0 +1,150 @@
+use super::*;
+use crate::camera::{Camera, ImagePlane, Panorama, Placement, Projection};
+use crate::random::Random;
+
+/// Lenses, and points (x, y) with the place where OpenCV shows (x, y, 1): printed by `tests/tools/opencv_lenses.py`.
+type Shown = ([f64; 5], [[f64; 4]; 7]);
+
+#[rustfmt::skip]
+const SHOWN: [Shown; 4] = [
+    ([-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05, 0.0], [
+        [0.0, 0.0, 0.0, 0.0],
+        [0.1, 0.0, 0.099717860042042, 1.9359000000000004e-06],
+        [-0.3, 0.2, -0.28933982519436596, 0.192919910451232],
+        [0.5, 0.5, 0.4385072699614, 0.43859525560570006],
+        [-0.7, -0.1, -0.6136968204571279, -0.087575437830404],
+        [0.05, -0.6, 0.045344021684798876, -0.5439814424479964],
+        [0.65, -0.45, 0.5535567747854456, -0.3831029960821065],
+    ]),
+    ([-0.3, 0.1, 0.001, -0.0005, -0.01], [
+        [0.0, 0.0, 0.0, 0.0],
+        [0.1, 0.0, 0.099685999, 1.0000000000000003e-05],
+        [-0.3, 0.2, -0.289075409, 0.192803606],
+        [0.5, 0.5, 0.436875, 0.43762500000000004],
+        [-0.7, -0.1, -0.612225, -0.08692500000000002],
+        [0.05, -0.6, 0.0449519638671875, -0.54123606640625],
+        [0.65, -0.45, 0.5506087109375001, -0.3807819921875001],
+    ]),
+    ([0.2, -0.05, 0.0, 0.002, 0.01], [
+        [0.0, 0.0, 0.0, 0.0],
+        [0.1, 0.0, 0.100259501, 0.0],
+        [-0.3, 0.2, -0.306933091, 0.20479539400000002],
+        [0.5, 0.5, 0.546375, 0.545375],
+        [-0.7, -0.1, -0.7591650000000001, -0.10859500000000001],
+        [0.05, -0.6, 0.05405530175781249, -0.6399636210937499],
+        [0.65, -0.45, 0.7230816015625001, -0.49972957031250004],
+    ]),
+    ([0.12, 0.0, -0.003, 0.0, 0.0], [
+        [0.0, 0.0, 0.0, 0.0],
+        [0.1, 0.0, 0.10012000000000001, -3.0000000000000008e-05],
+        [-0.3, 0.2, -0.30432, 0.20249000000000003],
+        [0.5, 0.5, 0.5285000000000001, 0.527],
+        [-0.7, -0.1, -0.74242, -0.10756000000000002],
+        [0.05, -0.6, 0.052355000000000006, -0.6293475],
+        [0.65, -0.45, 0.7005049999999999, -0.48684],
+    ]),
+];
+
+fn lens(coefficients: [f64; 5]) -> BrownConrady {
+    BrownConrady::new(coefficients).expect("finite numbers")
+}
+
+#[test]
+fn points_are_seen_where_opencv_projects_them_and_rays_go_back_to_them() {
+    for (coefficients, points) in SHOWN {
+        let lens = lens(coefficients);
+        let placement = Placement::towards(DVec3::ZERO, DVec3::NEG_Z * 2.0);
+        // A focal length of 400 pixels.
+        let plane = ImagePlane::new(640, 480, 2.0 / 400.0).expect("a good plane");
+        let camera = Camera::new(
+            placement,
+            Projection::Panoramic(Panorama::Lens(lens)),
+            plane,
+        );
+        for [x, y, u, v] in points {
+            let (found_u, found_v) = lens.distort(x, y).expect("inside");
+            assert!(
+                (found_u - u).abs() < 1e-15 && (found_v - v).abs() < 1e-15,
+                "{lens} {x} {y}"
+            );
+            let ray = camera.ray(320.0 + 400.0 * u, 240.0 + 400.0 * v);
+            let (back_x, back_y) = (
+                ray.direction.x / -ray.direction.z,
+                ray.direction.y / ray.direction.z,
+            );
+            assert!(
+                (back_x - x).abs() < 1e-13 && (back_y - y).abs() < 1e-13,
+                "{lens} {x} {y}"
+            );
+            let place = camera
+                .project(DVec3::new(x, -y, -1.0) * 7.0)
+                .expect("in front");
+            let off = (place.0 - 320.0 - 400.0 * u).abs() + (place.1 - 240.0 - 400.0 * v).abs();
+            assert!(off < 1e-10, "{lens} {x} {y}");
+        }
+    }
+}
+
+#[test]
+fn a_picture_ends_where_the_lens_folds_back() {
+    for (coefficients, end) in [
+        // 1 + 3 k1 r² = 0; 1 + 7 k3 r⁶ = 0; never.
+        ([-0.3, 0.0, 0.0, 0.0, 0.0], (1.0 / 0.9_f64).sqrt()),
+        ([0.0, 0.0, 0.0, 0.0, -1.0 / 7.0], 1.0),
+        ([0.1, 0.1, 0.0, 0.0, 0.1], 1000.0),
+        // 1 − 3 r² + 2.3 r⁴ has no root; 1 − 3 r² + 2.2 r⁴ has two, of which the lesser counts.
+        ([-1.0, 0.46, 0.0, 0.0, 0.0], 1000.0),
+        (
+            [-1.0, 0.44, 0.0, 0.0, 0.0],
+            ((3.0 - (9.0_f64 - 8.8).sqrt()) / 4.4).sqrt(),
+        ),
+    ] {
+        let lens = lens(coefficients);
+        assert!(
+            (lens.end() - end).abs() < 1e-9 * end,
+            "{lens}: {} {end}",
+            lens.end()
+        );
+        assert_eq!(lens.distort(end * 1.000001, 0.0), None);
+        if end < 1000.0 {
+            let (rim, _) = lens.distort(end * 0.999, 0.0).expect("inside");
+            assert!(lens.direction(rim, 0.0).is_some(), "{lens}");
+            assert_eq!(lens.direction(rim * 1.001, 0.0), None, "{lens}");
+            assert_eq!(lens.direction(5.0 * rim, -3.0 * rim), None, "{lens}");
+        }
+    }
+    assert_eq!(
+        BrownConrady::new([f64::NAN, 0.0, 0.0, 0.0, 0.0]),
+        Err(LensError)
+    );
+}
+
+#[test]
+fn directions_and_places_are_each_others_inverse() {
+    let mut random = Random(12);
+    for (coefficients, _) in SHOWN {
+        let lens = lens(coefficients);
+        for _ in 0..3000 {
+            let p = random.point() * 0.75;
+            let (u, v) = lens.distort(p.x, p.y).expect("inside");
+            let ([[x], [y]], [has]) = lens.undistort(&[u], &[v]);
+            assert!(
+                has && (x - p.x).abs() < 1e-12 && (y - p.y).abs() < 1e-12,
+                "{lens} {p}"
+            );
+            let slopes = lens.derivatives(u, -v);
+            let near = 1e-6;
+            for (axis, [da, db]) in [[near, 0.0], [0.0, near]].into_iter().enumerate() {
+                let at = |sign: f64| {
+                    lens.direction(u + sign * da, -v + sign * db)
+                        .expect("inside")
+                };
+                let slope = (at(1.0) - at(-1.0)) / (2.0 * near);
+                assert!(
+                    (slope - slopes[axis]).length() < 1e-6 * slope.length(),
+                    "{lens} {p}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! Where a mesh passes through itself.
+
+use super::GoOn;
+use super::box_tree::BoxTree;
+use super::report::faces;
+use super::triangle_pair::{Corner, meet};
+use crate::scene::{Mesh, weld};
+use rayon::prelude::*;
+
+/// The most pairs that are told: more than anybody reads, and 1 MiB.
+const MOST_PAIRS: usize = 1 << 17;
+/// The most of one triangle.
+const MOST_OF_ONE: usize = 1 << 10;
+/// Triangles between two questions whether to go on: some milliseconds.
+const BATCH: usize = 1 << 12;
+
+/// Pairs of triangles that meet elsewhere than at a corner or an edge that both have.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Intersections {
+    /// The triangles' numbers, the lower first, in ascending order; each pair once.
+    pub pairs: Vec<[u32; 2]>,
+    /// Whether there are more pairs than these.
+    pub has_more: bool,
+}
+
+/// Looks for triangles of a mesh that meet: pass through one another, lie on one another in part, or touch. `None` if
+/// told not to go on. It takes some 100 bytes a triangle while it looks.
+///
+/// Decided exactly on the coordinates as they are stored. Corners at one place are one. Triangles without area, or at
+/// the same three places as one of a lower number, are left out: [`check`](super::check) tells of them. At most
+/// 131,072 pairs are told, and 1,024 of a triangle with higher numbers.
+pub fn self_intersections(mesh: &Mesh, go_on: GoOn<'_>) -> Option<Intersections> {
+    let place = weld(mesh.positions());
+    let mut is_kept = vec![false; mesh.triangles().len()];
+    for &number in mesh.kept() {
+        is_kept[number as usize] = true;
+    }
+    let (mut faces, _) = faces(mesh, &place);
+    faces.retain(|(number, _)| is_kept[*number as usize]);
+    if !go_on(0.05) {
+        return None;
+    }
+    let corners = |index: u32| -> [Corner; 3] {
+        let (_, places) = faces[index as usize];
+        places.map(|place| (place, mesh.positions()[place as usize]))
+    };
+    let boxes = (0..faces.len() as u32).into_par_iter().map(|index| {
+        let [a, b, c] = corners(index).map(|(_, point)| point);
+        [a.min(b).min(c), a.max(b).max(c)]
+    });
+    let tree = BoxTree::new(boxes.collect());
+    let mut found = Intersections::default();
+    for start in (0..faces.len()).step_by(BATCH) {
+        if !go_on(0.1 + 0.9 * start as f32 / faces.len() as f32) {
+            return None;
+        }
+        let end = (start + BATCH).min(faces.len());
+        let batch = (start as u32..end as u32).into_par_iter().map(|index| {
+            let own = corners(index);
+            let mut met = Vec::new();
+            tree.later_overlaps(index, |other| {
+                if met.len() <= MOST_OF_ONE && meet(&own, &corners(other)) {
+                    met.push(other);
+                }
+            });
+            // The tree has an order of its own.
+            met.sort_unstable();
+            met
+        });
+        let batch: Vec<Vec<u32>> = batch.collect();
+        for (index, met) in (start..).zip(batch) {
+            found.has_more |= met.len() > MOST_OF_ONE;
+            let number = |index: usize| faces[index].0;
+            let met = met.into_iter().take(MOST_OF_ONE);
+            let pairs = met.map(|other| [number(index), number(other as usize)]);
+            found.pairs.extend(pairs);
+        }
+        if found.pairs.len() > MOST_PAIRS {
+            found.pairs.truncate(MOST_PAIRS);
+            found.has_more = true;
+            break;
+        }
+    }
+    go_on(1.0).then_some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+    use crate::scene::{MeshData, Shape};
+    use glam::DVec3;
+
+    fn found(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Intersections {
+        let data = MeshData {
+            positions,
+            triangles,
+            ..MeshData::default()
+        };
+        self_intersections(&Mesh::new(data), &|_| true).expect("it goes on")
+    }
+
+    fn shape(shape: Shape) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+        let data = shape.mesh().expect("a good shape");
+        (data.positions, data.triangles)
+    }
+
+    /// A ball beside another, in one mesh.
+    fn two_balls(apart: f64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+        let (one, sides) = shape(Shape::Sphere {
+            radius: 1.0,
+            segments: 40,
+            rings: 20,
+        });
+        let count = one.len() as u32;
+        let other = one.iter().map(|p| *p + DVec3::new(apart, 0.125, 0.0625));
+        let positions = one.iter().copied().chain(other).collect();
+        let others = sides.iter().map(|side| side.map(|corner| corner + count));
+        let triangles = sides.iter().copied().chain(others).collect();
+        (positions, triangles)
+    }
+
+    #[test]
+    fn closed_shapes_do_not_meet_themselves() {
+        for each in [
+            Shape::Sphere {
+                radius: 1.0,
+                segments: 48,
+                rings: 24,
+            },
+            Shape::Torus {
+                radius: 1.0,
+                tube: 0.25,
+                segments: 48,
+                rings: 24,
+            },
+        ] {
+            let (positions, triangles) = shape(each);
+            let found = found(positions, triangles);
+            assert_eq!(found, Intersections::default(), "{each:?}");
+        }
+    }
+
+    #[test]
+    fn balls_meet_where_they_pass_through_one_another_and_not_beside() {
+        let (positions, triangles) = two_balls(3.0);
+        assert_eq!(found(positions, triangles), Intersections::default());
+        let (positions, triangles) = two_balls(1.0);
+        let half = triangles.len() as u32 / 2;
+        let met = found(positions, triangles).pairs;
+        assert!(met.len() > 50, "{}", met.len());
+        assert!(met.iter().all(|[a, b]| *a < half && *b >= half));
+        assert!(met.is_sorted());
+    }
+
+    #[test]
+    fn the_tree_leaves_no_pair_out() {
+        let mut random = Random(5);
+        for count in [1, 2, 9, 64, 65, 500] {
+            // Some far, some near, some sharing corners.
+            let places: Vec<_> = (0..count).map(|_| random.point() * 4.0).collect();
+            let triangles: Vec<[u32; 3]> = (0..count)
+                .map(|_| [0; 3].map(|_| (random.unit() * f64::from(count)) as u32))
+                .collect();
+            let mesh = Mesh::new(MeshData {
+                positions: places.clone(),
+                triangles: triangles.clone(),
+                ..MeshData::default()
+            });
+            let corners = |number: u32| {
+                let corners = mesh.triangles()[number as usize];
+                corners.map(|corner| (corner, mesh.positions()[corner as usize]))
+            };
+            let same = |a: u32, b: u32| {
+                let sorted = |number: u32| {
+                    let mut corners = mesh.triangles()[number as usize];
+                    corners.sort_unstable();
+                    corners
+                };
+                sorted(a) == sorted(b)
+            };
+            let mut expected = Vec::new();
+            for (i, &a) in mesh.kept().iter().enumerate() {
+                let is_again = mesh.kept()[..i].iter().any(|&b| same(a, b));
+                for &b in &mesh.kept()[i + 1..] {
+                    if !is_again && !same(a, b) && meet(&corners(a), &corners(b)) {
+                        expected.push([a, b]);
+                    }
+                }
+            }
+            expected.retain(|&[_, b]| !mesh.kept().iter().any(|&c| c < b && same(b, c)));
+            assert_eq!(found(places, triangles).pairs, expected, "{count}");
+        }
+    }
+
+    #[test]
+    fn of_very_many_some_are_told_and_an_end_is_heeded() {
+        // A fan of walls through one line: all meet all.
+        let walls = 2000;
+        let positions = (0..walls).flat_map(|i| {
+            let (sin, cos) = crate::math::sin_cos(f64::from(i) * 1e-3);
+            let side = DVec3::new(cos, sin, 0.0);
+            [side + DVec3::Z, side - DVec3::Z, -side]
+        });
+        let triangles = (0..walls as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
+        let (positions, triangles): (Vec<_>, Vec<_>) = (positions.collect(), triangles.collect());
+        let many = found(positions.clone(), triangles.clone());
+        assert!(many.has_more && many.pairs.len() == MOST_PAIRS);
+        let mesh = Mesh::new(MeshData {
+            positions,
+            triangles,
+            ..MeshData::default()
+        });
+        assert_eq!(self_intersections(&mesh, &|share| share < 0.05), None);
+    }
+}

@@ -1,0 +1,243 @@
+//! Lanes as vector registers, by `fearless_simd`.
+
+#![allow(
+    unsafe_code,
+    reason = "prefetching takes an address that nothing lends; all else is safe"
+)]
+
+use super::{F32x8, LANES, Lanes, Mask8};
+use fearless_simd::{
+    ExtractToken, Select, Simd, SimdBase, SimdFloat, SimdInto, SimdMask, f32x8, mask32x8, u32x8,
+};
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::{
+    __m256, _mm256_max_ps, _mm256_min_ps, _mm256_permute2f128_ps, _mm256_shuffle_ps,
+    _mm256_unpackhi_ps, _mm256_unpacklo_ps,
+};
+
+impl<S: Simd> F32x8 for f32x8<S> {
+    type Mask = mask32x8<S>;
+
+    #[inline(always)]
+    fn store(self, to: &mut [f32; LANES]) {
+        *to = *self;
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        SimdFloat::sqrt(self)
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        SimdBase::abs(self)
+    }
+    // The crate leaves open which of the two its own minimum and maximum are where one is not a number.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx2) = self.token().level().as_avx2() {
+            return lesser(avx2, self.into(), other.into()).simd_into(self.token());
+        }
+        Mask8::select(self.lt(other), self, other)
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx2) = self.token().level().as_avx2() {
+            return greater(avx2, self.into(), other.into()).simd_into(self.token());
+        }
+        Mask8::select(other.lt(self), self, other)
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Self::Mask {
+        self.simd_lt(other)
+    }
+}
+
+impl<S: Simd> Mask8 for mask32x8<S> {
+    type F32 = f32x8<S>;
+
+    #[inline(always)]
+    fn select(self, yes: Self::F32, no: Self::F32) -> Self::F32 {
+        Select::select(self, yes, no)
+    }
+    // A select, not a masked store: those take some machines dozens of cycles.
+    #[inline(always)]
+    fn store(self, number: u32, to: &mut [u32; LANES]) {
+        let number: u32x8<S> = number.simd_into(self.token());
+        *to = *Select::select(self, number, (*to).simd_into(self.token()));
+    }
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        (self.to_bitmask() & 0xff) as u32
+    }
+}
+
+impl<S: Simd> Lanes for S {
+    type F32 = f32x8<S>;
+    type Mask = mask32x8<S>;
+
+    #[inline(always)]
+    fn splat(self, x: f32) -> Self::F32 {
+        x.simd_into(self)
+    }
+    #[inline(always)]
+    fn load(self, from: &[f32; LANES]) -> Self::F32 {
+        (*from).simd_into(self)
+    }
+    #[inline(always)]
+    fn transpose(self, rows: [Self::F32; LANES]) -> [Self::F32; LANES] {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx2) = self.level().as_avx2() {
+            return transposed(avx2, rows.map(Into::into)).map(|column| column.simd_into(self));
+        }
+        // Zipping row i with row i + 4 moves the highest bit of a row's number below those of its
+        // columns: three times, and the two have changed places.
+        let mut rows = rows;
+        for _ in 0..LANES.ilog2() {
+            let [a, b, c, d, e, f, g, h] = rows;
+            rows = [
+                a.zip_low(e),
+                a.zip_high(e),
+                b.zip_low(f),
+                b.zip_high(f),
+                c.zip_low(g),
+                c.zip_high(g),
+                d.zip_low(h),
+                d.zip_high(h),
+            ];
+        }
+        rows
+    }
+    #[inline(always)]
+    fn prefetch<T>(self, from: &[T], index: usize) {
+        let address = from.as_ptr().wrapping_add(index);
+        #[cfg(target_arch = "x86_64")]
+        {
+            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            // SAFETY: a hint, which faults nowhere; the address is worked out without following it.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(address.cast()) };
+        }
+        let _ = address;
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+fearless_simd::kernel!(
+    #[inline(always)]
+    fn lesser(simd: Avx2, a: __m256, b: __m256) -> __m256 {
+        _mm256_min_ps(a, b)
+    }
+);
+
+#[cfg(target_arch = "x86_64")]
+fearless_simd::kernel!(
+    #[inline(always)]
+    fn greater(simd: Avx2, a: __m256, b: __m256) -> __m256 {
+        _mm256_max_ps(a, b)
+    }
+);
+
+#[cfg(target_arch = "x86_64")]
+fearless_simd::kernel!(
+    #[inline(always)]
+    fn transposed(simd: Avx2, rows: [__m256; LANES]) -> [__m256; LANES] {
+        let [a, b, c, d, e, f, g, h] = rows;
+        // Pairs of numbers, then of pairs, then of halves.
+        let (ab, ab_high) = (_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
+        let (cd, cd_high) = (_mm256_unpacklo_ps(c, d), _mm256_unpackhi_ps(c, d));
+        let (ef, ef_high) = (_mm256_unpacklo_ps(e, f), _mm256_unpackhi_ps(e, f));
+        let (gh, gh_high) = (_mm256_unpacklo_ps(g, h), _mm256_unpackhi_ps(g, h));
+        let upper = [
+            _mm256_shuffle_ps::<0x44>(ab, cd),
+            _mm256_shuffle_ps::<0xee>(ab, cd),
+            _mm256_shuffle_ps::<0x44>(ab_high, cd_high),
+            _mm256_shuffle_ps::<0xee>(ab_high, cd_high),
+        ];
+        let lower = [
+            _mm256_shuffle_ps::<0x44>(ef, gh),
+            _mm256_shuffle_ps::<0xee>(ef, gh),
+            _mm256_shuffle_ps::<0x44>(ef_high, gh_high),
+            _mm256_shuffle_ps::<0xee>(ef_high, gh_high),
+        ];
+        [
+            _mm256_permute2f128_ps::<0x20>(upper[0], lower[0]),
+            _mm256_permute2f128_ps::<0x20>(upper[1], lower[1]),
+            _mm256_permute2f128_ps::<0x20>(upper[2], lower[2]),
+            _mm256_permute2f128_ps::<0x20>(upper[3], lower[3]),
+            _mm256_permute2f128_ps::<0x31>(upper[0], lower[0]),
+            _mm256_permute2f128_ps::<0x31>(upper[1], lower[1]),
+            _mm256_permute2f128_ps::<0x31>(upper[2], lower[2]),
+            _mm256_permute2f128_ps::<0x31>(upper[3], lower[3]),
+        ]
+    }
+);
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Simd, Work, dispatch};
+    use super::*;
+
+    /// The bits of what each operation gives.
+    struct EveryOperation<'a>(&'a mut Vec<u32>);
+
+    impl Work for EveryOperation<'_> {
+        fn run(self, lanes: impl Lanes) {
+            let (a, b) = (
+                lanes.load(&[1.0, -2.5, 0.0, -0.0, f32::NAN, 7.0, 1e-40, f32::INFINITY]),
+                lanes.load(&[1.5, -2.5, -0.0, 0.0, 1.0, f32::NAN, -1e-40, f32::MAX]),
+            );
+            let (c, d) = (
+                lanes.load(&[1.0, 3.0, 1e30, 1e-30, 1e-40, 0.1, 0.7, 16_777_217.0]),
+                lanes.load(&[3.0, 0.3, 1e20, 1e-20, 3.0, 0.2, 1e-7, 0.9]),
+            );
+            let row = |row: usize| lanes.splat(row as f32) + c;
+            let numbers = [
+                a.min(b),
+                a.max(b),
+                b.min(a),
+                b.max(a),
+                a.abs(),
+                a.lt(b).select(a, b),
+                c + d,
+                c - d,
+                c * d,
+                c / d,
+                c + 0.1,
+                c - 0.1,
+                c * 0.1,
+                c / 0.1,
+                c.sqrt(),
+            ];
+            let columns = lanes.transpose(std::array::from_fn(row));
+            for number in numbers.into_iter().chain(columns) {
+                let mut all = [0.0; LANES];
+                number.store(&mut all);
+                self.0.extend(all.map(f32::to_bits));
+            }
+            for mask in [
+                a.lt(b),
+                a.lt(b) & c.lt(d),
+                a.lt(b) | c.lt(d),
+                lanes.mask_from(3),
+            ] {
+                let mut all = [1; LANES];
+                mask.store(2, &mut all);
+                self.0.extend(all);
+                self.0.push(mask.bits());
+            }
+            self.0.push(c.reduce_min().to_bits());
+        }
+    }
+
+    #[test]
+    fn every_operation_has_the_bits_of_plain_lanes() {
+        let of = |simd| {
+            let mut bits = Vec::new();
+            dispatch(simd, EveryOperation(&mut bits));
+            bits
+        };
+        let plain = of(Simd::Plain);
+        assert_eq!(plain.len(), (15 + LANES) * LANES + 4 * (LANES + 1) + 1);
+        assert_eq!(of(Simd::best()), plain);
+    }
+}

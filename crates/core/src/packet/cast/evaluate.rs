@@ -1,0 +1,288 @@
+//! Where the rays of a lattice hit what they were found to hit: t, u and v, eight rays of a row at a time.
+
+use crate::bvh::Accel;
+use crate::camera::{Lattice, PanoramaRays};
+use crate::hit::{Cull, MISS, Precision, PrimitiveHit};
+use crate::hits::Hits;
+use crate::num::simd::{F32x8, Lanes, Mask8, Work, dispatch};
+use crate::triangle::PreparedRay;
+use crate::triangle::interpolate::{
+    Corners, LANES, Places, RowHits, interpolate_around, interpolate_row,
+};
+use crate::triangle::linear::{LinearHit, Pencil, PencilRow};
+
+impl Accel {
+    /// Interpolates t, u and v where the rays of a lattice hit the triangles that [`Accel::find`] found, the
+    /// primitive indices in `hits`: what [`Accel::cast_primitive`] answers, bit for bit.
+    pub fn evaluate(&self, lattice: &Lattice, cull: Cull, precision: Precision, hits: &mut Hits) {
+        hits.primitives.resize(lattice.len(), MISS);
+        hits.make_places();
+        // Those of panoramas are compiled for instances alone.
+        if self.has_instances() || lattice.camera.projection().panorama().is_some() {
+            self.evaluate_in::<true>(lattice, cull, precision, hits);
+        } else {
+            self.evaluate_in::<false>(lattice, cull, precision, hits);
+        }
+    }
+
+    fn evaluate_in<const INSTANCES: bool>(
+        &self,
+        lattice: &Lattice,
+        cull: Cull,
+        precision: Precision,
+        hits: &mut Hits,
+    ) {
+        dispatch(
+            self.simd,
+            Evaluate::<INSTANCES> {
+                accel: self,
+                lattice,
+                cull,
+                precision,
+                hits,
+            },
+        );
+    }
+}
+
+struct Evaluate<'a, const INSTANCES: bool> {
+    accel: &'a Accel,
+    lattice: &'a Lattice,
+    cull: Cull,
+    precision: Precision,
+    hits: &'a mut Hits,
+}
+
+/// Eight rays of a row: what each hits, and t, u and v there.
+struct Eight<'h> {
+    primitives: &'h mut [u32; LANES],
+    t: &'h mut [f32; LANES],
+    u: &'h mut [f32; LANES],
+    v: &'h mut [f32; LANES],
+}
+
+impl<const INSTANCES: bool> Work for Evaluate<'_, INSTANCES> {
+    #[inline(always)]
+    fn run(self, lanes: impl Lanes) {
+        let columns = self.lattice.columns as usize;
+        if columns == 0 {
+            return;
+        }
+        let Self {
+            accel,
+            lattice,
+            cull,
+            precision,
+            hits,
+        } = self;
+        let mut interpolate = Interpolate::<INSTANCES> {
+            accel,
+            lattice,
+            cull,
+            precision,
+            pencil: Pencil::new(lattice, accel.origin),
+            around: PanoramaRays::new(lattice).filter(|_| INSTANCES),
+            cached: [(MISS, LinearHit::default()); CACHED],
+        };
+        let rows = (hits.primitives.chunks_mut(columns))
+            .zip(hits.t.chunks_mut(columns))
+            .zip(hits.u.chunks_mut(columns).zip(hits.v.chunks_mut(columns)));
+        for (row, ((primitives, t), (u, v))) in (0..).zip(rows) {
+            let (_, y) = lattice.place(0, row);
+            let (_, along) = lattice.camera.across_and_along(0.0, y);
+            let pencil_row = interpolate.pencil.as_ref().map(|pencil| pencil.row(along));
+            let (primitives, rest) = primitives.as_chunks_mut();
+            let (t, t_rest) = t.as_chunks_mut();
+            let (u, u_rest) = u.as_chunks_mut();
+            let (v, v_rest) = v.as_chunks_mut();
+            let mut column = 0;
+            for ((primitives, t), (u, v)) in primitives.iter_mut().zip(t).zip(u.iter_mut().zip(v)) {
+                let eight = Eight {
+                    primitives,
+                    t,
+                    u,
+                    v,
+                };
+                interpolate.eight(lanes, column, row, pencil_row.as_ref(), eight);
+                column += LANES as u32;
+            }
+            if !rest.is_empty() {
+                let mut primitives = [MISS; LANES];
+                let [mut t, mut u, mut v] = [[0.0; LANES]; 3];
+                primitives[..rest.len()].copy_from_slice(rest);
+                let eight = Eight {
+                    primitives: &mut primitives,
+                    t: &mut t,
+                    u: &mut u,
+                    v: &mut v,
+                };
+                interpolate.eight(lanes, column, row, pencil_row.as_ref(), eight);
+                rest.copy_from_slice(&primitives[..rest.len()]);
+                for (rest, all) in [(t_rest, t), (u_rest, u), (v_rest, v)] {
+                    rest.copy_from_slice(&all[..rest.len()]);
+                }
+            }
+        }
+    }
+}
+
+/// Triangles whose linear functions are cached. They are at least eight pixels wide, and a row of 64 rays hits eight of
+/// them: fewer entries set functions up again, more take more of the first-level cache.
+const CACHED: usize = 16;
+
+struct Interpolate<'a, const INSTANCES: bool> {
+    accel: &'a Accel,
+    lattice: &'a Lattice,
+    cull: Cull,
+    precision: Precision,
+    pencil: Option<Pencil>,
+    /// The rays of a panorama.
+    around: Option<PanoramaRays>,
+    /// By the low bits of the primitive index.
+    cached: [(u32, LinearHit); CACHED],
+}
+
+impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
+    /// Interpolates eight rays of a row, from a column on; those beyond the row's end are misses.
+    #[inline(always)]
+    fn eight(
+        &mut self,
+        lanes: impl Lanes,
+        column: u32,
+        row: u32,
+        pencil_row: Option<&PencilRow>,
+        eight: Eight<'_>,
+    ) {
+        let Eight {
+            primitives,
+            t,
+            u,
+            v,
+        } = eight;
+        if *primitives == [MISS; LANES] {
+            *t = [PrimitiveHit::NONE.t; LANES];
+            *u = [PrimitiveHit::NONE.u; LANES];
+            *v = [PrimitiveHit::NONE.v; LANES];
+            return;
+        }
+        // No closure: what is called in one would not be compiled for the instruction set.
+        let found = if INSTANCES && let Some(rays) = &self.around {
+            let directions = rays.eight_in_world(column, row);
+            let corners = self.corners(lanes, primitives);
+            let first = (primitives.iter().position(|&it| it != MISS)).unwrap_or_default();
+            let (camera, frame) = (&self.lattice.camera, self.accel.origin);
+            interpolate_around(camera, frame, (&directions, first), &corners)
+        } else {
+            let places = Places::new(self.lattice, column, row);
+            match self.linear(places, pencil_row, primitives) {
+                Some(found) => found,
+                None => {
+                    let corners = self.corners(lanes, primitives);
+                    interpolate_row(&self.lattice.camera, self.accel.origin, places, &corners)
+                }
+            }
+        };
+        let mut undecided = false;
+        for lane in 0..LANES {
+            let is_hit = primitives[lane] != MISS;
+            undecided |= is_hit & !found.sure[lane];
+            t[lane] = if is_hit {
+                found.t[lane]
+            } else {
+                PrimitiveHit::NONE.t
+            };
+            u[lane] = if is_hit {
+                found.u[lane]
+            } else {
+                PrimitiveHit::NONE.u
+            };
+            v[lane] = if is_hit {
+                found.v[lane]
+            } else {
+                PrimitiveHit::NONE.v
+            };
+        }
+        if undecided {
+            for lane in (0..LANES).filter(|&lane| !found.sure[lane]) {
+                if primitives[lane] != MISS {
+                    let hit = self.one(primitives[lane], column + lane as u32, row);
+                    primitives[lane] = hit.primitive;
+                    (t[lane], u[lane], v[lane]) = (hit.t, hit.u, hit.v);
+                }
+            }
+        }
+    }
+
+    /// The hits of eight rays of one triangle by its linear functions; `None` where any is not sure, or where the
+    /// rays hit several: setting up linear functions costs as much as a few rays without.
+    #[inline(always)]
+    fn linear(
+        &mut self,
+        places: Places,
+        row: Option<&PencilRow>,
+        primitives: &[u32; LANES],
+    ) -> Option<RowHits> {
+        if *primitives != [primitives[0]; LANES] {
+            return None;
+        }
+        let row = row?;
+        let across = places.across(&self.lattice.camera);
+        let hit = self.cached(primitives[0])?;
+        if !hit.is_useful() {
+            return None;
+        }
+        let found = hit.interpolate(row, &across);
+        (found.sure == [true; LANES]).then_some(found)
+    }
+
+    /// A triangle's linear functions, from the cache or worked out.
+    #[inline(always)]
+    fn cached(&mut self, primitive: u32) -> Option<&LinearHit> {
+        let (cached, hit) = &mut self.cached[primitive as usize % CACHED];
+        if *cached != primitive {
+            *hit = LinearHit::new(
+                self.pencil.as_ref()?,
+                self.accel.corners_of::<INSTANCES>(primitive),
+            );
+            *cached = primitive;
+        }
+        Some(hit)
+    }
+
+    /// Corners of the triangles that eight rays hit. Each triangle is written to all lanes from its first on;
+    /// the next one overwrites the rest.
+    #[inline(always)]
+    fn corners<L: Lanes>(&self, lanes: L, primitives: &[u32; LANES]) -> Corners {
+        let mut all = [lanes.splat(0.0); 9];
+        let mut lane = 0;
+        while lane < LANES {
+            let primitive = primitives[lane];
+            let from = lanes.mask_from(lane);
+            while lane < LANES && primitives[lane] == primitive {
+                lane += 1;
+            }
+            if primitive != MISS {
+                let [a, b, c] = self.accel.corners_of::<INSTANCES>(primitive);
+                let one = [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z];
+                for (all, one) in all.iter_mut().zip(one) {
+                    *all = from.select(lanes.splat(one), *all);
+                }
+            }
+        }
+        let mut corners = [[0.0; LANES]; 9];
+        for (corner, all) in corners.iter_mut().zip(all) {
+            all.store(corner);
+        }
+        corners
+    }
+
+    #[inline(never)]
+    fn one(&self, primitive: u32, column: u32, row: u32) -> PrimitiveHit {
+        let ray = self.lattice.ray(column, row);
+        let ray = PreparedRay::new(&ray, self.accel.origin, self.cull, self.precision);
+        ray.map_or(PrimitiveHit::NONE, |ray| {
+            ray.evaluate(primitive, self.accel.corners_of::<INSTANCES>(primitive))
+                .to_primitive_hit()
+        })
+    }
+}

@@ -1,0 +1,267 @@
+//! Panoramas' packets where they are most likely to go wrong: at the ends of the picture, at the borders of a cube's
+//! faces, with few rays, beside the eye. What few triangles there are leave most rays without a hit, so that a packet
+//! which skips too much is seen. The truth is the single ray, and brute force for some rays.
+
+use super::around_tests::{Sum, accel, check, scene};
+use crate::bvh::Accel;
+use crate::camera::{Camera, ImagePlane, Lattice, Panorama, Placement, Projection, Rect};
+use crate::hit::{Cull, Detail, Precision};
+use crate::math;
+use crate::random::Random;
+use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+fn any(random: &mut Random, count: usize) -> usize {
+    (random.unit() * count as f64) as usize % count
+}
+
+/// A number of any size between two powers of ten.
+fn decades(random: &mut Random, least: f64, most: f64) -> f64 {
+    math::pow(10.0, least + (most - least) * random.unit())
+}
+
+/// A place where a picture ends, folds, or is stitched.
+fn odd_place(random: &mut Random, panorama: Panorama) -> (f64, f64) {
+    let sign = [-1.0, 1.0][any(random, 2)];
+    match panorama {
+        Panorama::Equirectangular => [
+            (sign * PI, random.signed() * FRAC_PI_2),
+            (random.signed() * PI, sign * FRAC_PI_2),
+            (sign * FRAC_PI_2, 0.0),
+        ][any(random, 3)],
+        Panorama::Cylindrical => [
+            (sign * PI, random.signed() * 2.0),
+            (random.signed() * PI, sign * decades(random, 0.0, 4.0)),
+        ][any(random, 2)],
+        Panorama::Equidistant | Panorama::Equisolid | Panorama::Stereographic => {
+            let radius = match panorama {
+                Panorama::Equidistant => [PI, FRAC_PI_2][any(random, 2)],
+                Panorama::Equisolid => [2.0, 2f64.sqrt()][any(random, 2)],
+                _ => [2.0, 1e3][any(random, 2)],
+            };
+            let (sin, cos) = math::sin_cos(random.signed() * PI);
+            [(radius * cos, radius * sin), (0.0, sign * radius)][any(random, 2)]
+        }
+        Panorama::CubeStrip => {
+            let border = [-6.0, -4.0, -2.0, 0.0, 2.0, 4.0, 6.0][any(random, 7)];
+            [(border, random.signed()), (random.signed() * 6.0, sign)][any(random, 2)]
+        }
+        Panorama::CubeCross => {
+            let border = [-4.0, -2.0, 0.0, 2.0, 4.0][any(random, 5)];
+            [(border, random.signed()), (random.signed(), sign)][any(random, 2)]
+        }
+        // Past the corners of a wide frame.
+        Panorama::Lens(_) => (random.signed() * 2.0, random.signed() * 2.0),
+    }
+}
+
+/// A lattice of few rays that holds a place, which is one of its rays' but for rounding, at times exactly.
+fn lattice(random: &mut Random, placement: Placement, panorama: Panorama) -> Lattice {
+    let (a, b) = match any(random, 3) {
+        0 => panorama.place(random.point()).unwrap_or((0.0, 0.0)),
+        _ => odd_place(random, panorama),
+    };
+    let distance = placement.eye.distance(placement.target);
+    // Powers of two make places exact.
+    let step = match any(random, 2) {
+        0 => math::pow(2.0, -1.0 - (random.unit() * 9.0).floor()),
+        _ => decades(random, -7.0, -0.3),
+    };
+    let half = |place: f64| ((place.abs() / step).ceil() as u32).saturating_add(20);
+    let odd = any(random, 2) as u32;
+    let (columns, rows) = (2 * half(a) + odd, 2 * half(b) + odd);
+    // Larger than pictures may be: few of its pixels are cast.
+    let plane = ImagePlane {
+        columns,
+        rows,
+        step: step * distance,
+    };
+    let camera = Camera::new(placement, Projection::Panoramic(panorama), plane);
+    let at = |place: f64, count: u32| {
+        let middle = place / step + f64::from(count) * 0.5;
+        (middle.floor().max(0.0) as u32).min(count - 1)
+    };
+    let size = |random: &mut Random| [1, 2, 9, 33, 70][any(random, 5)];
+    let (width, height) = (size(random).min(columns), size(random).min(rows));
+    let before = |random: &mut Random, size: u32| (random.unit() * f64::from(size)) as u32;
+    let rect = Rect {
+        x: (at(a, columns).saturating_sub(before(random, width))).min(columns - width),
+        y: (at(-b, rows).saturating_sub(before(random, height))).min(rows - height),
+        width,
+        height,
+    };
+    let mut lattice = camera.sub_camera(rect).lattice();
+    if any(random, 3) == 0 {
+        lattice.offset = (random.unit(), random.unit());
+    }
+    lattice
+}
+
+/// Triangles where a lattice's rays look, of the kinds that ray casters get wrong.
+fn triangle(random: &mut Random, lattice: &Lattice) -> [DVec3; 3] {
+    let camera = &lattice.camera;
+    let eye = camera.placement().eye;
+    let [column, row] = [lattice.columns, lattice.rows].map(|count| any(random, count as usize));
+    let ray = lattice.ray(column as u32, row as u32);
+    let pitch = camera.plane().step / camera.distance();
+    let depth = decades(random, -2.0, 2.0);
+    let at = eye + ray.direction * depth;
+    let size = depth * (pitch * decades(random, -1.0, 1.5)).min(1.0);
+    let near = |random: &mut Random| at + random.point() * size;
+    match any(random, 8) {
+        // About as large as a pixel, or a corner on a ray.
+        0 => [near(random), near(random), near(random)],
+        1 => [at, near(random), near(random)],
+        // An edge through a ray.
+        2 => {
+            let way = random.point() * size;
+            [at - way, at + way * random.unit(), near(random)]
+        }
+        // A needle.
+        3 => {
+            let way = random.point() * depth;
+            let aside = random.point() * (size * 1e-3);
+            [at - way, at + way * random.unit(), at + way * 0.3 + aside]
+        }
+        // All around the eye, or far beyond the scene.
+        4 => {
+            let far = decades(random, 0.0, 6.0);
+            [(); 3].map(|()| eye + random.point() * far)
+        }
+        // In a plane through the eye but for rounding.
+        5 => {
+            let other = random.point() * depth;
+            let mean = (at - eye) * random.signed() + other * random.signed();
+            [at, eye + other, eye + mean]
+        }
+        // Beside the eye, or around it.
+        6 => {
+            let close = decades(random, -9.0, -1.0);
+            [(); 3].map(|()| eye + random.point() * close)
+        }
+        // Behind the eye and before it.
+        _ => [at, eye - ray.direction * depth, near(random)],
+    }
+}
+
+/// A camera somewhere, as a person may have put it or not.
+fn placement(random: &mut Random) -> Placement {
+    let frame = [DVec3::ZERO, random.point() * 1e6][any(random, 2)];
+    let way = match any(random, 3) {
+        0 => [DVec3::X, DVec3::NEG_Z, DVec3::NEG_Y][any(random, 3)],
+        _ => random.point() * decades(random, -3.0, 3.0),
+    };
+    Placement::towards(frame, frame + way)
+}
+
+#[test]
+fn hostile_triangles_are_seen_as_single_rays_and_brute_force_see_them() {
+    let mut random = Random(97);
+    let mut sum = Sum::default();
+    for round in 0..ROUNDS {
+        let panorama = Panorama::ALL[round % Panorama::ALL.len()].1;
+        let placement = placement(&mut random);
+        let lattice = lattice(&mut random, placement, panorama);
+        let count = [1, 2, 7, 40][any(&mut random, 4)];
+        let corners: Vec<_> = (0..count)
+            .map(|_| triangle(&mut random, &lattice))
+            .collect();
+        let Ok(accel) = Accel::build(&scene(corners)) else {
+            continue;
+        };
+        let cull = [Cull::None, Cull::Back][any(&mut random, 2)];
+        check(&accel, &lattice, cull, &mut sum);
+        let mut hits = Vec::new();
+        accel.cast_lattice(&lattice, cull, Precision::Exact, Detail::Full, &mut hits);
+        for (at, hit) in hits.iter().enumerate().step_by(41) {
+            let (column, row) = (at as u32 % lattice.columns, at as u32 / lattice.columns);
+            let ray = lattice.ray(column, row);
+            let truth = accel.cast_brute_force(&ray, cull);
+            let found = (!hit.is_miss()).then(|| accel.identify(hit.primitive));
+            let truth = truth.map(|hit| (hit.object, hit.triangle));
+            assert_eq!(found, truth, "round {round}: {ray:?}");
+        }
+    }
+    assert!(sum.hits > sum.rays / 20, "{} of {}", sum.hits, sum.rays);
+}
+
+const ROUNDS: usize = 2400;
+
+/// A border between the faces of a cube map belongs to one of them, and in a strip that looks elsewhere than its neighbour
+/// in the picture: scenes that the rays of the border alone see.
+#[test]
+fn rays_at_the_borders_of_faces_hit_what_their_own_face_sees() {
+    let mut sum = Sum::default();
+    for panorama in [Panorama::CubeStrip, Panorama::CubeCross] {
+        // With a pixel at each border; large packets are narrow enough to have a cone.
+        let across = 128;
+        let (columns, rows) = match panorama {
+            Panorama::CubeStrip => (across * 12 + 1, across * 2 + 1),
+            _ => (across * 8 + 1, across * 6 + 1),
+        };
+        let plane = ImagePlane::new(columns, rows, 1.0 / f64::from(across)).expect("a good plane");
+        let placement = Placement::towards(DVec3::ZERO, DVec3::NEG_Z);
+        let camera = Camera::new(placement, Projection::Panoramic(panorama), plane);
+        for x in (0..columns).step_by(across as usize * 2) {
+            for y in (0..rows).step_by(across as usize / 2) {
+                for (left, top) in [(0, 0), (5, 5)] {
+                    let rect = Rect {
+                        x: x.saturating_sub(left),
+                        y: y.saturating_sub(top),
+                        width: (columns - x).min(33),
+                        height: (rows - y).min(9),
+                    };
+                    let lattice = camera.sub_camera(rect).lattice();
+                    let ray = lattice.ray(x - rect.x, y - rect.y);
+                    if !ray.is_valid() || x - rect.x >= rect.width || y - rect.y >= rect.height {
+                        continue;
+                    }
+                    let side = ray.direction.any_orthonormal_vector() * 0.02;
+                    let up = ray.direction.cross(side);
+                    let around = [side, up - side, -up - side];
+                    let corners = around.map(|way| ray.direction * 5.0 + way);
+                    check(&accel(vec![corners]), &lattice, Cull::None, &mut sum);
+                }
+            }
+        }
+    }
+    assert!(sum.hits > 60, "{}", sum.hits);
+}
+
+/// A packet of one ray is no wider than roundings are: a triangle that the ray runs along, but for those, is in it.
+#[test]
+fn a_packet_of_one_ray_holds_what_the_ray_runs_along() {
+    let triangle = [(-1.0, -2.0), (1.0, -2.0), (0.0, 2.0)].map(|(y, z)| DVec3::new(0.0, y, z));
+    let accel = accel(vec![triangle]);
+    let mut random = Random(98);
+    let mut sum = Sum::default();
+    for round in 0..4000 {
+        let panorama = Panorama::ALL[round % Panorama::ALL.len()].1;
+        // Of a binade in which the eye's place below is not rounded when it is added.
+        let sine = (0.26 + 0.23 * random.unit()) * [-1.0, 1.0][any(&mut random, 2)];
+        let camera = |x: f64| {
+            let eye = DVec3::new(x, 0.0, -3.0);
+            let placement = Placement::towards(eye, eye + DVec3::new(sine, 0.0, 1.0));
+            let plane = ImagePlane::new(1, 1, 1e-3).expect("a good plane");
+            Camera::new(placement, Projection::Panoramic(panorama), plane)
+        };
+        // The pixel lies where the picture looks along +Z.
+        let first = camera(0.0);
+        let axes = [first.right(), first.up(), first.forward()];
+        let Some((a, b)) = panorama.place(DVec3::from_array(axes.map(|axis| axis.z))) else {
+            continue;
+        };
+        let lattice = |x: f64| {
+            let mut lattice = camera(x).whole().lattice();
+            let pixels = first.distance() / 1e-3;
+            lattice.offset = (0.5 + a * pixels, 0.5 - b * pixels);
+            lattice
+        };
+        // It comes to the triangle's plane some two units on.
+        let slope = lattice(0.0).ray(0, 0).direction.x;
+        let unit = f64::EPSILON / 4.0;
+        let lattice = lattice(-(slope * 2.0 / unit).round() * unit);
+        check(&accel, &lattice, Cull::None, &mut sum);
+    }
+    assert!(sum.hits > 1000, "{} of {}", sum.hits, sum.rays);
+}

@@ -1,0 +1,355 @@
+//! Rasterising triangles that are set up: rows of eight rays, or of large triangles cells of 8 × 8 rays first, whose
+//! extremes decide whether a cell is missed, covered or occluded (Abrash, "Rasterization on Larrabee", 2009).
+
+use super::depth_merge::{DepthMerge, UndecidedRays};
+use super::edge_functions::EdgeFunctions;
+use super::{IntervalZBuffer, UNDECIDED, for_each_bit, stored_primitive};
+use crate::num::simd::{F32x8, LANES, Lanes, Mask8, dispatch};
+use crate::packet::componentwise_setup::ComponentwiseSetup;
+use crate::packet::decisions::Decisions;
+use crate::packet::params::{CELLS, ROW, SIDE};
+use crate::packet::ray_box::RayBox;
+use crate::packet::setup::{CornerLanes, PacketSpace, TriangleSetup};
+
+/// From a cell's first ray to its centre.
+const HALF: f32 = (ROW as f32 - 1.0) * 0.5;
+/// Centres of two rows of cells.
+const CELL_X: [f32; ROW] = [3.5, 11.5, 19.5, 27.5, 3.5, 11.5, 19.5, 27.5];
+const CELL_Y: [f32; ROW] = [3.5, 3.5, 3.5, 3.5, 11.5, 11.5, 11.5, 11.5];
+/// Bit masks over two rows of cells: the first one to four columns, and the first row.
+const CELL_COLUMNS: [u32; CELLS] = [0x11, 0x33, 0x77, 0xff];
+const CELL_FIRST_ROW: u32 = 0x0f;
+
+/// Columns of a row of rays.
+pub(super) const COLUMNS: [f32; ROW] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+
+impl IntervalZBuffer {
+    /// Sets rough triangles up again by component. Those (as bits) that exact arithmetic decides no ray hits, of the
+    /// ill-conditioned ones and of those that orthographic rays may begin at.
+    #[inline(never)]
+    pub(super) fn refine(
+        &self,
+        space: &PacketSpace,
+        set_up: &mut TriangleSetup,
+        corners: &CornerLanes,
+        primitives: &[u32],
+        decisions: &mut Decisions<'_>,
+    ) -> u32 {
+        let mut which = 0;
+        if decisions.are_exact() {
+            for l in 0..primitives.len().min(LANES) {
+                which |= u32::from(set_up.is_rough[l] && set_up.boxes[l].right >= 0) << l;
+            }
+        }
+        if which != 0 {
+            let work = ComponentwiseSetup {
+                space,
+                corners,
+                which,
+                out: set_up,
+            };
+            dispatch(decisions.simd(), work);
+        }
+        let mut never_hit = 0;
+        for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
+            let begins = decisions.are_exact()
+                && self.begin != f32::INFINITY
+                && set_up.may_touch(l, self.begin);
+            let is_doubtful = set_up.boxes[l].right >= 0 && (set_up.ill_conditioned[l] || begins);
+            never_hit |= u32::from(is_doubtful && decisions.is_never_hit(primitive)) << l;
+        }
+        never_hit
+    }
+
+    /// Sets up eight triangles and rasterises those with a primitive index, each within its bounds. Those that are
+    /// ill-conditioned, or that rays may begin at, are left out where exact arithmetic decides that no ray hits them.
+    #[inline(always)]
+    pub(in crate::packet) fn rasterize(
+        &mut self,
+        lanes: impl Lanes,
+        space: &PacketSpace,
+        corners: &CornerLanes,
+        boxes: &[RayBox; LANES],
+        primitives: &[u32],
+        decisions: &mut Decisions<'_>,
+    ) {
+        let mut set_up = space.set_up(corners, boxes);
+        let any_rough = set_up.is_rough.iter().fold(false, |any, &is| any | is);
+        let never_hit = if any_rough || self.begin != f32::INFINITY {
+            self.refine(space, &mut set_up, corners, primitives, decisions)
+        } else {
+            0
+        };
+        for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
+            if never_hit >> l & 1 == 0
+                && (decisions.clip().is_empty()
+                    || !self.rasterize_cut(lanes, &set_up, l, primitive, decisions))
+            {
+                self.rasterize_one(lanes, &set_up, l, primitive, decisions);
+            }
+        }
+        self.update_hi_z(lanes);
+    }
+
+    #[inline(always)]
+    pub(super) fn rasterize_one(
+        &mut self,
+        lanes: impl Lanes,
+        set_up: &TriangleSetup,
+        l: usize,
+        primitive: u32,
+        decisions: &mut Decisions<'_>,
+    ) {
+        let functions = EdgeFunctions::of(set_up, l, primitive);
+        let RayBox {
+            left,
+            right,
+            top,
+            bottom,
+        } = set_up.boxes[l];
+        let (column, row) = (set_up.column[l] as usize, set_up.row[l] as usize);
+        if right < left {
+            return;
+        }
+        if set_up.ill_conditioned[l] {
+            self.mark_undecided(
+                &functions,
+                (column, row),
+                (left as usize, right as usize),
+                (top as usize, bottom as usize),
+            );
+        } else if set_up.boxes[l].is_narrow() {
+            let rows = (bottom - top + 1) as usize;
+            self.rasterize_rows(lanes, &functions, row * SIDE + column, rows, decisions);
+            let (first, last) = (column / ROW, column.div_ceil(ROW));
+            let columns = (1u32 << first) | (1 << last);
+            for cell_row in row / ROW..=bottom as usize / ROW {
+                self.dirty |= columns << (CELLS * cell_row);
+            }
+        } else {
+            self.rasterize_cells(
+                lanes,
+                &functions,
+                (column, row),
+                (right as usize, bottom as usize),
+                decisions,
+            );
+        }
+    }
+
+    /// Rasterises a large triangle cell by cell.
+    #[inline(always)]
+    pub(super) fn rasterize_cells(
+        &mut self,
+        lanes: impl Lanes,
+        functions: &EdgeFunctions,
+        (column, row): (usize, usize),
+        (right, bottom): (usize, usize),
+        decisions: &mut Decisions<'_>,
+    ) {
+        let EdgeFunctions {
+            edges,
+            edge_error,
+            depth_key,
+            depth_key_error,
+            ..
+        } = *functions;
+        let columns = right / ROW - column / ROW + 1;
+        let rows = bottom / ROW - row / ROW + 1;
+        let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
+        // All cells from the first, two rows of them at a time.
+        for cell_row in (0..rows).step_by(ROW / CELLS) {
+            let (x, y) = (
+                lanes.load(&CELL_X),
+                lanes.load(&CELL_Y) + (cell_row * ROW) as f32,
+            );
+            let value = |f: [f32; 3]| {
+                let below = lanes.splat(f[0]) + lanes.splat(f[2]) * y;
+                below + lanes.splat(f[1]) * x
+            };
+            let swing = |f: [f32; 3]| lanes.splat((f[1].abs() + f[2].abs()) * HALF);
+            let [greatest, least] = {
+                let of = |f: [f32; 3]| {
+                    let (value, swing) = (value(f), swing(f));
+                    [value + swing, value - swing]
+                };
+                let ([a, p], [b, q], [c, r]) = (of(edges[0]), of(edges[1]), of(edges[2]));
+                [a.min(b).min(c), p.min(q).min(r)]
+            };
+            let outside = greatest.lt(minus_error).bits();
+            let inside = error.lt(least).bits();
+            let mut nearest = [0.0; ROW];
+            let near = value(depth_key) + swing(depth_key);
+            (near + depth_key_error).store(&mut nearest);
+
+            let mut queued = !outside & CELL_COLUMNS[columns - 1];
+            if cell_row + 1 == rows {
+                queued &= CELL_FIRST_ROW;
+            }
+            while queued != 0 {
+                let cell = queued.trailing_zeros() as usize % ROW;
+                queued &= queued - 1;
+                let (cell_column, cell_row) = (cell % CELLS, cell_row + cell / CELLS);
+                let place =
+                    ((row / ROW + cell_row) * CELLS + column / ROW + cell_column) % (CELLS * CELLS);
+                if nearest[cell] < self.hi_z[place] {
+                    continue;
+                }
+                let (x, y) = ((cell_column * ROW) as f32, (cell_row * ROW) as f32);
+                let moved = |f: [f32; 3]| [(f[0] + f[2] * y) + f[1] * x, f[1], f[2]];
+                let here = EdgeFunctions {
+                    edges: [moved(edges[0]), moved(edges[1]), moved(edges[2])],
+                    depth_key: moved(depth_key),
+                    ..*functions
+                };
+                let first = (row + cell_row * ROW) * SIDE + column + cell_column * ROW;
+                if inside & (1 << cell) != 0 {
+                    self.cover(lanes, &here, first, decisions);
+                } else {
+                    self.rasterize_rows(lanes, &here, first, ROW, decisions);
+                }
+                self.dirty |= 1 << place;
+            }
+        }
+    }
+
+    /// Rasterises rows of eight rays.
+    #[inline(always)]
+    pub(super) fn rasterize_rows(
+        &mut self,
+        lanes: impl Lanes,
+        functions: &EdgeFunctions,
+        first: usize,
+        rows: usize,
+        decisions: &mut Decisions<'_>,
+    ) {
+        let EdgeFunctions {
+            edges: [e, f, g],
+            edge_error,
+            depth_key,
+            ..
+        } = *functions;
+        let x = lanes.load(&COLUMNS);
+        let row = |f: [f32; 3]| lanes.splat(f[0]) + lanes.splat(f[1]) * x;
+        let (mut a, mut b, mut c, mut near) = (row(e), row(f), row(g), row(depth_key));
+        let step = |f: [f32; 3]| lanes.splat(f[2]);
+        let (step_a, step_b, step_c, step_near) = (step(e), step(f), step(g), step(depth_key));
+        let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
+        let merge = DepthMerge::new(lanes, functions, self.begin);
+        for row in 0..rows {
+            let first = first + row * SIDE;
+            let Some((low, high, primitives)) = self.rays(first) else {
+                return;
+            };
+            let least = a.min(b).min(c);
+            let outside = least.lt(minus_error);
+            let inside = error.lt(least);
+            let undecided = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
+            if undecided.rays != 0 {
+                self.leave_undecided(merge.primitive, undecided, first, decisions);
+            }
+            a = a + step_a;
+            b = b + step_b;
+            c = c + step_c;
+            near = near + step_near;
+        }
+    }
+
+    /// Merges a triangle into a cell whose rays all lie surely inside its edges.
+    #[inline(always)]
+    pub(super) fn cover(
+        &mut self,
+        lanes: impl Lanes,
+        functions: &EdgeFunctions,
+        first: usize,
+        decisions: &mut Decisions<'_>,
+    ) {
+        let n = functions.depth_key;
+        let x = lanes.load(&COLUMNS);
+        let mut near = lanes.splat(n[0]) + lanes.splat(n[1]) * x;
+        let step = lanes.splat(n[2]);
+        let merge = DepthMerge::new(lanes, functions, self.begin);
+        for row in 0..ROW {
+            let first = first + row * SIDE;
+            let Some((low, high, primitives)) = self.rays(first) else {
+                return;
+            };
+            let undecided = merge.row(lanes, near, None, low, high, primitives);
+            if undecided.rays != 0 {
+                self.leave_undecided(merge.primitive, undecided, first, decisions);
+            }
+            near = near + step;
+        }
+    }
+
+    /// Marks undecided rays of eight from `first` on as undecided between their triangle so far and another, except those that
+    /// are surely inside of it and have one of its plane: there the lower primitive id wins.
+    #[inline(never)]
+    pub(super) fn leave_undecided(
+        &mut self,
+        primitive: u32,
+        undecided: UndecidedRays,
+        first: usize,
+        decisions: &mut Decisions<'_>,
+    ) {
+        let Some((_, _, primitives)) = self.rays(first) else {
+            return;
+        };
+        let (before, mut rest) = (*primitives, undecided.rays);
+        // Neighbouring rays mostly have the same triangle.
+        while rest != 0 {
+            let stored = before[rest.trailing_zeros() as usize % ROW];
+            let mut same = 0;
+            for (lane, &other) in before.iter().enumerate() {
+                same |= u32::from(other == stored) << lane;
+            }
+            same &= rest;
+            rest &= !same;
+            let rival = stored_primitive(stored);
+            if let Some(rival) = rival
+                && same & undecided.inside != 0
+                && let Some(nearer) = decisions.first_in_one_plane(rival, primitive)
+            {
+                // Both hits have one depth, which either's bounds hold.
+                if nearer == primitive {
+                    for_each_bit(u64::from(same & undecided.inside), |lane| {
+                        self.primitives[first + lane] = primitive;
+                    });
+                }
+                same &= !undecided.inside;
+            }
+            for_each_bit(u64::from(same), |lane| {
+                self.rivals.push_both(first + lane, rival, primitive);
+                self.primitives[first + lane] = UNDECIDED;
+            });
+        }
+    }
+
+    /// Marks every ray undecided that an ill-conditioned triangle may hit: those in its bounds where the
+    /// signs of its edge functions do not surely differ.
+    #[inline(never)]
+    pub(super) fn mark_undecided(
+        &mut self,
+        functions: &EdgeFunctions,
+        (column, row): (usize, usize),
+        (left, right): (usize, usize),
+        (top, bottom): (usize, usize),
+    ) {
+        let error = functions.edge_error;
+        for j in top..=bottom {
+            for i in left..=right {
+                let (x, y) = (i as f32 - column as f32, j as f32 - row as f32);
+                let values = functions.edges.map(|f| (f[0] + f[2] * y) + f[1] * x);
+                let below = values.iter().any(|&value| value < -error);
+                let above = values.iter().any(|&value| value > error);
+                if !(below & above) {
+                    let ray = j * SIDE + i;
+                    self.high[ray] = f32::INFINITY;
+                    let stored = std::mem::replace(&mut self.primitives[ray], UNDECIDED);
+                    self.rivals
+                        .push_both(ray, stored_primitive(stored), functions.primitive);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Bounds of the places of a packet's rays: of its cells, and of the rows of eight rays in each.
+
+use super::{ALL_CELLS, MARGIN, Places, TANGENT_ERROR};
+use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
+use crate::packet::frustum::Window;
+use crate::packet::params::{CELLS, ROW, SIDE};
+use crate::packet::place_box::PlaceBox;
+
+/// Bounds of eight sets of places.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub(super) struct PlaceBoxes {
+    left: [f32; LANES],
+    right: [f32; LANES],
+    top: [f32; LANES],
+    bottom: [f32; LANES],
+}
+
+impl PlaceBoxes {
+    pub(super) const NONE: Self = Self {
+        left: [0.0; LANES],
+        right: [0.0; LANES],
+        top: [0.0; LANES],
+        bottom: [0.0; LANES],
+    };
+
+    /// Those of the eight, as bits, that a box touches.
+    #[inline(always)]
+    fn touched(&self, lanes: impl Lanes, by: &PlaceBox) -> u32 {
+        let beside = lanes.load(&self.right).lt(lanes.splat(by.left))
+            | lanes.splat(by.right).lt(lanes.load(&self.left));
+        let above = lanes.load(&self.bottom).lt(lanes.splat(by.top))
+            | lanes.splat(by.bottom).lt(lanes.load(&self.top));
+        !(beside | above).bits() & ((1 << LANES) - 1)
+    }
+}
+
+/// Centres and half extents of eight cells.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub(in crate::packet) struct CellCentres {
+    pub(in crate::packet) x: [f32; LANES],
+    pub(in crate::packet) y: [f32; LANES],
+    pub(in crate::packet) half_x: [f32; LANES],
+    pub(in crate::packet) half_y: [f32; LANES],
+}
+
+impl Places {
+    /// Bounds of rows and cells.
+    #[inline(always)]
+    pub(super) fn bound<L: Lanes>(&mut self, lanes: L) {
+        for cell in 0..ALL_CELLS {
+            let [mut left, mut right, mut top, mut bottom] = [lanes.splat(0.0); 4];
+            for (places, least, most) in [
+                (&self.x, &mut left, &mut right),
+                (&self.y, &mut top, &mut bottom),
+            ] {
+                let mut rows = [lanes.splat(0.0); ROW];
+                for (row, places_of_row) in rows.iter_mut().enumerate() {
+                    let first = first_of(cell, row);
+                    if let Some(eight) = places.get(first..).and_then(|rest| rest.first_chunk()) {
+                        *places_of_row = lanes.load(eight);
+                    }
+                }
+                let [a, b, c, d, e, f, g, h] = lanes.transpose(rows);
+                *least = a.min(b).min(c.min(d)).min(e.min(f).min(g.min(h)));
+                *most = a.max(b).max(c.max(d)).max(e.max(f).max(g.max(h)));
+            }
+            let rows = &mut self.rows[cell];
+            left.store(&mut rows.left);
+            right.store(&mut rows.right);
+            top.store(&mut rows.top);
+            bottom.store(&mut rows.bottom);
+            let zero = lanes.splat(0.0);
+            let (half, lane) = (cell / LANES, cell % LANES);
+            let cells = &mut self.cells[half];
+            cells.left[lane] = left.reduce_min();
+            cells.right[lane] = -(zero - right).reduce_min();
+            cells.top[lane] = top.reduce_min();
+            cells.bottom[lane] = -(zero - bottom).reduce_min();
+        }
+        for (cells, centres) in self.cells.iter().zip(&mut self.centres) {
+            // The mean, the difference and its sum with this are rounded by less than u·32 each, 2⁻¹⁹.
+            let half = |least: f32, most: f32| (most - least) * 0.5 + 1.0 / 65536.0;
+            for lane in 0..LANES {
+                centres.x[lane] = (cells.left[lane] + cells.right[lane]) * 0.5;
+                centres.y[lane] = (cells.top[lane] + cells.bottom[lane]) * 0.5;
+                centres.half_x[lane] = half(cells.left[lane], cells.right[lane]);
+                centres.half_y[lane] = half(cells.top[lane], cells.bottom[lane]);
+            }
+        }
+    }
+
+    /// For each of the packet's four columns and rows of cells, the window of its rays.
+    pub(in crate::packet) fn cell_windows(&self) -> [Window; CELLS] {
+        let step = self.view.plane().step;
+        let (left, high) = (self.window.across.0, self.window.along.1);
+        std::array::from_fn(|index| {
+            let mut all = PlaceBox::EMPTY;
+            for other in 0..CELLS {
+                let column = self.cell(other * CELLS + index);
+                let row = self.cell(index * CELLS + other);
+                all.left = all.left.min(column.left);
+                all.right = all.right.max(column.right);
+                all.top = all.top.min(row.top);
+                all.bottom = all.bottom.max(row.bottom);
+            }
+            // Rounded to single precision: less than 2⁻¹⁸ of a column.
+            let slack = 1.0 / (1 << 16) as f64;
+            let across = |place: f32| left + (f64::from(place) - MARGIN) * step;
+            let along = |place: f32| high - (f64::from(place) - MARGIN) * step;
+            let window = Window {
+                across: (across(all.left), across(all.right)),
+                along: (along(all.bottom), along(all.top)),
+            };
+            window.grown(slack * step + TANGENT_ERROR)
+        })
+    }
+
+    fn cell(&self, cell: usize) -> PlaceBox {
+        let (cells, lane) = (&self.cells[cell / LANES], cell % LANES);
+        PlaceBox {
+            left: cells.left[lane],
+            right: cells.right[lane],
+            top: cells.top[lane],
+            bottom: cells.bottom[lane],
+        }
+    }
+
+    /// The cells that a box touches, as bits.
+    #[inline(always)]
+    pub(in crate::packet) fn cells_touched(&self, lanes: impl Lanes, by: &PlaceBox) -> u32 {
+        let mut touched = 0;
+        for (half, cells) in self.cells.iter().enumerate() {
+            touched |= cells.touched(lanes, by) << (half * LANES);
+        }
+        touched
+    }
+
+    /// The rows of a cell that a box touches, as bits.
+    #[inline(always)]
+    pub(in crate::packet) fn rows_touched(
+        &self,
+        lanes: impl Lanes,
+        cell: usize,
+        by: &PlaceBox,
+    ) -> u32 {
+        self.rows[cell % ALL_CELLS].touched(lanes, by)
+    }
+
+    /// Eight cells' centres, the first eight or the last.
+    #[inline(always)]
+    pub(in crate::packet) fn centres(&self, half: usize) -> &CellCentres {
+        &self.centres[half % (ALL_CELLS / LANES)]
+    }
+}
+
+/// The first ray of a cell's row.
+#[inline(always)]
+pub(in crate::packet) fn first_of(cell: usize, row: usize) -> usize {
+    (cell / CELLS * ROW + row) * SIDE + cell % CELLS * ROW
+}

@@ -1,0 +1,101 @@
+//! Places of rays and their bounds, against the rays themselves.
+
+use super::*;
+use crate::camera::{Lattice, Panorama, Placement, Projection};
+use crate::num::simd::Plain;
+use crate::packet::place_box::PlaceBox;
+use crate::random::Random;
+
+fn lattices() -> impl Iterator<Item = Lattice> {
+    let mut random = Random(91);
+    Panorama::ALL.into_iter().flat_map(move |(_, panorama)| {
+        [0.02, 1e-3, 1e-7, 1e-13].map(|step| {
+            let placement = Placement::towards(random.point(), random.point() * 3.0);
+            let distance = placement.eye.distance(placement.target);
+            let plane = ImagePlane::new(70, 50, step * distance).expect("a good plane");
+            let camera = Camera::new(placement, Projection::Panoramic(panorama), plane);
+            camera.whole().lattice()
+        })
+    })
+}
+
+/// The truth is the ray's own direction through the packet's map, which is off by a tenth of the bound. Of rays very
+/// close together places are off by more than single precision rounds them by: they need the bound.
+#[test]
+fn rays_are_where_their_places_say() {
+    let (mut packets, mut needed) = (0, 0);
+    for lattice in lattices() {
+        let rays = PanoramaRays::new(&lattice).expect("a panorama");
+        let mut places = Places::new(&lattice.camera);
+        for (x, y) in [(0, 0), (32, 0), (0, 32), (38, 18)] {
+            let rect = Rect {
+                x,
+                y,
+                width: 32,
+                height: 50 - y.max(18),
+            };
+            if places.find(Plain, (&lattice.camera, &rays), rect) != Span::Packet {
+                continue;
+            }
+            packets += 1;
+            let space = places.space(DVec3::ZERO, 0.0, Cull::None);
+            for row in 0..rect.height {
+                for column in 0..rect.width {
+                    if places.has_ray[row as usize] >> column & 1 == 0 {
+                        continue;
+                    }
+                    let direction = lattice.ray(x + column, y + row).direction;
+                    let [i, j, k] = space.map.map(|line| line.dot(direction));
+                    let at = row as usize * SIDE + column as usize;
+                    for (place, truth) in [(places.x[at], i / k), (places.y[at], j / k)] {
+                        let off = (f64::from(place) - truth).abs();
+                        let rounding = truth.abs() / f64::from(1 << 24);
+                        assert!(off <= rounding + space.ray_error, "{place} {truth}");
+                        needed += u32::from(off > 2.0 * rounding);
+                    }
+                    assert!((0.4..31.6).contains(&places.x[at]));
+                    assert!((0.4..31.6).contains(&places.y[at]));
+                }
+            }
+        }
+    }
+    assert!(packets > 60, "{packets}");
+    assert!(needed > 100, "{needed}");
+}
+
+/// What a ray's place is in touches the ray's row and cell.
+#[test]
+fn boxes_touch_the_rows_and_cells_of_the_rays_in_them() {
+    for lattice in lattices() {
+        let rays = PanoramaRays::new(&lattice).expect("a panorama");
+        let mut places = Places::new(&lattice.camera);
+        let rect = Rect {
+            x: 7,
+            y: 3,
+            width: 32,
+            height: 32,
+        };
+        if places.find(Plain, (&lattice.camera, &rays), rect) != Span::Packet {
+            continue;
+        }
+        for at in 0..RAYS {
+            let (x, y) = (places.x[at], places.y[at]);
+            let own = PlaceBox {
+                left: x,
+                right: x,
+                top: y,
+                bottom: y,
+            };
+            let cell = at / SIDE / ROW * CELLS + at % SIDE / ROW;
+            assert!(places.cells_touched(Plain, &own) >> cell & 1 != 0);
+            assert!(places.rows_touched(Plain, cell, &own) >> (at / SIDE % ROW) & 1 != 0);
+            let centres = places.centres(cell / LANES);
+            let lane = cell % LANES;
+            let exact = f64::from(x) - f64::from(centres.x[lane]);
+            assert!(exact.abs() <= f64::from(centres.half_x[lane]));
+            let exact = f64::from(y) - f64::from(centres.y[lane]);
+            assert!(exact.abs() <= f64::from(centres.half_y[lane]));
+        }
+        assert_eq!(places.cells_touched(Plain, &PlaceBox::EMPTY), 0);
+    }
+}

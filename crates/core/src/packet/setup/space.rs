@@ -1,0 +1,168 @@
+//! The rays of a packet, and the map T from world space to packet space. The bounds on its errors are derived in
+//! [`setup`](super).
+
+use super::{CornerLanes, EPSILON, REACH};
+use crate::camera::{Camera, Projection};
+use crate::hit::Cull;
+use crate::num::simd::LANES;
+use crate::packet::depth_reference::DepthReference;
+use glam::DVec3;
+
+/// The rays of a packet: what maps triangles into its space.
+#[derive(Clone, Debug)]
+pub(crate) struct PacketSpace {
+    pub(in crate::packet) perspective: bool,
+    /// What corners are taken relative to.
+    pub(in crate::packet) origin: DVec3,
+    /// From there to the point of depth one on the first ray.
+    pub(in crate::packet) unit_depth: DVec3,
+    /// T's rows.
+    pub(in crate::packet) map: [DVec3; 3],
+    pub(in crate::packet) cull: Cull,
+    /// Columns and rows of the packet, less one.
+    pub(in crate::packet) last: (f32, f32),
+    /// K + h, or K for orthographic packets.
+    pub(super) stretch_and_reach: f64,
+    /// η.
+    pub(in crate::packet) origin_error: f64,
+    /// The factors of A and of Z in the bound on r.
+    size: (f64, f64),
+    /// 32εK·B/D; zero for orthographic packets.
+    pub(in crate::packet) ray_error: f64,
+    /// B/D; one for orthographic packets.
+    pub(in crate::packet) obliqueness: f64,
+    pub(in crate::packet) rays: PacketRays,
+    /// What depth keys are relative to.
+    pub(in crate::packet) reference: f64,
+}
+
+/// The rays of a packet in world space.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::packet) struct PacketRays {
+    /// d: the direction of the first ray.
+    pub(in crate::packet) direction: DVec3,
+    /// a and b: the steps from ray to ray, along columns and rows.
+    pub(in crate::packet) steps: [DVec3; 2],
+    /// D; one for orthographic packets.
+    pub(in crate::packet) distance: f64,
+    /// B; zero for orthographic packets.
+    pub(in crate::packet) greatest: f64,
+}
+
+impl PacketSpace {
+    /// The packet whose first ray goes through (x, y) of the picture, with rays `stride` pixels apart. `eye` is
+    /// the camera's, relative to what corners are relative to, and off by at most `eye_error`.
+    pub(crate) fn new(
+        camera: &Camera,
+        eye: DVec3,
+        eye_error: f64,
+        (x, y): (f64, f64),
+        stride: f64,
+        (columns, rows): (u32, u32),
+        cull: Cull,
+    ) -> Self {
+        let step = camera.plane().step * stride;
+        let (across, along) = camera.across_and_along(x, y);
+        let reach = (across.abs() + REACH * step) + (along.abs() + REACH * step);
+        let (a, b) = (camera.right() * step, camera.up() * -step);
+        let perspective = camera.projection() == Projection::Perspective;
+        let (d, scale, origin, origin_error) = if perspective {
+            let distance = camera.distance();
+            (camera.direction(x, y), distance, eye, eye_error)
+        } else {
+            let origin = eye + camera.on_plane(x, y);
+            // Each ray's own origin is rounded in world space, and its place on the plane before.
+            let world = camera.placement().eye.abs().max_element()
+                + origin.abs().max_element()
+                + 2.0 * reach;
+            (
+                camera.forward(),
+                1.0,
+                origin,
+                eye_error + 16.0 * EPSILON * world,
+            )
+        };
+        let determinant = a.dot(b.cross(d));
+        let scale = scale / determinant;
+        let map = [b.cross(d) * scale, d.cross(a) * scale, a.cross(b) * scale];
+        let (stretch, size, ray_error, obliqueness) = if perspective {
+            let distance = camera.distance();
+            let greatest = reach + distance;
+            let stretch = greatest / step;
+            let wide = greatest / distance;
+            (
+                stretch,
+                (2.1 * step / distance, 1.1 * wide),
+                32.0 * EPSILON * stretch * wide,
+                wide,
+            )
+        } else {
+            (1.0 / step, (2.1 * step, 1.1), 0.0, 1.0)
+        };
+        Self {
+            perspective,
+            origin,
+            unit_depth: if perspective {
+                d / camera.distance()
+            } else {
+                d
+            },
+            map,
+            cull,
+            last: (columns as f32 - 1.0, rows as f32 - 1.0),
+            stretch_and_reach: if perspective {
+                stretch + REACH
+            } else {
+                stretch
+            },
+            origin_error,
+            size,
+            ray_error,
+            obliqueness,
+            rays: PacketRays {
+                direction: d,
+                steps: [a, b],
+                distance: if perspective { camera.distance() } else { 1.0 },
+                greatest: if perspective {
+                    reach + camera.distance()
+                } else {
+                    0.0
+                },
+            },
+            reference: 0.0,
+        }
+    }
+
+    /// The same packet, with depth keys relative to a reference.
+    pub(in crate::packet) fn relative_to(self, reference: DepthReference) -> Self {
+        Self {
+            reference: reference.key().into(),
+            ..self
+        }
+    }
+
+    /// Maps corners into packet space.
+    #[inline(always)]
+    pub(super) fn map(&self, corners: &CornerLanes) -> [[f64; LANES]; 9] {
+        let mut out = [[0.0; LANES]; 9];
+        let [tx, ty, tz] = self.map;
+        let o = self.origin;
+        for corner in 0..3 {
+            for l in 0..LANES {
+                let x = f64::from(corners[3 * corner][l]) - o.x;
+                let y = f64::from(corners[3 * corner + 1][l]) - o.y;
+                let z = f64::from(corners[3 * corner + 2][l]) - o.z;
+                out[3 * corner][l] = x * tx.x + y * tx.y + z * tx.z;
+                out[3 * corner + 1][l] = x * ty.x + y * ty.y + z * ty.z;
+                out[3 * corner + 2][l] = x * tz.x + y * tz.y + z * tz.z;
+            }
+        }
+        out
+    }
+
+    /// δ for corners whose X and Y are at most `reach` and Z at most `depth`.
+    #[inline(always)]
+    pub(super) fn delta(&self, reach: f64, depth: f64) -> f64 {
+        72.0 * (EPSILON * (reach * self.size.0 + depth * self.size.1) + self.origin_error)
+    }
+}

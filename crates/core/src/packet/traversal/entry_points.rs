@@ -1,0 +1,126 @@
+//! Entry points: the subtrees from which a large packet's packets start (Reshetov, Soupikov, Hurley, "Multi-Level Ray
+//! Tracing Algorithm", 2005).
+
+use super::Traversal;
+use crate::bvh::tree::{Box32, BoxPair, Subtree};
+use crate::camera::Camera;
+use crate::num::simd::Lanes;
+use crate::packet::depth_reference::DepthReference;
+use crate::packet::frustum::{Frustum, Window};
+use crate::packet::ray_rect::RayRect;
+use glam::{DVec3, Vec3};
+
+/// Entry points at which a large packet's descent ends. Fewer make its packets repeat the upper levels of
+/// the tree; more make each packet test subtrees that it misses.
+const MAX_ENTRY_POINTS: usize = 24;
+
+/// Stands beside an entry point that is left over from the pairs: a box outside every frustum, its least corner above
+/// its greatest (finite, since planes multiply it by zero), and an empty leaf. Where a frustum's own numbers overflow, as
+/// of an eye 1e150 away, every box may count as inside.
+const NOTHING: (Box32, Subtree) = (
+    Box32 {
+        min: Vec3::MAX,
+        max: Vec3::MIN,
+    },
+    Subtree::leaf(0, 0),
+);
+
+/// Two entry points.
+pub(super) struct EntryPair {
+    pub(super) boxes: BoxPair,
+    pub(super) subtrees: [Subtree; 2],
+    /// Where the nearer one begins along the view axis.
+    pub(super) near: f32,
+}
+
+impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
+    /// Finds the entry points of a large packet.
+    #[inline(always)]
+    pub(in crate::packet) fn list(&mut self, lanes: impl Lanes, large: &RayRect) {
+        let frustum = self.frustum(large);
+        let camera = &self.lattice.camera;
+        self.list_in(lanes, &frustum, camera);
+    }
+
+    /// Finds the entry points of a frustum of a camera's.
+    #[inline(always)]
+    fn list_in(&mut self, lanes: impl Lanes, frustum: &Frustum, camera: &Camera) {
+        let tree = &self.accel.tree;
+        self.list.clear();
+        self.pairs.clear();
+        let Some(root) = tree.root else { return };
+        self.list.push((root, tree.bounds, f32::NEG_INFINITY));
+        let mut deepened = true;
+        while deepened && self.list.len() < MAX_ENTRY_POINTS {
+            deepened = false;
+            self.next.clear();
+            for &(subtree, bounds, near) in &self.list {
+                let Some(index) = subtree.node() else {
+                    self.next.push((subtree, bounds, near));
+                    continue;
+                };
+                deepened = true;
+                self.counts.nodes += 1;
+                let mut opened = None;
+                let (boxes, children) = self.accel.open::<INSTANCES>(index, &mut opened);
+                let entered = frustum.enter(lanes, boxes);
+                for (child, (near, inside)) in entered.into_iter().enumerate() {
+                    if inside && !self.removes(boxes, child) {
+                        self.next.push((children[child], boxes.get(child), near));
+                    }
+                }
+            }
+            std::mem::swap(&mut self.list, &mut self.next);
+        }
+        // What more precision would decide otherwise, fast casting does not.
+        if self.decisions.are_exact() {
+            let boxes = self.list.iter().map(|entry| entry.1);
+            self.reference = DepthReference::of(boxes, camera, self.eye);
+        }
+        self.list.sort_unstable_by(|a, b| a.2.total_cmp(&b.2));
+        for pair in self.list.chunks(2) {
+            let (subtree, first, near) = pair[0];
+            let (second, beside) = pair.get(1).map_or(NOTHING, |second| (second.1, second.0));
+            self.pairs.push(EntryPair {
+                boxes: BoxPair::of([first, second]),
+                subtrees: [subtree, beside],
+                near,
+            });
+        }
+    }
+
+    /// Finds the entry points of a large packet of a panorama, which looks along an axis in world space and within a
+    /// cone of this tangent; all of the tree where that is not known. Whether there are any.
+    #[inline(always)]
+    pub(in crate::packet) fn list_around(
+        &mut self,
+        lanes: impl Lanes,
+        cone: Option<(DVec3, f64)>,
+    ) -> bool {
+        let tree = &self.accel.tree;
+        let Some(root) = tree.root else { return false };
+        if let Some((axis, tangent)) = cone {
+            let view = Camera::along(axis);
+            let window = Window {
+                across: (-tangent, tangent),
+                along: (-tangent, tangent),
+            };
+            let frustum = Frustum::new(self.seen_from(&view), &window);
+            self.list_in(lanes, &frustum, &view);
+        } else {
+            self.list.clear();
+            self.pairs.clear();
+            self.list.push((root, tree.bounds, f32::NEG_INFINITY));
+            self.pairs.push(EntryPair {
+                boxes: BoxPair::of([tree.bounds, NOTHING.0]),
+                subtrees: [root, NOTHING.1],
+                near: f32::NEG_INFINITY,
+            });
+        }
+        // A packet has a view axis of its own.
+        for pair in &mut self.pairs {
+            pair.near = f32::NEG_INFINITY;
+        }
+        !self.list.is_empty()
+    }
+}

@@ -1,0 +1,77 @@
+use super::View;
+use crate::hit::MISS;
+use crate::scene::Masks;
+use crate::shade::{SEEN, TileShader, Translucent};
+use crate::single::{Clipped, Layers};
+use glam::Vec3;
+
+/// Composites the layers of rays whose nearest hit lets through what lies behind it.
+#[derive(Debug)]
+pub(super) struct Compositor<'s> {
+    view: &'s View,
+    translucent: &'s Translucent,
+    kept: Clipped<'s>,
+    layers: Layers,
+}
+
+impl<'s> Compositor<'s> {
+    pub(super) fn new(
+        view: &'s View,
+        translucent: &'s Translucent,
+        masks: Option<&'s Masks<'s>>,
+    ) -> Self {
+        Self {
+            view,
+            translucent,
+            kept: view.accel.clipped(&view.settings.clip).masked(masks),
+            layers: Layers::default(),
+        }
+    }
+
+    /// The colour of the sample at (x, y) of the picture, whose ray hits `primitive` first: linear light, alpha not
+    /// multiplied in. `None` where no other hit shows.
+    pub(super) fn color(
+        &mut self,
+        shader: &mut TileShader<'_>,
+        (x, y): (f64, f64),
+        primitive: u32,
+    ) -> Option<[f32; 4]> {
+        let View {
+            scene,
+            accel,
+            camera,
+            settings,
+        } = self.view;
+        let translucent = self.translucent;
+        let shows_through = |primitive| translucent.shows_through(scene, accel, primitive);
+        if primitive == MISS || !shows_through(primitive) {
+            return None;
+        }
+        let ray = camera.ray(x, y);
+        let ways = (settings.cull, settings.precision);
+        (self.layers).find(&self.kept, &ray, ways, |primitive| {
+            !shows_through(primitive)
+        });
+        let along = ray.direction.normalize().as_vec3();
+        let mut color = Vec3::ZERO;
+        let mut left = 1.0;
+        for hit in self.layers.iter() {
+            let (layer, covers) = shader.layer((x, y), along, &hit);
+            color += layer * (left * covers);
+            left *= 1.0 - covers;
+            if left < SEEN {
+                left = 0.0;
+                break;
+            }
+        }
+        let [r, g, b, a] = shader.shader().behind(x, y);
+        color += Vec3::new(r, g, b) * (left * a);
+        let alpha = 1.0 - left * (1.0 - a);
+        let color = if alpha > 0.0 {
+            color / alpha
+        } else {
+            Vec3::ZERO
+        };
+        Some([color.x, color.y, color.z, alpha])
+    }
+}

@@ -1,0 +1,69 @@
+use super::{Clipped, traversal};
+use crate::hit::{Cull, Precision, PrimitiveHit};
+use crate::ray::Ray;
+use crate::triangle::{Nearest, PreparedRay};
+use std::cmp::Ordering;
+
+/// The most hits of a ray that are kept: what lies behind 256 layers that each cover a fortieth is seen by less than
+/// a part in 600. It bounds the memory and the time of a ray through any number of triangles.
+pub(crate) const LAYERS: usize = 256;
+
+/// Every hit of a ray, from the nearest on.
+#[derive(Debug, Default)]
+pub(crate) struct Layers {
+    hits: Vec<Nearest>,
+}
+
+impl Layers {
+    /// Finds the hits of a ray that are kept, in exact order; equal distances go by object, then triangle. It ends with
+    /// the first of which `is_opaque` holds, and with the [`LAYERS`]-th.
+    pub(crate) fn find(
+        &mut self,
+        kept: &Clipped<'_>,
+        ray: &Ray,
+        (cull, precision): (Cull, Precision),
+        is_opaque: impl Fn(u32) -> bool,
+    ) {
+        self.hits.clear();
+        let accel = kept.accel;
+        let Some(ray) = PreparedRay::new(ray, accel.origin, cull, precision) else {
+            return;
+        };
+        let hits = &mut self.hits;
+        let corners = |primitive| accel.corners(primitive);
+        let id = |primitive| accel.id(primitive);
+        // Whether nothing behind the last of them counts.
+        let mut is_closed = false;
+        traversal::visit(accel, &ray, |primitives| {
+            for primitive in primitives {
+                let mut hit = Nearest::NONE;
+                accel.intersect(&ray, primitive, &mut hit);
+                if hit.is_miss() || !kept.keeps(&ray, &hit) {
+                    continue;
+                }
+                let before =
+                    |other: &Nearest| ray.order(other, &hit, corners, id) == Ordering::Less;
+                let place = hits.partition_point(before);
+                if place == hits.len() && is_closed {
+                    continue;
+                }
+                hits.insert(place, hit);
+                if is_opaque(primitive) {
+                    hits.truncate(place + 1);
+                    is_closed = true;
+                } else if hits.len() > LAYERS {
+                    hits.truncate(LAYERS);
+                }
+                is_closed |= hits.len() == LAYERS;
+            }
+            match hits.last() {
+                Some(last) if is_closed => *last,
+                _ => Nearest::NONE,
+            }
+        });
+    }
+
+    pub(crate) fn iter(&self) -> impl Iterator<Item = PrimitiveHit> + '_ {
+        self.hits.iter().map(|hit| hit.to_primitive_hit())
+    }
+}

@@ -1,0 +1,111 @@
+//! What commands leave to do for other threads, handed to them.
+
+use super::keys;
+use crate::state::effect::Effect;
+use crate::state::{PromptKind, State, update};
+use crate::worker::files::{Files, Saving};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Hands work to the threads that do it. What the window does itself is none: the clipboard, its keys, its end.
+pub fn hand_out(state: &mut State, files: &Files, effect: Effect) {
+    match effect {
+        Effect::Open(paths, keep) => files.open(paths, keep),
+        Effect::Add(paths) => files.add(paths),
+        Effect::OpenNeighbor(path, step) => files.open_neighbor(path, step),
+        Effect::OpenCase(name) => files.open_case(name),
+        Effect::CancelLoad => files.cancel_load(),
+        Effect::Build => {
+            if let Some(document) = &state.document {
+                let (scene, accel) = (&document.scene, &document.accel);
+                files.build(Arc::clone(scene), Arc::clone(accel));
+            }
+        }
+        Effect::LoadTexture(path, which) => files.load_texture(path, which),
+        Effect::Dialog(kind) => {
+            let suggested = match kind.saves() {
+                true => update::suggested_name(state, kind),
+                false => String::new(),
+            };
+            files.ask(kind, suggested);
+        }
+        Effect::OpenPicture(path, among) => {
+            let scene = state.document.as_ref();
+            let scene = scene.map(|document| Arc::clone(&document.scene));
+            files.open_picture(path, scene, among);
+        }
+        Effect::SavePicture { path, replace } => save_picture(state, files, path, replace),
+        Effect::SaveScene { path, replace } => save_scene(state, files, path, replace),
+        Effect::SaveMeasurements { path, replace } => {
+            let text = state.measuring.csv(&state.lengths());
+            files.save_text(text, path, PromptKind::Measurements, replace);
+        }
+        Effect::SaveOutline {
+            plane: index,
+            path,
+            replace,
+        } => {
+            let plane = state.settings.clip.all().get(index);
+            if let Some((document, plane)) = state.document.as_ref().zip(plane) {
+                let cut = (Arc::clone(&document.accel), *plane);
+                let by = PromptKind::Outline(index);
+                files.save_outline(cut, path, by, replace);
+            }
+        }
+        Effect::Weigh(object) => weigh(state, files, object),
+        Effect::Check { objects, deep } => check(state, files, &objects, deep),
+        Effect::OpenKeysFile => keys::open(state, files),
+        Effect::ReadKeysFile => keys::read_again(state, files),
+        Effect::SetKeys { .. } | Effect::Copy(_) | Effect::Close => {}
+    }
+}
+
+/// Works out the size of an object, if it is not known.
+fn weigh(state: &State, files: &Files, number: usize) {
+    let scene = state.document.as_ref().map(|document| &document.scene);
+    let Some((scene, transforms)) =
+        scene.and_then(|scene| Some((scene, scene.world_from_objects().ok()?)))
+    else {
+        return;
+    };
+    if let (Some(object), Some(place)) = (scene.objects.get(number), transforms.get(number))
+        && state.inspection.size(&object.mesh, place).is_none()
+    {
+        files.weigh(Arc::clone(&object.mesh), *place);
+    }
+}
+
+fn check(state: &State, files: &Files, numbers: &[usize], deep: bool) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    let objects = &document.scene.objects;
+    let name = match *numbers {
+        [one] => objects.get(one).map(|object| object.name.clone()),
+        _ => None,
+    };
+    let meshes = numbers
+        .iter()
+        .filter_map(|&number| Some((number, Arc::clone(&objects.get(number)?.mesh))));
+    let name = name.unwrap_or_else(|| document.name.clone());
+    files.check(name, meshes.collect(), deep);
+}
+
+fn save_picture(state: &State, files: &Files, path: PathBuf, replace: bool) {
+    if let Some(view) = state.view_at_rest() {
+        let picture = Saving {
+            view,
+            grid: state.grid,
+            threads: state.threads,
+        };
+        files.save(picture, path, replace);
+    }
+}
+
+fn save_scene(state: &State, files: &Files, path: PathBuf, replace: bool) {
+    if let (Some(document), Some(scene)) = (&state.document, state.scene_file()) {
+        let own = document.file.clone();
+        let revision = state.history.revision();
+        files.save_scene(scene, (path, own), revision, replace);
+    }
+}

@@ -1,0 +1,173 @@
+//! Which objects move with which: the order of the list, and ways to change it.
+
+use super::Commands;
+use super::widgets::row;
+use crate::state::State;
+use crate::state::command::Command;
+use crate::state::parents::moves_with;
+use egui::{Button, ComboBox, Response, Stroke, Ui};
+use raycast_core::scene::Object;
+
+/// Points by which a child stands further to the right than its parent.
+const INDENT: f32 = 12.0;
+/// Further in there would be no room for names.
+const DEEPEST: usize = 6;
+
+/// The order in which objects are listed: children below their parents.
+pub(super) struct Tree {
+    /// Numbers and depths by row; the objects' own order, for `None`, as none has a parent.
+    rows: Option<Vec<(usize, usize)>>,
+}
+
+impl Tree {
+    pub(super) fn of(objects: &[Object]) -> Self {
+        if objects.iter().all(|object| object.parent.is_none()) {
+            return Self { rows: None };
+        }
+        let mut children = vec![Vec::new(); objects.len()];
+        let mut roots = Vec::new();
+        for (number, object) in objects.iter().enumerate() {
+            match object.parent.and_then(|parent| children.get_mut(parent)) {
+                Some(siblings) => siblings.push(number),
+                None => roots.push(number),
+            }
+        }
+        let mut rows = Vec::with_capacity(objects.len());
+        let mut stack: Vec<_> = roots.into_iter().rev().map(|root| (root, 0)).collect();
+        while let Some((number, depth)) = stack.pop() {
+            rows.push((number, depth));
+            let below = children[number].iter().rev();
+            stack.extend(below.map(|child| (*child, depth + 1)));
+        }
+        // Scenes have no cycle; if one had, what is in it would be missing.
+        let is_whole = rows.len() == objects.len();
+        Self {
+            rows: is_whole.then_some(rows),
+        }
+    }
+
+    /// The object in a row, and how deep it stands.
+    pub(super) fn at(&self, row: usize) -> (usize, usize) {
+        let rows = self.rows.as_ref();
+        rows.and_then(|rows| rows.get(row).copied())
+            .unwrap_or((row, 0))
+    }
+
+    /// The row of an object.
+    pub(super) fn row_of(&self, number: usize) -> usize {
+        let rows = self.rows.as_ref();
+        rows.and_then(|rows| rows.iter().position(|(object, _)| *object == number))
+            .unwrap_or(number)
+    }
+}
+
+pub(super) fn indent(depth: usize) -> f32 {
+    depth.min(DEEPEST) as f32 * INDENT
+}
+
+/// An object that is dropped on another moves with it from then on.
+pub(super) fn drag(
+    ui: &Ui,
+    response: &Response,
+    number: usize,
+    objects: &[Object],
+    out: &mut Commands,
+) {
+    response.dnd_set_drag_payload(number);
+    let fits = |held: usize| held != number && !moves_with(objects, number, held);
+    if let Some(held) = response.dnd_hover_payload::<usize>()
+        && fits(*held)
+    {
+        let stroke = Stroke::new(1.5, ui.visuals().selection.stroke.color);
+        let kind = egui::StrokeKind::Inside;
+        ui.painter().rect_stroke(response.rect, 3.0, stroke, kind);
+    }
+    if let Some(held) = response.dnd_release_payload::<usize>()
+        && fits(*held)
+    {
+        out.push(Command::SetParent(*held, Some(number)));
+    }
+}
+
+/// With what the marked object moves.
+pub(super) fn parent(ui: &mut Ui, state: &State, number: usize, out: &mut Commands) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    let objects = &document.scene.objects;
+    let parent = objects.get(number).and_then(|object| object.parent);
+    if objects.len() < 2 {
+        return;
+    }
+    let hint = "With what it moves, turns and scales. Or drag it onto that in the list";
+    row(ui, "Moves with", hint, |ui, label| {
+        let name = parent.and_then(|parent| objects.get(parent));
+        let name = name.map_or("nothing", |object| &object.name);
+        ui.add_enabled_ui(!state.is_locked(number), |ui| {
+            let list = ComboBox::from_id_salt("parent")
+                .width(ui.available_width())
+                .truncate()
+                .selected_text(name)
+                .show_ui(ui, |ui| choices(ui, objects, (number, parent)));
+            list.response.labelled_by(label);
+            if let Some(Some(chosen)) = list.inner {
+                out.push(Command::SetParent(number, chosen));
+            }
+        });
+    });
+}
+
+/// All that the object can move with; what was chosen, and nothing yet for `None`.
+fn choices(
+    ui: &mut Ui,
+    objects: &[Object],
+    (number, parent): (usize, Option<usize>),
+) -> Option<Option<usize>> {
+    let mut chosen = None;
+    let none = Button::selectable(parent.is_none(), "nothing");
+    if ui.add(none).clicked() {
+        chosen = Some(None);
+    }
+    let able: Vec<usize> = (0..objects.len())
+        .filter(|&other| !moves_with(objects, other, number))
+        .collect();
+    let height = ui.spacing().interact_size.y;
+    egui::ScrollArea::vertical()
+        .max_height(200.0)
+        .show_rows(ui, height, able.len(), |ui, rows| {
+            for &other in &able[rows] {
+                let is_it = parent == Some(other);
+                let button = Button::selectable(is_it, &objects[other].name).truncate();
+                if ui.add(button).clicked() {
+                    chosen = Some(Some(other));
+                    ui.close();
+                }
+            }
+        });
+    chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raycast_core::scene::{Mesh, MeshData};
+    use std::sync::Arc;
+
+    #[test]
+    fn children_stand_below_their_parents_and_all_are_listed_once() {
+        let mesh = Arc::new(Mesh::new(MeshData::default()));
+        let objects = |parents: &[Option<usize>]| -> Vec<Object> {
+            let objects = parents.iter().map(|parent| Object {
+                parent: *parent,
+                ..Object::new("o", Arc::clone(&mesh))
+            });
+            objects.collect()
+        };
+        let tree = Tree::of(&objects(&[Some(2), None, None, Some(0), Some(2)]));
+        let rows: Vec<_> = (0..5).map(|row| tree.at(row)).collect();
+        assert_eq!(rows, [(1, 0), (2, 0), (0, 1), (3, 2), (4, 1)]);
+        assert_eq!(tree.row_of(3), 3);
+        let flat = Tree::of(&objects(&[None, None]));
+        assert_eq!((flat.at(1), flat.row_of(1)), ((1, 0), 1));
+    }
+}

@@ -1,0 +1,98 @@
+//! Writing files on a thread of their own: not over another file, unless that was asked about.
+
+use super::files::{Files, Saving};
+use super::panic_text;
+use super::save::{save, save_outline, save_scene, save_text};
+use super::tasks::ANY;
+use crate::state::news::News;
+use crate::state::{PromptKind, Replacing};
+use raycast_core::Accel;
+use raycast_core::formats::SceneFile;
+use raycast_core::scene::ClippingPlane;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+impl Files {
+    /// Renders the picture once more, with all that the file's kind holds, and writes it; not where a
+    /// file is there, unless it may `replace` that.
+    pub fn save(&self, picture: Saving, path: PathBuf, replace: bool) {
+        self.shared.saves.fetch_add(1, Ordering::Relaxed);
+        self.shared.spawn("raycast-save", ANY, move |shared| {
+            let saved = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+                save(picture, &path, replace, shared)
+            }));
+            shared.saves.fetch_sub(1, Ordering::Relaxed);
+            match saved.map_err(|panic| panic_text(&*panic))? {
+                Ok(true) => Ok(News::PictureSaved(path)),
+                Ok(false) => Ok(News::Taken(Replacing {
+                    path,
+                    by: PromptKind::Picture,
+                })),
+                Err(failure) => Err(failure.to_string()),
+            }
+        });
+    }
+
+    /// Writes a scene file, of this revision of the document; not where a file is there, unless it may
+    /// `replace` that, and over a file that was opened only if that is its `own`.
+    pub fn save_scene(
+        &self,
+        scene: SceneFile,
+        (path, own): (PathBuf, Option<PathBuf>),
+        revision: u64,
+        replace: bool,
+    ) {
+        self.shared.spawn("raycast-save", ANY, move |shared| {
+            let saved = save_scene(&scene, &path, own.as_deref(), replace, shared);
+            Ok(match saved {
+                Ok(true) => News::SceneSaved(path, revision),
+                Ok(false) => News::Taken(Replacing {
+                    path,
+                    by: PromptKind::Scene,
+                }),
+                Err(failure) => News::NotSaved(failure.to_string()),
+            })
+        });
+    }
+
+    /// Writes text, likewise.
+    pub fn save_text(&self, text: String, path: PathBuf, by: PromptKind, replace: bool) {
+        self.shared.spawn("raycast-save", ANY, move |shared| {
+            match save_text(&text, &path, replace, shared) {
+                Ok(true) => Ok(News::PictureSaved(path)),
+                Ok(false) => Ok(News::Taken(Replacing { path, by })),
+                Err(failure) => Err(failure.to_string()),
+            }
+        });
+    }
+
+    /// Writes the outline that a plane cuts, likewise.
+    pub fn save_outline(
+        &self,
+        (accel, plane): (Arc<Accel>, ClippingPlane),
+        path: PathBuf,
+        by: PromptKind,
+        replace: bool,
+    ) {
+        self.shared.saves.fetch_add(1, Ordering::Relaxed);
+        self.shared.spawn("raycast-save", ANY, move |shared| {
+            let saved = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+                save_outline((&accel, &plane), &path, replace, shared)
+            }));
+            shared.saves.fetch_sub(1, Ordering::Relaxed);
+            match saved.map_err(|panic| panic_text(&*panic))? {
+                Ok(Some((open, all))) => {
+                    if open > 0 {
+                        let said =
+                            format!("{open} of {all} lines are not closed: the mesh is open there");
+                        shared.tell(ANY, News::Done(said));
+                    }
+                    Ok(News::PictureSaved(path))
+                }
+                Ok(None) => Ok(News::Taken(Replacing { path, by })),
+                Err(failure) => Err(failure.to_string()),
+            }
+        });
+    }
+}

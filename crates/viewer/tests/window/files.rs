@@ -1,0 +1,105 @@
+//! Paths, questions and errors.
+
+use crate::bench::{click, open, open_two, open_with};
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable;
+use raycast_viewer::state::effect::{Effect, Keep};
+use raycast_viewer::state::{PromptKind, Replacing, State};
+use raycast_viewer::worker::files::Activity;
+use std::path::PathBuf;
+
+#[test]
+fn an_empty_window_says_what_to_do() {
+    const HINT: &str = "Open a mesh (Ctrl+O) or drop one here";
+    let mut harness = open();
+    harness.state_mut().state.errors = vec!["broken.obj:2: expected faces, found none".to_owned()];
+    harness.run();
+    assert!(harness.query_by_label(HINT).is_some());
+    harness.state_mut().status.activity = Some(Activity {
+        label: "Reading a mesh".to_owned(),
+        share: Some(0.5),
+        can_cancel: true,
+    });
+    harness.run();
+    assert!(harness.query_by_label(HINT).is_none());
+}
+
+#[test]
+fn a_path_can_be_typed_where_the_desktop_has_no_dialog() {
+    let mut harness = open();
+    click(&mut harness, "File");
+    click(&mut harness, "Open… Ctrl+O");
+    assert_eq!(harness.state().effects, [Effect::Dialog(PromptKind::Open)]);
+    harness.run();
+    harness.event(egui::Event::Text("mesh.obj".to_owned()));
+    harness.run();
+    harness.key_press(Key::Enter);
+    harness.run();
+    let effect = Effect::Open(vec![PathBuf::from("mesh.obj")], Keep::Nothing);
+    assert_eq!(harness.state().effects.last(), Some(&effect));
+    assert!(harness.state().state.prompt.is_none());
+}
+
+#[test]
+fn a_file_is_replaced_when_the_person_says_so() {
+    let path = PathBuf::from("out/picture.png");
+    for (button, effects) in [
+        ("Keep it", vec![]),
+        (
+            "Replace it",
+            vec![Effect::SavePicture {
+                path: path.clone(),
+                replace: true,
+            }],
+        ),
+    ] {
+        let mut harness = open_with(State {
+            replacing: Some(Replacing {
+                path: path.clone(),
+                by: PromptKind::Picture,
+            }),
+            ..State::default()
+        });
+        harness.get_by_label("out/picture.png is there already.");
+        click(&mut harness, button);
+        assert_eq!(harness.state().effects, effects);
+        assert_eq!(harness.state().state.replacing, None);
+    }
+}
+
+#[test]
+fn an_error_is_shown_in_full_until_it_is_dismissed() {
+    let text = "models/bad.obj:17: expected a vertex index, found \"f 1 2 x\"";
+    let mut harness = open_with(State {
+        errors: vec![text.to_owned()],
+        ..State::default()
+    });
+    harness.get_by_label(text);
+    click(&mut harness, "Dismiss");
+    assert!(harness.query_by_label(text).is_none());
+}
+
+#[test]
+fn the_suggested_name_is_marked_and_gives_way_to_what_is_typed_at_once() {
+    let mut harness = open_two();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    harness.run();
+    harness.event(egui::Event::Text("cover".to_owned()));
+    harness.run();
+    let prompt = harness.state().state.prompt.clone().expect("a path line");
+    assert_eq!(prompt.text, "cover.png");
+}
+
+#[test]
+fn unsaved_changes_are_asked_for_and_the_answer_is_a_button() {
+    let mut harness = open_two();
+    click(&mut harness, "Hide left one");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Q);
+    harness.run();
+    // Keys of the window's wait until there is an answer.
+    harness.key_press(Key::Num7);
+    harness.run();
+    assert_ne!(harness.state().state.viewpoint.orbit.pitch, 90.0);
+    click(&mut harness, "Don't save");
+    assert_eq!(harness.state().effects.last(), Some(&Effect::Close));
+}

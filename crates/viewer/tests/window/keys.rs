@@ -1,0 +1,140 @@
+//! Keys, palette and help.
+
+use crate::bench::{Bench, click, open, open_two};
+use egui::{Key, Modifiers, accesskit::Role};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use raycast_core::camera::Projection;
+use raycast_core::shade::Mode;
+use raycast_viewer::state::command::Command;
+use raycast_viewer::state::preferences::Mouse;
+use raycast_viewer::ui::input::gestures;
+use raycast_viewer::ui::registry::{KeysFile, actions};
+
+#[test]
+fn the_help_lists_every_key_and_gesture() {
+    let mut harness = open();
+    assert!(harness.query_by_label("Keys and gestures").is_none());
+    harness.key_press(Key::F1);
+    harness.run();
+    harness.get_by_label("Keys and gestures");
+    let gestures = gestures(Mouse::Viewer).flat_map(|g| [g.gesture, g.does]);
+    let with_keys = actions().filter(|action| !action.keys.is_empty());
+    let names = with_keys.map(|action| action.name);
+    for text in gestures.chain(names) {
+        assert!(harness.query_all_by_label(text).next().is_some(), "{text}");
+    }
+    harness.key_press(Key::Escape);
+    harness.run();
+    assert!(!harness.state().state.help);
+}
+
+#[test]
+fn changed_keys_work_and_are_shown_in_menus_palette_help_and_hints() {
+    let file =
+        "version = 1\n[keys]\nfile.open = \"Ctrl+K\"\nlook.wireframe = [\"Shift+J\", \"F7\"]\n";
+    let file = KeysFile::read("keys.toml", file);
+    assert_eq!(file.faults, [""; 0]);
+    let mut harness = open();
+    file.keymap.install(&harness.ctx);
+    harness.run();
+    harness.key_press(Key::W);
+    harness.run();
+    assert_eq!(harness.state().asked, [], "it was the old key");
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::J);
+    harness.run();
+    assert_eq!(harness.state().asked, [Command::SetWireframe(true)]);
+    harness.get_by_label("Open a mesh (Ctrl+K) or drop one here");
+    harness
+        .get_by_role_and_label(Role::CheckBox, "Wireframe")
+        .hover();
+    harness.run_steps(60);
+    let shows = |harness: &Harness<'_, Bench>, text: &str| {
+        harness.query_all_by_label_contains(text).next().is_some()
+    };
+    assert!(shows(&harness, "Wireframe (Shift+J)"), "the tooltip");
+    click(&mut harness, "File");
+    assert!(shows(&harness, "Ctrl+K"), "the menu");
+    harness.key_press(Key::Escape);
+    harness.run();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::P);
+    harness.run();
+    harness.event(egui::Event::Text("wireframe".to_owned()));
+    harness.run();
+    assert!(shows(&harness, "Shift+J"), "the palette");
+    harness.key_press(Key::Escape);
+    harness.run();
+    harness.key_press(Key::F1);
+    harness.run();
+    assert!(shows(&harness, "Shift+J   F7"), "the help");
+}
+
+#[test]
+fn keys_work_and_stay_out_of_the_way_of_typing() {
+    let mut harness = open();
+    harness.key_press_modifiers(Modifiers::ALT, Key::Num5);
+    harness.key_press(Key::Num5);
+    harness.run();
+    let state = &harness.state().state;
+    assert_eq!(state.settings.shading.mode, Mode::Depth);
+    assert_eq!(state.viewpoint.projection, Projection::Orthographic);
+
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    harness.run();
+    harness.run();
+    let asked = harness.state().asked.len();
+    harness.key_press(Key::Num1);
+    harness.event(egui::Event::Text("1.obj".to_owned()));
+    harness.run();
+    let typed = Command::TypePath("1.obj".to_owned());
+    assert_eq!(harness.state().asked[asked..], [typed]);
+}
+
+#[test]
+fn the_palette_finds_a_command_and_runs_it() {
+    let mut harness = open_two();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::P);
+    harness.run();
+    // Typed at once, and no key of the window's: w would be the wireframe.
+    harness.event(egui::Event::Text("wirefr".to_owned()));
+    harness.key_press(Key::W);
+    harness.run();
+    assert!(harness.state().state.settings.shading.wireframe.is_none());
+    harness.key_press(Key::Enter);
+    harness.run();
+    let state = &harness.state().state;
+    assert!(state.settings.shading.wireframe.is_some() && state.palette.is_none());
+}
+
+#[test]
+fn what_has_the_keyboard_can_be_reached_and_seen() {
+    let mut harness = open_two();
+    for _ in 0..3 {
+        harness.key_press(Key::Tab);
+        harness.run();
+    }
+    let focused = harness.ctx.memory(|memory| memory.focused());
+    assert!(focused.is_some());
+}
+
+#[test]
+fn w_walks_while_one_walks_and_draws_lines_else() {
+    let mut harness = open_two();
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::W);
+    harness.run();
+    assert!(harness.state().state.walk.is_some());
+    let before = harness.state().state.viewpoint.orbit.pivot;
+    harness.key_down(Key::W);
+    harness.step();
+    harness.step();
+    harness.key_up(Key::W);
+    harness.run();
+    let state = &harness.state().state;
+    assert_ne!(state.viewpoint.orbit.pivot, before);
+    assert!(state.settings.shading.wireframe.is_none());
+    harness.key_press(Key::Escape);
+    harness.key_press(Key::W);
+    harness.run();
+    let state = &harness.state().state;
+    assert!(state.walk.is_none() && state.settings.shading.wireframe.is_some());
+}

@@ -1,0 +1,111 @@
+//! The look, the picture and its tiles.
+
+use crate::bench::{click, open};
+use egui::{Key, accesskit::Role};
+use egui_kittest::kittest::Queryable;
+use raycast_core::camera::{FrameLock, Grid};
+use raycast_core::shade::Mode;
+use raycast_viewer::state::command::Command;
+use raycast_viewer::state::{Resolution, Tint};
+use raycast_viewer::ui::modes::MODES;
+
+#[test]
+fn a_click_on_wireframe_asks_for_lines_and_another_for_none() {
+    let mut harness = open();
+    click(&mut harness, "Wireframe");
+    assert_eq!(harness.state().asked, [Command::SetWireframe(true)]);
+    assert!(harness.state().state.settings.shading.wireframe.is_some());
+    click(&mut harness, "Wireframe");
+    assert!(harness.state().state.settings.shading.wireframe.is_none());
+}
+
+#[test]
+fn every_mode_has_a_button() {
+    let mut harness = open();
+    for (mode, name, _) in MODES {
+        let another = if mode == Mode::Flat {
+            Mode::Depth
+        } else {
+            Mode::Flat
+        };
+        harness.state_mut().state.settings.shading.mode = another;
+        harness.run();
+        let buttons: Vec<_> = harness
+            .get_all_by_role_and_label(Role::Button, name)
+            .collect();
+        assert_eq!(buttons.len(), 1, "{name}");
+        buttons[0].click();
+        harness.run();
+        assert_eq!(harness.state().state.settings.shading.mode, mode, "{name}");
+    }
+}
+
+#[test]
+fn half_the_step_doubles_the_resolution_or_zooms_as_the_lock_says() {
+    let mut harness = open();
+    click(&mut harness, "Picture");
+    let before = harness.state().state.plane().expect("a plane");
+    click(&mut harness, "Halve the step");
+    let denser = harness.state().state.plane().expect("a plane");
+    assert_eq!(
+        (denser.columns, denser.rows),
+        (before.columns * 2, before.rows * 2)
+    );
+    assert!((denser.frame_height() - before.frame_height()).abs() < 1e-9);
+
+    click(&mut harness, "Keep size");
+    assert_eq!(harness.state().state.lock, FrameLock::KeepResolution);
+    click(&mut harness, "Halve the step");
+    let nearer = harness.state().state.plane().expect("a plane");
+    assert_eq!((nearer.columns, nearer.rows), (denser.columns, denser.rows));
+    assert!((nearer.frame_height() * 2.0 - denser.frame_height()).abs() < 1e-9);
+}
+
+#[test]
+fn a_resolution_can_be_typed_and_fitted_again() {
+    let mut harness = open();
+    click(&mut harness, "Picture");
+    let columns = harness.state().state.size().0.to_string();
+    let field = harness
+        .get_all_by_role(Role::SpinButton)
+        .find(|node| node.value().is_some_and(|value| value == columns))
+        .expect("a field with the columns");
+    field.click();
+    harness.run();
+    harness.event(egui::Event::Text("320".to_owned()));
+    harness.key_press(Key::Enter);
+    harness.run();
+    let state = &harness.state().state;
+    assert!(
+        matches!(state.resolution, Resolution::Fixed(320, _)),
+        "{:?}",
+        state.resolution
+    );
+    click(&mut harness, "Fit the window");
+    assert_eq!(harness.state().state.size(), harness.state().state.viewport);
+}
+
+#[test]
+fn tiles_by_grid_with_borders_and_colors() {
+    let mut harness = open();
+    click(&mut harness, "Tiles");
+    click(&mut harness, "Grid");
+    assert!(matches!(harness.state().state.grid, Grid::Count { .. }));
+    click(&mut harness, "Borders");
+    click(&mut harness, "Order");
+    click(&mut harness, "Worker");
+    let overlay = harness.state().state.overlay;
+    assert!(overlay.borders && overlay.order);
+    assert_eq!(overlay.tint, Tint::Worker);
+}
+
+#[test]
+fn the_panel_makes_room_for_the_picture() {
+    let mut harness = open();
+    let before = harness.state().state.viewport.0;
+    harness.key_press(Key::P);
+    harness.run();
+    let after = harness.state().state.viewport.0;
+    assert!(after > before + 200, "{before} {after}");
+    assert!(harness.query_by_label("Wireframe").is_none());
+}

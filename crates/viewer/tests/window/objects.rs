@@ -1,0 +1,182 @@
+//! The list of objects, and handles.
+
+use crate::bench::{Bench, click, drag, drag_along, open_two};
+use egui::{Key, Modifiers, PointerButton, pos2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use raycast_core::glam::DVec3;
+use raycast_viewer::state::State;
+use raycast_viewer::state::effect::Effect;
+
+fn objects(harness: &Harness<'_, Bench>) -> Vec<(String, bool)> {
+    let document = harness.state().state.document.as_ref().expect("a scene");
+    let objects = document.scene.objects.iter();
+    objects.map(|o| (o.name.clone(), o.visible)).collect()
+}
+
+#[test]
+fn an_object_is_hidden_by_its_eye_and_undo_brings_it_back() {
+    let mut harness = open_two();
+    let shown = |harness: &Harness<'_, Bench>| {
+        let document = harness.state().state.document.as_ref().expect("a scene");
+        assert!(document.is_built(), "at once");
+        (document.accel.len(), document.bounds.min.x)
+    };
+    click(&mut harness, "Hide left one");
+    assert_eq!(objects(&harness)[0], ("left one".to_owned(), false));
+    assert_eq!(shown(&harness), (1, 2.0));
+    harness.get_by_label("Show left one");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.run();
+    assert!(objects(&harness)[0].1);
+    assert_eq!(shown(&harness), (2, 0.0));
+    assert!(!harness.state().effects.contains(&Effect::Build));
+}
+
+#[test]
+fn an_object_is_renamed_in_the_list() {
+    let mut harness = open_two();
+    click(&mut harness, "right one");
+    harness.key_press(Key::F2);
+    harness.run();
+    // The old name is marked: what is typed takes its place.
+    harness.event(egui::Event::Text("lid".to_owned()));
+    harness.run();
+    harness.key_press(Key::Enter);
+    harness.run();
+    assert_eq!(objects(&harness)[1].0, "lid");
+    assert_eq!(harness.state().state.naming, None);
+
+    harness.key_press(Key::F2);
+    harness.run();
+    harness.event(egui::Event::Text("wrong".to_owned()));
+    harness.key_press(Key::Escape);
+    harness.run();
+    assert_eq!(objects(&harness)[1].0, "lid", "Esc keeps the name");
+}
+
+#[test]
+fn the_marked_object_is_moved_turned_and_locked_by_numbers_and_buttons() {
+    let mut harness = open_two();
+    click(&mut harness, "right one");
+    click(&mut harness, "Move Y");
+    harness.event(egui::Event::Text("1.5".to_owned()));
+    harness.key_press(Key::Enter);
+    harness.run();
+    let transform = |harness: &Harness<'_, Bench>| {
+        let document = harness.state().state.document.as_ref().expect("a scene");
+        document.scene.objects[1].transform
+    };
+    assert_eq!(transform(&harness).translate, DVec3::new(2.0, 1.5, 0.0));
+    click(&mut harness, "Turn about the scene's Z");
+    assert_eq!(transform(&harness).rotate, DVec3::Z * 90.0);
+    // All three factors, as it keeps its shape.
+    click(&mut harness, "Scale X");
+    harness.event(egui::Event::Text("2".to_owned()));
+    harness.key_press(Key::Enter);
+    harness.run();
+    assert_eq!(transform(&harness).scale, DVec3::splat(2.0));
+    click(&mut harness, "Lock");
+    let locked = transform(&harness);
+    click(&mut harness, "Turn about the scene's Z");
+    assert_eq!(transform(&harness), locked);
+    click(&mut harness, "Unlock right one");
+    click(&mut harness, "Put back");
+    assert_eq!(transform(&harness).scale, DVec3::ONE);
+    for _ in 0..6 {
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        harness.run();
+    }
+    assert_eq!(transform(&harness).translate, DVec3::new(2.0, 0.0, 0.0));
+}
+
+#[test]
+fn handles_of_the_marked_object_move_it_and_escape_gives_up() {
+    let mut harness = open_two();
+    click(&mut harness, "right one");
+    harness.key_press(Key::F);
+    harness.key_press(Key::G);
+    harness.run();
+    let place = |state: &State| {
+        let document = state.document.as_ref().expect("a scene");
+        document.scene.objects[1].transform.translate
+    };
+    // A point of the window and the same of the picture: from where to where the picture lies.
+    let here = pos2(300.0, 300.0);
+    harness.event(egui::Event::PointerMoved(here));
+    harness.run();
+    let (x, y) = harness.state().state.hover.expect("over the picture");
+    let corner = here - egui::vec2(x as f32, y as f32);
+    let at = |state: &State, axis: usize, points: f64| {
+        let manipulator = state.manipulator().expect("handles");
+        let camera = state.camera().expect("a camera");
+        let (x, y) = camera
+            .project(manipulator.along(axis, points))
+            .expect("before the eye");
+        corner + egui::vec2(x as f32, y as f32)
+    };
+    let start = place(&harness.state().state);
+    let view = harness.state().state.viewpoint;
+    let way = |harness: &Harness<'_, Bench>| {
+        let state = &harness.state().state;
+        [at(state, 0, 70.0), at(state, 0, 130.0)]
+    };
+    let along = way(&harness);
+    drag_along(
+        &mut harness,
+        PointerButton::Primary,
+        Modifiers::NONE,
+        along,
+        |_| {},
+    );
+    let state = &harness.state().state;
+    let moved = place(state) - start;
+    let pixel = state.manipulator().expect("handles").pixel;
+    assert!(
+        (moved.x / (60.0 * pixel) - 1.0).abs() < 0.02,
+        "{moved}: {:?}",
+        harness.state().asked
+    );
+    assert_eq!((moved.y, moved.z), (0.0, 0.0));
+    assert_eq!(state.viewpoint, view, "the view stays");
+    assert!(
+        state.selected == Some(1) && state.pinned.is_none(),
+        "nothing is picked"
+    );
+    assert_eq!(state.history.undo_name(), Some("Move"));
+
+    let there = place(state);
+    let along = way(&harness);
+    drag_along(
+        &mut harness,
+        PointerButton::Primary,
+        Modifiers::NONE,
+        along,
+        |harness| {
+            assert_ne!(place(&harness.state().state), there);
+            harness.key_press(Key::Escape);
+            harness.run();
+            assert_eq!(place(&harness.state().state), there);
+            harness.event(egui::Event::PointerMoved(pos2(500.0, 700.0)));
+            harness.run();
+        },
+    );
+    let state = &harness.state().state;
+    assert_eq!((place(state), state.viewpoint), (there, view));
+    assert!(!state.manipulating.is_held);
+
+    // Beside the handles the hand orbits as ever, and the right button always does what it does.
+    drag(&mut harness, PointerButton::Primary, Modifiers::NONE);
+    assert_ne!(harness.state().state.viewpoint, view);
+    let view = harness.state().state.viewpoint;
+    let along = way(&harness);
+    drag_along(
+        &mut harness,
+        PointerButton::Secondary,
+        Modifiers::NONE,
+        along,
+        |_| {},
+    );
+    assert_ne!(harness.state().state.viewpoint, view);
+    assert_eq!(place(&harness.state().state), there);
+}
