@@ -101,7 +101,7 @@ mod tests {
     fn a_folder_is_removed_although_threads_write_into_it() {
         use std::sync::atomic::{AtomicBool, Ordering};
         let folder = tempfile::tempdir().expect("a folder");
-        for round in 0..20 {
+        for round in 0..8 {
             let part = folder.path().join(round.to_string());
             let tiles = part.join("tiles");
             std::fs::create_dir_all(&tiles).expect("a folder");
@@ -110,7 +110,7 @@ mod tests {
                 for thread in 0..2 {
                     let (tiles, is_removed) = (&tiles, &is_removed);
                     scope.spawn(move || {
-                        for tile in 0..100_000 {
+                        for tile in 0..20_000 {
                             // Fails once the folder is gone.
                             let written =
                                 std::fs::write(tiles.join(format!("{thread}-{tile}")), b"");
