@@ -73,7 +73,7 @@ pub struct ShadingArgs {
     /// or one a triangle where it has none]
     #[arg(long, value_name = "COLOR", value_parser = values::scene_color)]
     pub color: Option<SceneColor>,
-    /// The colour of triangles to which neither their file nor `--color` gives one [default: #c8ccd2]
+    /// The colour of triangles to which neither their file nor `--color` gives one; `#c8ccd2` where this is not given
     #[arg(long, value_name = "COLOR")]
     pub plain_color: Option<Color>,
     /// Smooth the edges of meshes without normals, where two triangles are at most so many degrees apart; 0 leaves every
