@@ -1,7 +1,7 @@
 //! How much memory this process may still take, and refusals of what needs more.
 //!
 //! A process that runs out of memory is ended, by the system or by its own allocator, with no word of
-//! what was too large. So what a picture will take is reckoned before it is begun, and held against the
+//! what was too large. So what a picture will take is reckoned before it is begun, and compared with the
 //! least of what the process's own limits, its control group and the machine leave.
 
 use crate::failure::Failure;

@@ -140,7 +140,7 @@ fn assert_entry_points_have_what_is_seen(accel: &Accel, offset: DVec3) {
         for large in accel.levels(&camera.sub_camera(rect).lattice(), Cull::None) {
             let listed = large.list.iter().flat_map(|entry| &entry.primitives);
             let listed: std::collections::HashSet<_> = listed.collect();
-            let seen = large.blocks.iter().flat_map(|block| &block.seen);
+            let seen = large.packets.iter().flat_map(|packet| &packet.seen);
             assert!(seen.into_iter().all(|primitive| listed.contains(primitive)));
         }
     }

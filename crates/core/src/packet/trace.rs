@@ -27,7 +27,7 @@ pub struct LargeTrace {
     /// Subtrees that its frustum touches, near to far.
     pub list: Vec<EntryPoint>,
     /// Its packets, row by row; none where there is no entry point.
-    pub blocks: Vec<PacketTrace>,
+    pub packets: Vec<PacketTrace>,
 }
 
 /// A subtree that a large packet's packets start from.
@@ -127,7 +127,7 @@ impl Work for RecordTrace<'_> {
                 rays: rays(lattice, &large),
                 nodes: traversal.counts.nodes - before,
                 list: Vec::with_capacity(traversal.list.len()),
-                blocks: Vec::new(),
+                packets: Vec::new(),
             };
             for &(subtree, bounds, _) in &traversal.list {
                 level.list.push(EntryPoint {
@@ -146,7 +146,7 @@ impl Work for RecordTrace<'_> {
                         find.keep(&part, &mut zbuffer);
                     }
                     let seen = places(lattice, &part).map(|at| find.primitives[at]);
-                    level.blocks.push(PacketTrace {
+                    level.packets.push(PacketTrace {
                         rays: rays(lattice, &part),
                         nodes: traversal.counts.nodes - before,
                         reached: ascending(recorder.reached),
@@ -225,10 +225,10 @@ mod tests {
                     let mut primitives = Vec::new();
                     let counts = accel.find(&lattice, cull, Precision::Exact, &mut primitives);
                     let levels = accel.levels(&lattice, cull);
-                    let blocks = || levels.iter().flat_map(|large| &large.blocks);
+                    let packets = || levels.iter().flat_map(|large| &large.packets);
                     let nodes = levels.iter().map(|large| large.nodes).sum::<u64>()
-                        + blocks().map(|zbuffer| zbuffer.nodes).sum::<u64>();
-                    let set_up = blocks().map(|zbuffer| zbuffer.set_up.len()).sum::<usize>();
+                        + packets().map(|zbuffer| zbuffer.nodes).sum::<u64>();
+                    let set_up = packets().map(|zbuffer| zbuffer.set_up.len()).sum::<usize>();
                     assert_eq!(nodes, counts.nodes);
                     assert_eq!(set_up as u64, counts.triangles);
                     for large in &levels {
@@ -238,7 +238,7 @@ mod tests {
                             .flat_map(|listed| listed.primitives.clone());
                         let listed = ascending(listed.collect());
                         spared += accel.len() - listed.len();
-                        for zbuffer in &large.blocks {
+                        for zbuffer in &large.packets {
                             let part = RayRect {
                                 column: zbuffer.rays.x - lattice.x,
                                 row: zbuffer.rays.y - lattice.y,
@@ -304,7 +304,7 @@ mod tests {
                     }
                     let side = SIDE as u32;
                     let at = row / side * columns.div_ceil(side) + column / side;
-                    let zbuffer = &large.blocks[at as usize];
+                    let zbuffer = &large.packets[at as usize];
                     assert!(holds(&zbuffer.reached, &[nearest.primitive]));
                     assert!(holds(&zbuffer.seen, &[nearest.primitive]));
                 }
@@ -318,7 +318,7 @@ mod tests {
         for lattice in lattices(1.0, DVec3::ZERO).take(1) {
             for large in accel.levels(&lattice, Cull::None) {
                 assert_eq!(
-                    (large.nodes, large.list.len(), large.blocks.len()),
+                    (large.nodes, large.list.len(), large.packets.len()),
                     (0, 0, 0)
                 );
             }

@@ -1,4 +1,4 @@
-//! The tile of a picture that has most to see, a block of it, and a sub-block of that.
+//! The tile of a picture that has most to see, a packet of it, and a cell of that.
 
 use raycast_core::camera::{Camera, Lattice, Rect};
 use raycast_core::packet::{LargeTrace, PacketTrace};
@@ -8,17 +8,17 @@ use std::collections::HashSet;
 /// Columns and rows of the picture whose tile is shown: few, so that a tile is large in it.
 pub(super) const SIZE: (u32, u32) = (512, 320);
 
-/// Rays along the side of a sub-block: the smallest block of rays that triangles are tested against before single rows.
-const SUB_SIDE: u32 = 8;
+/// Rays along the side of a cell: what triangles are tested against before single rows of rays.
+const CELL_SIDE: u32 = 8;
 
-/// A tile of a picture, a block of it, a sub-block of that.
+/// A tile of a picture, a packet of it, a cell of that.
 pub(super) struct Chosen {
     pub(super) large: LargeTrace,
-    pub(super) block: PacketTrace,
-    pub(super) sub: Lattice,
-    /// Distinct triangles that the tile's rays hit, and the sub-block's.
+    pub(super) packet: PacketTrace,
+    pub(super) cell: Lattice,
+    /// Distinct triangles that the tile's rays hit, and the cell's.
     pub(super) seen: usize,
-    pub(super) sub_seen: usize,
+    pub(super) cell_seen: usize,
 }
 
 /// The tile with most to see: many triangles, not all of it covered, near the middle, in the right half,
@@ -61,27 +61,27 @@ pub(super) fn choose(accel: &Accel, camera: &Camera) -> Option<Chosen> {
             let worth = |large: &LargeTrace| worth(&large.rays) * place(&large.rays);
             worth(a).total_cmp(&worth(b))
         })?;
-    let block = large.blocks.iter();
-    let block = block.max_by(|a, b| worth(&a.rays).total_cmp(&worth(&b.rays)));
-    let block = block?.clone();
-    let subs = (0..block.rays.rows).step_by(SUB_SIDE as usize);
-    let subs = subs.flat_map(|row| {
-        let columns = (0..block.rays.columns).step_by(SUB_SIDE as usize);
+    let packet = large.packets.iter();
+    let packet = packet.max_by(|a, b| worth(&a.rays).total_cmp(&worth(&b.rays)));
+    let packet = packet?.clone();
+    let cells = (0..packet.rays.rows).step_by(CELL_SIDE as usize);
+    let cells = cells.flat_map(|row| {
+        let columns = (0..packet.rays.columns).step_by(CELL_SIDE as usize);
         columns.map(move |column| Lattice {
-            x: block.rays.x + column,
-            y: block.rays.y + row,
-            columns: SUB_SIDE.min(block.rays.columns - column),
-            rows: SUB_SIDE.min(block.rays.rows - row),
-            ..block.rays
+            x: packet.rays.x + column,
+            y: packet.rays.y + row,
+            columns: CELL_SIDE.min(packet.rays.columns - column),
+            rows: CELL_SIDE.min(packet.rays.rows - row),
+            ..packet.rays
         })
     });
-    let sub = subs.max_by(|a, b| worth(a).total_cmp(&worth(b)))?;
-    let (seen, sub_seen) = (found(&large.rays).0, found(&sub).0);
+    let cell = cells.max_by(|a, b| worth(a).total_cmp(&worth(b)))?;
+    let (seen, cell_seen) = (found(&large.rays).0, found(&cell).0);
     (seen > 0).then_some(Chosen {
-        block,
+        packet,
         large,
-        sub,
+        cell,
         seen,
-        sub_seen,
+        cell_seen,
     })
 }

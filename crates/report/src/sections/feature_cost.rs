@@ -68,7 +68,10 @@ pub fn measure(
     };
     let picture = |scene: Scene, settings: Settings| Repeated::new(scene, settings, budget);
     let flat = || picture(scene_of(&plain, None), shaded(Mode::Flat));
-    let flat_textured = picture(scene_of(&mapped, texture.as_ref()), shaded(Mode::Flat))?;
+    // Flat shading shows textures: this one is there, and blended in by nothing.
+    let mut unblended = shaded(Mode::Flat);
+    unblended.shading.blend = 0.0;
+    let flat_textured = picture(scene_of(&mapped, texture.as_ref()), unblended)?;
     let counted = Repeated {
         counted: true,
         ..flat()?

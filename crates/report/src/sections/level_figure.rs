@@ -27,8 +27,8 @@ const PICTURE_INK: Color = Color([70, 76, 86]);
 const GRID_INK: Color = Color([190, 196, 204]);
 pub(super) const TILE_INK: Color = Color([0, 92, 170]);
 const BOX_INK: Color = Color([110, 170, 220]);
-pub(super) const BLOCK_INK: Color = Color([0, 130, 80]);
-pub(super) const SUB_INK: Color = Color([150, 30, 130]);
+pub(super) const PACKET_INK: Color = Color([0, 130, 80]);
+pub(super) const CELL_INK: Color = Color([150, 30, 130]);
 const EDGE_INK: Color = Color([90, 70, 60]);
 
 /// What the figure shows, the scene's bounding sphere made the unit sphere.
@@ -74,9 +74,9 @@ impl<'a> LevelFigure<'a> {
         let holds =
             |primitives: &[u32], primitive: u32| primitives.binary_search(&primitive).is_ok();
         let triangle = |primitive: u32| {
-            let color = if holds(&chosen.block.seen, primitive) {
+            let color = if holds(&chosen.packet.seen, primitive) {
                 SEEN
-            } else if holds(&chosen.block.set_up, primitive) {
+            } else if holds(&chosen.packet.set_up, primitive) {
                 SET_UP
             } else if listed.contains(&primitive) {
                 LISTED
@@ -242,12 +242,12 @@ impl<'a> LevelFigure<'a> {
         figure.draw()
     }
 
-    /// The tile, the block, the sub-block, with lines for each.
+    /// The tile, the packet, the cell, with lines for each.
     fn frusta(&self) -> [(&Lattice, f64, Color); 3] {
         [
             (&self.chosen.large.rays, 3.4, TILE_INK),
-            (&self.chosen.block.rays, 2.6, BLOCK_INK),
-            (&self.chosen.sub, 1.8, SUB_INK),
+            (&self.chosen.packet.rays, 2.6, PACKET_INK),
+            (&self.chosen.cell, 1.8, CELL_INK),
         ]
     }
 
@@ -308,7 +308,10 @@ impl<'a> LevelFigure<'a> {
         /// How much higher words stand than where they are put.
         const SINK: f64 = 4.0;
         let Chosen {
-            large, block, sub, ..
+            large,
+            packet,
+            cell,
+            ..
         } = self.chosen;
         let size = |rays: &Lattice| format!("{} × {}", rays.columns, rays.rows);
         let lines = [
@@ -322,10 +325,10 @@ impl<'a> LevelFigure<'a> {
                 3.4,
                 TILE_INK,
             ),
-            (format!("a block, {}", size(&block.rays)), 2.6, BLOCK_INK),
-            (format!("a sub-block, {}", size(sub)), 1.8, SUB_INK),
+            (format!("a packet, {}", size(&packet.rays)), 2.6, PACKET_INK),
+            (format!("a cell, {}", size(cell)), 1.8, CELL_INK),
             (
-                format!("{} sub-trees that the tile touches", large.list.len()),
+                format!("{} subtrees that the tile touches", large.list.len()),
                 1.6,
                 BOX_INK,
             ),
@@ -348,8 +351,8 @@ impl<'a> LevelFigure<'a> {
         let patches = [
             (LEFT_OUT, "triangles left out by the tile"),
             (LISTED, "only listed for it"),
-            (SET_UP, "only set up for the block"),
-            (SEEN, "seen by the block's rays"),
+            (SET_UP, "only set up for the packet"),
+            (SEEN, "seen by the packet's rays"),
         ];
         for (color, text) in patches {
             notes.push(Note::Patch {

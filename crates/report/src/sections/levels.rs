@@ -41,7 +41,7 @@ pub fn measure(input: &Input, simd: Simd) -> Result<Option<Descent>, ReportError
 
 /// How many triangles are left at each level.
 fn numbers(accel: &Accel, chosen: &Chosen) -> Table {
-    let Chosen { large, block, .. } = chosen;
+    let Chosen { large, packet, .. } = chosen;
     let count = |count: usize| Cell::from(count as u64);
     let rays = |rays: &Lattice| count(rays.len());
     let listed: usize = large
@@ -53,7 +53,7 @@ fn numbers(accel: &Accel, chosen: &Chosen) -> Table {
         "level",
         "rays",
         "nodes tested",
-        "sub-trees listed",
+        "subtrees listed",
         "triangles in reach",
         "set up",
         "seen",
@@ -67,33 +67,33 @@ fn numbers(accel: &Accel, chosen: &Chosen) -> Table {
         Cell::Empty,
         Cell::Empty,
     ]);
-    let blocks = || large.blocks.iter();
+    let packets = || large.packets.iter();
     table.row(vec![
         "the tile".into(),
         rays(&large.rays),
         large.nodes.into(),
         count(large.list.len()),
         count(listed),
-        count(distinct(blocks().map(|block| &block.set_up))),
+        count(distinct(packets().map(|packet| &packet.set_up))),
         count(chosen.seen),
     ]);
     table.row(vec![
-        "the block".into(),
-        rays(&block.rays),
-        block.nodes.into(),
+        "the packet".into(),
+        rays(&packet.rays),
+        packet.nodes.into(),
         Cell::Empty,
-        count(block.reached.len()),
-        count(block.set_up.len()),
-        count(block.seen.len()),
+        count(packet.reached.len()),
+        count(packet.set_up.len()),
+        count(packet.seen.len()),
     ]);
     table.row(vec![
-        "the sub-block".into(),
-        rays(&chosen.sub),
+        "the cell".into(),
+        rays(&chosen.cell),
         Cell::Empty,
         Cell::Empty,
         Cell::Empty,
         Cell::Empty,
-        count(chosen.sub_seen),
+        count(chosen.cell_seen),
     ]);
     table
 }
@@ -107,22 +107,22 @@ pub fn show(section: &mut Section, shown: Descent) {
     section.say("## F. A tile's way down the tree");
     section.say(format!(
         "One tile of a picture of {}, as it is cast. Its frustum walks down the tree until it has a short \
-         list of sub-trees that it touches; each of its blocks starts from that list, and sets up what its \
-         own frustum reaches and nothing nearer hides. A large triangle is held against sub-blocks before \
-         rays meet it.",
+         list of subtrees that it touches; each of its packets starts from that list, and sets up what its \
+         own frustum reaches and nothing nearer hides. A large triangle is tested against whole cells of rays before \
+         single rows of them.",
         shown.name
     ));
     section.say(
-        "![The frusta of a tile, a block and a sub-block, and the triangles that each leaves]\
+        "![The frusta of a tile, a packet and a cell, and the triangles that each leaves]\
          (f-levels.png)",
     );
     section
         .pictures
         .push(("f-levels.png".to_owned(), shown.png));
     section.say(
-        "The block is one of the tile's, the sub-block one of the block's. In reach are all triangles of \
-         the scene, those of the tile's sub-trees, those of the leaves that the block comes to. Set up for \
-         the tile is what any of its blocks sets up.",
+        "The packet is one of the tile's, the cell one of the packet's. In reach are all triangles of \
+         the scene, those of the tile's subtrees, those of the leaves that the packet comes to. Set up for \
+         the tile is what any of its packets sets up.",
     );
     section.table("f-levels", shown.table);
 }
@@ -132,7 +132,7 @@ mod tests {
     use super::*;
     use crate::scenes::bumpy_sphere;
     use crate::sections::level_figure::{
-        BLOCK_INK, LEFT_OUT, LISTED, SEEN, SET_UP, SHEET, SUB_INK, TILE_INK,
+        CELL_INK, LEFT_OUT, LISTED, PACKET_INK, SEEN, SET_UP, SHEET, TILE_INK,
     };
     use crate::stage::scene_of;
     use raycast_core::scene::Color;
@@ -178,7 +178,9 @@ mod tests {
             .to_rgb8();
         assert_eq!(picture.dimensions(), SHEET);
         // Every colour of the legend is there.
-        for Color(color) in [LEFT_OUT, LISTED, SET_UP, SEEN, TILE_INK, BLOCK_INK, SUB_INK] {
+        for Color(color) in [
+            LEFT_OUT, LISTED, SET_UP, SEEN, TILE_INK, PACKET_INK, CELL_INK,
+        ] {
             assert!(picture.pixels().any(|pixel| pixel.0 == color), "{color:?}");
         }
     }

@@ -76,7 +76,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Comman
         );
         counter(
             "Set up",
-            "Triangles that the last pass held against rays, counted once a block of rays",
+            "Triangles that the last pass tested against rays, counted once a packet of rays",
             |counts| counts.triangles,
         );
         counter(
