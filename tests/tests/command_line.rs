@@ -282,6 +282,21 @@ fn info_tells_what_a_file_holds() {
         text.contains("not closed") && text.contains("3 open edges, 2 degenerate"),
         "{text}"
     );
+    assert!(one["self_intersections"].is_null(), "{one}");
+    let triangles = "(0,0,0);(2,0,0);(0,2,0)\n(0.5,0.5,-1);(0.5,0.5,1);(0.6,3,0)\n";
+    let crossing = write(folder.path(), "crossing.txt", triangles);
+    let deep = arguments![
+        "info",
+        "--json",
+        "--health",
+        "--self-intersections",
+        &crossing,
+        &mesh
+    ];
+    let files = json(&succeed(deep).output);
+    let pairs = |file: usize| &files[file]["objects"][0]["health"]["self_intersections"];
+    assert_eq!((pairs(0), pairs(1)), (&1.into(), &0.into()));
+    refuse(2, arguments!["info", "--self-intersections", &crossing]);
     refuse(1, arguments!["info", folder.path().join("none.obj")]);
 }
 

@@ -65,7 +65,7 @@ cases! {
     no_area random_bits one_bad_vertex rays_that_are_none few_triangles copies
     random_soups culled_sphere alternating_fronts unit_triangle
     smaller_than_a_pixel changing_density around_the_eye edge_on corners_on_pixel_centres
-    edges_through_block_corners slivers_along_rows surfaces_on_one_another crossing_layers
+    edges_through_cell_corners slivers_along_rows surfaces_on_one_another crossing_layers
     fan_on_a_pixel ends_of_the_range narrow_and_wide narrower_than_rounding
     eye_at_a_cones_apex eye_at_a_vertex_of_many eye_on_an_edge_of_many eye_in_planes_of_many
     eye_next_to_a_vertex_of_many coincident_triangles copies_of_a_mesh exponents_of_any_size

@@ -81,7 +81,7 @@ fn far_off_the_axis() {
     tally.end(0.3);
 }
 
-/// Every size from one ray up, across the borders of blocks of 8 and 64.
+/// Every size from one ray up, across the borders of cells of 8 and tiles of 64.
 #[test]
 fn lattices_of_every_size() {
     let mut tally = Tally::new("lattices of every size");

@@ -36,7 +36,7 @@ pub use shell::quoted_for_posix;
 pub use texture_map::TextureMapArgs;
 pub use texture_projection::TextureProjectionArgs;
 pub use tiles::TileArgs;
-pub use values::{BackFacesArg, OrbitArg, SceneColor, WireframeArg};
+pub use values::{BackFacesArg, GroundArg, OrbitArg, SceneColor, WireframeArg};
 pub use verify::VerifyArgs;
 pub use written::{camera_of, camera_options, has_own_projection, render_command};
 
@@ -285,6 +285,9 @@ pub struct InfoArgs {
     /// Look for holes, flipped triangles and other faults in each mesh, and tell its area and volume
     #[arg(long)]
     pub health: bool,
+    /// Also look for triangles of a mesh that pass through one another, lie on one another or touch
+    #[arg(long, requires = "health")]
+    pub self_intersections: bool,
     /// How files are read.
     #[command(flatten)]
     pub reading: ReadingArgs,

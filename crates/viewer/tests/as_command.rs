@@ -1,10 +1,10 @@
 //! *Copy as command*: the line that is copied, run by a shell, writes the bytes that *Save picture* writes.
 
 use raycast_core::Cull;
-use raycast_core::camera::{Grid, Projection};
+use raycast_core::camera::{Grid, PixelFilter, Projection};
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{ClippingPlane, Color, ColorMap, ColorScale, Transform};
-use raycast_core::shade::{Mode, TextureProjection};
+use raycast_core::shade::{Ground, Mode, TextureProjection};
 use raycast_viewer::state::command::Command;
 use raycast_viewer::state::effect::{Effect, Keep};
 use raycast_viewer::state::news::{News, receive};
@@ -142,6 +142,9 @@ fn the_copied_command_writes_the_bytes_that_the_window_saves() {
         Command::SetWireframeHidden(0.3),
         Command::SetCull(Cull::Back),
         Command::SetSamples(Some(3)),
+        Command::SetPixelFilter(PixelFilter::Tent),
+        Command::SetShift([0.25, -0.1]),
+        Command::SetGround(Some(Ground::At(-0.3))),
     ] {
         update(&mut state, command);
     }

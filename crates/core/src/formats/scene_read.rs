@@ -18,7 +18,7 @@ use crate::ranges;
 use crate::scene::{
     Bounds, COORDINATE_LIMIT, ClippingPlane, ClippingPlanes, ColorMap, ColorScale, Scene,
 };
-use crate::shade::{Background, Shading, Wireframe};
+use crate::shade::{Background, Ground, Shading, Wireframe};
 use glam::DVec3;
 use std::path::Path;
 use toml::Spanned;
@@ -378,6 +378,10 @@ impl Reader<'_> {
                 .map_or(defaults.plain_color, |color| color.0),
             scale: self.scale(file)?,
             back_faces: file.back_faces.map(|color| color.0),
+            ground: match &file.ground {
+                Some(ground) => Some(self.in_range(ground, ground.get_ref().parse::<Ground>())?),
+                None => None,
+            },
             x_ray_opacity: match &file.x_ray_opacity {
                 Some(opacity) => self.in_range(opacity, ranges::opacity(*opacity.get_ref()))?,
                 None => defaults.x_ray_opacity,

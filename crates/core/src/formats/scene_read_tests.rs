@@ -4,7 +4,9 @@ use super::scene_file::SceneFile;
 use super::*;
 use crate::camera::Projection;
 use crate::scene::{Color, ColorRule, Object, UpAxis, Wrap};
-use crate::shade::{Background, EdgeKinds, Filter, Mode, Shading, TextureProjection, Wireframe};
+use crate::shade::{
+    Background, EdgeKinds, Filter, Ground, Mode, Shading, TextureProjection, Wireframe,
+};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 
@@ -122,12 +124,13 @@ fn reads_everything() {
 
 #[test]
 fn x_ray_and_backs_are_read_and_written() {
-    let text = "[shading]\nmode = \"x-ray\"\nback-faces = \"#010203\"\nx-ray-opacity = 0.25\n\
+    let text = "[shading]\nmode = \"x-ray\"\nground = \"-0.25\"\nback-faces = \"#010203\"\nx-ray-opacity = 0.25\n\
         [[object]]\nmesh = \"b.txt\"\n";
     let file = parse(text);
     let shading = Shading {
         mode: Mode::XRay,
         back_faces: Some(Color([1, 2, 3])),
+        ground: Some(Ground::At(-0.25)),
         x_ray_opacity: 0.25,
         ..Shading::default()
     };

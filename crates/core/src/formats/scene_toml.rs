@@ -178,6 +178,9 @@ pub(super) struct ShadingToml {
     pub(super) legend: Option<bool>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) back_faces: Option<ColorToml>,
+    /// `lowest`, or a height.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) ground: Option<Spanned<String>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) x_ray_opacity: Option<Spanned<f32>>,
 }

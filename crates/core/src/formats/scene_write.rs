@@ -149,6 +149,7 @@ fn shading_table(shading: &Shading) -> ShadingToml {
         color_range: shading.scale.and_then(|scale| scale.range).map(spanned),
         legend: shading.scale.filter(|scale| scale.legend).map(|_| true),
         back_faces: shading.back_faces.map(ColorToml),
+        ground: shading.ground.map(|ground| spanned(ground.to_string())),
         x_ray_opacity: (shading.x_ray_opacity != Shading::X_RAY_OPACITY)
             .then(|| spanned(shading.x_ray_opacity)),
     }

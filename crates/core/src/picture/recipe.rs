@@ -91,7 +91,7 @@ pub(super) mod tests {
     use super::*;
     use crate::camera::{ImagePlane, Placement, Projection};
     use crate::scene::{ClippingPlane, Color, ColorMap, ColorScale, Scene};
-    use crate::shade::{Filter, Mode, TextureProjection, Wireframe};
+    use crate::shade::{Filter, Ground, Mode, TextureProjection, Wireframe};
     use glam::DVec3;
 
     /// A recipe with nothing at its default.
@@ -128,6 +128,7 @@ pub(super) mod tests {
                     legend: true,
                 }),
                 back_faces: Some(Color([4, 5, 6])),
+                ground: Some(Ground::At(0.1)),
                 ..Shading::default()
             },
         }
@@ -152,7 +153,7 @@ pub(super) mod tests {
                  blend = 3.3333334e-1\nfilter = \"nearest\"\n\
                  texture-projection = \"triplanar\"\n\
                  color-scale = [\"turbo\", -1.5e0, 1e300, \"legend\"]\n\
-                 pixel-filter = \"mitchell\"\nback-faces = \"#040506\"\ndigest = \"{digest}\"\n"
+                 pixel-filter = \"mitchell\"\nback-faces = \"#040506\"\nground = \"0.1\"\ndigest = \"{digest}\"\n"
             )
         );
         let plain = Recipe {

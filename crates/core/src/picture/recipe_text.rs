@@ -7,7 +7,7 @@ use crate::hit::{Cull, Precision};
 use crate::ranges;
 use crate::scene::{ClippingPlane, ClippingPlanes, Color, ColorMap, ColorScale};
 use crate::shade::{
-    Background, EdgeKinds, Filter, LightSet, Mode, Shading, TextureProjection, Wireframe,
+    Background, EdgeKinds, Filter, Ground, LightSet, Mode, Shading, TextureProjection, Wireframe,
 };
 use glam::DVec3;
 use std::fmt::{self, LowerExp};
@@ -48,6 +48,7 @@ impl Recipe {
             scale,
             back_faces,
             x_ray_opacity,
+            ground,
         } = shading;
         let usual = Shading::default();
         let lines = match wireframe {
@@ -92,6 +93,9 @@ impl Recipe {
         }
         if let Some(color) = back_faces {
             more += &format!("back-faces = \"{color}\"\n");
+        }
+        if let Some(ground) = ground {
+            more += &format!("ground = \"{ground}\"\n");
         }
         if *mode == Mode::XRay {
             more += &format!("x-ray-opacity = {}\n", float(x_ray_opacity));
@@ -207,6 +211,7 @@ fn read(text: &str) -> Result<Recipe, String> {
         (true, _) => return Err(format!("a lens, which {projection} does not have")),
     };
     let back_faces = lines.back_faces()?;
+    let ground = lines.ground()?;
     let x_ray_opacity = match lines.has("x-ray-opacity") {
         true => lines.one("x-ray-opacity", "a number")?,
         false => Shading::X_RAY_OPACITY,
@@ -234,6 +239,7 @@ fn read(text: &str) -> Result<Recipe, String> {
             scale,
             back_faces,
             x_ray_opacity,
+            ground,
         },
     };
     // Whatever was read must be written as it was: a damaged line is not believed.
@@ -368,6 +374,14 @@ impl<'t> Lines<'t> {
         };
         let color = unquoted(value).and_then(|word| word.parse().ok());
         color.map(Some).ok_or_else(|| self.wrong("a colour", value))
+    }
+
+    fn ground(&mut self) -> Result<Option<Ground>, String> {
+        let Some(value) = self.optional("ground") else {
+            return Ok(None);
+        };
+        let ground = unquoted(value).and_then(|word| word.parse().ok());
+        (ground.map(Some)).ok_or_else(|| self.wrong("lowest or a height", value))
     }
 
     fn scale(&mut self) -> Result<Option<ColorScale>, String> {

@@ -1,5 +1,7 @@
 use super::EdgeKinds;
 use crate::scene::{Color, ColorScale, TextureProjection};
+use std::fmt;
+use std::str::FromStr;
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -139,6 +141,54 @@ impl Default for Background {
     }
 }
 
+/// How high the ground lies, in world space.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Ground {
+    /// At the lowest point of the scene.
+    #[default]
+    Lowest,
+    /// At this y.
+    At(f64),
+}
+
+/// `lowest`, or the height.
+impl fmt::Display for Ground {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Lowest => f.write_str("lowest"),
+            Self::At(height) => height.fmt(f),
+        }
+    }
+}
+
+/// A text that says no [`Ground`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("expected lowest, or a height within 1e18 of zero")]
+pub struct GroundError;
+
+impl FromStr for Ground {
+    type Err = GroundError;
+
+    fn from_str(text: &str) -> Result<Self, GroundError> {
+        if text == "lowest" {
+            return Ok(Self::Lowest);
+        }
+        let height: f64 = text.parse().map_err(|_| GroundError)?;
+        (height.abs() <= 1e18)
+            .then_some(Self::At(height))
+            .ok_or(GroundError)
+    }
+}
+
+impl Ground {
+    /// Lines across which x or z is a whole number of tens of cells.
+    pub const LINES: Color = Color([0x8c, 0x94, 0xa0]);
+    /// The line along which x grows.
+    pub const X_AXIS: Color = Color([0xd8, 0x4c, 0x4c]);
+    /// The line along which z grows.
+    pub const Z_AXIS: Color = Color([0x4c, 0x7c, 0xe0]);
+}
+
 /// The lights of lit modes. They stand still to the camera, so that whatever one looks at is lit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LightSet {
@@ -162,6 +212,9 @@ pub struct Shading {
     pub wireframe: Option<Wireframe>,
     /// What lies behind.
     pub background: Background,
+    /// Lines on a level plane: a cell is a power of ten wide, a fifth to a fiftieth of the scene. What surfaces let
+    /// through shows it behind them all.
+    pub ground: Option<Ground>,
     /// From the object's colours (0) to its texture (1).
     pub blend: f32,
     /// How textures are read.
@@ -198,6 +251,7 @@ impl Default for Shading {
             mode: Mode::default(),
             wireframe: None,
             background: Background::default(),
+            ground: None,
             blend: 1.0,
             filter: Filter::default(),
             projection: TextureProjection::default(),

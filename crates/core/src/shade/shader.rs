@@ -1,6 +1,7 @@
 use super::edge_choice::EdgeChoice;
 use super::edges::{EdgeLines, LineStyle};
 use super::facet::{Facet, Mapping, Needs, Varied, blend, facing_normal, unit};
+use super::ground::GroundGrid;
 use super::legend::Legend;
 use super::light::Lights;
 use super::line_overlay::{LineOverlay, Wanted};
@@ -11,7 +12,7 @@ use super::section::Section;
 use super::sides::Sides;
 use super::slopes::slopes;
 use super::smooth::{self, Facets, Row, Vectors};
-use super::srgb::{self, Tables};
+use super::srgb::{self, Tables, over};
 use super::texturing::Texturing;
 use super::translucent::Translucent;
 use super::{Background, Mode, Shading, Wireframe};
@@ -56,6 +57,7 @@ pub struct Shader<'a> {
     /// The background at the middle of each row.
     backdrops: Vec<[u8; 4]>,
     lines: Lines<'a>,
+    ground: Option<GroundGrid>,
     section: Option<Section<'a>>,
     masks: Option<Masks<'a>>,
     translucent: Option<Translucent>,
@@ -224,6 +226,7 @@ impl<'a> Shader<'a> {
             },
             backdrops: Vec::new(),
             lines: Lines::new(scene, lines, needs),
+            ground: (shading.ground).and_then(|ground| GroundGrid::new(scene, ground)),
             section: None,
             masks: Masks::of(scene),
             translucent: Translucent::of(scene, &shading),
@@ -261,7 +264,7 @@ impl<'a> Shader<'a> {
 
     /// Whether there may be lines where nothing is hit.
     pub(super) fn has_overlay(&self) -> bool {
-        self.lines.overlay.is_some()
+        self.lines.overlay.is_some() || self.ground.is_some()
     }
 
     /// The section that clipping planes make, if any is seen.
@@ -342,6 +345,7 @@ impl<'a> Shader<'a> {
         let needs = self.needs;
         let weighs = needs.smooth || needs.texture || needs.uvs || needs.varied;
         let weighs = weighs || (needs.edges && self.lines.has_silhouettes());
+        let weighs = weighs || self.ground.is_some();
         if weighs || matches!(self.shading.mode, Mode::Barycentric | Mode::Depth) {
             Detail::Full
         } else {
@@ -430,6 +434,7 @@ impl<'a> Shader<'a> {
             && !self.needs.texture
             && !self.needs.varied
             && !self.needs.edges
+            && self.ground.is_none()
     }
 
     /// The instruction set to shade with: the tree's.
@@ -439,7 +444,8 @@ impl<'a> Shader<'a> {
 
     /// Whether pixels are shaded by the mesh's normals, with no lines over them.
     pub(super) fn is_smooth(&self) -> bool {
-        self.shading.mode == Mode::Smooth && !self.needs.edges && !self.is_panoramic()
+        let has_lines = self.needs.edges || self.ground.is_some();
+        self.shading.mode == Mode::Smooth && !has_lines && !self.is_panoramic()
     }
 
     /// The light on eight pixels of a row whose triangles and weights are known.
@@ -480,10 +486,19 @@ impl<'a> Shader<'a> {
     /// nothing where it has no such place.
     pub(crate) fn behind(&self, x: f64, y: f64) -> [f32; 4] {
         if self.camera.has_place(x, y) {
-            let behind = self.lines.seen_through(x, y, self.backdrop(y));
+            let behind = self.grounded(x, y, f32::INFINITY, self.backdrop(y));
+            let behind = self.lines.seen_through(x, y, behind);
             self.lines.outlined(x, y, f32::INFINITY, behind)
         } else {
             [0.0; 4]
+        }
+    }
+
+    /// The ground over what lies behind it, at `t`.
+    fn grounded(&self, x: f64, y: f64, t: f32, behind: [f32; 4]) -> [f32; 4] {
+        match &self.ground {
+            Some(ground) => ground.over(&self.camera, (x, y), t, behind),
+            None => behind,
         }
     }
 
@@ -644,6 +659,17 @@ impl<'a> Shader<'a> {
 
     /// The colour of a sample on a triangle: linear light, alpha not multiplied in.
     pub(super) fn color_on(&self, facet: &Facet, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
+        let color = self.with_lines(facet, x, y, hit);
+        // Where surfaces let through what lies behind them, the ground lies behind all.
+        if self.translucent.is_some() {
+            color
+        } else {
+            self.grounded(x, y, hit.t, color)
+        }
+    }
+
+    /// The colour of a sample on a triangle and the lines over it.
+    fn with_lines(&self, facet: &Facet, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
         let inside = self.inside(facet, x, y, hit);
         let Some(edges) = &facet.edges else {
             return inside;
@@ -878,14 +904,4 @@ fn to_eye(camera: &Camera) -> [Vec3; 3] {
 /// An opaque colour.
 fn opaque(color: Vec3) -> [f32; 4] {
     [color.x, color.y, color.z, 1.0]
-}
-
-/// A colour that covers a part of what is under it; alpha not multiplied in.
-fn over(color: Vec3, coverage: f32, [r, g, b, a]: [f32; 4]) -> [f32; 4] {
-    if coverage == 0.0 {
-        return [r, g, b, a];
-    }
-    let alpha = coverage + a * (1.0 - coverage);
-    let mixed = (color * coverage + Vec3::new(r, g, b) * (a * (1.0 - coverage))) / alpha;
-    [mixed.x, mixed.y, mixed.z, alpha]
 }

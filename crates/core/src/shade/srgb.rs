@@ -203,6 +203,16 @@ pub(crate) fn over_black([r, g, b, a]: [u8; 4]) -> [u8; 3] {
     [r, g, b].map(|byte| TABLES.encode(TABLES.decode(byte) * alpha))
 }
 
+/// A colour that covers a part of what is under it; alpha not multiplied in.
+pub(super) fn over(color: Vec3, coverage: f32, [r, g, b, a]: [f32; 4]) -> [f32; 4] {
+    if coverage == 0.0 {
+        return [r, g, b, a];
+    }
+    let alpha = coverage + a * (1.0 - coverage);
+    let mixed = (color * coverage + Vec3::new(r, g, b) * (a * (1.0 - coverage))) / alpha;
+    [mixed.x, mixed.y, mixed.z, alpha]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

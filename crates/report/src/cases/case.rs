@@ -16,7 +16,7 @@ pub enum CaseTheme {
     /// The same question gets different answers.
     Sameness,
     /// One set-up serves many rays.
-    Blocks,
+    Packets,
     /// Answers that take too long.
     Time,
 }
@@ -29,7 +29,7 @@ impl CaseTheme {
         Self::Scale,
         Self::BadGeometry,
         Self::Sameness,
-        Self::Blocks,
+        Self::Packets,
         Self::Time,
     ];
 
@@ -41,7 +41,7 @@ impl CaseTheme {
             Self::Scale => "scale and range",
             Self::BadGeometry => "bad geometry",
             Self::Sameness => "sameness",
-            Self::Blocks => "blocks of rays",
+            Self::Packets => "packets of rays",
             Self::Time => "time",
         }
     }

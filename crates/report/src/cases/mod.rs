@@ -1,13 +1,13 @@
 //! Places where known ray casters go wrong: scenes, rays and cameras, whose outcome is what the
 //! oracle says. One list serves tests, the report and the viewer.
 //!
-//! [`leaks`], [`signs`], [`scale`], [`bad_geometry`], [`sameness`], [`blocks`] and [`time`] hold the cases by
+//! [`leaks`], [`signs`], [`scale`], [`bad_geometry`], [`sameness`], [`packets`] and [`time`] hold the cases by
 //! theme; [`setting`] is what a case puts up.
 
 pub mod bad_geometry;
-pub mod blocks;
 mod case;
 pub mod leaks;
+pub mod packets;
 pub mod sameness;
 pub mod scale;
 pub mod setting;
@@ -25,7 +25,7 @@ pub fn all() -> Vec<Case> {
         scale::CASES,
         bad_geometry::CASES,
         sameness::CASES,
-        blocks::CASES,
+        packets::CASES,
         time::CASES,
     ]
     .concat()

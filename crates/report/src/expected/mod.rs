@@ -29,7 +29,9 @@ use raycast_core::Cull;
 use raycast_core::camera::{Camera, Projection, Rect};
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{ColorRule, Object, Opacity, Reflectance, Texture, Wrap};
-use raycast_core::shade::{Background, Filter, Legend, Mode, Shading, TextureProjection};
+use raycast_core::shade::{
+    Background, Filter, Legend, Mode, Shading, TextureProjection, Wireframe,
+};
 use raycast_oracle::Truth;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -131,7 +133,8 @@ impl<'a> Expected<'a> {
     /// Whether lines may show where nothing is hit.
     fn has_lines_beyond(&self) -> bool {
         let lines = self.shading.wireframe;
-        lines.is_some_and(|lines| lines.hidden > 0.0 || lines.edges.silhouette)
+        let is_beyond = |lines: &Wireframe| lines.hidden > 0.0 || lines.edges.silhouette;
+        self.shading.ground.is_some() || lines.as_ref().is_some_and(is_beyond)
     }
 
     /// The colour of the sample at (x, y) of the picture, in pixels from its top left corner, where its
@@ -141,7 +144,9 @@ impl<'a> Expected<'a> {
         if self.legend.is_some_and(|legend| is_in(legend, x, y)) {
             return [Single::UNKNOWN; 4];
         }
-        let lines = self.shading.wireframe.is_some() || self.shading.mode == Mode::Wireframe;
+        let lines = self.shading.wireframe.is_some()
+            || self.shading.mode == Mode::Wireframe
+            || self.shading.ground.is_some();
         let section = || section::color(self.stage, &self.camera, self.shading.mode, (x, y), truth);
         let is_cut = self.has_sections && self.stage.clip().enabled().next().is_some();
         if is_cut && self.stage.has_masks() {

@@ -19,7 +19,7 @@ use crate::state::effect::{Effect, Keep};
 use crate::state::news::{self, News};
 use crate::state::{State, update};
 use crate::ui::canvas::{self, Canvas};
-use crate::ui::{present, theme};
+use crate::ui::{mode_pictures, present, theme};
 use crate::worker::files::Files;
 use crate::worker::outbox::Outbox;
 use crate::worker::render::{Renderer, Request};
@@ -101,6 +101,7 @@ impl App {
         } = link;
         let context = &creation.egui_ctx;
         theme::apply(context);
+        mode_pictures::install(context);
         let wake: Wake = {
             let context = context.clone();
             Arc::new(move || {

@@ -1,4 +1,4 @@
-use super::{BackFacesArg, SceneColor, TextureProjectionArgs, WireframeArg, values};
+use super::{BackFacesArg, GroundArg, SceneColor, TextureProjectionArgs, WireframeArg, values};
 use clap::Args;
 use raycast_core::scene::{Color, ColorMap, Crop, Wrap};
 use raycast_core::shade::{Background, EdgeKinds, Filter, LightSet, Mode};
@@ -42,6 +42,16 @@ pub struct ShadingArgs {
     /// The color of triangles that are seen from behind, in place of their own: `#rrggbb`, `#rgb` or `none`
     #[arg(long, value_name = "COLOR", value_parser = values::back_faces)]
     pub back_faces: Option<BackFacesArg>,
+    /// Lines on a level plane at the scene's lowest point, or at a height; `none` for none although a scene file has them
+    #[arg(
+        long,
+        value_name = "HEIGHT",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "lowest",
+        value_parser = values::ground
+    )]
+    pub ground: Option<GroundArg>,
     /// In `--mode x-ray`, how much of what lies behind it a surface covers that is seen from above [default: 0.2]
     #[arg(long, value_name = "0..1", allow_hyphen_values = true, value_parser = values::opacity)]
     pub x_ray_opacity: Option<f32>,

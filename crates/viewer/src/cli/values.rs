@@ -9,7 +9,7 @@ use raycast_core::glam::{DVec2, DVec3};
 use raycast_core::ranges;
 use raycast_core::render::Precision;
 use raycast_core::scene::{Color, ColorMap, ColorRule, Crop, TextureProjection, UpAxis, Wrap};
-use raycast_core::shade::{Background, Filter, LightSet, Mode};
+use raycast_core::shade::{Background, Filter, Ground, GroundError, LightSet, Mode};
 use std::str::FromStr;
 
 /// `--orbit`: degrees, and scene units where they were given.
@@ -141,6 +141,26 @@ pub(super) fn back_faces(text: &str) -> Result<BackFacesArg, String> {
             .parse()
             .map(BackFacesArg::Color)
             .map_err(|_| "expected #rrggbb, #rgb or none".to_owned()),
+    }
+}
+
+/// `--ground`: where it lies, or none although a scene file has one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum GroundArg {
+    /// None.
+    None,
+    /// At this height.
+    Some(Ground),
+}
+
+/// Reads `--ground`.
+pub(super) fn ground(text: &str) -> Result<GroundArg, String> {
+    match text {
+        "none" => Ok(GroundArg::None),
+        _ => text
+            .parse()
+            .map(GroundArg::Some)
+            .map_err(|error: GroundError| format!("{error}, or none")),
     }
 }
 

@@ -48,7 +48,7 @@ pub struct VerifyArgs {
         long,
         value_name = "N",
         help_heading = "Casting",
-        value_parser = clap::value_parser!(u32).range(1..=4096)
+        value_parser = values::samples
     )]
     pub samples: Option<u32>,
     /// How samples are weighed by their place; wider than a pixel but for a box [default: the recipe's, else box]

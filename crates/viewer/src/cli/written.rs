@@ -89,6 +89,11 @@ pub fn render_command(
         "--back-faces",
         back_faces.unwrap_or_else(|| "none".to_owned()),
     );
+    words.push(match shading.ground {
+        Some(ground) => format!("--ground={ground}"),
+        None => "--ground=none".to_owned(),
+    });
+    let mut option = |name: &str, value: String| words.extend([name.to_owned(), value]);
     if shading.mode == Mode::XRay {
         option("--x-ray-opacity", shading.x_ray_opacity.to_string());
     }

@@ -1,8 +1,8 @@
 mod health;
 
-use self::health::HealthInfo;
+use self::health::{Findings, HealthInfo};
 use super::Failure;
-use crate::cli::{CameraArgs, InfoArgs, ReadingArgs};
+use crate::cli::{CameraArgs, InfoArgs};
 use crate::output::print;
 use crate::progress::TerminalProgress;
 use crate::stats::{json, milliseconds};
@@ -182,7 +182,7 @@ impl From<&Object> for ObjectInfo {
 pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let mut infos = Vec::with_capacity(args.files.len());
     for file in &args.files {
-        infos.push(inspect(file, &args.reading, args.health)?);
+        infos.push(inspect(file, args)?);
     }
     if args.json {
         return print(&json(&infos)?);
@@ -192,11 +192,11 @@ pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
 }
 
 /// Reads a file and builds its tree.
-fn inspect(path: &Path, reading: &ReadingArgs, looks: bool) -> Result<FileInfo, Failure> {
+fn inspect(path: &Path, args: &InfoArgs) -> Result<FileInfo, Failure> {
     let progress = TerminalProgress::new();
     progress.loading();
     let loading = Instant::now();
-    let budget = memory::budget(reading.limits());
+    let budget = memory::budget(args.reading.limits());
     let SceneFile {
         kind,
         scene,
@@ -214,17 +214,18 @@ fn inspect(path: &Path, reading: &ReadingArgs, looks: bool) -> Result<FileInfo, 
     let bounds = setup::bounds(&scene, &accel);
     if !accel.is_empty() {
         // What cannot be rendered as it is is not described as if it could.
-        let args = CameraArgs::default();
-        setup::camera(&args, camera.as_ref(), image, &bounds)
-            .map_err(|error| setup::no_camera(&args, &path.display().to_string(), error))?;
+        let given = CameraArgs::default();
+        setup::camera(&given, camera.as_ref(), image, &bounds)
+            .map_err(|error| setup::no_camera(&given, &path.display().to_string(), error))?;
     }
     let tree_bytes = accel.retained_bytes();
     let mut objects: Vec<_> = scene.objects.iter().map(ObjectInfo::from).collect();
-    if looks {
+    if args.health {
+        let mut findings = Findings::new(args.self_intersections);
         let transforms = scene.world_from_objects();
         let transforms = transforms.map_err(|error| Failure::could_not(error.to_string()))?;
         for ((info, object), place) in objects.iter_mut().zip(&scene.objects).zip(&transforms) {
-            info.health = HealthInfo::of(&object.mesh, place);
+            info.health = findings.of(&object.mesh, place);
         }
     }
     Ok(FileInfo {

@@ -5,11 +5,12 @@ use super::{Commands, colors};
 use crate::state::PromptKind;
 use crate::state::State;
 use crate::state::command::Command;
+use crate::ui::mode_pictures;
 use crate::ui::modes::MODES;
 use crate::ui::registry;
-use egui::{Button, Ui, vec2};
+use egui::{Button, Image, RichText, Ui, vec2};
 use raycast_core::ranges::WIDEST_LINE;
-use raycast_core::shade::{Background, EdgeKinds, Mode, Wireframe};
+use raycast_core::shade::{Background, EdgeKinds, Ground, Mode, Wireframe};
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     section(ui, "Look", true, |ui| {
@@ -21,22 +22,32 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
         colors::show(ui, state, out);
         texture(ui, state, out);
         background(ui, state, out);
+        ground(ui, state, out);
     });
 }
 
+/// Three columns of buttons, each with a small picture of what it shows.
 fn modes(ui: &mut Ui, state: &State, out: &mut Commands) {
+    const COLUMNS: usize = 3;
+    const SIDE: f32 = 20.0;
     let gap = 2.0;
-    let width = (ui.available_width() - 2.0 * gap) / 3.0;
+    let width = (ui.available_width() - gap * (COLUMNS - 1) as f32) / COLUMNS as f32;
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing = vec2(gap, gap);
-        for (line, modes) in MODES.chunks(3).enumerate() {
+        ui.spacing_mut().button_padding = vec2(2.0, 0.0);
+        ui.spacing_mut().icon_spacing = 3.0;
+        for (line, modes) in MODES.chunks(COLUMNS).enumerate() {
             ui.horizontal(|ui| {
                 for (column, &(mode, name, _)) in modes.iter().enumerate() {
-                    let selected = state.settings.shading.mode == mode;
-                    let button = Button::new(name)
-                        .selected(selected)
-                        .min_size(vec2(width, 0.0));
-                    let id = format!("look.mode.{}", line * 3 + column + 1);
+                    let picture = mode_pictures::of(ui.ctx(), mode).map(|texture| {
+                        Image::from_texture(&texture).fit_to_exact_size(vec2(SIDE, SIDE))
+                    });
+                    let name = RichText::new(name).size(11.5);
+                    let button = Button::opt_image_and_text(picture, Some(name.into()))
+                        .selected(state.settings.shading.mode == mode)
+                        .truncate()
+                        .min_size(vec2(width, SIDE));
+                    let id = format!("look.mode.{}", line * COLUMNS + column + 1);
                     let hint = registry::hint(ui.ctx(), &id);
                     if ui.add(button).on_hover_text(hint).clicked() {
                         out.push(Command::SetMode(mode));
@@ -223,6 +234,47 @@ fn background(ui: &mut Ui, state: &State, out: &mut Commands) {
                 } else {
                     Background::default()
                 }));
+            }
+        },
+    );
+}
+
+fn ground(ui: &mut Ui, state: &State, out: &mut Commands) {
+    let current = state.settings.shading.ground;
+    row(
+        ui,
+        "Ground",
+        "Lines on a level plane, of which ten make a stronger one",
+        |ui, label| {
+            let hint = registry::hint(ui.ctx(), "look.ground");
+            if let Some(is_shown) = tick(ui, current.is_some(), "Grid", &hint) {
+                out.push(Command::SetGround(is_shown.then(Ground::default)));
+            }
+            let Some(ground) = current else {
+                return;
+            };
+            let is_lowest = ground == Ground::Lowest;
+            let hint = "At the scene's lowest point, wherever that is";
+            if let Some(is_lowest) = tick(ui, is_lowest, "Lowest", hint) {
+                let height = state.bounds().min.y;
+                let ground = match is_lowest || !height.is_finite() {
+                    true => Ground::Lowest,
+                    false => Ground::At(height),
+                };
+                out.push(Command::SetGround(Some(ground)));
+            }
+            if let Ground::At(height) = ground {
+                let number = Number {
+                    value: height,
+                    range: -1e18..=1e18,
+                    speed: state.bounds().size().max_element() * 0.002,
+                    decimals: None,
+                    suffix: "",
+                    width: 58.0,
+                    hint: "How high it lies: its y",
+                };
+                let chosen = number.show(ui, label);
+                out.extend(chosen.map(|height| Command::SetGround(Some(Ground::At(height)))));
             }
         },
     );

@@ -8,7 +8,8 @@ use crate::state::{Resolution, SAMPLES_LIMIT, State};
 use crate::ui::format;
 use crate::ui::registry::{self, action};
 use egui::Ui;
-use raycast_core::camera::{FrameLock, Panorama, Projection};
+use raycast_core::camera::{FrameLock, Panorama, PixelFilter, Projection};
+use raycast_core::ranges::FURTHEST_SHIFT;
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     section(ui, "Picture", false, |ui| {
@@ -40,16 +41,16 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
             "Projection",
             "How rays leave the camera",
             |ui, label| {
-                let projection = select(
-                    ui,
-                    "projection",
-                    label,
-                    state.viewpoint.projection,
-                    &PROJECTIONS,
-                );
+                let current = state.viewpoint.projection;
+                let mut options = PROJECTIONS.to_vec();
+                if current.lens().is_some() {
+                    options.push((current, "Lens", "The calibrated lens of the scene's file"));
+                }
+                let projection = select(ui, "projection", label, current, &options);
                 out.extend(projection.map(Command::SetProjection));
             },
         );
+        shift(ui, state, out);
         row(
             ui,
             "Samples",
@@ -79,6 +80,71 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
                 }
             },
         );
+        row(
+            ui,
+            "Pixel filter",
+            "How a pixel's samples are weighed by their place",
+            |ui, label| {
+                let filter = state.settings.pixel_filter;
+                let chosen = select(ui, "pixel filter", label, filter, &PIXEL_FILTERS);
+                out.extend(chosen.map(Command::SetPixelFilter));
+            },
+        );
+    });
+}
+
+const PIXEL_FILTERS: [(PixelFilter, &str, &str); 4] = [
+    (
+        PixelFilter::Box,
+        "Box",
+        "The pixel's square, all of it alike",
+    ),
+    (
+        PixelFilter::Tent,
+        "Tent",
+        "Less towards the neighbours' middles: soft",
+    ),
+    (
+        PixelFilter::Mitchell,
+        "Mitchell",
+        "Two pixels wide: sharp edges with little ringing",
+    ),
+    (
+        PixelFilter::Gaussian,
+        "Gaussian",
+        "A pixel and a half wide: the softest",
+    ),
+];
+
+/// How far the frame is off the view axis. A panorama's frame has none: what a scene says stays, and is told.
+fn shift(ui: &mut Ui, state: &State, out: &mut Commands) {
+    let [right, up] = state.shift;
+    let hint = "How far the frame is off the view axis, to the right and up, in heights of the frame: upright lines \
+                stay upright in a picture that looks straight ahead and is shifted up";
+    if !state.can_shift() {
+        if state.shift != [0.0; 2] {
+            row(ui, "Shift", hint, |ui, _| {
+                ui.weak("Panoramas have none: left out");
+            });
+        }
+        return;
+    }
+    row(ui, "Shift", hint, |ui, _| {
+        let part = |value: f64, hint| Number {
+            value,
+            range: -FURTHEST_SHIFT..=FURTHEST_SHIFT,
+            speed: 0.005,
+            decimals: Some(3),
+            suffix: "",
+            width: 58.0,
+            hint,
+        };
+        if let Some(right) = part(right, "To the right").show_as(ui, "Shift to the right") {
+            out.push(Command::SetShift([right, up]));
+        }
+        if let Some(up) = part(up, "Up").show_as(ui, "Shift up") {
+            out.push(Command::SetShift([right, up]));
+        }
     });
 }
 

@@ -1,4 +1,6 @@
-use crate::cli::{BackFacesArg, ReadingArgs, ShadingArgs, TextureProjectionArgs, WireframeArg};
+use crate::cli::{
+    BackFacesArg, GroundArg, ReadingArgs, ShadingArgs, TextureProjectionArgs, WireframeArg,
+};
 use crate::failure::Failure;
 use crate::memory;
 use raycast_core::formats;
@@ -149,6 +151,11 @@ pub fn shading(args: &ShadingArgs, file: Option<Shading>) -> Shading {
             None => base.back_faces,
             Some(BackFacesArg::None) => None,
             Some(BackFacesArg::Color(color)) => Some(color),
+        },
+        ground: match args.ground {
+            None => base.ground,
+            Some(GroundArg::None) => None,
+            Some(GroundArg::Some(ground)) => Some(ground),
         },
         x_ray_opacity: args.x_ray_opacity.unwrap_or(base.x_ray_opacity),
     }

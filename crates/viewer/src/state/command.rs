@@ -9,11 +9,13 @@ use super::turn::Turning;
 use super::viewpoint::StandardView;
 use super::{Answer, PromptKind, Tint};
 use raycast_core::Cull;
-use raycast_core::camera::{FrameLock, Grid, Projection};
+use raycast_core::camera::{FrameLock, Grid, PixelFilter, Projection};
 use raycast_core::formats::LengthUnit;
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{ClippingPlane, Color, ColorRule, ColorScale, Transform};
-use raycast_core::shade::{Background, EdgeKinds, Filter, LightSet, Mode, TextureProjection};
+use raycast_core::shade::{
+    Background, EdgeKinds, Filter, Ground, LightSet, Mode, TextureProjection,
+};
 use std::path::PathBuf;
 
 /// One wish. Places are in the picture's pixels, from its top left corner.
@@ -119,6 +121,10 @@ pub enum Command {
     SetProjection(Projection),
     /// Rays a pixel; as many as there is time for, for `None`.
     SetSamples(Option<u32>),
+    /// How samples are weighed by their place.
+    SetPixelFilter(PixelFilter),
+    /// How far the frame is off the view axis, to the right and up, in its heights.
+    SetShift([f64; 2]),
 
     /// How the picture is split.
     SetGrid(Grid),
@@ -153,6 +159,8 @@ pub enum Command {
     SetXRayOpacity(f32),
     /// The colour of triangles seen from behind; `None` for the same as in front.
     SetBackFaces(Option<Color>),
+    /// Lines on a level plane.
+    SetGround(Option<Ground>),
     /// What lies behind everything.
     SetBackground(Background),
     /// Below which angle between triangles edges are smooth, in degrees.
@@ -360,6 +368,8 @@ impl Command {
             Self::SetSize(..) => ("Change of size", true),
             Self::FitWindow => ("Fit to window", false),
             Self::SetSamples(_) => ("Change of samples", true),
+            Self::SetPixelFilter(_) => ("Change of pixel filter", false),
+            Self::SetShift(_) => ("Change of shift", true),
             Self::SetMode(_) => ("Change of mode", false),
             Self::SetWireframe(_) => ("Wireframe", false),
             Self::SetWireframeWidth(_) => ("Change of lines", true),
@@ -372,6 +382,7 @@ impl Command {
             Self::SetCull(_) => ("Change of faces", false),
             Self::SetXRayOpacity(_) => ("Opacity of x-ray", true),
             Self::SetBackFaces(_) => ("Color of back faces", true),
+            Self::SetGround(_) => ("Ground grid", false),
             Self::SetBackground(_) => ("Change of background", true),
             Self::SetCrease(_) => ("Change of crease angle", true),
             Self::SetLights(_) => ("Change of lights", false),

@@ -32,6 +32,8 @@ pub struct Snapshot {
     pub samples: Option<u32>,
     /// Columns and rows.
     pub resolution: Resolution,
+    /// How far the frame is off the view axis.
+    pub shift: [f64; 2],
 }
 
 impl Snapshot {
@@ -42,6 +44,7 @@ impl Snapshot {
             && self.settings == other.settings
             && self.samples == other.samples
             && self.resolution == other.resolution
+            && self.shift == other.shift
     }
 }
 
@@ -255,6 +258,7 @@ mod tests {
             settings,
             samples: None,
             resolution: Resolution::Window { density: 1.0 },
+            shift: [0.0; 2],
         }
     }
 

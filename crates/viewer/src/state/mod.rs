@@ -317,7 +317,7 @@ impl State {
     }
 
     /// Whether the picture is one of those that may be off the view axis.
-    fn can_shift(&self) -> bool {
+    pub fn can_shift(&self) -> bool {
         let projection = self.viewpoint.projection;
         projection.panorama().is_none() || projection.lens().is_some()
     }
@@ -383,6 +383,7 @@ impl State {
             settings: self.settings,
             samples: self.samples,
             resolution: self.resolution,
+            shift: self.shift,
         })
     }
 

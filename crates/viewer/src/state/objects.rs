@@ -143,6 +143,7 @@ pub(super) fn restore(state: &mut State, to: Snapshot) -> Option<Effect> {
     state.settings = to.settings;
     state.samples = to.samples;
     state.resolution = to.resolution;
+    state.shift = to.shift;
     state.locked = to.locked;
     set_scene(state, to.scene)
 }

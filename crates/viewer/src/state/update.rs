@@ -11,7 +11,7 @@ use super::{
     as_command, bookmarks, cut, files, history, inspect, navigate, objects, parents, plane,
     preferences,
 };
-use raycast_core::ranges::WIDEST_LINE;
+use raycast_core::ranges::{FURTHEST_SHIFT, WIDEST_LINE};
 use raycast_core::shade::{Mode, Wireframe};
 
 pub use super::names::suggested_name;
@@ -106,6 +106,13 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::SetSamples(samples) => {
             state.samples = samples.map(|samples| samples.clamp(1, SAMPLES_LIMIT));
         }
+        Command::SetPixelFilter(filter) => state.settings.pixel_filter = filter,
+        Command::SetShift(shift) => {
+            let within = |part: f64| part.clamp(-FURTHEST_SHIFT, FURTHEST_SHIFT);
+            if shift.iter().all(|part| part.is_finite()) {
+                state.shift = shift.map(within);
+            }
+        }
 
         Command::SetGrid(grid) => state.grid = plane::limited(grid, state.size()),
         Command::SetBorders(on) => state.overlay.borders = on,
@@ -144,6 +151,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::SetXRayOpacity(opacity) => {
             state.settings.shading.x_ray_opacity = opacity.clamp(0.0, 1.0);
         }
+        Command::SetGround(ground) => state.settings.shading.ground = ground,
         Command::SetBackFaces(color) => state.settings.shading.back_faces = color,
         Command::SetBackground(background) => state.settings.shading.background = background,
         Command::SetColorRule(which, rule) => {

@@ -1,9 +1,18 @@
 //! What is wrong with a mesh, and how much there is of it.
 
 use raycast_core::glam::DAffine3;
-use raycast_core::health;
+use raycast_core::health::{self, Health, Intersections};
 use raycast_core::scene::Mesh;
 use serde::Serialize;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// What has been found out about meshes: of one that many objects have, once.
+#[derive(Default)]
+pub(super) struct Findings {
+    known: HashMap<*const Mesh, (Health, Option<Intersections>)>,
+    deep: bool,
+}
 
 /// How the triangles of a mesh join, and how much there is of it.
 #[derive(Debug, Serialize)]
@@ -19,17 +28,43 @@ pub(super) struct HealthInfo {
     unused_vertices: usize,
     one_sided: usize,
     inside_out: usize,
+    /// Pairs of triangles that meet elsewhere than at a corner or an edge of both; `null` where nobody asked.
+    self_intersections: Option<usize>,
+    /// Whether there are more pairs than were counted.
+    more_self_intersections: bool,
     /// In its place in the scene, in scene units.
     pub(super) area: f64,
     /// `null` where it is open.
     pub(super) volume: Option<f64>,
 }
 
-impl HealthInfo {
-    pub(super) fn of(mesh: &Mesh, world_from_object: &DAffine3) -> Option<Self> {
-        let health = health::check(mesh, &|_| true)?;
+impl Findings {
+    /// `deep` looks for self-intersections, which takes many times as long.
+    pub(super) fn new(deep: bool) -> Self {
+        Self {
+            deep,
+            ..Self::default()
+        }
+    }
+
+    /// What is wrong with a mesh in its place.
+    pub(super) fn of(
+        &mut self,
+        mesh: &Arc<Mesh>,
+        world_from_object: &DAffine3,
+    ) -> Option<HealthInfo> {
+        let key = Arc::as_ptr(mesh);
+        if !self.known.contains_key(&key) {
+            let health = health::check(mesh, &|_| true)?;
+            let intersections = match self.deep {
+                true => Some(health::self_intersections(mesh, &|_| true)?),
+                false => None,
+            };
+            self.known.insert(key, (health, intersections));
+        }
+        let (health, intersections) = self.known.get(&key)?;
         let size = health::size(mesh, world_from_object, &|_| true)?;
-        Some(Self {
+        Some(HealthInfo {
             closed: health.is_closed(),
             shells: health.shells,
             euler_characteristic: health.euler_characteristic(),
@@ -41,11 +76,15 @@ impl HealthInfo {
             unused_vertices: health.unused_vertices.len(),
             one_sided: health.one_sided,
             inside_out: health.inside_out,
+            self_intersections: intersections.as_ref().map(|found| found.pairs.len()),
+            more_self_intersections: intersections.as_ref().is_some_and(|found| found.has_more),
             area: size.area,
             volume: health.is_closed().then_some(size.volume),
         })
     }
+}
 
+impl HealthInfo {
     /// The faults that there are, in words.
     pub(super) fn faults(&self) -> String {
         let kinds = [
@@ -57,6 +96,14 @@ impl HealthInfo {
             (self.unused_vertices, "unused vertices"),
             (self.one_sided, "one-sided parts"),
             (self.inside_out, "shells inside out"),
+            (
+                self.self_intersections.unwrap_or(0),
+                if self.more_self_intersections {
+                    "and more self-intersections"
+                } else {
+                    "self-intersections"
+                },
+            ),
         ];
         let found = kinds.into_iter().filter(|(count, _)| *count > 0);
         let found: Vec<_> = found

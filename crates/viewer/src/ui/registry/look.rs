@@ -7,6 +7,7 @@ use crate::state::command::Command;
 use crate::state::{PromptKind, State};
 use crate::ui::modes::MODES;
 use egui::Key;
+use raycast_core::shade::Ground;
 
 macro_rules! mode {
     ($number:literal, $key:ident) => {
@@ -62,6 +63,18 @@ pub(super) static ACTIONS: &[Action] = &[
     )
     .on(|state| state.settings.shading.wireframe.is_some())
     .apart(),
+    Action::of(
+        Menu::Look,
+        "look.ground",
+        "Ground grid",
+        "Lines on a level plane at the scene's lowest point: x in red, z in blue",
+        &[shift(Key::G)],
+        |state| {
+            let is_shown = state.settings.shading.ground.is_some();
+            Command::SetGround((!is_shown).then(Ground::default))
+        },
+    )
+    .on(|state| state.settings.shading.ground.is_some()),
     Action::of(
         Menu::Look,
         "look.borders",

@@ -14,91 +14,91 @@ use std::f64::consts::TAU;
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "smaller_than_a_pixel",
-        theme: CaseTheme::Blocks,
+        theme: CaseTheme::Packets,
         trouble: "Triangles from a tenth of a pixel to a few: a set-up serves one ray, or none.",
         variants: 8,
         setting: smaller_than_a_pixel,
     },
     Case {
         name: "changing_density",
-        theme: CaseTheme::Blocks,
+        theme: CaseTheme::Packets,
         trouble: "Cells from 1e-3 to 1e3 in one surface: no one way suits a whole tile.",
         variants: 4,
         setting: changing_density,
     },
     Case {
         name: "around_the_eye",
-        theme: CaseTheme::Blocks,
+        theme: CaseTheme::Packets,
         trouble: "Triangles through the eye and its plane: their projections turn inside out.",
         variants: 12,
         setting: around_the_eye,
     },
     Case {
         name: "edge_on",
-        theme: CaseTheme::Blocks,
+        theme: CaseTheme::Packets,
         trouble: "Triangles whose planes hold the eye, or all but: no side, and no depth, is sure.",
         variants: 20,
         setting: edge_on,
     },
     Case {
         name: "corners_on_pixel_centres",
-        theme: CaseTheme::Blocks,
+        theme: CaseTheme::Packets,
         trouble: "Corners on the centres of pixels, edges through rows of them: zeros, and ties of depth.",
         variants: 24,
         setting: corners_on_pixel_centres,
     },
     Case {
-        name: "edges_through_block_corners",
-        theme: CaseTheme::Blocks,
-        trouble: "Edges through the corner rays of blocks of 8 and 64: a block is accepted whole, or not, by one ray too many.",
+        name: "edges_through_cell_corners",
+        theme: CaseTheme::Packets,
+        trouble: "Edges through the corner rays of cells of 8 × 8 and tiles of 64 × 64: a cell is accepted whole, or not, by one ray too many.",
         variants: 40,
-        setting: edges_through_block_corners,
+        setting: edges_through_cell_corners,
     },
     Case {
         name: "slivers_along_rows",
-        theme: CaseTheme::Blocks,
+        theme: CaseTheme::Packets,
         trouble: "Slivers thinner than a rounding, along rows and columns of rays: a row's bounds leave them out.",
         variants: 20,
         setting: slivers_along_rows,
     },
     Case {
         name: "surfaces_on_one_another",
-        theme: CaseTheme::Blocks,
+        theme: CaseTheme::Packets,
         trouble: "Surfaces a few units in the last place apart, differently cut: rounded depths are in any order.",
         variants: 12,
         setting: surfaces_on_one_another,
     },
     Case {
         name: "crossing_layers",
-        theme: CaseTheme::Blocks,
-        trouble: "150 layers through one another: a block is left too early, or shows the wrong side of a crossing.",
+        theme: CaseTheme::Packets,
+        trouble: "150 layers through one another: a packet is left too early, or shows the wrong side of a crossing.",
         variants: 12,
         setting: crossing_layers,
     },
     Case {
         name: "fan_on_a_pixel",
-        theme: CaseTheme::Blocks,
+        theme: CaseTheme::Packets,
         trouble: "Thousands of triangles that meet in one vertex, on a pixel's centre or next to it.",
         variants: 16,
         setting: fan_on_a_pixel,
     },
     Case {
         name: "ends_of_the_range",
-        theme: CaseTheme::Blocks,
+        theme: CaseTheme::Packets,
         trouble: "Coordinates of 1e-37 and of 1e18: products leave single precision, if not the numbers.",
         variants: 24,
         setting: ends_of_the_range,
     },
     Case {
         name: "narrow_and_wide",
-        theme: CaseTheme::Blocks,
+        theme: CaseTheme::Packets,
         trouble: "Views from a millionth of a degree to all but half a turn: directions all alike, or out of proportion.",
         variants: 20,
         setting: narrow_and_wide,
     },
     Case {
         name: "narrower_than_rounding",
-        theme: CaseTheme::Blocks,
+        theme: CaseTheme::Packets,
         trouble: "A view of a corner so narrow that neighbouring rays are a few roundings apart: a row of rays is no straight line.",
         variants: 24,
         setting: narrower_than_rounding,
@@ -258,9 +258,9 @@ fn corners_on_pixel_centres(variant: u32) -> Setting {
         .culled(CULLS[variant as usize % 2])
 }
 
-/// An edge goes on beyond two rays at blocks' corners: the triangle holds a whole block, or all of
+/// An edge goes on beyond two rays at the corners of cells: the triangle holds a whole cell, or all of
 /// it but one ray.
-fn edges_through_block_corners(variant: u32) -> Setting {
+fn edges_through_cell_corners(variant: u32) -> Setting {
     let mut random = Random::new(1060 + u64::from(variant));
     let projection = PROJECTIONS[variant as usize % 2];
     let shift = match variant / 2 % 2 {

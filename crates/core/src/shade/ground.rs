@@ -1,0 +1,283 @@
+//! Lines on a level plane, which tell what is upright and how large things are.
+
+use super::Ground;
+use super::edges::covered;
+use super::srgb::{self, over};
+use crate::camera::Camera;
+use crate::math;
+use crate::scene::Scene;
+use glam::{DVec3, Vec3};
+
+/// How many cells of the coarser lines' width a finer one's is.
+const COARSER: f64 = 10.0;
+
+/// A line of each kind: how much of what lies behind it it covers.
+const FINE: f64 = 0.4;
+const COARSE: f64 = 0.7;
+const AXIS: f64 = 0.9;
+
+/// Lines fade where cells are seen from this many pixels down to [`CLOSEST`] wide: nearer to one another they would be a
+/// grey veil, and shimmer.
+const APART: f64 = 12.0;
+const CLOSEST: f64 = 3.0;
+
+/// How much nearer than a pixel's hit the ground has to be, in shares of its distance, to be before it: the hit's is in
+/// single precision, at the end of a few roundings of 2⁻²⁴ each. What stands on the ground hides it.
+const NEARER: f64 = 1.0 / (1 << 21) as f64;
+
+/// The ground of a picture. A ray meets it once; how fast the place there moves from pixel to pixel says how wide a
+/// line of one pixel is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct GroundGrid {
+    height: f64,
+    /// A cell's width: a power of ten, a fifth to a fiftieth of the scene's size.
+    cell: f64,
+    lines: Vec3,
+    axes: [Vec3; 2],
+}
+
+/// Where a ray meets the ground, and how that place moves with a pixel to the right and down.
+struct Meeting {
+    distance: f64,
+    point: DVec3,
+    steps: [DVec3; 2],
+}
+
+impl GroundGrid {
+    /// `None` where the scene is empty.
+    pub(super) fn new(scene: &Scene, ground: Ground) -> Option<Self> {
+        let bounds = scene.bounds();
+        let size = (bounds.max - bounds.min).max_element();
+        let height = match ground {
+            Ground::Lowest => bounds.min.y,
+            Ground::At(height) => height,
+        };
+        if !(size.is_finite() && height.is_finite()) {
+            return None;
+        }
+        let size = if size > 0.0 { size } else { 1.0 };
+        // log₁₀ of a fifth of it, rounded down.
+        let digits = (math::log2(size / 5.0) / std::f64::consts::LOG2_10).floor();
+        Some(Self {
+            height,
+            cell: math::pow(10.0, digits),
+            lines: srgb::linear(Ground::LINES),
+            axes: [Ground::X_AXIS, Ground::Z_AXIS].map(srgb::linear),
+        })
+    }
+
+    /// The ground at a place of the picture, over what lies there at the distance `t`; infinite where nothing does.
+    pub(super) fn over(
+        &self,
+        camera: &Camera,
+        (x, y): (f64, f64),
+        t: f32,
+        under: [f32; 4],
+    ) -> [f32; 4] {
+        match self.meeting(camera, x, y) {
+            Some(met) if f64::from(t) - met.distance > met.distance * NEARER => {
+                let (coverage, color) = self.line(&met);
+                over(color, coverage as f32, under)
+            }
+            _ => under,
+        }
+    }
+
+    fn meeting(&self, camera: &Camera, x: f64, y: f64) -> Option<Meeting> {
+        let ray = camera.ray(x, y);
+        let distance = (self.height - ray.origin.y) / ray.direction.y;
+        if !(distance > 0.0 && distance.is_finite()) {
+            return None;
+        }
+        let steps = if camera.projection().is_parallel() {
+            let step = camera.plane().step;
+            [camera.right() * step, camera.up() * -step]
+        } else {
+            let length = distance / camera.direction(x, y).length();
+            camera.direction_slopes(x, y).map(|slope| slope * length)
+        };
+        Some(Meeting {
+            distance,
+            point: ray.at(distance),
+            // Along the ray back to the plane.
+            steps: steps.map(|step| step - ray.direction * (step.y / ray.direction.y)),
+        })
+    }
+
+    /// How much of the pixel the lines there cover, and the colour of the one that covers most.
+    fn line(&self, met: &Meeting) -> (f64, Vec3) {
+        let mut most = (0.0, self.lines);
+        // Lines across x run along z, and the reverse.
+        for (axis, color) in [(0, self.axes[1]), (2, self.axes[0])] {
+            let place = met.point[axis] / self.cell;
+            // Cells a pixel.
+            let rate = math::hypot(met.steps[0][axis], met.steps[1][axis]) / self.cell;
+            if !(rate > 0.0 && rate.is_finite() && place.is_finite()) {
+                continue;
+            }
+            let line = |cells: f64, width: f64| {
+                let (place, rate) = (place / cells, rate / cells);
+                let fade = ((1.0 / rate - CLOSEST) / (APART - CLOSEST)).clamp(0.0, 1.0);
+                fade * covered((place - place.round()).abs() / rate, width)
+            };
+            let is_axis = place.abs() < 0.5;
+            let found = [
+                (FINE * line(1.0, 1.0), self.lines),
+                (COARSE * line(COARSER, 1.0), self.lines),
+                (
+                    if is_axis {
+                        AXIS * line(COARSER * COARSER, 1.5)
+                    } else {
+                        0.0
+                    },
+                    color,
+                ),
+            ];
+            for candidate in found {
+                if candidate.0 > most.0 {
+                    most = candidate;
+                }
+            }
+        }
+        most
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{ImagePlane, Panorama, Placement, Projection};
+    use crate::random::Random;
+    use crate::scene::{Mesh, MeshData, Object};
+    use std::sync::Arc;
+
+    /// A triangle whose lowest point is at −0.5, four units long.
+    fn scene() -> Scene {
+        let mesh = Mesh::new(MeshData {
+            positions: vec![
+                DVec3::new(-2.0, -0.5, 0.0),
+                DVec3::new(2.0, -0.5, 0.0),
+                DVec3::new(0.0, 1.0, 1.0),
+            ],
+            triangles: vec![[0, 1, 2]],
+            ..MeshData::default()
+        });
+        Scene {
+            objects: vec![Object::new("triangle", Arc::new(mesh))],
+        }
+    }
+
+    /// From which cells are 15 pixels wide and more: no line fades.
+    fn cameras() -> Vec<Camera> {
+        let placement = Placement {
+            eye: DVec3::new(0.7, 1.5, 3.0),
+            target: DVec3::new(0.1, -0.4, 0.2),
+            up: DVec3::Y,
+        };
+        let plane = ImagePlane::new(600, 400, 0.002).expect("a good plane");
+        let panorama = Projection::Panoramic(Panorama::Stereographic);
+        [Projection::Perspective, Projection::Orthographic, panorama]
+            .map(|projection| Camera::new(placement, projection, plane))
+            .into()
+    }
+
+    const CLEAR: [f32; 4] = [0.0; 4];
+
+    /// The truth is [`Camera::project`]: where points of lines, and of the middles of cells, are seen.
+    #[test]
+    fn lines_are_where_their_points_are_seen() {
+        let mut random = Random(3);
+        for (kind, camera) in cameras().into_iter().enumerate() {
+            let ground = GroundGrid::new(&scene(), Ground::Lowest).expect("a ground");
+            assert_eq!((ground.height, ground.cell), (-0.5, 0.1));
+            let mut seen = 0;
+            for _ in 0..2000 {
+                let mut cell = || (random.unit() * 14.0).floor() - 7.0;
+                let (x, z) = (cell(), cell());
+                let along = random.unit();
+                let at = |x: f64, z: f64| {
+                    let place = camera.project(DVec3::new(x * 0.1, -0.5, z * 0.1));
+                    let inside = |&(x, y): &(f64, f64)| {
+                        (0.0..600.0).contains(&x) && (0.0..400.0).contains(&y)
+                    };
+                    let place = place.filter(inside)?;
+                    Some(ground.over(&camera, place, f32::INFINITY, CLEAR)[3])
+                };
+                let least = if x % 10.0 == 0.0 { COARSE } else { FINE } as f32;
+                for on_line in [at(x, z + along), at(z + along, x)].into_iter().flatten() {
+                    assert!(on_line > least - 1e-4, "{kind}: {on_line} at {x} {z}");
+                    seen += 1;
+                }
+                assert!(at(x + 0.5, z + 0.5).is_none_or(|middle| middle == 0.0));
+            }
+            assert!(seen > 300, "{kind}: {seen}");
+        }
+    }
+
+    #[test]
+    fn a_line_of_one_pixel_covers_as_much_as_it_is_long() {
+        // Straight down: a cell of a tenth is 25 pixels wide.
+        let placement = Placement {
+            eye: DVec3::new(0.03, 2.0, 0.04),
+            target: DVec3::new(0.03, -0.5, 0.04),
+            up: DVec3::Z,
+        };
+        let plane = ImagePlane::new(250, 250, 0.004).expect("a good plane");
+        let camera = Camera::new(placement, Projection::Orthographic, plane);
+        let ground = GroundGrid::new(&scene(), Ground::At(-0.2)).expect("a ground");
+        let mut sum = 0.0;
+        for y in 145..195 {
+            for x in 10..110 {
+                let place = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+                sum += f64::from(ground.over(&camera, place, f32::INFINITY, CLEAR)[3]);
+            }
+        }
+        // Two lines of 100 pixels and four of 50, which cross at eight pixels.
+        let expected = FINE * (2.0 * 100.0 + 4.0 * 50.0 - 8.0);
+        assert!((sum / expected - 1.0).abs() < 0.05, "{sum} {expected}");
+    }
+
+    #[test]
+    fn what_is_nearer_or_on_the_ground_hides_it() {
+        for camera in cameras() {
+            let ground = GroundGrid::new(&scene(), Ground::Lowest).expect("a ground");
+            let point = DVec3::new(0.3, -0.5, 0.6);
+            let place = camera.project(point).expect("in the picture");
+            let distance = ground
+                .meeting(&camera, place.0, place.1)
+                .expect("met")
+                .distance;
+            let shown = |t: f64| ground.over(&camera, place, t as f32, CLEAR)[3] > 0.0;
+            assert!(!shown(distance * 0.9) && !shown(distance));
+            assert!(shown(distance * 1.001) && shown(f64::INFINITY));
+        }
+    }
+
+    #[test]
+    fn rays_along_the_ground_and_eyes_in_it_see_none() {
+        let plane = ImagePlane::new(3, 3, 0.1).expect("a good plane");
+        let placement = Placement {
+            eye: DVec3::new(0.0, -0.5, 3.0),
+            target: DVec3::new(0.0, -0.5, 0.0),
+            up: DVec3::Y,
+        };
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let camera = Camera::new(placement, projection, plane);
+            let ground = GroundGrid::new(&scene(), Ground::Lowest).expect("a ground");
+            for place in [(1.5, 1.5), (0.5, 1.5), (1.5, 0.5), (2.5, 2.5)] {
+                assert_eq!(ground.over(&camera, place, f32::INFINITY, CLEAR), CLEAR);
+            }
+        }
+        assert!(GroundGrid::new(&Scene::default(), Ground::Lowest).is_none());
+    }
+
+    #[test]
+    fn a_ground_is_written_as_it_is_read() {
+        for ground in [Ground::Lowest, Ground::At(-0.1), Ground::At(1e18)] {
+            assert_eq!(ground.to_string().parse(), Ok(ground));
+        }
+        for text in ["", "low", "nan", "1e19", "inf"] {
+            assert!(text.parse::<Ground>().is_err(), "{text}");
+        }
+    }
+}
