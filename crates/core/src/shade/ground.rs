@@ -12,9 +12,9 @@ use glam::{DVec3, Vec3};
 const COARSER: f64 = 10.0;
 
 /// A line of each kind: how much of what lies behind it it covers.
-const FINE: f64 = 0.4;
-const COARSE: f64 = 0.7;
-const AXIS: f64 = 0.9;
+const FINE: f64 = 0.28;
+const COARSE: f64 = 0.55;
+const AXIS: f64 = 0.85;
 
 /// Lines fade where cells are seen from this many pixels down to [`CLOSEST`] wide: nearer to one another they would be a
 /// grey veil, and shimmer.

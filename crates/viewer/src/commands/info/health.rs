@@ -87,27 +87,27 @@ impl Findings {
 impl HealthInfo {
     /// The faults that there are, in words.
     pub(super) fn faults(&self) -> String {
+        let intersections = match self.more_self_intersections {
+            true => ["and more self-intersections"; 2],
+            false => ["self-intersection", "self-intersections"],
+        };
         let kinds = [
-            (self.open_edges, "open edges"),
-            (self.non_manifold_edges, "non-manifold edges"),
-            (self.flipped, "flipped"),
-            (self.degenerate, "degenerate"),
-            (self.duplicates, "duplicates"),
-            (self.unused_vertices, "unused vertices"),
-            (self.one_sided, "one-sided parts"),
-            (self.inside_out, "shells inside out"),
+            (self.open_edges, ["open edge", "open edges"]),
             (
-                self.self_intersections.unwrap_or(0),
-                if self.more_self_intersections {
-                    "and more self-intersections"
-                } else {
-                    "self-intersections"
-                },
+                self.non_manifold_edges,
+                ["non-manifold edge", "non-manifold edges"],
             ),
+            (self.flipped, ["flipped"; 2]),
+            (self.degenerate, ["degenerate"; 2]),
+            (self.duplicates, ["duplicate", "duplicates"]),
+            (self.unused_vertices, ["unused vertex", "unused vertices"]),
+            (self.one_sided, ["one-sided part", "one-sided parts"]),
+            (self.inside_out, ["shell inside out", "shells inside out"]),
+            (self.self_intersections.unwrap_or(0), intersections),
         ];
         let found = kinds.into_iter().filter(|(count, _)| *count > 0);
         let found: Vec<_> = found
-            .map(|(count, kind)| format!("{count} {kind}"))
+            .map(|(count, [one, many])| format!("{count} {}", if count == 1 { one } else { many }))
             .collect();
         match found[..] {
             [] => "none".to_owned(),
