@@ -46,7 +46,7 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
         let space = space.relative_to(self.reference);
         let mut descent = Descent::new(frustum, SmallBoxes::new(self.lattice));
         descent.cells = Some(cells);
-        // The cells' frusta are there: nothing else is made of this.
+        // Read for the cells' frusta alone, which are built already.
         let part = RayRect {
             column: 0,
             row: 0,
