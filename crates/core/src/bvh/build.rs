@@ -16,8 +16,8 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use rayon::prelude::*;
 
-/// The most triangles in a treelet. Frames of a million triangles do not tell 16 from 1, which takes
-/// three times as long to build; rays one by one lose a tenth from 16 on.
+/// The most triangles in a treelet. Frames of a million triangles take as long with 16 as with 1, which takes
+/// three times as long to build; single rays take a tenth longer from 16 on.
 const TREELET_LIMIT: usize = 8;
 
 /// A treelet takes one triangle more for each time that a mesh has as many as this: below twice as many

@@ -38,7 +38,7 @@ impl<'s> Placed<'s> {
     }
 }
 
-/// The triangles that rays can meet.
+/// The triangles that rays can hit.
 pub(super) struct Reachable {
     /// Their numbers.
     pub(super) numbers: Vec<u32>,
@@ -158,7 +158,7 @@ impl<'s> World<'s> {
     }
 }
 
-/// Whether rays can meet a triangle: all its coordinates are within twice the limit, since a mesh at
+/// Whether rays can hit a triangle: all its coordinates are within twice the limit, since a mesh at
 /// the limit may have been moved off its offset.
 pub(super) fn in_range(corners: &[Vec3; 3]) -> bool {
     let within = |corner: &Vec3| f64::from(corner.abs().max_element()) <= 2.0 * COORDINATE_LIMIT;

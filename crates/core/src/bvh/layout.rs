@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 /// The most triangles in a leaf.
 const LEAF_LIMIT: usize = 4;
 
-/// The fewest triangles for which a second thread pays.
+/// The fewest triangles for which two threads are faster than one.
 const PARALLEL: usize = 1 << 12;
 
 /// Levels whose children may be measured on two threads each: enough to keep every thread busy.
@@ -90,7 +90,7 @@ fn inner(
     (subtree, around_a.union(around_b))
 }
 
-/// Runs both, on two threads if `triangles` pays for it.
+/// Runs both, on two threads if there are so many triangles that this is faster.
 fn join<A: Send, B: Send>(
     triangles: usize,
     a: impl FnOnce() -> A + Send,
