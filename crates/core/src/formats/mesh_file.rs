@@ -15,7 +15,7 @@ use std::mem::size_of;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The most warnings of one file that are told one by one.
+/// The most warnings of one file that are listed one by one.
 const WARNING_LIMIT: usize = 32;
 
 /// How much of reading a compressed file's bytes is unpacking them.

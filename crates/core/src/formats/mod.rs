@@ -70,7 +70,7 @@ const READING: f32 = 0.2;
 /// Reads a mesh file; its kind is known from the content where it can be, else from the extension.
 ///
 /// What [`read_scene`] would warn of (materials that cannot be read) is passed over. The mesh of a
-/// glTF or 3MF file is in its own space: where its node places it is not told.
+/// glTF or 3MF file is in its own space: where its node places it is not said.
 ///
 /// # Errors
 /// A file that cannot be read, or is not a mesh of a kind we know: with file, line and what was

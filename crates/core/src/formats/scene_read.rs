@@ -91,8 +91,8 @@ fn unseen(path: &Path, scene: &Scene) -> Vec<String> {
     let Ok(transforms) = scene.world_from_objects() else {
         return Vec::new();
     };
-    let told = scene.objects.iter().zip(transforms);
-    let told = told.filter_map(|(object, world_from_object)| {
+    let placed = scene.objects.iter().zip(transforms);
+    let warnings = placed.filter_map(|(object, world_from_object)| {
         let count = object.mesh.kept().len();
         if count == 0 {
             return None;
@@ -120,7 +120,7 @@ fn unseen(path: &Path, scene: &Scene) -> Vec<String> {
             "{path}: none of the {count} triangles of object {name} is seen: {why}"
         ))
     });
-    told.collect()
+    warnings.collect()
 }
 
 impl Reader<'_> {

@@ -414,7 +414,7 @@ impl<'t> Lines<'t> {
     }
 }
 
-/// Which edges, and how strongly hidden ones, are told where that is not as usual.
+/// Which edges, and how strongly hidden ones, are written where that is not as usual.
 fn lines_text(lines: &Wireframe) -> String {
     let Wireframe {
         width,
