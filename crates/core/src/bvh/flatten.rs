@@ -87,6 +87,19 @@ impl<'s> World<'s> {
         }
     }
 
+    /// The same with those objects hidden whose mesh keeps a tree.
+    pub(super) fn without_known_trees(&self) -> Self {
+        let objects = self.objects.iter().map(|object| Placed {
+            visible: object.visible && object.mesh.tree().is_none(),
+            ..*object
+        });
+        Self {
+            origin: self.origin,
+            first_numbers: self.first_numbers.clone(),
+            objects: objects.collect(),
+        }
+    }
+
     /// The object of a number.
     fn object(&self, number: u32) -> usize {
         match &self.objects[..] {

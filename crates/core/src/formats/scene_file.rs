@@ -24,6 +24,8 @@ pub enum FileKind {
     Off,
     /// PLY, ASCII or binary.
     Ply,
+    /// What `write_prepared` wrote of files of other kinds.
+    Prepared,
     /// STL, ASCII or binary.
     Stl,
 }
@@ -38,6 +40,7 @@ impl std::fmt::Display for FileKind {
             Self::TriangleText => "triangle text",
             Self::Off => "OFF",
             Self::Ply => "PLY",
+            Self::Prepared => "prepared mesh",
             Self::Stl => "STL",
         })
     }
