@@ -17,6 +17,7 @@ mod sub_camera;
 mod view;
 
 pub use crate::ray::Ray;
+pub(crate) use brown_conrady::FLATTEST;
 pub use brown_conrady::{BrownConrady, LensError};
 pub use grid::Grid;
 pub use lattice::Lattice;

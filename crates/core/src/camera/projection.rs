@@ -211,6 +211,26 @@ impl Camera {
         Self::new(placement, Projection::Perspective, plane)
     }
 
+    /// A perspective camera with the same axes in the origin, whose target is one unit away.
+    pub(crate) fn unit_perspective(&self) -> Self {
+        let placement = Placement {
+            eye: DVec3::ZERO,
+            target: self.forward,
+            up: self.up,
+        };
+        let plane = ImagePlane {
+            columns: 2,
+            rows: 2,
+            step: 1.0,
+        };
+        Self {
+            placement,
+            projection: Projection::Perspective,
+            distance: 1.0,
+            ..self.shifted([0.0; 2]).with_plane(plane)
+        }
+    }
+
     /// The ray through the point (x, y) of the picture, in pixels from its top left corner.
     ///
     /// This is the one definition of a pixel's ray: the pixel in column c and row r has its centre
@@ -264,7 +284,16 @@ impl Camera {
     pub fn has_place(&self, x: f64, y: f64) -> bool {
         self.projection.panorama().is_none_or(|panorama| {
             let (a, b) = self.panoramic_place(x, y);
-            panorama.direction(a, b).is_some()
+            panorama.has_place(a, b)
+        })
+    }
+
+    /// Whether the picture surely has all places between two of a row.
+    pub(crate) fn has_all_between(&self, left: f64, right: f64, y: f64) -> bool {
+        self.projection.panorama().is_none_or(|panorama| {
+            let (first, b) = self.panoramic_place(left, y);
+            let (last, _) = self.panoramic_place(right, y);
+            panorama.has_all_between((first, last), b)
         })
     }
 

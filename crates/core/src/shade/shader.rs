@@ -16,7 +16,7 @@ use super::texturing::Texturing;
 use super::translucent::Translucent;
 use super::{Background, Mode, Shading, Wireframe};
 use crate::bvh::Accel;
-use crate::camera::{Camera, Projection, Rect};
+use crate::camera::{Camera, PanoramaRays, Projection, Rect};
 use crate::hit::{Cull, Detail, MISS, PrimitiveHit};
 use crate::num::simd::Lanes;
 use crate::num::simd::Simd;
@@ -439,7 +439,7 @@ impl<'a> Shader<'a> {
 
     /// Whether pixels are shaded by the mesh's normals, with no lines over them.
     pub(super) fn is_smooth(&self) -> bool {
-        self.shading.mode == Mode::Smooth && !self.needs.edges && !self.is_panoramic()
+        self.shading.mode == Mode::Smooth && !self.needs.edges
     }
 
     /// The light on eight pixels of a row whose triangles and weights are known.
@@ -449,9 +449,20 @@ impl<'a> Shader<'a> {
         lanes: L,
         facets: &Facets<L>,
         weights: Option<(&Row, &Row)>,
-        place: (&Row, f32),
+        to_eye: Vectors<L>,
     ) -> Vectors<L> {
-        smooth::light(lanes, facets, &self.lights, &self.to_eye, weights, place)
+        smooth::light(lanes, facets, &self.lights, weights, to_eye)
+    }
+
+    /// Unit vectors to the eye from what eight pixels of a row of a planar picture show.
+    #[inline(always)]
+    pub(super) fn eight_to_eye<L: Lanes>(&self, lanes: L, place: (&Row, f32)) -> Vectors<L> {
+        smooth::to_eye(lanes, &self.to_eye, place)
+    }
+
+    /// The rays of a rectangle's pixels, where the picture is no plane.
+    pub(super) fn rays(&self, rect: Rect) -> Option<PanoramaRays> {
+        PanoramaRays::new(&self.camera.sub_camera(rect).lattice())
     }
 
     /// What the mode asks of each triangle.
@@ -466,7 +477,12 @@ impl<'a> Shader<'a> {
 
     /// Makes the pixels of a row that the picture has no place for transparent; the first is in column `left`.
     pub(super) fn clear_beyond(&self, left: u32, y: u32, pixels: &mut [[u8; 4]]) {
-        if !self.is_panoramic() {
+        if !self.is_panoramic() || pixels.is_empty() {
+            return;
+        }
+        let middle = f64::from(left) + 0.5;
+        let last = middle + (pixels.len() - 1) as f64;
+        if (self.camera).has_all_between(middle, last, f64::from(y) + 0.5) {
             return;
         }
         for (x, pixel) in (left..).zip(pixels) {
