@@ -36,7 +36,7 @@ pub use shell::quoted_for_posix;
 pub use texture_map::TextureMapArgs;
 pub use texture_projection::TextureProjectionArgs;
 pub use tiles::TileArgs;
-pub use values::{BackFacesArg, OrbitArg, SceneColor, WireframeArg};
+pub use values::{BackFacesArg, OrbitArg, SceneColor, StereoArg, WireframeArg};
 pub use verify::VerifyArgs;
 pub use written::{camera_of, camera_options, has_own_projection, render_command};
 

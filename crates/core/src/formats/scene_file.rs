@@ -1,5 +1,5 @@
 use super::length_unit::LengthUnit;
-use crate::camera::{CameraPath, PixelFilter, Placement, Projection};
+use crate::camera::{CameraPath, PixelFilter, Placement, Projection, Stereo};
 use crate::hit::{Cull, Precision};
 use crate::scene::{ClippingPlanes, Scene};
 use crate::shade::Shading;
@@ -100,6 +100,8 @@ pub struct ImageSettings {
     pub step: Option<f64>,
     /// How far the frame is off the view axis, to the right and up, in heights of the frame.
     pub shift: Option<[f64; 2]>,
+    /// How it is for two eyes.
+    pub stereo: Option<Stereo>,
     /// Which faces rays pass through.
     pub cull: Option<Cull>,
     /// How sure the triangles are.

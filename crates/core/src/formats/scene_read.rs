@@ -11,7 +11,7 @@ use super::scene_toml::{
     ShadingToml, VERSION, VersionToml,
 };
 use crate::camera::{
-    BrownConrady, CameraPath, ImagePlane, Keyframe, Placement, PlacementError, Projection,
+    BrownConrady, CameraPath, ImagePlane, Keyframe, Placement, PlacementError, Projection, Stereo,
 };
 use crate::quote::{self, quote};
 use crate::ranges;
@@ -272,6 +272,16 @@ impl Reader<'_> {
             step: step.transpose()?,
             shift: (image.shift.as_ref())
                 .map(|shift| self.in_range(shift, ranges::shift(*shift.get_ref())))
+                .transpose()?,
+            stereo: (image.stereo.as_ref())
+                .map(|given| {
+                    let stereo = Stereo {
+                        kind: given.get_ref().kind.into(),
+                        eye_distance: given.get_ref().eye_distance,
+                        convergence: given.get_ref().convergence,
+                    };
+                    self.in_range(given, stereo.check_distances().map(|()| stereo))
+                })
                 .transpose()?,
             cull: image.cull.map(Into::into),
             precision: image.precision.map(Into::into),

@@ -74,6 +74,7 @@ impl Recipe {
             "up",
             "shift",
             "lens",
+            "stereo",
         ];
         let key = |line: &str| line.split(' ').next().unwrap_or_default().to_owned();
         Some(

@@ -355,7 +355,7 @@ impl<'a> Shader<'a> {
         if hit.primitive == MISS {
             self.behind(x, y)
         } else {
-            self.color_on(&self.facet(hit.primitive, self.needs), x, y, hit)
+            self.color_on(&self.facet(hit.primitive, self.needs, x), x, y, hit)
         }
     }
 
@@ -367,7 +367,7 @@ impl<'a> Shader<'a> {
     /// The unit surface normal in world space, towards the eye (the mesh's own, between corners,
     /// where it has normals), and the texture coordinates (zero where there are none): the
     /// picture's layers. Both zero at a miss.
-    pub fn surface(&self, _x: f64, _y: f64, hit: &PrimitiveHit) -> ([f32; 3], [f32; 2]) {
+    pub fn surface(&self, x: f64, _y: f64, hit: &PrimitiveHit) -> ([f32; 3], [f32; 2]) {
         if hit.primitive == MISS {
             return ([0.0; 3], [0.0; 2]);
         }
@@ -377,7 +377,7 @@ impl<'a> Shader<'a> {
             normal: true,
             ..Needs::default()
         };
-        let mut facet = self.facet(hit.primitive, needs);
+        let mut facet = self.facet(hit.primitive, needs, x);
         if mesh.has_normals() {
             facet.normals = self.normals_in_world(object, mesh.corner_normals(triangle));
         }
@@ -430,6 +430,22 @@ impl<'a> Shader<'a> {
             && !self.needs.texture
             && !self.needs.varied
             && !self.needs.edges
+            && !self.has_many_eyes()
+    }
+
+    /// Whether pixels beside each other are seen from eyes of their own.
+    pub(super) fn has_many_eyes(&self) -> bool {
+        self.camera.has_an_eye_a_column()
+    }
+
+    /// The eye of the pixels at `x`, relative to the tree's origin.
+    #[inline(always)]
+    fn eye_at(&self, x: f64) -> DVec3 {
+        if self.has_many_eyes() {
+            self.camera.seen_at(x, 0.0).placement().eye - self.accel.origin()
+        } else {
+            self.eye
+        }
     }
 
     /// The instruction set to shade with: the tree's.
@@ -439,7 +455,7 @@ impl<'a> Shader<'a> {
 
     /// Whether pixels are shaded by the mesh's normals, with no lines over them.
     pub(super) fn is_smooth(&self) -> bool {
-        self.shading.mode == Mode::Smooth && !self.needs.edges
+        self.shading.mode == Mode::Smooth && !self.needs.edges && !self.has_many_eyes()
     }
 
     /// The light on eight pixels of a row whose triangles and weights are known.
@@ -508,25 +524,26 @@ impl<'a> Shader<'a> {
         let Some([top, bottom]) = self.background else {
             return [0.0; 4];
         };
-        let down = (y / f64::from(self.camera.plane().rows)).clamp(0.0, 1.0) as f32;
+        let (first, rows) = self.camera.own_rows();
+        let down = ((y - first) / rows).clamp(0.0, 1.0) as f32;
         opaque(top + (bottom - top) * down)
     }
 
-    /// A triangle made ready for its pixels.
-    fn facet(&self, primitive: u32, needs: Needs) -> Facet {
+    /// A triangle made ready for its pixels, at `x`.
+    fn facet(&self, primitive: u32, needs: Needs, x: f64) -> Facet {
         let mut facet = Facet::NONE;
-        self.make_ready(&mut facet, primitive, needs);
+        self.make_ready(&mut facet, primitive, needs, x);
         facet
     }
 
-    /// Makes a triangle ready in the place of another with the same needs: what they do not ask for
-    /// is not touched.
-    pub(super) fn make_ready(&self, facet: &mut Facet, primitive: u32, needs: Needs) {
+    /// Makes a triangle ready in the place of another with the same needs, for pixels at `x` or, where they have one eye,
+    /// for all: what the needs do not ask for is not touched.
+    pub(super) fn make_ready(&self, facet: &mut Facet, primitive: u32, needs: Needs, x: f64) {
         let (number, triangle) = self.accel.identify(primitive);
         let object = &self.scene.objects[number as usize];
         facet.object = number;
         if needs.normal || needs.middle || needs.edges {
-            let corners = self.corners(primitive);
+            let corners = self.corners(primitive, x);
             if needs.normal {
                 facet.normal = self.normal(corners);
             }
@@ -546,11 +563,11 @@ impl<'a> Shader<'a> {
             facet.normals = self.smooth_normals(number, object, triangle);
         }
         if needs.color {
-            let place = || self.placed(number, primitive);
+            let place = || self.placed(number, primitive, x);
             facet.color = self.own_colors.of_triangle(number, object, triangle, place);
         }
         if needs.varied {
-            let place = || self.placed(number, primitive);
+            let place = || self.placed(number, primitive, x);
             facet.varied = self.own_colors.within(number, object, triangle, place);
         }
         if needs.texture {
@@ -567,7 +584,7 @@ impl<'a> Shader<'a> {
         if needs.uvs {
             facet.uvs = object.mesh.corner_uvs(triangle);
         }
-        if let Some(color) = self.back_color(primitive) {
+        if let Some(color) = self.back_color(primitive, x) {
             facet.color = color;
             facet.varied = Varied::No;
             facet.texture = None;
@@ -576,24 +593,28 @@ impl<'a> Shader<'a> {
 
     /// The colour of a triangle that is seen from behind, where backs have their own.
     #[inline(always)]
-    fn back_color(&self, primitive: u32) -> Option<Vec3> {
+    fn back_color(&self, primitive: u32, x: f64) -> Option<Vec3> {
         let (sides, color) = self.backs.as_ref()?;
+        let of_column = (self.has_many_eyes())
+            .then(|| Sides::new(&self.camera.seen_at(x, 0.0), self.accel.origin()));
+        let sides = of_column.as_ref().unwrap_or(sides);
         let is_back = sides.is_back(self.accel.corners(primitive));
         is_back.then_some(*color)
     }
 
-    /// A triangle's corners, relative to the eye.
-    fn corners(&self, primitive: u32) -> [DVec3; 3] {
+    /// A triangle's corners, relative to the eye of the pixels at `x`.
+    fn corners(&self, primitive: u32, x: f64) -> [DVec3; 3] {
         let [a, b, c] = self.accel.corners(primitive);
-        let from_eye = |corner: Vec3| corner.as_dvec3() - self.eye;
+        let eye = self.eye_at(x);
+        let from_eye = |corner: Vec3| corner.as_dvec3() - eye;
         [from_eye(a), from_eye(b), from_eye(c)]
     }
 
     /// A triangle in its place, for rules that ask for it.
-    fn placed(&self, number: u32, primitive: u32) -> Placed<'_> {
+    fn placed(&self, number: u32, primitive: u32, x: f64) -> Placed {
         Placed {
-            corners: self.corners(primitive),
-            camera: &self.camera,
+            corners: self.corners(primitive, x),
+            camera: self.camera.seen_at(x, 0.0),
             world_normals: self.world_normals.get(number as usize).copied().flatten(),
         }
     }
@@ -628,15 +649,15 @@ impl<'a> Shader<'a> {
     pub(super) fn constant_color(&self, primitive: u32) -> [f32; 4] {
         let (number, triangle) = self.accel.identify(primitive);
         let object = &self.scene.objects[number as usize];
-        let place = || self.placed(number, primitive);
-        let color = match self.back_color(primitive) {
+        let place = || self.placed(number, primitive, 0.0);
+        let color = match self.back_color(primitive, 0.0) {
             Some(color) => color,
             None => (self.own_colors).of_triangle(number, object, triangle, place),
         };
         if self.shading.mode == Mode::Color {
             return opaque(color);
         }
-        let corners = self.corners(primitive);
+        let corners = self.corners(primitive, 0.0);
         let light = self
             .lights
             .on(self.normal(corners), self.middle_to_eye(corners));
@@ -666,7 +687,7 @@ impl<'a> Shader<'a> {
         };
         let lines = &self.lines;
         if self.is_panoramic() {
-            let corners = self.corners(hit.primitive);
+            let corners = self.corners(hit.primitive, x);
             let edges = EdgeLines::at(&self.camera, corners, (x, y)).chosen_as(edges);
             return lines.over(edges.coverage(x, y, lines.width), inside);
         }
@@ -794,7 +815,7 @@ impl<'a> Shader<'a> {
         place: (f64, f64),
         hit: &PrimitiveHit,
     ) -> [f32; 4] {
-        let corners = self.corners(hit.primitive);
+        let corners = self.corners(hit.primitive, place.0);
         let slopes = slopes(&self.camera, corners, place, (hit.u, hit.v));
         let slopes = slopes.map(|slope| slope * self.sample_width);
         self.texturing.filtered(texture, mapping, hit, slopes)

@@ -57,7 +57,7 @@ impl<'s> TileShader<'s> {
             return self.shader.behind(x, y);
         }
         let shader = self.shader;
-        shader.color_on(self.facet(hit.primitive), x, y, hit)
+        shader.color_on(self.facet(hit.primitive, x), x, y, hit)
     }
 
     /// As [`Shader::shade_pixel8`].
@@ -79,7 +79,7 @@ impl<'s> TileShader<'s> {
         let shader = self.shader();
         let covers = match shader.translucent() {
             Some(Translucent::All(alpha)) => {
-                let normal = self.facet(hit.primitive).normal_at(hit.u, hit.v);
+                let normal = self.facet(hit.primitive, x).normal_at(hit.u, hit.v);
                 shell(*alpha, normal.dot(along).abs())
             }
             Some(Translucent::Blended(_)) => shader.alpha(hit),
@@ -178,7 +178,7 @@ impl<'s> TileShader<'s> {
             if primitive == MISS {
                 continue;
             }
-            let facet = self.facet(primitive);
+            let facet = self.facet(primitive, f64::from(left));
             let from = lanes.mask_from(first);
             if varied {
                 for lane in first..lane {
@@ -328,29 +328,30 @@ impl<'s> TileShader<'s> {
         color
     }
 
-    /// A triangle, remembered or made ready.
+    /// A triangle, remembered or made ready: for the pixels at `x` alone, if they have an eye of their own.
     #[inline(always)]
-    pub(super) fn facet(&mut self, primitive: u32) -> &Facet {
+    pub(super) fn facet(&mut self, primitive: u32, x: f64) -> &Facet {
         let place = primitive as usize % FACETS;
         if self
             .facets
             .get(place)
             .is_none_or(|(known, _)| *known != primitive)
+            || self.shader.has_many_eyes()
         {
-            self.remember(primitive);
+            self.remember(primitive, x);
         }
         &self.facets[place].1
     }
 
     #[inline(never)]
-    fn remember(&mut self, primitive: u32) {
+    fn remember(&mut self, primitive: u32, x: f64) {
         if self.facets.is_empty() {
             self.facets = vec![(MISS, Facet::NONE); FACETS];
         }
         let (known, facet) = &mut self.facets[primitive as usize % FACETS];
         *known = primitive;
         self.shader
-            .make_ready(facet, primitive, self.shader.needs());
+            .make_ready(facet, primitive, self.shader.needs(), x);
     }
 }
 
