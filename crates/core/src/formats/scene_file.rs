@@ -134,6 +134,7 @@ impl SceneFile {
         }
         self.image.size = self.image.size.or(other.image.size);
         self.image.shift = self.image.shift.or(other.image.shift);
+        self.image.stereo = self.image.stereo.or(other.image.stereo);
         self.image.cull = self.image.cull.or(other.image.cull);
         self.image.precision = self.image.precision.or(other.image.precision);
         self.image.samples = self.image.samples.or(other.image.samples);
