@@ -121,6 +121,11 @@ impl BrownConrady {
         self.is_well_behaved(a, b) || self.direction(a, b).is_some()
     }
 
+    /// The same of several, all as far above.
+    pub(super) fn has_places<const N: usize>(&self, a: [f64; N], b: f64) -> [bool; N] {
+        self.undistort(&a, &[-b; N]).1
+    }
+
     /// Whether a place is so near to the middle that the picture has it and all that are nearer, whatever the steps.
     #[inline(always)]
     pub(super) fn is_well_behaved(&self, a: f64, b: f64) -> bool {

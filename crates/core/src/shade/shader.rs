@@ -18,8 +18,7 @@ use super::{Background, Mode, Shading, Wireframe};
 use crate::bvh::Accel;
 use crate::camera::{Camera, PanoramaRays, Projection, Rect};
 use crate::hit::{Cull, Detail, MISS, PrimitiveHit};
-use crate::num::simd::Lanes;
-use crate::num::simd::Simd;
+use crate::num::simd::{LANES, Lanes, Simd};
 use crate::scene::{
     Attribute, ClippingPlanes, ColorScale, Masks, Object, Reflectance, Scene, Texture,
 };
@@ -496,14 +495,18 @@ impl<'a> Shader<'a> {
         if !self.is_panoramic() || pixels.is_empty() {
             return;
         }
-        let middle = f64::from(left) + 0.5;
-        let last = middle + (pixels.len() - 1) as f64;
-        if (self.camera).has_all_between(middle, last, f64::from(y) + 0.5) {
+        let (first, y) = (f64::from(left) + 0.5, f64::from(y) + 0.5);
+        let last = first + (pixels.len() - 1) as f64;
+        if self.camera.has_all_between(first, last, y) {
             return;
         }
-        for (x, pixel) in (left..).zip(pixels) {
-            if !(self.camera).has_place(f64::from(x) + 0.5, f64::from(y) + 0.5) {
-                *pixel = [0; 4];
+        for (number, pixels) in pixels.chunks_mut(LANES).enumerate() {
+            let x = first + (number * LANES) as f64;
+            let has = self.camera.has_eight_places(x, y);
+            for (pixel, has) in pixels.iter_mut().zip(has) {
+                if !has {
+                    *pixel = [0; 4];
+                }
             }
         }
     }
