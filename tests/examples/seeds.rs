@@ -6,9 +6,9 @@
 use exr::prelude::{Compression, WritableImage, read_all_data_from_file};
 use image::codecs::{jpeg::JpegEncoder, png::PngEncoder};
 use image::{DynamicImage, Rgba, RgbaImage};
-use raycast_core::formats::{MeshFormat, write_meshes};
+use raycast_core::formats::{MeshFormat, read_scene, write_meshes, write_prepared};
 use raycast_tests::binary::succeed;
-use raycast_tests::fuzz::reading::{MESH, read_mesh};
+use raycast_tests::fuzz::reading::{IMAGE, LIBRARY, MESH, read_mesh};
 use raycast_tests::fuzz::threemf;
 use std::error::Error;
 use std::ffi::OsStr;
@@ -21,6 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     fragments()?;
     meshes()?;
     files_of_objects()?;
+    prepared()?;
     rays()
 }
 
@@ -208,6 +209,37 @@ fn files_of_objects() -> Result<(), Box<dyn Error>> {
             seed("threemf", name),
             threemf::archive(&parts, compression)?,
         )?;
+    }
+    Ok(())
+}
+
+/// Prepared files: of an OBJ with everything, of the objects of a 3MF, of a PLY with scalars.
+fn prepared() -> Result<(), Box<dyn Error>> {
+    let scalars = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n\
+        property float z\nproperty float height\nelement face 2\nproperty list uchar int vertex_indices\n\
+        property float part\nend_header\n0 0 0 1\n1 0 0 2\n1 1 0 3\n0 1 0 4\n5 5 1 0\n4 0 1 2 3 7\n3 0 2 4 8\n";
+    // Of one material, whose image is on all of it.
+    let plain = MESH.replace("usemtl b\n", "");
+    let folder = tempfile::tempdir()?;
+    std::fs::write(folder.path().join("a.mtl"), LIBRARY)?;
+    std::fs::write(folder.path().join("t.ppm"), IMAGE)?;
+    for (name, from, bytes) in [
+        ("everything", "mesh.obj", MESH.as_bytes()),
+        (
+            "objects",
+            "mesh.3mf",
+            &std::fs::read(seed("threemf", "archive"))?,
+        ),
+        ("scalars", "mesh.ply", scalars.as_bytes()),
+        ("textured", "plain.obj", plain.as_bytes()),
+    ] {
+        let mesh = folder.path().join(from);
+        std::fs::write(&mesh, bytes)?;
+        let file = read_scene(&mesh, &|_| ())?;
+        let mut prepared = Vec::new();
+        write_prepared(&file, &folder.path().join("mesh.raycast"), &mut prepared)?;
+        std::fs::create_dir_all(seed("prepared", "").as_path())?;
+        std::fs::write(seed("prepared", name), prepared)?;
     }
     Ok(())
 }

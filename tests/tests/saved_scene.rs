@@ -13,7 +13,7 @@ fn a_saved_scene_renders_to_the_bytes_of_the_picture() {
     let folder = folder();
     let texture = asset("leopard.png");
     let texture = texture.to_str().expect("Unicode");
-    let cases: [(&[&str], &[&str]); 7] = [
+    let cases: [(&[&str], &[&str]); 9] = [
         (&["monkey.obj"], &["--size", "61x47"]),
         (
             &["torus.obj", "monkey.obj"],
@@ -85,6 +85,21 @@ fn a_saved_scene_renders_to_the_bytes_of_the_picture() {
         (
             &["demo.raycast.toml"],
             &["--cull=back", "--fov=33", "--size=50x50"],
+        ),
+        (
+            &["demo.raycast.toml"],
+            &["--stereo=pair", "--eye-distance=0.2", "--size=80x30"],
+        ),
+        (
+            &["demo.raycast.toml"],
+            &[
+                "--projection=equirectangular",
+                "--stereo=ods",
+                "--eye-distance=0.2",
+                "--eye=1.3,0.8,0.9",
+                "--target=0,0.9,0",
+                "--size=60x60",
+            ],
         ),
     ];
     for (number, (files, options)) in cases.into_iter().enumerate() {

@@ -18,6 +18,11 @@ impl Digest {
         hash.bytes(bytes);
         hash.finish()
     }
+
+    /// Its 16 bytes in the order of the digits that it is displayed as.
+    pub fn to_bytes(self) -> [u8; 16] {
+        self.0.to_be_bytes()
+    }
 }
 
 impl fmt::Display for Digest {
@@ -81,6 +86,15 @@ impl Digester {
         self.bytes(&buffer);
     }
 
+    /// Takes a list of what consists of words of 32 bits.
+    pub(crate) fn list<T: bytemuck::Pod>(&mut self, list: &[T]) {
+        if cfg!(target_endian = "little") {
+            self.bytes(bytemuck::cast_slice(list));
+        } else {
+            self.words(bytemuck::cast_slice::<T, u32>(list).iter().copied());
+        }
+    }
+
     /// The digest of all that it took.
     pub(crate) fn finish(&self) -> Digest {
         Digest(self.0.digest128())
@@ -112,7 +126,10 @@ mod tests {
             .collect();
         let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
         let mut hash = Digester::new();
-        hash.words(words);
+        hash.words(words.iter().copied());
+        assert_eq!(hash.finish(), Digest::of(&bytes));
+        let mut hash = Digester::new();
+        hash.list(&words);
         assert_eq!(hash.finish(), Digest::of(&bytes));
     }
 

@@ -153,8 +153,8 @@ mod tests {
     fn ranges_end_where_they_say() {
         assert!(samples(1).is_ok() && samples(4096).is_ok());
         assert!(samples(0).is_err());
-        let told = samples(4097).expect_err("too many").to_string();
-        assert_eq!(told, "expected 1 to 4096 samples, found 4097");
+        let message = samples(4097).expect_err("too many").to_string();
+        assert_eq!(message, "expected 1 to 4096 samples, found 4097");
         assert!(line_width(0.01).is_ok() && line_width(100.0).is_ok());
         for width in [0.0, -1.0, 100.01, f32::NAN, f32::INFINITY] {
             assert!(line_width(width).is_err(), "{width}");

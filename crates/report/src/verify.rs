@@ -124,16 +124,30 @@ pub fn verify(
 ) -> Verification {
     let drawn = draw(claim, most, seed);
     let samples = sample_places(claim.samples, claim.pixel_filter);
-    let expected = Expected::new(stage, claim.camera, claim.shading, claim.cull);
+    // Of a picture for two eyes each half has an eye's camera; else one camera has all.
+    let whole = || vec![(claim.camera, claim.rect)];
+    let halves = (claim.camera.halves()).map_or_else(whole, |halves| halves.to_vec());
+    let eyes: Vec<_> = (halves.into_iter())
+        .map(|(camera, part)| {
+            let of = Expected::new(stage, (claim.camera, camera), claim.shading, claim.cull);
+            (part, of)
+        })
+        .collect();
     let parts: Vec<(Channels, Vec<WrongPixel>)> = drawn
         .par_chunks(256)
         .map(|chunk| {
             let mut channels = Channels::default();
+            let mut eyes = eyes.clone();
             let mut check = |&i: &u32| {
+                let (x, y) = claim.pixel(i as usize);
+                let is_in = |(part, _): &&mut (Rect, _)| {
+                    (part.x..part.right()).contains(&x) && (part.y..part.bottom()).contains(&y)
+                };
+                let (_, expected) = eyes.iter_mut().find(is_in)?;
                 check(
                     (stage, claim),
                     &samples,
-                    &expected,
+                    expected,
                     i as usize,
                     &mut channels,
                 )
@@ -176,6 +190,13 @@ enum Kind {
 }
 
 impl Claim<'_> {
+    /// Column and row of a pixel in the whole picture.
+    fn pixel(&self, i: usize) -> (u32, u32) {
+        let width = self.rect.width as usize;
+        let (column, row) = ((i % width) as u32, (i / width) as u32);
+        (self.rect.x + column, self.rect.y + row)
+    }
+
     fn kind(&self, i: usize) -> Kind {
         let Some(layers) = &self.picture.layers else {
             return Kind::Inside;
@@ -226,23 +247,21 @@ fn draw(claim: &Claim<'_>, most: usize, seed: u64) -> Vec<u32> {
 fn check(
     (stage, claim): (&Stage, &Claim<'_>),
     samples: &[PlacedSample],
-    expected: &Expected<'_>,
+    expected: &mut Expected<'_>,
     i: usize,
     channels: &mut Channels,
 ) -> Option<WrongPixel> {
-    let width = claim.rect.width as usize;
-    let (x, y) = (
-        claim.rect.x + (i % width) as u32,
-        claim.rect.y + (i / width) as u32,
-    );
+    let (x, y) = claim.pixel(i);
+    let eye = expected.camera();
     let truth_at = |(across, down): (f64, f64)| {
         let place = (f64::from(x) + across, f64::from(y) + down);
-        let ray = claim.camera.ray(place.0, place.1);
+        let ray = eye.ray(place.0, place.1);
         (place, seen(stage, &ray, claim.cull))
     };
     // Where rounding may decide what a mask keeps, nothing is known.
-    let (_, truth) = truth_at((0.5, 0.5));
+    let (middle, truth) = truth_at((0.5, 0.5));
     let truth = truth?;
+    expected.look_from(&eye.seen_at(middle.0, middle.1));
     let layers = claim.picture.layers.as_ref();
     let found = layers
         .map_or(Ok(()), |layers| {
@@ -254,6 +273,7 @@ fn check(
             for &(place, weight) in samples {
                 let ((x, y), truth) = truth_at(place);
                 let Some(truth) = truth else { return Ok(()) };
+                expected.look_from(&eye.seen_at(x, y));
                 let [r, g, b, a] = expected.color(x, y, truth.as_ref());
                 let light = [r * a, g * a, b * a, a];
                 sums = std::array::from_fn(|channel| match weight < 0.0 {
@@ -287,6 +307,7 @@ fn check(
                 },
             }
         });
+    expected.look_from(&eye);
     let fault = found.err()?;
     let shown = layers.map(|layers| (layers.object[i], layers.triangle[i], layers.depth[i]));
     Some(WrongPixel {

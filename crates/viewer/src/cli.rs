@@ -7,6 +7,7 @@ mod clip;
 mod frames;
 mod mistyped;
 mod plan;
+mod prepare;
 mod reading;
 mod refusal;
 mod report;
@@ -27,6 +28,7 @@ pub use clip::{ClipArg, ClipArgs};
 pub use frames::{FrameArgs, FrameRange, frame_path};
 pub use mistyped::mistyped;
 pub use plan::PlanArgs;
+pub use prepare::PrepareArgs;
 pub use reading::{LimitArg, ReadingArgs};
 pub use refusal::refuse;
 pub use report::ReportArgs;
@@ -36,7 +38,7 @@ pub use shell::quoted_for_posix;
 pub use texture_map::TextureMapArgs;
 pub use texture_projection::TextureProjectionArgs;
 pub use tiles::TileArgs;
-pub use values::{BackFacesArg, GroundArg, OrbitArg, SceneColor, WireframeArg};
+pub use values::{BackFacesArg, GroundArg, OrbitArg, SceneColor, StereoArg, WireframeArg};
 pub use verify::VerifyArgs;
 pub use written::{camera_of, camera_options, has_own_projection, render_command};
 
@@ -54,6 +56,7 @@ Examples:
   raycast render spot.obj -o spot.png --mode texture --texture spot_texture.png
   raycast render bunny.obj -o part.png --tiles 3x2 --sub-camera 1,0
   raycast convert bunny.obj -o bunny.ply
+  raycast prepare bunny.obj -o bunny.raycast   the same mesh, read at once from then on
   raycast info bunny.obj";
 
 /// Look at meshes through exact rays, in a window or without one.
@@ -99,6 +102,8 @@ pub enum Subcommand {
     Plan(PlanArgs),
     /// Write the meshes of files in another format
     Convert(ConvertArgs),
+    /// Store meshes with their tree, so that jobs cast rays at once
+    Prepare(PrepareArgs),
     /// Draw a mesh's triangles into its texture
     TextureMap(Box<TextureMapArgs>),
     /// Draw the outline of a section as SVG or DXF

@@ -18,6 +18,7 @@ pub mod off;
 pub mod picture;
 pub mod placed;
 pub mod ply;
+pub mod prepared;
 pub mod rays;
 pub mod reading;
 pub mod scene;
@@ -30,7 +31,7 @@ pub mod triangle_text;
 pub type Target = fn(&[u8]) -> Result<(), String>;
 
 /// All targets, by the names of their folders in `fuzz/seeds`.
-pub const TARGETS: [(&str, Target); 14] = [
+pub const TARGETS: [(&str, Target); 15] = [
     ("fragment_exr", fragment_exr::check),
     ("fragment_png", fragment_png::check),
     ("gltf", gltf::check),
@@ -39,6 +40,7 @@ pub const TARGETS: [(&str, Target); 14] = [
     ("obj", obj::check),
     ("off", off::check),
     ("ply", ply::check),
+    ("prepared", prepared::check),
     ("rays", rays::check),
     ("scene", scene::check),
     ("stl", stl::check),

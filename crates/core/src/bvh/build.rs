@@ -4,11 +4,12 @@ use super::Accel;
 use super::copies::copies;
 use super::flatten::{Reachable, World};
 use super::instances::Instances;
+use super::joined;
 use super::layout::{Layout, halved};
 use super::tree::{Box32, DEPTH_LIMIT, Tree};
 use super::treelet::Treelets;
 use crate::num::simd::Simd;
-use crate::scene::{Scene, SceneError};
+use crate::scene::{Mesh, Scene, SceneError, TreeTopology};
 use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -16,8 +17,8 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use rayon::prelude::*;
 
-/// The most triangles in a treelet. Frames of a million triangles do not tell 16 from 1, which takes
-/// three times as long to build; rays one by one lose a tenth from 16 on.
+/// The most triangles in a treelet. Frames of a million triangles take as long with 16 as with 1, which takes
+/// three times as long to build; single rays take a tenth longer from 16 on.
 const TREELET_LIMIT: usize = 8;
 
 /// A treelet takes one triangle more for each time that a mesh has as many as this: below twice as many
@@ -28,8 +29,19 @@ pub(super) fn build(scene: &Scene) -> Result<Accel, SceneError> {
     Ok(build_world(World::of(scene)?, DEPTH_LIMIT))
 }
 
+impl TreeTopology {
+    /// That of the tree which is built over a mesh alone.
+    pub(crate) fn of(mesh: &Mesh) -> Self {
+        let accel = build_world(World::alone(mesh, None), DEPTH_LIMIT);
+        Self::of_tree(&accel.tree, &accel.triangles)
+    }
+}
+
 /// The tree over all visible objects of a world, at most so deep.
 pub(super) fn build_world(world: World<'_>, depth_limit: usize) -> Accel {
+    if let Some(accel) = joined::build(&world, depth_limit, build_world) {
+        return accel;
+    }
     let Reachable {
         mut numbers,
         mut boxes,

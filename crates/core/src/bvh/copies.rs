@@ -1,4 +1,4 @@
-//! Triangles that stand exactly where another one stands, and turn the same way: no ray meets them first.
+//! Triangles that coincide with another one, in the same winding order: no ray hits them first.
 
 use super::corner_hash::bits;
 use super::flatten::World;
@@ -6,19 +6,19 @@ use rayon::prelude::*;
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Binary digits that are set aside for each triangle to tell that no other has its corners' hash: of
-/// those that have no copy, one in about as many is looked at closely.
-const DIGITS: usize = 32;
+/// Bits of a hash set for each triangle. Of triangles that have no copy one in about as many shares its bit with another
+/// one, and is compared corner by corner: fewer bits compare more, more take memory.
+const BITS_EACH: usize = 32;
 
-/// Triangles that are worth a second thread.
+/// The fewest triangles for which two threads are faster than one.
 const TOGETHER: usize = 1 << 12;
 
 /// Of triangles whose numbers ascend, those whose three corners another one with a lower number has as
-/// well, in the same turning sense: their places, ascending.
+/// well, in the same winding order: their places, ascending.
 ///
-/// A ray meets either at the same distance or neither, so that the lowest number wins, whichever faces
-/// are culled: this is decided here once, and not by each ray. One that turns the other way is no copy,
-/// since culling tells the two apart; nor is one whose like with a lower number is not opaque, and may let rays through.
+/// A ray hits both at the same distance or neither, so that the lowest number wins, whichever faces
+/// are culled: this is decided here once, and not by each ray. One of the other winding order is no copy,
+/// since culling distinguishes the two; nor is one whose like with a lower number is not opaque, and may let rays through.
 ///
 /// `hashes` are those of [`hash`](super::corner_hash::hash). Where there is no copy this takes a few nanoseconds a triangle.
 pub(super) fn copies(world: &World<'_>, numbers: &[u32], hashes: &[u32]) -> Vec<u32> {
@@ -44,7 +44,7 @@ pub(super) fn copies(world: &World<'_>, numbers: &[u32], hashes: &[u32]) -> Vec<
     copies
 }
 
-/// The same triangle from its least corner on, in the same turning sense.
+/// The same triangle from its least corner on, in the same winding order.
 fn turned(corners: [[u32; 3]; 3]) -> [[u32; 3]; 3] {
     let [a, b, c] = corners;
     [[a, b, c], [b, c, a], [c, a, b]]
@@ -56,20 +56,20 @@ fn turned(corners: [[u32; 3]; 3]) -> [[u32; 3]; 3] {
 /// Hashes that are there more than once, and a few others, each with its place: equal ones together, places
 /// ascending.
 fn suspects(hashes: &[u32]) -> Vec<(u32, u32)> {
-    let digits = (hashes.len() * DIGITS).next_power_of_two().max(64);
+    let bits = (hashes.len() * BITS_EACH).next_power_of_two().max(64);
     let at = |hash: u32| {
-        // The highest digits are the best mixed.
-        let at = (u64::from(hash) * digits as u64) >> u32::BITS;
+        // The highest bits are the best mixed.
+        let at = (u64::from(hash) * bits as u64) >> u32::BITS;
         ((at / 64) as usize, 1u64 << (at % 64))
     };
     let all = || hashes.par_iter().copied().with_min_len(TOGETHER);
-    let seen = Digits::new(digits);
+    let seen = Bits::new(bits);
     let again: Vec<u32> = all().filter(|&hash| seen.set(at(hash))).collect();
     if again.is_empty() {
         return Vec::new();
     }
     // Which of several equals was the first is chance; that there are several is not.
-    let twice = Digits::new(digits);
+    let twice = Bits::new(bits);
     for &hash in &again {
         twice.set(at(hash));
     }
@@ -82,21 +82,21 @@ fn suspects(hashes: &[u32]) -> Vec<(u32, u32)> {
     suspects
 }
 
-/// Binary digits that threads set.
-struct Digits(Vec<AtomicU64>);
+/// Bits that threads set.
+struct Bits(Vec<AtomicU64>);
 
-impl Digits {
-    fn new(digits: usize) -> Self {
-        Self((0..digits / 64).map(|_| AtomicU64::new(0)).collect())
+impl Bits {
+    fn new(bits: usize) -> Self {
+        Self((0..bits / 64).map(|_| AtomicU64::new(0)).collect())
     }
 
-    /// Sets a digit of a word; whether it was set before.
-    fn set(&self, (word, digit): (usize, u64)) -> bool {
-        self.0[word].fetch_or(digit, Ordering::Relaxed) & digit != 0
+    /// Sets a bit of a word; whether it was set before.
+    fn set(&self, (word, bit): (usize, u64)) -> bool {
+        self.0[word].fetch_or(bit, Ordering::Relaxed) & bit != 0
     }
 
-    fn get(&self, (word, digit): (usize, u64)) -> bool {
-        self.0[word].load(Ordering::Relaxed) & digit != 0
+    fn get(&self, (word, bit): (usize, u64)) -> bool {
+        self.0[word].load(Ordering::Relaxed) & bit != 0
     }
 }
 

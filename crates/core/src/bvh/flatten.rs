@@ -38,7 +38,7 @@ impl<'s> Placed<'s> {
     }
 }
 
-/// The triangles that rays can meet.
+/// The triangles that rays can hit.
 pub(super) struct Reachable {
     /// Their numbers.
     pub(super) numbers: Vec<u32>,
@@ -84,6 +84,19 @@ impl<'s> World<'s> {
                 visible: true,
                 placement,
             }],
+        }
+    }
+
+    /// The same with those objects hidden whose mesh keeps a tree.
+    pub(super) fn without_known_trees(&self) -> Self {
+        let objects = self.objects.iter().map(|object| Placed {
+            visible: object.visible && object.mesh.tree().is_none(),
+            ..*object
+        });
+        Self {
+            origin: self.origin,
+            first_numbers: self.first_numbers.clone(),
+            objects: objects.collect(),
         }
     }
 
@@ -158,7 +171,7 @@ impl<'s> World<'s> {
     }
 }
 
-/// Whether rays can meet a triangle: all its coordinates are within twice the limit, since a mesh at
+/// Whether rays can hit a triangle: all its coordinates are within twice the limit, since a mesh at
 /// the limit may have been moved off its offset.
 pub(super) fn in_range(corners: &[Vec3; 3]) -> bool {
     let within = |corner: &Vec3| f64::from(corner.abs().max_element()) <= 2.0 * COORDINATE_LIMIT;

@@ -1,5 +1,5 @@
-//! Objects as instances: a mesh's tree is stored once, and looked at through the placement of each object that
-//! has it, below a top-level tree over the objects.
+//! Objects as instances: a mesh's tree is stored once, and its boxes and corners are mapped by the placement of each
+//! object that has it, below a top-level tree over the objects.
 //!
 //! Node and primitive indices go on beyond those of the arrays in [`Accel`](super::Accel), which are empty where
 //! there are instances. Each instance has a run of whole pages of them, as many as its mesh's tree has triangles;

@@ -6,9 +6,9 @@ use obvhs::bvh2::Bvh2;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 /// The most triangles in a leaf.
-const LEAF_LIMIT: usize = 4;
+pub(super) const LEAF_LIMIT: usize = 4;
 
-/// The fewest triangles for which a second thread pays.
+/// The fewest triangles for which two threads are faster than one.
 const PARALLEL: usize = 1 << 12;
 
 /// Levels whose children may be measured on two threads each: enough to keep every thread busy.
@@ -32,14 +32,14 @@ fn halving_nodes(triangles: usize) -> usize {
 
 /// Where a subtree's nodes and primitive indices begin.
 #[derive(Clone, Copy, Default)]
-struct Place {
-    node: usize,
-    primitive: usize,
+pub(super) struct Place {
+    pub(super) node: usize,
+    pub(super) primitive: usize,
 }
 
 impl Place {
     /// The same, further by some nodes and primitive indices.
-    fn after(self, nodes: usize, primitives: usize) -> Self {
+    pub(super) fn after(self, nodes: usize, primitives: usize) -> Self {
         Self {
             node: self.node + nodes,
             primitive: self.primitive + primitives,
@@ -79,7 +79,7 @@ fn halve(
 }
 
 /// Writes a node above its children.
-fn inner(
+pub(super) fn inner(
     node: &mut Node,
     place: Place,
     count: usize,
@@ -90,8 +90,8 @@ fn inner(
     (subtree, around_a.union(around_b))
 }
 
-/// Runs both, on two threads if `triangles` pays for it.
-fn join<A: Send, B: Send>(
+/// Runs both, on two threads if there are so many triangles that this is faster.
+pub(super) fn join<A: Send, B: Send>(
     triangles: usize,
     a: impl FnOnce() -> A + Send,
     b: impl FnOnce() -> B + Send,

@@ -13,7 +13,7 @@ use glam::DVec3;
 /// indices each.
 pub(super) const TOP_DEPTH: usize = 22;
 
-/// Bins along an axis. Frames of a thousand objects do not tell 32 from 16.
+/// Bins along an axis. Frames of a thousand objects take as long with 32.
 const BINS: usize = 16;
 
 /// How many triangles a top-level node has at least, or says it has: too many to be taken as a leaf, since they do
@@ -66,7 +66,7 @@ fn span(roots: &[Root]) -> Box32 {
 }
 
 /// Orders roots by the side of the best plane on which their centres lie; how many lie on the first. `None` where
-/// no plane tells them apart.
+/// no plane separates them.
 fn split(roots: &mut [Root]) -> Option<usize> {
     let span = span(roots);
     let (from, size) = (

@@ -9,7 +9,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// The fewest boxes for which a second thread pays.
+/// The fewest boxes for which two threads are faster than one.
 const PARALLEL: usize = 1 << 13;
 
 /// Boxes in an order in which neighbours are close, and where it is cut.

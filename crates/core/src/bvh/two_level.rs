@@ -79,6 +79,38 @@ impl Known {
         }
     }
 
+    /// What is known of meshes in their places, and of the others the number of an object that has each.
+    fn placed_and_missing(&self, keys: &[Key]) -> (HashMap<Key, Placed>, HashMap<Key, usize>) {
+        let mut placed = HashMap::with_capacity(keys.len());
+        let mut missing = HashMap::new();
+        for (number, key) in keys.iter().enumerate() {
+            match self.placed.get(key) {
+                Some(known) => _ = placed.insert(*key, known.clone()),
+                None => _ = missing.insert(*key, number),
+            }
+        }
+        (placed, missing)
+    }
+
+    /// Adds what is known of meshes whose only tree is in a place: an object that is gone may come back.
+    fn keep_only_trees(
+        &self,
+        meshes: &HashMap<usize, Weak<Mesh>>,
+        trees: &HashMap<usize, Arc<MeshTree>>,
+        placed: &mut HashMap<Key, Placed>,
+    ) {
+        let is_only = |key: &Key, known: &Placed| {
+            known.placement.is_none() && meshes.contains_key(&key.0) && !trees.contains_key(&key.0)
+        };
+        for (key, known) in self
+            .placed
+            .iter()
+            .filter(|(key, known)| is_only(key, known))
+        {
+            placed.entry(*key).or_insert_with(|| known.clone());
+        }
+    }
+
     /// Whether there is a tree of a mesh, in its own space or placed.
     fn has_tree(&self, address: usize) -> bool {
         self.trees.contains_key(&address) || self.trees_in_place.contains_key(&address)
@@ -119,8 +151,8 @@ fn mesh_tree(world: World<'_>, is_for_one_place: bool) -> Arc<MeshTree> {
     })
 }
 
-/// Builds over a scene, taking over the trees that the one before has. `None` where `quick` is asked for, and it would not
-/// be.
+/// Builds over a scene, taking over the trees that the one before has. With `quick`, `None` where it would take
+/// long.
 ///
 /// The origin stays that of the tree before: moving an object moves no corner of another one.
 pub(super) fn build(
@@ -145,14 +177,7 @@ pub(super) fn build(
     let keys: Vec<Key> = keys
         .map(|(object, transform)| key(object, transform))
         .collect();
-    let mut placed: HashMap<Key, Placed> = HashMap::with_capacity(keys.len());
-    let mut missing: HashMap<Key, usize> = HashMap::new();
-    for (number, key) in keys.iter().enumerate() {
-        match known.placed.get(key) {
-            Some(known) => _ = placed.insert(*key, known.clone()),
-            None => _ = missing.insert(*key, number),
-        }
-    }
+    let (mut placed, missing) = known.placed_and_missing(&keys);
     let meshes = missing.values().map(|&number| &scene.objects[number].mesh);
     let Some(mut trees) = trees(meshes, known, quick) else {
         return Ok(None);
@@ -160,62 +185,25 @@ pub(super) fn build(
     if quick && missing.len() > QUICK_PLACES {
         return Ok(None);
     }
-    let mut uses: HashMap<usize, usize> = HashMap::new();
-    for (address, _) in &keys {
-        *uses.entry(*address).or_default() += 1;
+    let uses = uses(&keys);
+    let placer = Placer {
+        world: &world,
+        known,
+        trees: &trees,
+        uses: &uses,
+        is_loaded: before.is_none_or(|before| before.known.is_some()),
+        is_small: scene.triangle_count() <= PLACED_TRIANGLES,
+        quick,
+    };
+    if placer.place_all(missing, &mut placed).is_none() {
+        return Ok(None);
     }
-    // What is moved by hand goes on being moved: its corners are left to the packets.
-    let is_new = |address| !known.has_tree(address);
-    let is_loaded = before.is_none_or(|before| before.known.is_some());
-    let is_small = scene.triangle_count() <= PLACED_TRIANGLES;
-    let is_put = |address| {
-        !quick && is_loaded && is_new(address) && (is_small || uses.get(&address) == Some(&1))
-    };
-    let place = |(key, number): (Key, usize)| {
-        let object = &world.objects[number];
-        let tree = trees.get(&key.0)?;
-        let mut in_place = Placed::new(Arc::clone(tree), object.placement).or_else(|| {
-            if quick && tree.triangles.len() > QUICK_TRIANGLES {
-                return None;
-            }
-            // Not all of it may be within reach: a tree of its own over what is.
-            let tree = mesh_tree(World::alone(object.mesh, object.placement), true);
-            Placed::new(tree, None)
-        })?;
-        if is_put(key.0) {
-            in_place = in_place.with_tree_in_place();
-        }
-        Some((key, in_place))
-    };
-    if quick {
-        for missing in missing {
-            let Some((key, in_place)) = place(missing) else {
-                return Ok(None);
-            };
-            placed.insert(key, in_place);
-        }
-    } else {
-        placed.par_extend(missing.into_par_iter().filter_map(place));
-        // The tree of a mesh of one object is not kept twice.
-        let only = placed
-            .iter()
-            .filter(|(key, _)| uses.get(&key.0) == Some(&1));
-        for (key, placed) in only {
-            let is_own = |tree: &Arc<MeshTree>| Arc::ptr_eq(tree, &placed.tree);
-            if placed.placement.is_none() && !trees.get(&key.0).is_some_and(is_own) {
-                trees.remove(&key.0);
-            }
-        }
+    if !quick {
+        drop_doubles(&mut trees, &placed, &uses);
     }
     let meshes = living_meshes(scene, known);
     trees.retain(|address, _| meshes.contains_key(address));
-    // An object that is gone may come back: the only tree of its mesh stays.
-    let only = |key: &Key, placed: &Placed| {
-        placed.placement.is_none() && meshes.contains_key(&key.0) && !trees.contains_key(&key.0)
-    };
-    for (key, known) in known.placed.iter().filter(|(key, known)| only(key, known)) {
-        placed.entry(*key).or_insert_with(|| known.clone());
-    }
+    known.keep_only_trees(&meshes, &trees, &mut placed);
 
     let most_roots = keys.len().max(ROOTS);
     let Some((all, out_of_range)) = instances(&keys, &placed, &world, most_roots) else {
@@ -243,6 +231,93 @@ pub(super) fn build(
         out_of_range,
         known: Some(Arc::new(Known::new(meshes, trees, placed))),
     }))
+}
+
+/// How many objects have each mesh.
+fn uses(keys: &[Key]) -> HashMap<usize, usize> {
+    let mut uses = HashMap::new();
+    for (address, _) in keys {
+        *uses.entry(*address).or_default() += 1;
+    }
+    uses
+}
+
+/// Brings meshes' trees into places that no tree is known in.
+struct Placer<'a> {
+    world: &'a World<'a>,
+    known: &'a Known,
+    /// In the meshes' own spaces.
+    trees: &'a HashMap<usize, Arc<MeshTree>>,
+    uses: &'a HashMap<usize, usize>,
+    /// Whether objects are put into the scene rather than moved in it.
+    is_loaded: bool,
+    /// Whether all corners may be placed: see [`PLACED_TRIANGLES`].
+    is_small: bool,
+    quick: bool,
+}
+
+impl Placer<'_> {
+    /// Places what is missing. With `quick`, `None` where it would take long.
+    fn place_all(
+        &self,
+        missing: HashMap<Key, usize>,
+        placed: &mut HashMap<Key, Placed>,
+    ) -> Option<()> {
+        let place = |(key, number): (Key, usize)| Some((key, self.place(key, number)?));
+        if self.quick {
+            for missing in missing {
+                placed.extend([place(missing)?]);
+            }
+        } else {
+            placed.par_extend(missing.into_par_iter().filter_map(place));
+        }
+        Some(())
+    }
+
+    /// The tree of a key's mesh in the place of an object, by its number. With `quick`, `None` where it would take long.
+    fn place(&self, key: Key, number: usize) -> Option<Placed> {
+        let object = &self.world.objects[number];
+        let tree = self.trees.get(&key.0)?;
+        let in_place = Placed::new(Arc::clone(tree), object.placement).or_else(|| {
+            if self.quick && tree.triangles.len() > QUICK_TRIANGLES {
+                return None;
+            }
+            // Not all of it may be within reach: a tree of its own over what is.
+            let tree = mesh_tree(World::alone(object.mesh, object.placement), true);
+            Placed::new(tree, None)
+        })?;
+        Some(if self.places_corners(key.0) {
+            in_place.with_tree_in_place()
+        } else {
+            in_place
+        })
+    }
+
+    /// Whether a mesh's corners are placed once. What is moved by hand goes on being moved: its corners are left to the
+    /// packets.
+    fn places_corners(&self, mesh: usize) -> bool {
+        !self.quick
+            && self.is_loaded
+            && !self.known.has_tree(mesh)
+            && (self.is_small || self.uses.get(&mesh) == Some(&1))
+    }
+}
+
+/// Removes the trees of meshes of one object that are the objects' own: they are not kept twice.
+fn drop_doubles(
+    trees: &mut HashMap<usize, Arc<MeshTree>>,
+    placed: &HashMap<Key, Placed>,
+    uses: &HashMap<usize, usize>,
+) {
+    let only = placed
+        .iter()
+        .filter(|(key, _)| uses.get(&key.0) == Some(&1));
+    for (key, placed) in only {
+        let is_own = |tree: &Arc<MeshTree>| Arc::ptr_eq(tree, &placed.tree);
+        if placed.placement.is_none() && !trees.get(&key.0).is_some_and(is_own) {
+            trees.remove(&key.0);
+        }
+    }
 }
 
 /// The meshes that are known or in a scene, and still exist.

@@ -30,6 +30,7 @@ pub struct BrownConrady {
     coefficients: [f64; 5],
     /// r² where the radius begins to fall.
     end: f64,
+    well_behaved: WellBehaved,
 }
 
 /// Coefficients that are no numbers.
@@ -49,9 +50,11 @@ impl BrownConrady {
         {
             return Err(LensError);
         }
+        let end = fold(coefficients);
         Ok(Self {
             coefficients,
-            end: fold(coefficients),
+            end,
+            well_behaved: WellBehaved::new(coefficients, end),
         })
     }
 
@@ -81,7 +84,11 @@ impl BrownConrady {
         to_y: &[f64; N],
     ) -> ([[f64; N]; 2], [bool; N]) {
         let (mut x, mut y) = (*to_x, *to_y);
-        for _ in 0..STEPS {
+        // Steps repeat themselves once they go back and forth between roundings of the root, or stay: then what the last
+        // one comes to is known.
+        let mut before = [[0.0; N]; 2];
+        for step in 0..STEPS {
+            let last = [x, y];
             for lane in 0..N {
                 let at = self.at(x[lane], y[lane]);
                 let (off_x, off_y) = (at.x - to_x[lane], at.y - to_y[lane]);
@@ -89,6 +96,13 @@ impl BrownConrady {
                 x[lane] -= (at.yy * off_x - at.xy * off_y) * inverse;
                 y[lane] -= (at.xx * off_y - at.xy * off_x) * inverse;
             }
+            if step > 1 && are_same(&x, &before[0]) && are_same(&y, &before[1]) {
+                if (STEPS - step).is_multiple_of(2) {
+                    [x, y] = last;
+                }
+                break;
+            }
+            before = last;
         }
         let mut has = [false; N];
         for lane in 0..N {
@@ -100,6 +114,50 @@ impl BrownConrady {
             has[lane] = (off <= ARRIVED * size) & is_inside & (at.determinant() > 0.0);
         }
         ([x, y], has)
+    }
+
+    /// Whether the picture has the place `a` to the right of and `b` above the middle.
+    pub(super) fn has_place(&self, a: f64, b: f64) -> bool {
+        self.is_well_behaved(a, b) || self.direction(a, b).is_some()
+    }
+
+    /// The same of several, all as far above.
+    pub(super) fn has_places<const N: usize>(&self, a: [f64; N], b: f64) -> [bool; N] {
+        self.undistort(&a, &[-b; N]).1
+    }
+
+    /// Whether a place is so near to the middle that the picture has it and all that are nearer, whatever the steps.
+    #[inline(always)]
+    pub(super) fn is_well_behaved(&self, a: f64, b: f64) -> bool {
+        a * a + b * b <= self.well_behaved.radius * self.well_behaved.radius
+    }
+
+    /// The least and the greatest tangents, to the right and up, of the rays through a rectangle of places; `None` where
+    /// it is not all well-behaved.
+    ///
+    /// With g the inverse of the distortion, J its derivative at the rectangle's middle and h from there to a place, g
+    /// is off from g(middle) + J h by at most ½ max ‖D²g‖ |h|².
+    pub(super) fn window(
+        &self,
+        (left, right): (f64, f64),
+        (low, high): (f64, f64),
+    ) -> Option<[(f64, f64); 2]> {
+        let furthest = [left.abs().max(right.abs()), low.abs().max(high.abs())];
+        if !self.is_well_behaved(furthest[0], furthest[1]) {
+            return None;
+        }
+        let (across, along) = ((right - left) * 0.5, (high - low) * 0.5);
+        let (a, b) = (left + across, low + along);
+        let middle = self.direction(a, b)?;
+        let [by_a, by_b] = self.derivatives(a, b);
+        let bend = self.well_behaved.bend * (across * across + along * along);
+        let reach = |by_a: f64, by_b: f64| {
+            let reach = by_a.abs() * across + by_b.abs() * along + bend;
+            // Far more than the roundings of directions and derivatives.
+            reach * (1.0 + 1e-9) + 1e-9
+        };
+        let (x, y) = (reach(by_a.x, by_b.x), reach(by_a.y, by_b.y));
+        Some([(middle.x - x, middle.x + x), (middle.y - y, middle.y + y)])
     }
 
     /// Where (x, y) is seen, and how that changes.
@@ -161,6 +219,84 @@ impl Seen {
     #[inline(always)]
     fn determinant(&self) -> f64 {
         self.xx * self.yy - self.xy * self.xy
+    }
+}
+
+/// Whether numbers are the same, bit for bit.
+#[inline(always)]
+fn are_same<const N: usize>(a: &[f64; N], b: &[f64; N]) -> bool {
+    let mut differ = 0;
+    for lane in 0..N {
+        differ |= a[lane].to_bits() ^ b[lane].to_bits();
+    }
+    differ == 0
+}
+
+/// Within what radius of places Newton's steps are sure to arrive, at the one direction that is seen there.
+///
+/// With f the distortion, r the radius of directions, a = |k1|, b = |k2|, c = |k3| and p = |p1| + |p2|:
+///
+/// * ‖f(x) − x‖ ≤ d(r) = a r³ + b r⁵ + c r⁷ + 3 p r²,
+/// * ‖Df − 1‖ ≤ e(r) = 3 a r² + 5 b r⁴ + 7 c r⁶ + 6 p r,
+/// * ‖D²f‖ ≤ l(r) = 6 a r + 20 b r³ + 42 c r⁵ + 6 p,
+///
+/// since |x|²ᵏ x has second derivatives up to 2k (2k + 1) r²ᵏ⁻¹, and the tangential part is |x|² q + 2 (q·x) x with
+/// q = (p2, p1). Steps towards a place at radius R start there, and the first one is at most η = d(R)/(1 − e(R)) long.
+/// Where h = η · l(R + 2η)/(1 − e(R)) ≤ ½ they arrive at a root within 2η (Kantorovich, "Functional analysis and applied
+/// mathematics", 1948); with h ≤ ¼ each is at most half as long as the one before, squared: twelve do, but for
+/// rounding. Within R + 2η, where e < 1, f is one to one, and its derivative has no determinant of zero. There
+/// ‖Dg‖ ≤ 1/(1 − e) for the inverse g, and ‖D²g‖ ≤ l/(1 − e)³.
+#[derive(Clone, Copy, Debug)]
+struct WellBehaved {
+    /// R, the greatest such radius, or a little less.
+    radius: f64,
+    /// ½ max ‖D²g‖ over it.
+    bend: f64,
+}
+
+/// The greatest e in use: far enough below one for the roundings of all that is worked out here.
+const GREATEST_SLOPE: f64 = 0.9;
+
+/// The greatest h in use.
+const GREATEST_CURVATURE: f64 = 0.25;
+
+/// The greatest tangent of a direction in use, on the plane that a lens's packets share: bounds of roundings there
+/// (`packet/places`) go by it.
+pub(crate) const FLATTEST: f64 = 2.0;
+
+impl WellBehaved {
+    fn new(coefficients: [f64; 5], end: f64) -> Self {
+        let (mut radius, mut beyond) = (0.0, FLATTEST);
+        let mut bend = 0.0;
+        // To a millionth of the greatest.
+        for _ in 0..20 {
+            let middle = (radius + beyond) * 0.5;
+            match Self::bend(coefficients, end, middle) {
+                Some(found) => (radius, bend) = (middle, found),
+                None => beyond = middle,
+            }
+        }
+        Self { radius, bend }
+    }
+
+    /// ½ max ‖D²g‖ for this radius, if it is not too large.
+    fn bend(coefficients: [f64; 5], end: f64, radius: f64) -> Option<f64> {
+        let [a, b, p1, p2, c] = coefficients.map(f64::abs);
+        let p = p1 + p2;
+        let off = |r: f64| r * r * (r * (a + r * r * (b + r * r * c)) + 3.0 * p);
+        let slope = |r: f64| r * (r * (3.0 * a + r * r * (5.0 * b + r * r * 7.0 * c)) + 6.0 * p);
+        let curvature = |r: f64| r * (6.0 * a + r * r * (20.0 * b + r * r * 42.0 * c)) + 6.0 * p;
+        let rest = 1.0 - slope(radius);
+        let first = off(radius) / rest;
+        let reach = radius + 2.0 * first;
+        // NaN and infinity fail these comparisons.
+        let is_well_behaved = rest >= 1.0 - GREATEST_SLOPE
+            && reach <= 0.999 * FLATTEST
+            && reach * reach <= 0.999 * end
+            && slope(reach) <= GREATEST_SLOPE
+            && first * curvature(reach) <= GREATEST_CURVATURE * rest;
+        let steepest = 1.0 / (1.0 - slope(reach));
+        is_well_behaved.then(|| 0.5 * curvature(reach) * steepest * steepest * steepest)
     }
 }
 

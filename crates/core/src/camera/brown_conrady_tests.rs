@@ -1,5 +1,6 @@
 use super::*;
 use crate::camera::{Camera, ImagePlane, Panorama, Placement, Projection};
+use crate::math;
 use crate::random::Random;
 
 /// Lenses, and points (x, y) with the place where OpenCV shows (x, y, 1): printed by `tests/tools/opencv_lenses.py`.
@@ -147,4 +148,81 @@ fn directions_and_places_are_each_others_inverse() {
             }
         }
     }
+}
+
+/// Lenses, calibrated and not.
+fn many() -> impl Iterator<Item = BrownConrady> {
+    let mut random = Random(44);
+    let made = (0..200).map(move |_| {
+        let size = math::pow(2.0, random.signed() * 4.0 - 3.0);
+        let [a, b, c] = (random.point() * size).to_array();
+        let decentred = random.point() * 0.05 * size;
+        [a, b, decentred.x, decentred.y, c]
+    });
+    let known = SHOWN.map(|(coefficients, _)| coefficients);
+    made.chain(known).chain([[0.0; 5]]).map(lens)
+}
+
+/// The steps one by one, to the last.
+fn by_all_steps(lens: &BrownConrady, to_x: f64, to_y: f64) -> [f64; 2] {
+    let (mut x, mut y) = (to_x, to_y);
+    for _ in 0..STEPS {
+        let at = lens.at(x, y);
+        let (off_x, off_y) = (at.x - to_x, at.y - to_y);
+        let inverse = 1.0 / at.determinant();
+        x -= (at.yy * off_x - at.xy * off_y) * inverse;
+        y -= (at.xx * off_y - at.xy * off_x) * inverse;
+    }
+    [x, y]
+}
+
+#[test]
+fn steps_that_would_change_nothing_are_left_out() {
+    let mut random = Random(45);
+    for lens in many() {
+        for _ in 0..200 {
+            let to = random.point() * 1.5;
+            let expected = by_all_steps(&lens, to.x, to.y).map(f64::to_bits);
+            let alone = lens.undistort(&[to.x], &[to.y]).0;
+            assert_eq!(alone.map(|[x]| x.to_bits()), expected, "{lens} {to}");
+            let other = random.point();
+            let ([x, y], _) = lens.undistort(&[other.x, to.x], &[other.y, to.y]);
+            assert_eq!([x[1], y[1]].map(f64::to_bits), expected, "{lens} {to}");
+        }
+    }
+}
+
+#[test]
+fn a_lens_is_well_behaved_where_it_is_said_to_be() {
+    let mut random = Random(46);
+    let (mut widest, mut count) = (0.0_f64, 0);
+    for lens in many() {
+        let radius = lens.well_behaved.radius;
+        widest = widest.max(radius);
+        for _ in 0..50 {
+            let middle = random.point() * radius;
+            let half = random.point().abs() * (0.2 * radius * random.unit());
+            let across = (middle.x - half.x, middle.x + half.x);
+            let along = (middle.y - half.y, middle.y + half.y);
+            let Some([xs, ys]) = lens.window(across, along) else {
+                continue;
+            };
+            for _ in 0..20 {
+                let (a, b) = (
+                    middle.x + half.x * random.signed(),
+                    middle.y + half.y * random.signed(),
+                );
+                assert!(lens.is_well_behaved(a, b) && lens.has_place(a, b));
+                let found = lens.direction(a, b).expect("a well-behaved place");
+                let is_in = |(least, most): (f64, f64), it: f64| (least..=most).contains(&it);
+                assert!(is_in(xs, found.x) && is_in(ys, found.y), "{lens} {a} {b}");
+                assert!(found.x.abs().max(found.y.abs()) < FLATTEST);
+                count += 1;
+            }
+        }
+    }
+    assert!(widest > 1.9 && count > 20_000, "{widest} {count}");
+    // A calibrated camera's whole picture but for its corners.
+    let (calibrated, _) = SHOWN[0];
+    assert!(lens(calibrated).well_behaved.radius > 0.5);
 }

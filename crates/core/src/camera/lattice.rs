@@ -29,9 +29,14 @@ impl Lattice {
         )
     }
 
-    /// A ray of the lattice: the camera's at that place.
+    /// A ray of the lattice: the camera's at that place, or that of the eye whose pixel it is of.
     pub fn ray(&self, column: u32, row: u32) -> Ray {
         let (x, y) = self.place(column, row);
+        if self.camera.stereo().is_some() {
+            let pixel = |first: u32, count: u32| f64::from(first + count * self.stride);
+            let (x_of_pixel, y_of_pixel) = (pixel(self.x, column), pixel(self.y, row));
+            return self.camera.of_half(x_of_pixel, y_of_pixel).ray(x, y);
+        }
         self.camera.ray(x, y)
     }
 

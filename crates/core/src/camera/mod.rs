@@ -1,6 +1,7 @@
 //! From a pixel to its ray: the image plane, the camera, its sub-cameras, and ways to move it.
 
 mod brown_conrady;
+mod eyes;
 mod grid;
 mod lattice;
 mod orbit;
@@ -13,10 +14,12 @@ mod plane;
 mod projection;
 mod rect;
 mod sample_pattern;
+mod stereo;
 mod sub_camera;
 mod view;
 
 pub use crate::ray::Ray;
+pub(crate) use brown_conrady::FLATTEST;
 pub use brown_conrady::{BrownConrady, LensError};
 pub use grid::Grid;
 pub use lattice::Lattice;
@@ -30,5 +33,6 @@ pub use plane::{FrameLock, ImagePlane, PlaneError, PlaneRequest, SIDE_LIMIT, che
 pub use projection::{Camera, DEFAULT_FOV, Projection, fov_to_frame, frame_to_fov};
 pub use rect::Rect;
 pub use sample_pattern::{Sample, SamplePattern};
+pub use stereo::{Stereo, StereoError, StereoKind};
 pub use sub_camera::SubCamera;
 pub use view::fit_distance;

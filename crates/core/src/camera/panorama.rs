@@ -103,6 +103,29 @@ impl Panorama {
         }
     }
 
+    /// Whether the picture has a place: whether [`Panorama::direction`] has a direction for it.
+    pub fn has_place(self, a: f64, b: f64) -> bool {
+        let squared = a * a + b * b;
+        match self {
+            Self::Equirectangular => a.abs() <= PI && b.abs() <= FRAC_PI_2,
+            Self::Cylindrical => a.abs() <= PI && b.is_finite(),
+            Self::Equidistant => squared <= PI * PI,
+            Self::Equisolid => squared <= 4.0,
+            Self::Stereographic => squared.is_finite(),
+            Self::CubeStrip | Self::CubeCross => self.face(a, b).is_some(),
+            Self::Lens(lens) => lens.has_place(a, b),
+        }
+    }
+
+    /// Whether the picture surely has all places of a row between two that it has. Rows of any but a lens's are of one
+    /// piece.
+    pub(super) fn has_all_between(self, (left, right): (f64, f64), b: f64) -> bool {
+        match self {
+            Self::Lens(lens) => lens.is_well_behaved(left, b) && lens.is_well_behaved(right, b),
+            _ => self.has_place(left, b) && self.has_place(right, b),
+        }
+    }
+
     /// The derivatives of [`Panorama::direction`] along a and b: infinite at the rim of an equisolid fisheye.
     /// Zero where the picture has no such place.
     pub fn derivatives(self, a: f64, b: f64) -> [DVec3; 2] {
@@ -308,6 +331,27 @@ mod tests {
     }
 
     #[test]
+    fn a_picture_has_the_places_that_have_a_direction() {
+        let mut random = Random(6);
+        for panorama in all() {
+            for _ in 0..5000 {
+                let place = random.point() * 7.0;
+                let has = panorama.direction(place.x, place.y).is_some();
+                assert_eq!(
+                    panorama.has_place(place.x, place.y),
+                    has,
+                    "{panorama:?} {place}"
+                );
+                let other = place.x + random.signed();
+                let between = place.x + (other - place.x) * random.unit();
+                if panorama.has_all_between((place.x, other), place.y) {
+                    assert!(panorama.has_place(between, place.y), "{panorama:?} {place}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn known_places_look_in_known_directions() {
         let looks = |panorama: Panorama, a: f64, b: f64, expected: DVec3| {
             let found = panorama.direction(a, b).expect("a direction");
@@ -349,6 +393,7 @@ mod tests {
             (Panorama::CubeCross, 1.0, 2.0),
         ] {
             assert_eq!(panorama.direction(a, b), None, "{panorama:?}");
+            assert!(!panorama.has_place(a, b), "{panorama:?}");
             assert_eq!(panorama.derivatives(a, b), [DVec3::ZERO; 2]);
         }
         assert_eq!(Panorama::Equirectangular.place(DVec3::ZERO), None);

@@ -108,15 +108,10 @@ impl PanoramaRays {
     /// At the rim of an equisolid fisheye 1 − ρ²/4 is off by 4ε. There a rectangle h wide turns by less than 2√(2h), and is
     /// taken to turn by h/√(4ε): more, since a picture has at most 2³² columns, and h is 10⁻¹⁰ at least or zero.
     pub(crate) fn cone(&self, rect: Rect) -> Option<(DVec3, f64)> {
-        let ends = |places: &[f64], first: u32, count: u32| {
-            let last = first + count.max(1) - 1;
-            Some((*places.get(first as usize)?, *places.get(last as usize)?))
-        };
-        let (left, right) = ends(&self.columns.at, rect.x, rect.width)?;
-        let (top, bottom) = ends(&self.rows.at, rect.y, rect.height)?;
+        let ((left, right), (top, bottom)) = self.ends(rect)?;
         let (across, along) = ((right - left) * 0.5, (bottom - top) * 0.5);
         if matches!(self.panorama, Panorama::Lens(_)) {
-            // Towards the end of a lens directions turn without bound.
+            // Towards the end of a lens directions turn without bound: see `window`.
             return None;
         }
         let axis = self.panorama.direction(left + across, top + along)?;
@@ -129,6 +124,31 @@ impl PanoramaRays {
         // Far more than the roundings of places and directions.
         let angle = math::hypot(across, along) * turn * (1.0 + 1e-9) + 1e-9;
         (angle < WIDE).then(|| (axis, math::tan(angle)))
+    }
+
+    /// The first and the last place of a rectangle's columns, and of its rows.
+    fn ends(&self, rect: Rect) -> Option<((f64, f64), (f64, f64))> {
+        let ends = |places: &[f64], first: u32, count: u32| {
+            let last = first + count.max(1) - 1;
+            Some((*places.get(first as usize)?, *places.get(last as usize)?))
+        };
+        let columns = ends(&self.columns.at, rect.x, rect.width)?;
+        Some((columns, ends(&self.rows.at, rect.y, rect.height)?))
+    }
+
+    /// Whether the picture is planar but for a lens: all its rays go through the camera's image plane.
+    pub(crate) fn are_through_a_lens(&self) -> bool {
+        matches!(self.panorama, Panorama::Lens(_))
+    }
+
+    /// The part of the image plane at unit distance that the rays of a rectangle go through, to the right and up: of
+    /// pictures through a lens, where the lens is well-behaved.
+    pub(crate) fn window(&self, rect: Rect) -> Option<[(f64, f64); 2]> {
+        let Panorama::Lens(lens) = self.panorama else {
+            return None;
+        };
+        let (across, (top, bottom)) = self.ends(rect)?;
+        lens.window(across, (bottom, top))
     }
 
     /// Columns before which faces of a cube change, and rows. A border belongs to the first face in the list that it is
@@ -159,21 +179,47 @@ impl PanoramaRays {
     pub(crate) fn eight_in_world(&self, column: u32, row: u32) -> Vectors {
         let mut directions = [[0.0; LANES]; 3];
         self.eight(column, row, &mut directions);
-        let [right, up, forward] = self.axes;
-        let [xs, ys, zs] = directions;
+        let (sums, lengths) = self.turned(&directions);
         let mut out = [[0.0; LANES]; 3];
-        for lane in 0..LANES {
-            let mut sum = [0.0; 3];
-            for axis in 0..3 {
-                sum[axis] = right[axis] * xs[lane] + up[axis] * ys[lane] + forward[axis] * zs[lane];
-            }
-            let [x, y, z] = sum;
-            let length = (x * x + y * y + z * z).sqrt();
-            for axis in 0..3 {
-                out[axis][lane] = sum[axis] / length;
+        for axis in 0..3 {
+            for lane in 0..LANES {
+                out[axis][lane] = sums[axis][lane] / lengths[lane];
             }
         }
         out
+    }
+
+    /// Unit vectors in the world from what eight rays of a row hit to the eye, from a column on, in single precision.
+    #[inline(always)]
+    pub(crate) fn eight_to_eye(&self, column: u32, row: u32) -> [[f32; LANES]; 3] {
+        let mut directions = [[0.0; LANES]; 3];
+        self.eight(column, row, &mut directions);
+        let (sums, lengths) = self.turned(&directions);
+        let mut out = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            let inverse = 1.0 / lengths[lane];
+            for axis in 0..3 {
+                out[axis][lane] = -((sums[axis][lane] * inverse) as f32);
+            }
+        }
+        out
+    }
+
+    /// Eight vectors in the camera's axes as they are in the world, and their lengths.
+    #[inline(always)]
+    fn turned(&self, [xs, ys, zs]: &Vectors) -> (Vectors, [f64; LANES]) {
+        let [right, up, forward] = self.axes;
+        let mut out = [[0.0; LANES]; 3];
+        let mut lengths = [0.0; LANES];
+        for lane in 0..LANES {
+            for axis in 0..3 {
+                out[axis][lane] =
+                    right[axis] * xs[lane] + up[axis] * ys[lane] + forward[axis] * zs[lane];
+            }
+            let [x, y, z] = [out[0][lane], out[1][lane], out[2][lane]];
+            lengths[lane] = (x * x + y * y + z * z).sqrt();
+        }
+        (out, lengths)
     }
 
     /// Directions of eight rays of a row from a column on, as [`Panorama::direction`] gives them, bit for bit, and

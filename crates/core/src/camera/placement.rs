@@ -133,8 +133,8 @@ mod tests {
             Some("an up of [0.0, 0.0, 0.0] cannot be used: expected a direction")
         );
         for up in [DVec3::Y, DVec3::NEG_Y, DVec3::new(1e-10, 3.0, 0.0)] {
-            let told = check(eye, zero, up).expect("along the view");
-            assert!(told.contains("lies along the view"), "{told}");
+            let message = check(eye, zero, up).expect("along the view");
+            assert!(message.contains("lies along the view"), "{message}");
         }
         assert!(check(eye, DVec3::NAN, DVec3::Z).is_some());
         assert!(check(eye, zero, DVec3::NAN).is_some());

@@ -1,5 +1,7 @@
-use super::{BrownConrady, ImagePlane, Panorama, Placement, Ray};
+use super::stereo::Eyes;
+use super::{BrownConrady, ImagePlane, Panorama, Placement, Ray, Rect};
 use crate::math;
+use crate::num::simd::LANES;
 use crate::ranges::{self, OutOfRange};
 use glam::DVec3;
 use std::fmt;
@@ -146,7 +148,7 @@ impl FromStr for Projection {
 /// An eye, an orientation and an image plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    placement: Placement,
+    pub(super) placement: Placement,
     projection: Projection,
     plane: ImagePlane,
     right: DVec3,
@@ -155,7 +157,8 @@ pub struct Camera {
     distance: f64,
     shift: [f64; 2],
     /// Where the view axis goes through the picture, in pixels.
-    center: [f64; 2],
+    pub(super) center: [f64; 2],
+    pub(super) eyes: Eyes,
 }
 
 impl Camera {
@@ -188,6 +191,7 @@ impl Camera {
             distance,
             shift: [0.0; 2],
             center: center(&plane, [0.0; 2]),
+            eyes: Eyes::One,
         }
     }
 
@@ -211,6 +215,27 @@ impl Camera {
         Self::new(placement, Projection::Perspective, plane)
     }
 
+    /// A perspective camera with the same axes in the origin, whose target is one unit away.
+    pub(crate) fn unit_perspective(&self) -> Self {
+        let placement = Placement {
+            eye: DVec3::ZERO,
+            target: self.forward,
+            up: self.up,
+        };
+        let plane = ImagePlane {
+            columns: 2,
+            rows: 2,
+            step: 1.0,
+        };
+        Self {
+            placement,
+            projection: Projection::Perspective,
+            distance: 1.0,
+            eyes: Eyes::One,
+            ..self.shifted([0.0; 2]).with_plane(plane)
+        }
+    }
+
     /// The ray through the point (x, y) of the picture, in pixels from its top left corner.
     ///
     /// This is the one definition of a pixel's ray: the pixel in column c and row r has its centre
@@ -219,6 +244,9 @@ impl Camera {
     /// ([`Camera::has_place`]) it is zero.
     #[inline(always)]
     pub fn ray(&self, x: f64, y: f64) -> Ray {
+        if self.eyes != Eyes::One {
+            return self.ray_of_eyes(x, y);
+        }
         let on_plane = self.on_plane(x, y);
         match self.projection {
             Projection::Perspective => {
@@ -262,9 +290,35 @@ impl Camera {
     /// Whether the picture has the place (x, y): one of no plane has an end. A place that it does not have has no ray,
     /// but one without direction, which misses everything; pixels there are transparent.
     pub fn has_place(&self, x: f64, y: f64) -> bool {
+        if self.stereo().is_some() {
+            return self.of_half(x, y).has_place(x, y);
+        }
         self.projection.panorama().is_none_or(|panorama| {
             let (a, b) = self.panoramic_place(x, y);
-            panorama.direction(a, b).is_some()
+            panorama.has_place(a, b)
+        })
+    }
+
+    /// Which of eight places of a row, a pixel apart, the picture has.
+    pub(crate) fn has_eight_places(&self, x: f64, y: f64) -> [bool; LANES] {
+        let all: [f64; LANES] = std::array::from_fn(|pixel| x + pixel as f64);
+        match self.projection.lens() {
+            // Newton's steps take little longer for eight than for one.
+            Some(lens) if !self.has_all_between(all[0], all[LANES - 1], y) => {
+                let (_, b) = self.panoramic_place(x, y);
+                lens.has_places(all.map(|x| self.panoramic_place(x, y).0), b)
+            }
+            Some(_) => [true; LANES],
+            None => all.map(|x| self.has_place(x, y)),
+        }
+    }
+
+    /// Whether the picture surely has all places between two of a row.
+    pub(crate) fn has_all_between(&self, left: f64, right: f64, y: f64) -> bool {
+        self.projection.panorama().is_none_or(|panorama| {
+            let (first, b) = self.panoramic_place(left, y);
+            let (last, _) = self.panoramic_place(right, y);
+            panorama.has_all_between((first, last), b)
         })
     }
 
@@ -272,11 +326,17 @@ impl Camera {
     pub fn is_filled(&self) -> bool {
         // What a panorama has is convex but for the cross, and no rectangle about the cross's middle has its corners in
         // there and leaves it between them.
-        let right = f64::from(self.plane.columns) - 0.5;
-        let bottom = f64::from(self.plane.rows) - 0.5;
-        [(0.5, 0.5), (right, 0.5), (0.5, bottom), (right, bottom)]
-            .into_iter()
-            .all(|(x, y)| self.has_place(x, y))
+        let whole = |camera: &Self, rect: Rect| {
+            let middle = |pixel: u32| f64::from(pixel) + 0.5;
+            let rows = [rect.y, rect.bottom().saturating_sub(1)].map(middle);
+            let columns = [rect.x, rect.right().saturating_sub(1)].map(middle);
+            let mut places = rows.into_iter().flat_map(|y| columns.map(|x| (x, y)));
+            places.all(|(x, y)| camera.has_place(x, y))
+        };
+        match self.halves() {
+            Some(halves) => halves.iter().all(|(camera, half)| whole(camera, *half)),
+            None => whole(self, self.whole().rect),
+        }
     }
 
     /// How [`Camera::direction`] changes from (x, y) to a pixel further to the right, and a pixel further down: the
@@ -324,6 +384,9 @@ impl Camera {
     /// Perspective: from the eye to the point on the plane through the target.
     /// Orthographic: the view axis. Panoramic: that of [`Panorama::direction`], or zero.
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
+        if self.stereo().is_some() {
+            return self.of_half(x, y).direction(x, y);
+        }
         match self.projection {
             Projection::Perspective => self.on_plane(x, y) + self.forward * self.distance,
             Projection::Orthographic => self.forward,
@@ -331,9 +394,12 @@ impl Camera {
         }
     }
 
-    /// Where a world point falls in the picture, in pixels; `None` at or behind the eye's plane, and where
-    /// [`Panorama::place`] has none.
+    /// Where a world point falls in the picture, in pixels; `None` at or behind the eye's plane, where
+    /// [`Panorama::place`] has none, and where there are two eyes: a pair's [`Camera::halves`] have a place each.
     pub fn project(&self, point_in_world: DVec3) -> Option<(f64, f64)> {
+        if self.eyes != Eyes::One {
+            return None;
+        }
         let relative = point_in_world - self.placement.eye;
         if let Projection::Panoramic(panorama) = self.projection {
             let in_camera = DVec3::new(
@@ -401,7 +467,8 @@ impl Camera {
 
     /// The vertical field of view in degrees; `None` for an orthographic camera.
     pub fn fov_degrees(&self) -> Option<f64> {
-        let fov = || (self.projection).fov_degrees(self.plane.frame_height(), self.distance);
+        let height = self.plane.frame_height() / self.pictures_down();
+        let fov = || self.projection.fov_degrees(height, self.distance);
         (!self.projection.is_parallel()).then(fov)
     }
 
@@ -424,7 +491,8 @@ impl Camera {
         }
     }
 
-    /// How far the frame is off the view axis, to the right and up, in heights of the frame.
+    /// How far the frame is off the view axis, to the right and up, in heights of the frame. Of one eye's camera
+    /// ([`Camera::halves`]) that of the whole picture's.
     pub fn shift(&self) -> [f64; 2] {
         self.shift
     }
@@ -434,11 +502,15 @@ impl Camera {
 /// differences from them are exact.
 fn center(plane: &ImagePlane, [right, up]: [f64; 2]) -> [f64; 2] {
     let (columns, rows) = (f64::from(plane.columns), f64::from(plane.rows));
-    let rounded = |pixels: f64| (pixels * 16_777_216.0).round_ties_even() / 16_777_216.0;
     [
         columns * 0.5 - rounded(right * rows),
         rows * 0.5 + rounded(up * rows),
     ]
+}
+
+/// Pixels as a whole number of 2⁻²⁴.
+pub(super) fn rounded(pixels: f64) -> f64 {
+    (pixels * 16_777_216.0).round_ties_even() / 16_777_216.0
 }
 
 /// The height at distance `d` of a frame with this vertical field of view in degrees.

@@ -1,7 +1,7 @@
 use super::PixelFilter;
 
 /// The scrambles of the two dimensions: of 700 pairs drawn at random, the one by whose sets of 2 to 64 samples the area
-/// of half planes in a pixel is told best.
+/// of half planes in a pixel is resolved best.
 const SCRAMBLES: [u32; 2] = [0xb9fc_02ec, 0xe02c_211e];
 
 /// Offsets are whole numbers of these shares of a pixel: places in a picture have them without rounding.

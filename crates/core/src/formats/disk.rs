@@ -221,8 +221,8 @@ mod tests {
             &absolute,
             "/dev/null",
         ] {
-            let told = read(far, false).expect_err(far);
-            assert!(told.contains("`follow-anywhere`"), "{told}");
+            let message = read(far, false).expect_err(far);
+            assert!(message.contains("`follow-anywhere`"), "{message}");
         }
         assert_eq!(read("../../x", true), Ok(()));
         assert!(
@@ -270,11 +270,11 @@ mod tests {
         let disk = Disk::new(&budget);
         let mesh = folder.path().join("mesh.obj");
         for by in [By::Scene, By::Mesh(&mesh)] {
-            let told = disk
+            let message = disk
                 .read(&pipe, by, &|_| ())
                 .expect_err("a pipe")
                 .to_string();
-            assert!(told.ends_with("not a regular file"), "{told}");
+            assert!(message.ends_with("not a regular file"), "{message}");
         }
         let device = disk.read(Path::new("/dev/zero"), By::Person, &|_| ());
         assert!(device.is_err_and(|error| error.to_string().contains("a device")));
@@ -294,8 +294,8 @@ mod tests {
         drop(read);
         writer.join().expect("the writer is done");
         let writer = fill(100 << 20);
-        let told = disk.read(&pipe, By::Person, &|_| ()).expect_err("too much");
-        assert!(told.to_string().contains("limit `bytes`"), "{told}");
+        let message = disk.read(&pipe, By::Person, &|_| ()).expect_err("too much");
+        assert!(message.to_string().contains("limit `bytes`"), "{message}");
         writer.join().expect("the writer is done");
     }
 }

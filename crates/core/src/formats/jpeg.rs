@@ -281,8 +281,8 @@ mod tests {
             let side = 16_000u16.to_be_bytes();
             bytes[frame + 5..frame + 7].copy_from_slice(&side);
             bytes[frame + 7..frame + 9].copy_from_slice(&side);
-            let told = fault_of(&bytes).expect("a fault");
-            assert!(told.contains("claims 16000x16000 pixels"), "{told}");
+            let message = fault_of(&bytes).expect("a fault");
+            assert!(message.contains("claims 16000x16000 pixels"), "{message}");
         }
         // One grey block of one colour is as small as blocks get.
         let mut flat = Vec::new();

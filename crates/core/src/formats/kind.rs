@@ -1,5 +1,5 @@
 use super::error::FormatError;
-use super::{gltf, off, ply, stl};
+use super::{gltf, off, ply, prepared, stl};
 use std::path::Path;
 
 /// A kind of file that holds a mesh.
@@ -9,13 +9,14 @@ pub(super) enum MeshKind {
     Gltf,
     Off,
     Ply,
+    Prepared,
     Stl,
     Threemf,
     TriangleText,
 }
 
 /// What a mesh file may be, for messages.
-const MESHES: &str = "a mesh (OBJ, glTF, PLY, STL, OFF, 3MF, or triangle text)";
+const MESHES: &str = "a mesh (OBJ, glTF, PLY, STL, OFF, 3MF, triangle text, or prepared)";
 
 /// How many lines, empty ones aside, are looked at for a word that tells the kind.
 const LINES: usize = 200;
@@ -101,7 +102,9 @@ fn is_threemf(path: &Path, bytes: &[u8]) -> bool {
 
 /// The kind of mesh whose first bytes, or whose length, are like no other's.
 fn told_by_content(bytes: &[u8]) -> Option<MeshKind> {
-    if ply::is_ply(bytes) {
+    if prepared::is_prepared(bytes) {
+        Some(MeshKind::Prepared)
+    } else if ply::is_ply(bytes) {
         Some(MeshKind::Ply)
     } else if stl::is_binary(bytes) || stl::is_ascii(bytes) {
         Some(MeshKind::Stl)
@@ -147,6 +150,7 @@ pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
         return Some("a PNM image");
     }
     match told_by_content(bytes) {
+        Some(MeshKind::Prepared) => return Some("a prepared mesh"),
         Some(MeshKind::Ply) => return Some("a PLY mesh"),
         Some(MeshKind::Stl) => return Some("an STL mesh"),
         Some(MeshKind::Off) => return Some("an OFF mesh"),

@@ -228,14 +228,19 @@ fn check_bytes(
     what: &str,
     (bytes, sum): (u64, u64),
 ) -> Result<(), FormatError> {
-    let told = || format!("{what} takes {bytes} bytes, {sum} with all else that is held");
+    let message = || format!("{what} takes {bytes} bytes, {sum} with all else that is held");
     if sum > limits.bytes {
-        return Err(FormatError::too_much(file, told(), "bytes", limits.bytes));
+        return Err(FormatError::too_much(
+            file,
+            message(),
+            "bytes",
+            limits.bytes,
+        ));
     }
     match memory {
         Some(Memory { bytes, whose }) if sum > *bytes => Err(FormatError::NoMemory {
             place: place(file, None),
-            what: told(),
+            what: message(),
             whose: whose.clone(),
             leaves: *bytes,
         }),
@@ -340,8 +345,8 @@ mod tests {
         let mut share = budget.share(file, "it", 1).expect("it goes on");
         assert!(allowance.hold(file, "it", 1).is_ok());
         cancel.cancel();
-        let told = share.grow(file, "it", 2).expect_err("it was cancelled");
-        assert_eq!(told.to_string(), "a: reading it was cancelled");
+        let message = share.grow(file, "it", 2).expect_err("it was cancelled");
+        assert_eq!(message.to_string(), "a: reading it was cancelled");
         assert!(allowance.hold(file, "it", 1).is_err());
         assert!(budget.go_on(file).is_err());
     }

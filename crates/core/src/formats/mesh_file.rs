@@ -1,5 +1,5 @@
 use super::error::FormatError;
-use super::files::Files;
+use super::files::{Files, beside};
 use super::kind::{MeshKind, mesh_kind};
 use super::length_unit::LengthUnit;
 use super::limits::Budget;
@@ -7,15 +7,15 @@ use super::parsed::Parsed;
 use super::placed::Placed;
 use super::scene_file::FileKind;
 use super::unpack::{inner_name, unpack};
-use super::{Progress, gltf, obj, off, ply, stl, threemf, triangle_text};
+use super::{Progress, gltf, obj, off, ply, prepared, stl, threemf, triangle_text};
 use crate::quote;
-use crate::scene::{BENT, Mesh, MeshData, Object, Transform, UpAxis};
+use crate::scene::{BENT, Mesh, MeshData, Object, Texture, Transform, UpAxis};
 use glam::DAffine3;
 use std::mem::size_of;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The most warnings of one file that are told one by one.
+/// The most warnings of one file that are listed one by one.
 const WARNING_LIMIT: usize = 32;
 
 /// How much of reading a compressed file's bytes is unpacking them.
@@ -46,12 +46,22 @@ pub(super) struct MeshObject {
     /// What was taken to be up in the file: its mesh was turned. Y where its place was turned instead.
     pub(super) up_axis: UpAxis,
     /// The image that its materials name for all of it.
-    pub(super) texture: Option<PathBuf>,
+    pub(super) texture: Option<MeshTexture>,
+}
+
+/// The image on all of a mesh.
+#[derive(Clone, Debug)]
+pub(super) enum MeshTexture {
+    /// By a file, which is yet to be read.
+    Named(PathBuf),
+    /// By the mesh's file itself, with the file that it once was.
+    Held(Arc<Texture>, Option<PathBuf>),
 }
 
 impl MeshObject {
     /// The only object of a file, named after it.
     fn whole(path: &Path, mesh: Arc<Mesh>, up_axis: UpAxis, texture: Option<PathBuf>) -> Self {
+        let texture = texture.map(MeshTexture::Named);
         Self {
             name: name(path),
             mesh,
@@ -128,6 +138,10 @@ pub(super) fn read(
                 budget,
                 progress,
             );
+        }
+        MeshKind::Prepared => {
+            let prepared = prepared::read(path, bytes, budget, progress)?;
+            return Ok(of_prepared(path, prepared, unpacked_from, files));
         }
         MeshKind::Obj => {
             let obj = obj::read(path, bytes, files, progress)?;
@@ -214,6 +228,39 @@ fn several(
         warnings,
         notes,
     })
+}
+
+/// What a prepared file holds is stored by now.
+fn of_prepared(
+    path: &Path,
+    prepared: prepared::Prepared,
+    unpacked_from: Option<String>,
+    files: &dyn Files,
+) -> MeshFile {
+    let numbered = prepared.objects.into_iter().zip(0..);
+    let objects = numbered.map(|(object, number)| {
+        let source = object.texture_source;
+        let source = source.map(|source| files.source(&beside(path, &source)));
+        MeshObject {
+            name: object.name,
+            mesh: object.mesh,
+            node: prepared.are_nodes.then_some(number),
+            world_from_object: object.world_from_object,
+            up_axis: UpAxis::Y,
+            texture: object.texture.map(|image| MeshTexture::Held(image, source)),
+        }
+    });
+    let mut warnings = prepared.warnings;
+    limit_warnings(path, &mut warnings);
+    let mut notes = prepared.notes;
+    notes.splice(0..0, unpacked_from);
+    MeshFile {
+        kind: FileKind::Prepared,
+        unit: prepared.unit,
+        objects: objects.collect(),
+        warnings,
+        notes,
+    }
 }
 
 /// Checks and stores a mesh, counted.

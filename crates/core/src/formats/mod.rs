@@ -20,6 +20,7 @@ mod parsed;
 mod placed;
 mod ply;
 mod polygon;
+mod prepared;
 mod ray_file;
 mod scene_animation;
 #[cfg(test)]
@@ -48,6 +49,7 @@ pub use error::{FilePosition, FormatError};
 pub use guard::panic_is_caught;
 pub use length_unit::LengthUnit;
 pub use limits::{Budget, Limits};
+pub use prepared::{PrepareError, write_prepared};
 pub use ray_file::{HIT_BYTES, RAY_BYTES, decode_ray, encode_hit};
 pub use scene_file::{CameraFile, FileKind, ImageSettings, SceneFile, ShadingFile};
 pub use scene_write::SaveError;
@@ -58,6 +60,7 @@ use crate::scene::{Mesh, Scene, Texture};
 use disk::Disk;
 use files::{By, Files};
 use held::Held;
+use mesh_file::MeshTexture;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -70,7 +73,7 @@ const READING: f32 = 0.2;
 /// Reads a mesh file; its kind is known from the content where it can be, else from the extension.
 ///
 /// What [`read_scene`] would warn of (materials that cannot be read) is passed over. The mesh of a
-/// glTF or 3MF file is in its own space: where its node places it is not told.
+/// glTF or 3MF file is in its own space: where its node places it is not said.
 ///
 /// # Errors
 /// A file that cannot be read, or is not a mesh of a kind we know: with file, line and what was
@@ -112,7 +115,7 @@ pub fn read_texture_within(path: &Path, budget: &Budget) -> Result<Texture, Form
 }
 
 /// Reads a scene file (`.raycast.toml`) and every mesh and texture that it names, or a mesh file as
-/// a scene of the objects that it places: a glTF or 3MF file's mesh nodes, depth first; else one,
+/// a scene of the objects that it places: a glTF or 3MF file's mesh nodes, depth first, those of a prepared file; else one,
 /// named after the file, with the texture that its materials name for all of it.
 ///
 /// # Errors
@@ -145,13 +148,20 @@ pub fn read_scene_within(
     let mut objects = Vec::with_capacity(read.objects.len());
     for found in read.objects {
         let mut object = found.placed(Some(source.clone()));
-        if let Some(image) = found.texture {
-            match decode_texture(&disk, &image, By::Mesh(path)) {
-                Ok(texture) => {
-                    object.texture = Some(Arc::new(texture));
-                    object.texture_source = Some(disk.source(&image));
+        match found.texture {
+            None => {}
+            Some(MeshTexture::Held(texture, source)) => {
+                object.texture = Some(texture);
+                object.texture_source = source;
+            }
+            Some(MeshTexture::Named(image)) => {
+                match decode_texture(&disk, &image, By::Mesh(path)) {
+                    Ok(texture) => {
+                        object.texture = Some(Arc::new(texture));
+                        object.texture_source = Some(disk.source(&image));
+                    }
+                    Err(error) => warnings.push(error.to_string()),
                 }
-                Err(error) => warnings.push(error.to_string()),
             }
         }
         objects.push(object);

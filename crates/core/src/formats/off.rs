@@ -383,7 +383,7 @@ impl Reader<'_> {
         let uncut = polygon::cut(mesh, &self.polygons);
         mesh.normals = at_vertices(self.normals, &mesh.triangles, |n| *n != Vec3::ZERO);
         mesh.uvs = at_vertices(self.uvs, &mesh.triangles, |uv| uv.is_finite());
-        let told = quote::path(path);
+        let quoted = quote::path(path);
         let counts = [
             (
                 self.small,
@@ -395,7 +395,7 @@ impl Reader<'_> {
             ),
         ];
         for (count, what) in counts.into_iter().filter(|(count, _)| *count > 0) {
-            parsed.warnings.push(format!("{told}: {what}: {count}"));
+            parsed.warnings.push(format!("{quoted}: {what}: {count}"));
         }
         if self.color_numbers > 0 {
             let count = self.color_numbers;
@@ -444,8 +444,8 @@ mod tests {
             let Parsed { mesh, warnings, .. } = parse(&format!("{head}{body}")).expect(head);
             assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [1, 2, 3]], "{head}");
             assert_eq!(mesh.positions[2], DVec3::new(1.0, 1.0, 0.0));
-            let told = "a.off: faces of fewer than three corners, which are passed over: 1";
-            assert_eq!(warnings, [told]);
+            let message = "a.off: faces of fewer than three corners, which are passed over: 1";
+            assert_eq!(warnings, [message]);
         }
     }
 
@@ -503,8 +503,8 @@ mod tests {
         assert_eq!(parsed.notes, ["not used: numbers of colours of 1 faces"]);
         let parsed = faces(["1.0 0.5 0", "1 2", "", ""]);
         assert_eq!(parsed.mesh.materials[0].color, Color([255, 128, 0]));
-        let told = "a.off: vertices and faces with more numbers than there is a use for: 1";
-        assert_eq!(parsed.warnings, [told]);
+        let message = "a.off: vertices and faces with more numbers than there is a use for: 1";
+        assert_eq!(parsed.warnings, [message]);
     }
 
     #[test]

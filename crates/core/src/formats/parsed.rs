@@ -13,6 +13,6 @@ pub(super) struct Parsed {
     pub(super) notes: Vec<String>,
 }
 
-/// What is told of blended materials.
+/// The warning about blended materials.
 pub(super) const BLENDED: &str =
     "blended materials, of which each layer covers by its alpha, with nothing refracted";

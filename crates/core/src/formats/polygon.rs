@@ -42,8 +42,9 @@ impl Uncut {
                 "faces too intricate for the time that there is, which are cut as fans",
             ),
         ];
-        let told = kinds.iter().filter(|(count, _)| *count > 0);
-        told.map(|(count, what)| format!("{path}: {what}: {count}"))
+        let counted = kinds.iter().filter(|(count, _)| *count > 0);
+        counted
+            .map(|(count, what)| format!("{path}: {what}: {count}"))
             .collect()
     }
 }

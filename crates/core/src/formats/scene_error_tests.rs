@@ -145,8 +145,8 @@ fn messages_show_no_more_of_a_file_than_they_should() {
         format!("[[object]]\nmesh = \"b.txt\"\nparent = \"{long}\"\n"),
     ] {
         let error = read_scene_from(&text, &files).expect_err("a bad scene");
-        let told = error.to_string();
-        assert!(told.len() < 500, "{} characters", told.len());
+        let error_text = error.to_string();
+        assert!(error_text.len() < 500, "{} characters", error_text.len());
     }
 }
 
@@ -165,10 +165,10 @@ fn a_file_of_a_newer_version_is_refused_as_that_whatever_else_it_holds() {
     assert!(of("1", "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\n").is_ok());
     for version in ["2", "0", "-1"] {
         for more in ["", "[weather]\nrain = true\n"] {
-            let told = format!(
+            let error_text = format!(
                 "scene:2: expected a scene file of version 1, which this program reads, found version {version}"
             );
-            assert_eq!(of(version, more).expect_err(version), told);
+            assert_eq!(of(version, more).expect_err(version), error_text);
         }
     }
     for (version, more, expected) in [
@@ -179,8 +179,8 @@ fn a_file_of_a_newer_version_is_refused_as_that_whatever_else_it_holds() {
         ),
         ("\"one\"", "", "scene:2: invalid type"),
     ] {
-        let told = of(version, more).expect_err(version);
-        assert!(told.starts_with(expected), "{told}");
+        let error_text = of(version, more).expect_err(version);
+        assert!(error_text.starts_with(expected), "{error_text}");
     }
 }
 
@@ -196,6 +196,9 @@ fn chains_of_parents_have_an_end() {
         read_scene_from(&text, &files).map_err(|error| error.to_string())
     };
     assert!(chain(ANCESTOR_LIMIT + 1).is_ok());
-    let told = chain(ANCESTOR_LIMIT + 2).expect_err("too long");
-    assert_eq!(told, "scene:4: expected at most 1000 ancestors, found more");
+    let error_text = chain(ANCESTOR_LIMIT + 2).expect_err("too long");
+    assert_eq!(
+        error_text,
+        "scene:4: expected at most 1000 ancestors, found more"
+    );
 }

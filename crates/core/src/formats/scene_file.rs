@@ -1,5 +1,5 @@
 use super::length_unit::LengthUnit;
-use crate::camera::{CameraPath, PixelFilter, Placement, Projection};
+use crate::camera::{CameraPath, PixelFilter, Placement, Projection, Stereo};
 use crate::hit::{Cull, Precision};
 use crate::scene::{ClippingPlanes, Scene};
 use crate::shade::Shading;
@@ -24,6 +24,8 @@ pub enum FileKind {
     Off,
     /// PLY, ASCII or binary.
     Ply,
+    /// What `write_prepared` wrote of files of other kinds.
+    Prepared,
     /// STL, ASCII or binary.
     Stl,
 }
@@ -38,6 +40,7 @@ impl std::fmt::Display for FileKind {
             Self::TriangleText => "triangle text",
             Self::Off => "OFF",
             Self::Ply => "PLY",
+            Self::Prepared => "prepared mesh",
             Self::Stl => "STL",
         })
     }
@@ -100,6 +103,8 @@ pub struct ImageSettings {
     pub step: Option<f64>,
     /// How far the frame is off the view axis, to the right and up, in heights of the frame.
     pub shift: Option<[f64; 2]>,
+    /// How it is for two eyes.
+    pub stereo: Option<Stereo>,
     /// Which faces rays pass through.
     pub cull: Option<Cull>,
     /// How sure the triangles are.
@@ -132,6 +137,7 @@ impl SceneFile {
         }
         self.image.size = self.image.size.or(other.image.size);
         self.image.shift = self.image.shift.or(other.image.shift);
+        self.image.stereo = self.image.stereo.or(other.image.stereo);
         self.image.cull = self.image.cull.or(other.image.cull);
         self.image.precision = self.image.precision.or(other.image.precision);
         self.image.samples = self.image.samples.or(other.image.samples);

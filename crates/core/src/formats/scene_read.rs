@@ -11,7 +11,7 @@ use super::scene_toml::{
     ShadingToml, VERSION, VersionToml,
 };
 use crate::camera::{
-    BrownConrady, CameraPath, ImagePlane, Keyframe, Placement, PlacementError, Projection,
+    BrownConrady, CameraPath, ImagePlane, Keyframe, Placement, PlacementError, Projection, Stereo,
 };
 use crate::quote::{self, quote};
 use crate::ranges;
@@ -91,8 +91,8 @@ fn unseen(path: &Path, scene: &Scene) -> Vec<String> {
     let Ok(transforms) = scene.world_from_objects() else {
         return Vec::new();
     };
-    let told = scene.objects.iter().zip(transforms);
-    let told = told.filter_map(|(object, world_from_object)| {
+    let placed = scene.objects.iter().zip(transforms);
+    let warnings = placed.filter_map(|(object, world_from_object)| {
         let count = object.mesh.kept().len();
         if count == 0 {
             return None;
@@ -120,7 +120,7 @@ fn unseen(path: &Path, scene: &Scene) -> Vec<String> {
             "{path}: none of the {count} triangles of object {name} is seen: {why}"
         ))
     });
-    told.collect()
+    warnings.collect()
 }
 
 impl Reader<'_> {
@@ -272,6 +272,16 @@ impl Reader<'_> {
             step: step.transpose()?,
             shift: (image.shift.as_ref())
                 .map(|shift| self.in_range(shift, ranges::shift(*shift.get_ref())))
+                .transpose()?,
+            stereo: (image.stereo.as_ref())
+                .map(|given| {
+                    let stereo = Stereo {
+                        kind: given.get_ref().kind.into(),
+                        eye_distance: given.get_ref().eye_distance,
+                        convergence: given.get_ref().convergence,
+                    };
+                    self.in_range(given, stereo.check_distances().map(|()| stereo))
+                })
                 .transpose()?,
             cull: image.cull.map(Into::into),
             precision: image.precision.map(Into::into),

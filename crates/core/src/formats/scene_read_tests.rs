@@ -202,17 +202,17 @@ fn a_scalar_that_blends_is_one_of_the_meshes() {
     let saved = file.to_toml(Path::new("/nowhere")).expect("it is saved");
     let again = parse(&saved);
     assert_eq!(again.scene.objects[0].blend_by, object.blend_by);
-    let told = |text: &str| {
+    let message = |text: &str| {
         read_scene_from(text, &files)
             .expect_err("refused")
             .to_string()
     };
     assert_eq!(
-        told(&text.replace("\"heat\"", "\"cold\"")),
+        message(&text.replace("\"heat\"", "\"cold\"")),
         "scene:4: expected one of the mesh's scalars, \"heat\", found \"cold\""
     );
     assert_eq!(
-        told(&text.replace("heat.ply", "b.txt")),
+        message(&text.replace("heat.ply", "b.txt")),
         "scene:4: expected no `blend-by`: the mesh has no scalars, found \"heat\""
     );
 }
@@ -238,30 +238,30 @@ fn a_texture_is_cropped_wrapped_and_placed() {
         Some(TextureProjection::PerTriangle)
     );
     assert_eq!(second.mapping.projector, None);
-    let told = |from: &str, to: &str| {
+    let message = |from: &str, to: &str| {
         let text = MAPPED.replacen(from, to, 1);
         let error = read_scene_from(&text, &files).expect_err(to);
         error.to_string()
     };
     assert_eq!(
-        told("crop = [1, 0, 2, 1]", "crop = [3, 0, 2, 1]"),
+        message("crop = [1, 0, 2, 1]", "crop = [3, 0, 2, 1]"),
         "scene:4: expected a part of an image of 4x1, found [3, 0, 2, 1]"
     );
     assert_eq!(
-        told("texture = \"wide.ppm\"\n", ""),
+        message("texture = \"wide.ppm\"\n", ""),
         "scene:3: expected a `texture` beside what says how it lies, found none"
     );
-    let wrap = told("mirror", "bounce");
+    let wrap = message("mirror", "bounce");
     assert!(
         wrap.starts_with("scene:5: ") && wrap.contains("\"bounce\""),
         "{wrap}"
     );
     assert_eq!(
-        told("texture-size = [1, 3]", "texture-up = [0, 0, 1e-9]"),
+        message("texture-size = [1, 3]", "texture-up = [0, 0, 1e-9]"),
         "scene:7: expected a texture's front and up in two directions, found [0, 0, 1] and [0, 0, 0.000000001]"
     );
     assert_eq!(
-        told("texture-size = [1, 3]", "texture-size = [1, -3]"),
+        message("texture-size = [1, 3]", "texture-size = [1, -3]"),
         "scene:7: expected a texture's size above 0, found [1, -3]"
     );
 }

@@ -1,6 +1,6 @@
 //! The tables of a `.raycast.toml`, as they stand in the file.
 
-use crate::camera::{Curve, Ease, PixelFilter, Projection};
+use crate::camera::{Curve, Ease, PixelFilter, Projection, StereoKind};
 use crate::hit::{Cull, Precision};
 use crate::scene::{Color, ColorMap, ColorRule, Shape, TextureProjection, UpAxis, Wrap};
 use crate::shade::{Filter, LightSet, Mode};
@@ -54,6 +54,16 @@ pub(super) struct CameraToml {
     pub(super) frame: Option<Spanned<f64>>,
 }
 
+/// A picture for two eyes.
+#[derive(Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub(super) struct StereoToml {
+    pub(super) kind: StereoKindToml,
+    pub(super) eye_distance: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) convergence: Option<f64>,
+}
+
 /// Keyframes of the camera.
 #[derive(Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -94,6 +104,8 @@ pub(super) struct ImageToml {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) shift: Option<Spanned<[f64; 2]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) stereo: Option<Spanned<StereoToml>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) cull: Option<CullToml>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) precision: Option<PrecisionToml>,
@@ -109,6 +121,7 @@ impl ImageToml {
             pixel_filter,
             step,
             shift,
+            stereo,
             cull,
             precision,
             background,
@@ -118,6 +131,7 @@ impl ImageToml {
             && pixel_filter.is_none()
             && step.is_none()
             && shift.is_none()
+            && stereo.is_none()
             && cull.is_none()
             && precision.is_none()
             && background.is_none()
@@ -454,6 +468,7 @@ words!(ModeToml for Mode {
 words!(CullToml for Cull { None, Back });
 words!(PrecisionToml for Precision { Fast, Exact });
 words!(PixelFilterToml for PixelFilter { Box, Tent, Mitchell, Gaussian });
+words!(StereoKindToml for StereoKind { Pair, Ods });
 words!(CurveToml for Curve { Linear, CatmullRom });
 words!(EaseToml for Ease { None, Smooth });
 words!(UpAxisToml for UpAxis { Y, Z });

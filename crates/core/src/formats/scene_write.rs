@@ -3,7 +3,7 @@ use super::scene_animation;
 use super::scene_file::{CameraFile, SceneFile};
 use super::scene_toml::{
     BackgroundToml, CameraToml, ClipToml, ColorRuleToml, ColorToml, ImageToml, ObjectToml,
-    ProjectionToml, SceneToml, ShadingToml, Transparent, VERSION, WrapToml,
+    ProjectionToml, SceneToml, ShadingToml, StereoToml, Transparent, VERSION, WrapToml,
 };
 use crate::camera::Projection;
 use crate::quote::shorten;
@@ -75,6 +75,13 @@ impl SceneFile {
                 pixel_filter: self.image.pixel_filter.map(Into::into),
                 step: self.image.step.map(spanned),
                 shift: self.image.shift.map(spanned),
+                stereo: self.image.stereo.map(|stereo| {
+                    spanned(StereoToml {
+                        kind: stereo.kind.into(),
+                        eye_distance: stereo.eye_distance,
+                        convergence: stereo.convergence,
+                    })
+                }),
                 cull: self.image.cull.map(Into::into),
                 precision: self.image.precision.map(Into::into),
                 background: self.shading.map(|shading| {

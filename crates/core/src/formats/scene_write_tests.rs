@@ -66,7 +66,7 @@ fn a_matrix_places_an_object_and_is_saved_with_its_bits() {
     let saved = sixteen.to_toml(Path::new("")).expect("it can be saved");
     assert_eq!(bits(&parse(&saved)), bits(&twelve), "{saved}");
 
-    for (matrix, told) in [
+    for (matrix, message) in [
         (
             "[1, 2, 3]",
             "scene:3: expected a matrix of 12 or 16 numbers, row by row, found 3",
@@ -81,11 +81,11 @@ fn a_matrix_places_an_object_and_is_saved_with_its_bits() {
         ),
     ] {
         let error = read_scene_from(&object(&format!("matrix = {matrix}")), &files);
-        assert_eq!(error.expect_err("a bad matrix").to_string(), told);
+        assert_eq!(error.expect_err("a bad matrix").to_string(), message);
     }
     let node = read_scene_from(&object("node = 0"), &files).expect_err("no nodes");
-    let told = "scene:3: expected the number of one of the file's 0 mesh nodes, from 0, found 0";
-    assert_eq!(node.to_string(), told);
+    let message = "scene:3: expected the number of one of the file's 0 mesh nodes, from 0, found 0";
+    assert_eq!(node.to_string(), message);
 }
 
 #[test]
@@ -114,7 +114,7 @@ fn shapes_are_made_from_their_numbers_and_saved_as_them() {
         file.scene.content(),
         "{saved}"
     );
-    for (line, told) in [
+    for (line, message) in [
         ("shape = { kind = \"egg\" }", "unknown variant `egg`"),
         (
             "shape = { kind = \"disc\", height = 1 }",
@@ -144,7 +144,7 @@ fn shapes_are_made_from_their_numbers_and_saved_as_them() {
         let error = read_scene_from(&format!("[[object]]\n{line}\n"), &files);
         let error = error.expect_err(line).to_string();
         assert!(error.starts_with("scene"), "{error}");
-        assert!(error.contains(told), "{error}");
+        assert!(error.contains(message), "{error}");
         assert_eq!(error.lines().count(), 1, "{error}");
     }
 }
@@ -201,7 +201,7 @@ fov = 20.0
     let saved = file.to_toml(Path::new("/")).expect("it can be saved");
     assert_eq!(read(&saved).expect("a scene").animation, Some(path));
 
-    for (from, to, line, told) in [
+    for (from, to, line, message) in [
         ("at = 7", "at = 3", "scene:13", "a keyframe after 3"),
         ("fov = 20.0", "fov = 180.0", "scene:17", "found 180"),
         ("fov = 20.0", "frame = 2.0", "scene:17", "orthographic"),
@@ -214,7 +214,7 @@ fov = 20.0
         ),
     ] {
         let error = read(&text.replace(from, to)).expect_err(to).to_string();
-        assert!(error.contains(line) && error.contains(told), "{error}");
+        assert!(error.contains(line) && error.contains(message), "{error}");
     }
     let none = "[animation]\nkey = []\n";
     let error = read(none).expect_err("no keyframes").to_string();
@@ -242,7 +242,7 @@ fn clipping_planes_come_back_and_their_faults_are_named() {
         .to_toml(Path::new("/nowhere"))
         .expect("it can be saved");
     assert!(!plain.contains("clip"), "{plain}");
-    for (bad, told) in [
+    for (bad, message) in [
         (
             "[[clip]]\nnormal = [0, 0, 0]",
             "scene:1: a clipping plane's normal must not be zero",
@@ -258,6 +258,6 @@ fn clipping_planes_come_back_and_their_faults_are_named() {
         ),
     ] {
         let error = read_scene_from(bad, &files).expect_err(bad).to_string();
-        assert!(error.contains(told), "{error}");
+        assert!(error.contains(message), "{error}");
     }
 }

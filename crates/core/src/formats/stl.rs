@@ -383,8 +383,8 @@ mod tests {
             parsed.notes,
             ["ASCII", "solids: 3, which are parts of one object"]
         );
-        let told = "a.stl: its last solid has no `endsolid`: is it cut short?";
-        assert_eq!(parsed.warnings, [told]);
+        let message = "a.stl: its last solid has no `endsolid`: is it cut short?";
+        assert_eq!(parsed.warnings, [message]);
     }
 
     #[test]
@@ -408,8 +408,8 @@ mod tests {
             "a.stl: expected facets, found none",
         );
         let longer = [&whole[..], b"abc"].concat();
-        let told = "a.stl: 3 bytes behind the last of its 2 facets, which are passed over";
-        assert_eq!(parse(&longer).expect("a good file").warnings, [told]);
+        let message = "a.stl: 3 bytes behind the last of its 2 facets, which are passed over";
+        assert_eq!(parse(&longer).expect("a good file").warnings, [message]);
         let start = "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n";
         let with = |rest: &str| format!("{start}{rest}").into_bytes();
         check(
@@ -445,7 +445,10 @@ mod tests {
             ..Default::default()
         });
         let bytes = file("", &[facet(A, 0), facet(B, 0)]);
-        let told = read(Path::new("a.stl"), &bytes, &budget, &|_| ()).expect_err("too many");
-        assert!(told.to_string().contains("limit `triangles`"), "{told}");
+        let message = read(Path::new("a.stl"), &bytes, &budget, &|_| ()).expect_err("too many");
+        assert!(
+            message.to_string().contains("limit `triangles`"),
+            "{message}"
+        );
     }
 }

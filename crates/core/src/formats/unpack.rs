@@ -1,4 +1,4 @@
-//! Packed files, told by their first bytes: gzip (RFC 1952), Zstandard (RFC 8878), and UTF-16.
+//! Compressed files, recognised by their first bytes: gzip (RFC 1952), Zstandard (RFC 8878), and UTF-16.
 
 use super::Progress;
 use super::error::{FormatError, shorten};
@@ -173,9 +173,9 @@ mod tests {
         let zeros = vec![0; 64 << 20];
         for bytes in [gzip(&zeros), zstd(&zeros)] {
             assert!(bytes.len() < 1 << 20);
-            let told = unpacked(&bytes, 16 << 20).expect_err("too much");
-            assert!(told.starts_with("a.obj.gz: "), "{told}");
-            assert!(told.ends_with("(limit `bytes`)"), "{told}");
+            let message = unpacked(&bytes, 16 << 20).expect_err("too much");
+            assert!(message.starts_with("a.obj.gz: "), "{message}");
+            assert!(message.ends_with("(limit `bytes`)"), "{message}");
         }
     }
 
@@ -183,9 +183,9 @@ mod tests {
     fn damaged_data_are_refused() {
         let text: Vec<u8> = (0..9999u32).flat_map(|n| (n * n).to_le_bytes()).collect();
         for (bytes, name) in [(gzip(&text), "gzip"), (zstd(&text), "Zstandard")] {
-            let told = unpacked(&bytes[..bytes.len() / 2], 1 << 30).expect_err("half of it");
+            let message = unpacked(&bytes[..bytes.len() / 2], 1 << 30).expect_err("half of it");
             let start = format!("a.obj.gz: its {name} data cannot be unpacked: ");
-            assert!(told.starts_with(&start), "{told}");
+            assert!(message.starts_with(&start), "{message}");
             for at in (0..bytes.len()).step_by(97) {
                 let mut bytes = bytes.clone();
                 bytes[at] ^= 0x55;

@@ -170,7 +170,7 @@ fn bits(position: DVec3) -> [u64; 3] {
 /// Fewer triangles than these are not worth a task of their own.
 const FEWEST: usize = 1 << 12;
 
-/// The vertices and triangles that `count` triangles of these corners have. `progress` is told of
+/// The vertices and triangles that `count` triangles of these corners have. `progress` is given the share of
 /// triangles that are done, from any thread.
 ///
 /// Halves are welded side by side, and the second's vertices looked up among the first's: the order

@@ -7,7 +7,7 @@ use super::triangle_pair::{Corner, meet};
 use crate::scene::{Mesh, weld};
 use rayon::prelude::*;
 
-/// The most pairs that are told: more than anybody reads, and 1 MiB.
+/// The most pairs that are listed: more than anybody reads, and 1 MiB.
 const MOST_PAIRS: usize = 1 << 17;
 /// The most of one triangle.
 const MOST_OF_ONE: usize = 1 << 10;
@@ -24,11 +24,11 @@ pub struct Intersections {
 }
 
 /// Looks for triangles of a mesh that meet: pass through one another, lie on one another in part, or touch. `None` if
-/// told not to go on. It takes some 100 bytes a triangle while it looks.
+/// cancelled. It takes some 100 bytes a triangle while it looks.
 ///
 /// Decided exactly on the coordinates as they are stored. Corners at one place are one. Triangles without area, or at
 /// the same three places as one of a lower number, are left out: [`check`](super::check) tells of them. At most
-/// 131,072 pairs are told, and 1,024 of a triangle with higher numbers.
+/// 131,072 pairs are listed, and 1,024 of a triangle with higher numbers.
 pub fn self_intersections(mesh: &Mesh, go_on: GoOn<'_>) -> Option<Intersections> {
     let place = weld(mesh.positions());
     let mut is_kept = vec![false; mesh.triangles().len()];
@@ -57,22 +57,22 @@ pub fn self_intersections(mesh: &Mesh, go_on: GoOn<'_>) -> Option<Intersections>
         let end = (start + BATCH).min(faces.len());
         let batch = (start as u32..end as u32).into_par_iter().map(|index| {
             let own = corners(index);
-            let mut met = Vec::new();
+            let mut crossed = Vec::new();
             tree.later_overlaps(index, |other| {
-                if met.len() <= MOST_OF_ONE && meet(&own, &corners(other)) {
-                    met.push(other);
+                if crossed.len() <= MOST_OF_ONE && meet(&own, &corners(other)) {
+                    crossed.push(other);
                 }
             });
             // The tree has an order of its own.
-            met.sort_unstable();
-            met
+            crossed.sort_unstable();
+            crossed
         });
         let batch: Vec<Vec<u32>> = batch.collect();
-        for (index, met) in (start..).zip(batch) {
-            found.has_more |= met.len() > MOST_OF_ONE;
+        for (index, crossed) in (start..).zip(batch) {
+            found.has_more |= crossed.len() > MOST_OF_ONE;
             let number = |index: usize| faces[index].0;
-            let met = met.into_iter().take(MOST_OF_ONE);
-            let pairs = met.map(|other| [number(index), number(other as usize)]);
+            let crossed = crossed.into_iter().take(MOST_OF_ONE);
+            let pairs = crossed.map(|other| [number(index), number(other as usize)]);
             found.pairs.extend(pairs);
         }
         if found.pairs.len() > MOST_PAIRS {
@@ -147,10 +147,10 @@ mod tests {
         assert_eq!(found(positions, triangles), Intersections::default());
         let (positions, triangles) = two_balls(1.0);
         let half = triangles.len() as u32 / 2;
-        let met = found(positions, triangles).pairs;
-        assert!(met.len() > 50, "{}", met.len());
-        assert!(met.iter().all(|[a, b]| *a < half && *b >= half));
-        assert!(met.is_sorted());
+        let crossed = found(positions, triangles).pairs;
+        assert!(crossed.len() > 50, "{}", crossed.len());
+        assert!(crossed.iter().all(|[a, b]| *a < half && *b >= half));
+        assert!(crossed.is_sorted());
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //! seam of texture coordinates is no hole. [`size`] is area, volume and bounding box.
 //! [`self_intersections`] are pairs of triangles that pass through one another.
 //!
-//! All look at triangles one after another and are told whether to go on by whoever asked.
+//! All look at triangles one after another, and ask their caller whether to go on.
 
 mod adjacency;
 mod box_tree;
@@ -21,5 +21,5 @@ pub use intersections::{Intersections, self_intersections};
 pub use report::{Health, check};
 pub use size::{Size, size};
 
-/// Told the share that is done, from 0 to 1, says whether to go on.
+/// Takes the share that is done, from 0 to 1, and says whether to go on.
 pub type GoOn<'a> = &'a (dyn Fn(f32) -> bool + Sync);

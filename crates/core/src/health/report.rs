@@ -66,7 +66,7 @@ impl Health {
     }
 }
 
-/// Looks a mesh over; `None` if told not to go on. It takes some 100 bytes a triangle while it looks.
+/// Examines a mesh; `None` if cancelled. It takes some 100 bytes a triangle while it looks.
 ///
 /// Everything but `inside_out` is decided by numbers of vertices and by equality of coordinates, so exactly. A
 /// mesh without triangles has no face and is not closed.

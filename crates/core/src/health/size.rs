@@ -20,7 +20,7 @@ pub struct Size {
 /// Triangles that are summed up as one; so the sums do not depend on the number of threads.
 const CHUNK: usize = 1 << 14;
 
-/// The size of the kept triangles of a mesh in its place; `None` if told not to go on. Double precision: of n
+/// The size of the kept triangles of a mesh in its place; `None` if cancelled. Double precision: of n
 /// triangles, area and volume are right to some n · 2⁻⁵³ of the sum of all triangles' shares, and mostly to far
 /// less. A mesh without triangles has neither area, volume nor box.
 pub fn size(mesh: &Mesh, world_from_object: &DAffine3, go_on: GoOn<'_>) -> Option<Size> {

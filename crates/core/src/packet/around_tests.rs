@@ -2,7 +2,9 @@
 
 use super::clip_tests::planes;
 use crate::bvh::Accel;
-use crate::camera::{Camera, ImagePlane, Lattice, Panorama, Placement, Projection, Rect};
+use crate::camera::{
+    BrownConrady, Camera, ImagePlane, Lattice, Panorama, Placement, Projection, Rect,
+};
 use crate::hit::{Cull, Detail, Precision};
 use crate::math;
 use crate::num::simd::Simd;
@@ -152,6 +154,37 @@ fn packets_of_panoramas_answer_as_single_rays_do() {
         }
         assert!(sum.hits > sum.rays / 2, "{} {}", sum.hits, sum.rays);
         // They are packets, and not single rays.
+        let (undecided, rays) = (sum.undecided(), sum.rays as u64);
+        assert!(undecided < rays / 20, "{undecided} of {rays}");
+    }
+}
+
+/// Calibrated, strong, and folding back within the picture; from a packet's worth of pixels to many.
+#[test]
+fn packets_through_lenses_answer_as_single_rays_do() {
+    let mut random = Random(74);
+    for (count, size) in [(3, 1.0), (60, 0.6), (3000, 0.1)] {
+        let mut corners = soup(&mut random, count, size);
+        corners.extend(room(3, 1.7));
+        let accel = accel(corners);
+        let mut sum = Sum::default();
+        for coefficients in [
+            [0.0; 5],
+            [-0.28, 0.07, 0.0002, 0.00002, 0.0],
+            [0.3, 0.1, -0.02, 0.01, 0.05],
+            [-0.6, 0.0, 0.01, 0.0, 0.0],
+        ] {
+            let lens = BrownConrady::new(coefficients).expect("finite numbers");
+            let (eye, way) = (random.point() * 0.8, random.point());
+            for (rows, fov) in [(40, 20.0), (150, 60.0), (110, 130.0)] {
+                let camera = camera(Panorama::Lens(lens), eye, way, rows, fov);
+                for (index, lattice) in lattices(camera).iter().enumerate() {
+                    let cull = [Cull::None, Cull::Back][index];
+                    check(&accel, lattice, cull, &mut sum);
+                }
+            }
+        }
+        assert!(sum.hits > sum.rays / 3, "{} {}", sum.hits, sum.rays);
         let (undecided, rays) = (sum.undecided(), sum.rays as u64);
         assert!(undecided < rays / 20, "{undecided} of {rays}");
     }

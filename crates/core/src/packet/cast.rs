@@ -2,6 +2,7 @@
 
 mod around;
 mod evaluate;
+mod eyes;
 
 use super::counts::CastCounts;
 use super::interval_zbuffer::IntervalZBuffer;
@@ -62,6 +63,12 @@ impl Accel {
     ) -> CastCounts {
         primitives.clear();
         primitives.resize(lattice.len(), MISS);
+        if let Some(halves) = lattice.halves() {
+            return self.find_halves(clip, (lattice, halves), cull, precision, primitives);
+        }
+        if lattice.camera.has_an_eye_a_column() {
+            return self.find_each(clip, lattice, cull, precision, primitives);
+        }
         let mut counts = CastCounts::default();
         if lattice.camera.projection().panorama().is_some() {
             let find = Find {

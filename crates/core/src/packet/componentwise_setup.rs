@@ -14,15 +14,20 @@
 //! * **Cross products.** P is off by ε|P| and by η, the origin's own error, which is the same for all corners; a
 //!   difference of corners u = Q − P, taken from the stored ones, by ε|u| alone. P×Q is P×u and Q×u too, and each
 //!   component is that of the three whose bound is least: off by 4ε of |P|×|Q|, |P|×|u| or |Q|×|u|, and by the
-//!   origin's error times the sum of the two components of |u|. With second orders: 5ε and 1.01η.
-//! * **Functions.** With R the greatest |d(i, j)| up to [`REACH`], by component, a value takes two roundings for
-//!   the product and a sum of three, two more for moving to another place: below 10ε R·|m|. A ray's direction is off
-//!   by 8εB a component (see `setup`), d by 6εB, and i·a + j·b by 2εB: ε_d = 20εB times |m₁| + |m₂| + |m₃|.
-//! * **Depth.** The product of a corner and a vector is off by the vector's error by |P| + η, by ten roundings, and by η
-//!   times the vector. A·n is taken at the corner where that is least; where it is not clear, A·(B×C) is tried too.
-//!   The key's numerator is a function as above, of n; a quotient whose denominator is off by a quarter of itself at
-//!   most is off by 4/3 of what its parts are off by, relative to itself: we take 2. All this is of the whole key; it is
-//!   made relative to the packet's reference afterwards, as in `setup`.
+//!   origin's error times the sum of the two components of |u|, with second orders 1.01η. Its product with a vector is
+//!   rounded eight times more at most (below), by ε each of what is no more than these: 12ε bounds both.
+//! * **Functions.** With R the greatest |d(i, j)| up to [`REACH`], by component, the constant term takes three roundings
+//!   for a product and a sum of three, two for moving to another place, and three for its scale and its greatest value
+//!   over the triangle's bounds; a step takes three, one for its product with the place, and five of the same. A ray's
+//!   direction is off by 6εB a component, d by 5εB, and i·a + j·b by εB: ε_d = 20εB times |m₁| + |m₂| + |m₃| is taken,
+//!   where R ≤ B: it has room for a step's ninth rounding, as the origin's error of 16ε·2R has for orthographic packets.
+//! * **Depth.** The product of a corner and a vector is off by the vector's error by |P| + η, where four of the eight
+//!   roundings are used, and by η times the vector. A·n is taken at the corner where that is least; where it is not
+//!   clear, A·(B×C) is tried too. The key's numerator is a function as above, of n; a quotient whose denominator is off
+//!   by a quarter of itself at most is off by 4/3 of what its parts are off by, relative to itself: we take 2. Inverse
+//!   and products round a key by 3ε of itself; its denominator's bound is 12ε of itself at least, of which it needs 8,
+//!   and is taken twice. All this is of the whole key; it is made relative to the packet's reference afterwards, as in
+//!   `setup`.
 //!
 //! An edge function that is surely negative in all of a triangle's bounds ends the set-up: no ray hits the triangle.
 //!
@@ -39,7 +44,7 @@ const EPSILON: f64 = f64::EPSILON / 2.0;
 /// The greatest magnitude of a number, and the inverse of the least but zero.
 const RANGE: f64 = f64::from_bits((1023 + 200) << 52);
 
-/// A vector, and a bound on the error of each component.
+/// A vector, and for each component a bound on its error and on the roundings of what it is multiplied with.
 #[derive(Clone, Copy)]
 struct Bounded {
     value: DVec3,
@@ -52,7 +57,7 @@ impl Bounded {
         let (plus, minus) = (p.yzx() * q.zxy(), p.zxy() * q.yzx());
         Self {
             value: plus - minus,
-            error: (plus.abs() + minus.abs()) * (5.0 * EPSILON),
+            error: (plus.abs() + minus.abs()) * (12.0 * EPSILON),
         }
     }
 
@@ -83,10 +88,10 @@ impl Bounded {
         }
     }
 
-    /// What the error and ten roundings of its components come to by these weights.
+    /// What the errors come to by these weights.
     #[inline(always)]
     fn error_by(&self, weights: DVec3) -> f64 {
-        weights.dot(self.error + self.value.abs() * (10.0 * EPSILON)) * 1.001
+        weights.dot(self.error) * 1.001
     }
 
     /// What one error of all weights comes to.
@@ -182,7 +187,7 @@ impl PacketSpace {
             );
             let error = error / magnitude;
             let greatest = constant + (x * span.across).max(0.0) + (y * span.along).max(0.0);
-            if clear & (greatest < -1.001 * error - 8.0 * EPSILON) {
+            if clear & (greatest < -error) {
                 out.boxes[l].right = -1;
                 return;
             }
@@ -205,9 +210,8 @@ impl PacketSpace {
         let greatest = key.size(&span);
         let key = key.less(self.reference);
         let spread = key.size(&span);
-        let relative = facing_error / facing.abs() + 4.0 * EPSILON;
         let key_error = spread * LINEAR_ERROR
-            + greatest * (2.0 * relative)
+            + 2.0 * greatest * (facing_error / facing.abs())
             + 2.0 * numerator_error * inverse.abs();
         out.depth_key[0][l] = key.constant as f32;
         out.depth_key[1][l] = key.x as f32;

@@ -188,7 +188,8 @@ fn hostile_triangles_are_seen_as_single_rays_and_brute_force_see_them() {
 const ROUNDS: usize = 2400;
 
 /// A border between the faces of a cube map belongs to one of them, and in a strip that looks elsewhere than its neighbour
-/// in the picture: scenes that the rays of the border alone see.
+/// in the picture: scenes that the rays of the border alone see, among triangles elsewhere, so that entry points leave
+/// some out. Where a border is taken with the face on its other side, this fails.
 #[test]
 fn rays_at_the_borders_of_faces_hit_what_their_own_face_sees() {
     let mut sum = Sum::default();
@@ -199,31 +200,49 @@ fn rays_at_the_borders_of_faces_hit_what_their_own_face_sees() {
             Panorama::CubeStrip => (across * 12 + 1, across * 2 + 1),
             _ => (across * 8 + 1, across * 6 + 1),
         };
-        let plane = ImagePlane::new(columns, rows, 1.0 / f64::from(across)).expect("a good plane");
-        let placement = Placement::towards(DVec3::ZERO, DVec3::NEG_Z);
-        let camera = Camera::new(placement, Projection::Panoramic(panorama), plane);
-        for x in (0..columns).step_by(across as usize * 2) {
-            for y in (0..rows).step_by(across as usize / 2) {
-                for (left, top) in [(0, 0), (5, 5)] {
-                    let rect = Rect {
-                        x: x.saturating_sub(left),
-                        y: y.saturating_sub(top),
-                        width: (columns - x).min(33),
-                        height: (rows - y).min(9),
-                    };
-                    let lattice = camera.sub_camera(rect).lattice();
-                    let ray = lattice.ray(x - rect.x, y - rect.y);
-                    if !ray.is_valid() || x - rect.x >= rect.width || y - rect.y >= rect.height {
-                        continue;
-                    }
-                    let side = ray.direction.any_orthonormal_vector() * 0.02;
-                    let up = ray.direction.cross(side);
-                    let around = [side, up - side, -up - side];
-                    let corners = around.map(|way| ray.direction * 5.0 + way);
-                    check(&accel(vec![corners]), &lattice, Cull::None, &mut sum);
-                }
-            }
+        // Of whole lengths, so that borders are at pixels exactly. Seen along the second, a packet holds rays of two faces.
+        for (x, y, z, length) in [(0, 0, -1, 1), (-1, 4, 8, 9)] {
+            let way = DVec3::from([x, y, z].map(f64::from));
+            let step = f64::from(length) / f64::from(across);
+            let plane = ImagePlane::new(columns, rows, step).expect("a good plane");
+            let placement = Placement::towards(DVec3::ZERO, way);
+            let camera = Camera::new(placement, Projection::Panoramic(panorama), plane);
+            check_borders(&camera, across, &mut sum);
         }
     }
     assert!(sum.hits > 60, "{}", sum.hits);
+}
+
+/// Checks the rays at the borders of faces, so many pixels from their middles, each in a scene of its own.
+fn check_borders(camera: &Camera, across: u32, sum: &mut Sum) {
+    let ImagePlane { columns, rows, .. } = camera.plane();
+    for x in (0..columns).step_by(across as usize * 2) {
+        for y in (0..rows).step_by(across as usize / 2) {
+            // Packets of one row may hold rays of two faces: higher ones see too wide, and are split.
+            for (left, top, height) in [(0, 0, 9), (5, 5, 9), (0, 0, 1)] {
+                let rect = Rect {
+                    x: x.saturating_sub(left),
+                    y: y.saturating_sub(top),
+                    width: (columns - x).min(33),
+                    height: (rows - y).min(height),
+                };
+                let lattice = camera.sub_camera(rect).lattice();
+                let ray = lattice.ray(x - rect.x, y - rect.y);
+                if !ray.is_valid() || x - rect.x >= rect.width || y - rect.y >= rect.height {
+                    continue;
+                }
+                let side = ray.direction.any_orthonormal_vector() * 0.02;
+                let up = ray.direction.cross(side);
+                let around = [side, up - side, -up - side];
+                // More than a leaf holds: they have a subtree of their own.
+                let layers = (0..8).map(|layer| ray.direction * (5.0 + f64::from(layer)));
+                let elsewhere = DVec3::AXES
+                    .into_iter()
+                    .flat_map(|axis| [1.0, 1.1, -1.0, -1.1].map(|share| axis * (share * 1000.0)));
+                let corners = layers.chain(elsewhere);
+                let corners = corners.map(|at| around.map(|way| at + way)).collect();
+                check(&accel(corners), &lattice, Cull::None, sum);
+            }
+        }
+    }
 }

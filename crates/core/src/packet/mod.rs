@@ -59,6 +59,8 @@ mod ray_rect;
 mod rivals;
 mod setup;
 #[cfg(test)]
+mod setup_term_tests;
+#[cfg(test)]
 mod setup_tests;
 mod slivers;
 mod small_triangles;

@@ -21,6 +21,10 @@
 //! * **Places.** Divided by s: 1310εK. The sum and the quotient round by less than 4ε·32, and the place of the packet's
 //!   first ray in the picture by 6εK: below 1400εK, times √2 where both coordinates move a direction. [`PLACE_ERROR`] is
 //!   above that.
+//! * **Lenses.** Packets of a picture through a lens share the camera's own image plane, on which directions (x, y, 1) are
+//!   places already: neither products nor the plane's axes move them, and rays are off by the nine roundings on their way
+//!   to the world alone. With x and y at most 2 ([`FLATTEST`]) |d| is at most 3, B at most 5, and tangents are off by less
+//!   than 9√3·3·(1 + 2)ε < 2⁸ε: below the bounds above.
 //! * **Single precision.** Rounding a place by u of itself moves a linear function by less than u of the sum of its
 //!   terms' magnitudes: one of the roundings counted where functions are evaluated
 //!   (`interval_zbuffer/at_places`).
@@ -30,7 +34,7 @@ mod bounds;
 use super::frustum::Window;
 use super::params::{CELLS, ROW, SIDE};
 use super::setup::PacketSpace;
-use crate::camera::{Camera, ImagePlane, PanoramaRays, Rect};
+use crate::camera::{Camera, FLATTEST, ImagePlane, PanoramaRays, Rect};
 use crate::hit::Cull;
 use crate::num::simd::{LANES, Lanes};
 pub(super) use bounds::first_of;
@@ -152,12 +156,14 @@ impl Places {
         if !is_near {
             return Span::Wide;
         }
-        let Some(view) = self.view(camera) else {
-            return Span::Wide;
-        };
-        self.view = view;
-        if !self.project(camera) {
-            return Span::Wide;
+        if !(rays.are_through_a_lens() && self.take_tangents(camera)) {
+            let Some(view) = self.view(camera) else {
+                return Span::Wide;
+            };
+            self.view = view;
+            if !self.project(camera) {
+                return Span::Wide;
+            }
         }
         self.scale();
         self.bound(lanes);
@@ -288,6 +294,32 @@ impl Places {
         };
         let furthest = greater(greater(-left, right), greater(-low, high));
         (depth > 0.0) & (furthest <= MOST_TANGENT)
+    }
+
+    /// Takes directions (x, y, 1) through a lens for places on the camera's own image plane, and finds the window that
+    /// they are in. Whether all are within [`FLATTEST`].
+    #[inline(always)]
+    fn take_tangents(&mut self, camera: &Camera) -> bool {
+        let [xs, ys, _] = &self.directions;
+        let [across, along] = [xs, ys].map(|tangents| {
+            let mut least = [f64::INFINITY; LANES];
+            let mut most = [f64::NEG_INFINITY; LANES];
+            for eight in tangents.as_chunks::<LANES>().0 {
+                for lane in 0..LANES {
+                    least[lane] = lesser(eight[lane], least[lane]);
+                    most[lane] = greater(eight[lane], most[lane]);
+                }
+            }
+            let least = least.into_iter().fold(f64::INFINITY, lesser);
+            (least, most.into_iter().fold(f64::NEG_INFINITY, greater))
+        });
+        let furthest = greater(greater(-across.0, across.1), greater(-along.0, along.1));
+        if furthest > FLATTEST {
+            return false;
+        }
+        self.view = camera.unit_perspective();
+        self.window = Window { across, along };
+        true
     }
 
     /// Scales places to the packet's columns and rows.

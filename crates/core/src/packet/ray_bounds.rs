@@ -16,8 +16,10 @@
 //!   precision, moves t by less than 128ε|q − o|·B/D of S (B/D: see [`setup`](super::setup)). r is taken to be
 //!   at least the sum of both over u, so corners are off by at most 4ur.
 //! * **X, Y, Z.** T's rows are rounded by u of themselves (their errors in double precision are less as long as
-//!   B/D < 10⁶), products by u, three sums by u each. With the corners' errors X is off by 9ur·S plus second
-//!   order: e_x = 10ur·S. Z's sums and t add 4u|t_z|: e_z = 10ur·S_z + 5u|t_z|.
+//!   B/D < 10⁶), products by u, three sums by u each. q's second number is how far q is from single precision, and no
+//!   corner is nearer: it is at most r, and rounding it leaves q within ur of the ray. So t_x and t_y, below ur·S, are
+//!   rounded by second order. With the corners' errors X is off by 9ur·S plus second order: e_x = 10ur·S. Z's sums and t
+//!   add 4u|t_z|: e_z = 10ur·S_z + 5u|t_z|.
 //! * **Bounds.** Where Z ≥ 2048·e_z, a place p with |p| ≤ 2·[`SIDE`] is off by (e_x + |p|e_z)/Z · 2048/2047, and
 //!   by 3u|p| for the quotient; rays are off by ρ of a column ([`PacketSpace`]). Bounds grow by 2⁻⁹ + m with
 //!   m = 2ρ + 1.25(e_x + 64e_z)/Z; 3u|p| and the rounding of the sums need 2⁻¹⁵ of the 2⁻⁹. Places further out
@@ -26,11 +28,11 @@
 //!   than 1/8 hold at most 5 rays each way. Places are off by m' = m + 2⁻¹⁵, and no coordinate of a corner
 //!   relative to a ray of the bounds exceeds s + 1/8, s the triangle's size. Edge functions are linear in the
 //!   ray's place: but for rounding, the value is the cross product of two moved corners relative to the ray, off
-//!   by 4(s + 1/8)m' + 2m'² ≤ (4s + 1)m'. Rounding: the corners relative to the first ray, two products and a
-//!   difference, the steps, and one sum a column and row, of values below 2(w + 1)² + 2·2w·(w + 1) < 130, at
-//!   most twelve times by u: below 2⁻¹³. Where the doubled area, the sum of a ray's three values, exceeds three
-//!   times its error, its sign is sure, and edges are turned to be positive inside. A ray whose three values are
-//!   surely positive is inside; one with a surely negative value is outside.
+//!   by 4(s + 1/8)m' + 2m'² ≤ (4s + 1)m'. Rounding: two products and a difference, the steps, and a sum a column and
+//!   row, eight in all, of values up to 2(s + 1/8)²: below 20u(s + 1/8)² + 8us. A place needs 192u of its 2⁻¹⁵, and 5u
+//!   for being taken relative to the first ray; what is left, 315u·(4s + 1), is more. Where the doubled area, the sum of
+//!   a ray's three values, exceeds three times its error, its sign is sure, and edges are turned to be positive inside. A
+//!   ray whose three values are surely positive is inside; one with a surely negative value is outside.
 //! * **Depth key.** A depth is off by e_z, its inverse by e_z/Z · 2048/2047 of itself and 2u. A hit is no nearer
 //!   than the nearest corner. Along a ray the depth key is the corners' by barycentric weights, edge values over
 //!   the doubled area. With E the error of an edge value, the area is off by 3E and a weight of at most 1 by 4E
@@ -39,8 +41,9 @@
 //!   of 2⁻¹⁹ covers with the corners' own.
 //!
 //! Where Z is smaller, or a number leaves the range, every ray of the packet may hit the triangle. Range: S and
-//! r·S < 10³⁰ and Z ≥ 10⁻³⁰ keep products and inverses finite; r is at least 10⁻³⁰, which keeps what underflow
-//! loses, 10⁻⁴⁴, far below the bounds.
+//! r·S < 10³⁰ and Z ≥ 10⁻³⁰ keep products and inverses finite. Underflow loses 10⁻⁴⁴: next to nothing of Z and of
+//! columns, and less than depths of orthographic packets are off by, whose steps are 10⁻³⁰ at least and whose origins'
+//! error makes r 10⁻³⁶.
 
 use super::depth_reference::DepthReference;
 use super::lane_math::{ROUNDER, Three, least, most, round};
@@ -67,11 +70,8 @@ const CLEAR: f32 = 2048.0;
 /// each way.
 const SMALL_MARGIN: f32 = 0.125;
 
-/// Part of [`MARGIN`] that rounding of places and sums needs.
+/// Part of [`MARGIN`] that rounding of places and sums needs, and of small triangles' edge functions.
 const PLACE_ERROR: f64 = 1.0 / 32768.0;
-
-/// Bound on the rounding of edge functions of small triangles.
-const CROSS_ROUNDING: f32 = 1.0 / 8192.0;
 
 /// Bound on the rounding of the depth key, relative to the greatest.
 const DEPTH_KEY_SLACK: f32 = 1.0 / (1 << 19) as f32;
@@ -163,9 +163,8 @@ impl Projector {
             map: space.map.map(|row| row.as_vec3().to_array()),
             shift: shift.map(|s| s as f32),
             least_reach: (space.origin_error / UNIT
-                + 128.0 * f64::EPSILON * space.obliqueness / UNIT * moved
-                + UNIT * far
-                + 1.0 / RANGE) as f32,
+                + 128.0 * f64::EPSILON * space.obliqueness / UNIT * moved)
+                as f32,
             most_reach: most_reach as f32,
             depth_error: [depth_error as f32, (10.0 * UNIT * z) as f32],
             margin: [
@@ -314,7 +313,7 @@ impl Projector {
         if out.small == 0 {
             return;
         }
-        let error = projected.place_error() * (size * 4.0 + 1.0) + CROSS_ROUNDING;
+        let error = projected.place_error() * (size * 4.0 + 1.0);
         let corners = [projected.xs, projected.ys, projected.keys];
         let first = (bounds.left, bounds.top);
         let edges = SmallEdges::new(lanes, corners, first, error, projected.key_error);

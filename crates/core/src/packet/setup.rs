@@ -30,17 +30,23 @@
 //! * **Rays.** A ray's direction is rounded on its way to unit length by 8εB a component, which T makes
 //!   14εK·B/D, and its place on the plane by εK: below 32εK·B/D columns or rows, so edge functions and n are off
 //!   by that times |m₁| + |m₂|, or |n₁| + |n₂|. Orthographic rays' origins are rounded instead, which η includes.
-//! * **Plane.** With L and M the greatest differences of corners in X or Y, and in Z: (i, j, 1)·n is off by
-//!   N = (L + hM)·(8(K + h)δ + 16εL), and A·n by F = (A·M + Z·L)·(16(K + h)δ + 24εL) + 12δ·A·L. Orthographic
-//!   depths are (A·n − n₁i − n₂j)/n₃, whose numerator is off by F with A + h for A, and n₃ by 8KδL + 8εL².
+//! * **Plane.** With L and M twice the greatest difference of a corner from A in X or Y, and in Z: A·n is off by half of
+//!   F = (A·M + Z·L)·(16(K + h)δ + 24εL) + 12δ·A·L. Orthographic depths are (A·n − n₁i − n₂j)/n₃, whose numerator is off
+//!   by F with A + h for A, and n₃ by 8KδL + 8εL².
 //! * **Depth key.** A quotient whose denominator is off by a quarter of itself at most is off by 4/3 of what its parts
-//!   are off by, relative to itself: we take 2. Inverse and product round by 2ε of the key. The key is made relative
-//!   to the packet's reference (`depth_reference`) after that: these errors are as large as the whole key makes
-//!   them, and only [`LINEAR_ERROR`], with the difference's rounding in it, goes by what is left.
+//!   are off by, relative to itself: we take 2. The key is made relative to the packet's reference (`depth_reference`)
+//!   after that: these errors are as large as the whole key makes them, and only [`LINEAR_ERROR`], with the difference's
+//!   rounding in it, goes by what is left.
 //! * **What covers what.** δ ≥ 72ε·2.1·A/K' with K' = D/s (orthographic: 1/s), and δ ≥ 79ε·Z·B/D. So Kδ ≥ 151εA, and
-//!   as L ≤ 4A every term with ε and A or L is covered by the one with δ beside it, the inverse's rounding by
-//!   F/|A·n| ≥ 16Kδ/L. Rays move edge functions by 128εK(B/D)AZ at most, and n by 32εK(B/D)LM: E has 316 and N, as
-//!   M ≤ 4Z, 158 of these. An orthographic eye is off by less than its rays' origins are.
+//!   as L ≤ 4A every term with ε and A or L is covered by the one with δ beside it. Inverse and product round the key by
+//!   4ε of itself at most; since |A·n| ≤ (A·M + Z·L)·L and |n₃| ≤ L², a key is off by 16Kδ/L ≥ 600ε of itself through
+//!   its denominator. Rays of a lattice move edge functions by 128εK(B/D)AZ at most: E has 316 of these. An orthographic
+//!   eye is off by less than its rays' origins are.
+//! * **What covers the key's numerator in perspective.** It is off by (L + iM)·4(K + h)δ at a place i. Keys count where
+//!   rays hit the triangle: a hit of depth z is a mean of the corners, so z ≤ Z and i ≤ A/z, and the numerator is off by
+//!   a quarter of F/z. A lattice's rays move it by 32εK(B/D)LM, a tenth of F/z as M ≤ 4Z. The key is 1/z, and of the
+//!   2F/z that are taken of its denominator's error 4/3·(1/2 + 1/4 + 1/10) are needed. Rays at places of their own are
+//!   off by more, and their share is added.
 
 pub(super) mod place_bounds;
 mod space;
@@ -156,10 +162,8 @@ impl PacketSpace {
             let greatest = key.size(&span);
             let key = key.less(self.reference);
             let spread = key.size(&span);
-            let relative = plane.facing_error * inverse.abs() + 4.0 * EPSILON;
             let key_error = spread * LINEAR_ERROR
-                + greatest * (2.0 * relative)
-                + 2.0 * plane.numerator_error * inverse.abs();
+                + 2.0 * (greatest * plane.facing_error + plane.numerator_error) * inverse.abs();
             out.depth_key[0][l] = key.constant as f32;
             out.depth_key[1][l] = key.x as f32;
             out.depth_key[2][l] = key.y as f32;
@@ -194,7 +198,7 @@ impl PacketSpace {
         }
     }
 
-    /// Which side of the triangle the packet sees, and the errors of its plane: F or that of n₃, and N or F.
+    /// Which side of the triangle the packet sees, and the errors of its plane.
     #[inline(always)]
     fn plane(&self, triangle: &PacketTriangle, size: &Size) -> Plane {
         let Size {
@@ -204,7 +208,7 @@ impl PacketSpace {
             deep,
             delta,
         } = *size;
-        let (h, kh, n) = (REACH, self.stretch_and_reach, triangle.n);
+        let (kh, n) = (self.stretch_and_reach, triangle.n);
         let plane_error = |reach: f64| {
             (reach * deep + depth * wide) * (16.0 * kh * delta + 24.0 * EPSILON * wide)
                 + 12.0 * delta * reach * wide
@@ -213,14 +217,13 @@ impl PacketSpace {
             Plane {
                 facing: triangle.a_n,
                 facing_error: plane_error(reach),
-                numerator_error: (wide + h * deep) * (8.0 * kh * delta + 16.0 * EPSILON * wide)
-                    + self.ray_error * (n[0].abs() + n[1].abs()),
+                numerator_error: self.ray_error * (n[0].abs() + n[1].abs()),
             }
         } else {
             Plane {
                 facing: n[2],
                 facing_error: 8.0 * (kh * delta + EPSILON * wide) * wide,
-                numerator_error: plane_error(reach + h),
+                numerator_error: plane_error(reach + REACH),
             }
         }
     }
@@ -317,9 +320,10 @@ struct Size {
 /// A triangle's plane as a packet sees it.
 #[derive(Clone, Copy)]
 struct Plane {
-    /// Negative where its front faces the eye.
+    /// The depth key's denominator, A·n or n₃: negative where the triangle's front faces the eye.
     facing: f64,
     facing_error: f64,
+    /// What the depth key's numerator is off by, but for what `facing_error` covers.
     numerator_error: f64,
 }
 

@@ -20,6 +20,10 @@
 //! |e_y|) ≤ 4uP². Divided by |e_x| ≤ 2P, with P ≥ [`SIDE`], it is 384u columns at least, which is what dividing takes.
 //! Where the area's sign is wrong, the area is less than 24uP², and so is every edge function inside: turned, none is
 //! below the bound.
+//!
+//! **Level edges.** Where e_x is zero, or too small to have an inverse, e crosses zero infinitely far away: a row is kept
+//! or dropped by e's sign, which 2P·10⁻³⁸ does not change, and where the product is no number `min` and `max` pass over
+//! it.
 
 use super::lane_math::{Three, cross, most, relative_to, round};
 use super::params::{SIDE, SMALL_SIDE};
@@ -38,9 +42,6 @@ const SEVERAL: u32 = 3;
 
 /// Added to both ends of spans, in columns.
 const SLACK: f32 = 1.0 / 1024.0;
-
-/// Lower bound of |e_x|, which is divided by: moves e by less than 10⁻¹⁸ in a packet.
-const STEEPEST: f32 = 1e-20;
 
 /// Bounds of the rays that may hit eight triangles, both ends included.
 #[derive(Clone, Copy)]
@@ -202,10 +203,9 @@ impl<L: Lanes> Edge<L> {
         let constant = turned.select(zero - constant, constant);
         let right = turned.select(zero - right, right);
         let down = turned.select(zero - down, down);
-        let steep = right.abs().max(lanes.splat(STEEPEST));
-        let slope = steep + down.abs();
+        let slope = right.abs() + down.abs();
         let slack = off * slope + rounding;
-        let columns = lanes.splat(1.0) / steep;
+        let columns = lanes.splat(1.0) / right.abs();
         let begins = zero.lt(right);
         Self {
             first: constant + slack,

@@ -332,20 +332,20 @@ pub(super) mod tests {
 
     #[test]
     fn only_fragments_are_read() {
-        let told = |bytes: &[u8]| {
+        let message = |bytes: &[u8]| {
             Fragment::decode("file", bytes)
                 .expect_err("not a fragment")
                 .to_string()
         };
-        assert!(told(b"").contains("neither PNG nor EXR"));
+        assert!(message(b"").contains("neither PNG nor EXR"));
         let picture = sample_picture(4, 4, true);
         for format in [Format::Png, Format::Exr] {
             let bytes = picture.encode(format).expect("encodes");
             assert!(
-                told(&bytes).contains("does not tell its place"),
+                message(&bytes).contains("does not tell its place"),
                 "{format:?}"
             );
-            assert!(told(&bytes[..bytes.len() / 2]).starts_with("file: expected a fragment"));
+            assert!(message(&bytes[..bytes.len() / 2]).starts_with("file: expected a fragment"));
         }
         let (_, fragment) = fragments(&picture, Grid::Size(2), Format::Exr).remove(3);
         for format in [Format::Ppm, Format::Jpeg] {
@@ -375,7 +375,7 @@ pub(super) mod tests {
             "full 1 2 rect 0 0 1 1 recipe 0 pixels 0",
             &place.to_string().replace("full ", "full -"),
             &format!("{place} "),
-            // As it was written before fragments told what they are made of.
+            // As it was written before fragments said what they are made of.
             "full 1 2 rect 0 0 1 1 view 0123456789abcdef",
         ] {
             assert!(bad.parse::<Place>().is_err(), "{bad}");

@@ -18,7 +18,7 @@ const RECIPE: &str = "raycast-recipe";
 /// take two bits at least).
 pub(super) const MOST_EXPANSION: u64 = 1032;
 
-/// An encoder that tells what it is told to.
+/// An encoder of pixels with or without alpha, and of a text for each tag.
 pub(super) fn encoder<'a>(
     bytes: &'a mut Vec<u8>,
     (columns, rows): (u32, u32),

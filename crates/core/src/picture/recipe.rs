@@ -74,6 +74,7 @@ impl Recipe {
             "up",
             "shift",
             "lens",
+            "stereo",
         ];
         let key = |line: &str| line.split(' ').next().unwrap_or_default().to_owned();
         Some(
@@ -220,13 +221,13 @@ pub(super) mod tests {
             "{text}"
         );
         assert_eq!(text.parse::<Recipe>().expect("reads"), recipe);
-        let told = plain.difference(&recipe).expect("they differ");
-        assert_eq!(told, "it was made with other clipping planes");
+        let message = plain.difference(&recipe).expect("they differ");
+        assert_eq!(message, "it was made with other clipping planes");
         let zero = text.replace("[1e0, 0e0, 0e0, -5e-1]", "[0e0, 0e0, 0e0, -5e-1]");
-        let told = zero.parse::<Recipe>().expect_err("refused").to_string();
+        let message = zero.parse::<Recipe>().expect_err("refused").to_string();
         assert!(
-            told.contains("line 11: a clipping plane's normal must not be zero"),
-            "{told}"
+            message.contains("line 11: a clipping plane's normal must not be zero"),
+            "{message}"
         );
     }
 
@@ -241,15 +242,15 @@ pub(super) mod tests {
                 }
             }
         }
-        let told = |text: &str| text.parse::<Recipe>().expect_err("refused").to_string();
-        assert!(told("raycast-recipe = 2\n").contains("version \"2\""));
+        let message = |text: &str| text.parse::<Recipe>().expect_err("refused").to_string();
+        assert!(message("raycast-recipe = 2\n").contains("version \"2\""));
         assert!(
-            told(&text.replace("mode = \"normals\"", "mode = \"pretty\"")).contains(
+            message(&text.replace("mode = \"normals\"", "mode = \"pretty\"")).contains(
                 "line 12: expected a mode that this program knows, found \"\\\"pretty\\\"\""
             )
         );
-        assert!(told(&text.replace("samples = 16", "samples = 17")).contains("changed"));
-        assert!(told(&format!("{text}\n")).contains("changed"));
+        assert!(message(&text.replace("samples = 16", "samples = 17")).contains("changed"));
+        assert!(message(&format!("{text}\n")).contains("changed"));
     }
 
     #[test]
@@ -263,10 +264,13 @@ pub(super) mod tests {
             "it was made with other settings (mode = \"flat\", not mode = \"normals\")"
         );
         other.camera = sample_recipe(41, 30).camera;
-        let told = recipe.difference(&other).expect("they differ");
-        assert!(told.contains("another camera (size = [41, 30]"), "{told}");
+        let message = recipe.difference(&other).expect("they differ");
+        assert!(
+            message.contains("another camera (size = [41, 30]"),
+            "{message}"
+        );
         other.scene = Digest::of(b"another");
-        let told = recipe.difference(&other).expect("they differ");
-        assert_eq!(told, "it was made from another scene");
+        let message = recipe.difference(&other).expect("they differ");
+        assert_eq!(message, "it was made from another scene");
     }
 }

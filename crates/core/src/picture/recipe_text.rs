@@ -1,7 +1,7 @@
 //! A recipe's text: a line for each key.
 
 use super::{ImageError, Recipe};
-use crate::camera::{BrownConrady, Camera, ImagePlane, PixelFilter, Placement, Projection};
+use crate::camera::{BrownConrady, Camera, ImagePlane, PixelFilter, Placement, Projection, Stereo};
 use crate::digest::Digest;
 use crate::hit::{Cull, Precision};
 use crate::ranges;
@@ -90,6 +90,13 @@ impl Recipe {
         if let Some(lens) = camera.projection().lens() {
             let numbers = lens.coefficients().map(|number| float(&number));
             more += &format!("lens = [{}]\n", numbers.join(", "));
+        }
+        if let Some(stereo) = camera.stereo() {
+            let distances = [Some(stereo.eye_distance), stereo.convergence];
+            let distances = distances.iter().flatten().map(float);
+            let kind = format!("\"{}\"", stereo.kind);
+            let items: Vec<_> = std::iter::once(kind).chain(distances).collect();
+            more += &format!("stereo = [{}]\n", items.join(", "));
         }
         if let Some(color) = back_faces {
             more += &format!("back-faces = \"{color}\"\n");
@@ -210,6 +217,7 @@ fn read(text: &str) -> Result<Recipe, String> {
         }
         (true, _) => return Err(format!("a lens, which {projection} does not have")),
     };
+    let stereo = lines.stereo()?;
     let back_faces = lines.back_faces()?;
     let ground = lines.ground()?;
     let x_ray_opacity = match lines.has("x-ray-opacity") {
@@ -218,9 +226,14 @@ fn read(text: &str) -> Result<Recipe, String> {
     };
     let digest: Digest = lines.quoted("digest")?.parse()?;
     let plane = ImagePlane::new(columns, rows, step).map_err(|error| error.to_string())?;
+    if let Some(stereo) = stereo {
+        let checked = stereo.check(projection, Some(plane));
+        checked.map_err(|error| error.to_string())?;
+    }
+    let camera = Camera::new(Placement { eye, target, up }, projection, plane);
     let recipe = Recipe {
         scene,
-        camera: Camera::new(Placement { eye, target, up }, projection, plane).shifted(shift),
+        camera: camera.shifted(shift).in_stereo(stereo),
         samples,
         pixel_filter,
         cull,
@@ -368,6 +381,22 @@ impl<'t> Lines<'t> {
         self.has(key).then(|| self.value(key).ok())?
     }
 
+    fn stereo(&mut self) -> Result<Option<Stereo>, String> {
+        let Some(value) = self.optional("stereo") else {
+            return Ok(None);
+        };
+        let read = || {
+            let mut items = items(value)?;
+            Some(Stereo {
+                kind: unquoted(items.next()?)?.parse().ok()?,
+                eye_distance: items.next()?.parse().ok()?,
+                convergence: items.next().map(str::parse).transpose().ok()?,
+            })
+        };
+        let expected = "a kind of picture for two eyes, and one or two distances";
+        read().map(Some).ok_or_else(|| self.wrong(expected, value))
+    }
+
     fn back_faces(&mut self) -> Result<Option<Color>, String> {
         let Some(value) = self.optional("back-faces") else {
             return Ok(None);
@@ -428,7 +457,7 @@ impl<'t> Lines<'t> {
     }
 }
 
-/// Which edges, and how strongly hidden ones, are told where that is not as usual.
+/// Which edges, and how strongly hidden ones, are written where that is not as usual.
 fn lines_text(lines: &Wireframe) -> String {
     let Wireframe {
         width,

@@ -201,14 +201,14 @@ mod tests {
     fn what_does_not_fit_is_named() {
         let whole = sample_picture(12, 10, false);
         let parts = fragments(&whole, three_by_two(), Format::Png);
-        let told = |parts: &[(String, Fragment)]| {
+        let refusal = |parts: &[(String, Fragment)]| {
             stitch(parts).expect_err("cannot be stitched").to_string()
         };
-        assert_eq!(told(&[]), "there are no fragments to stitch");
+        assert_eq!(refusal(&[]), "there are no fragments to stitch");
 
         let mut gap = parts.clone();
         gap.remove(4);
-        let message = told(&gap);
+        let message = refusal(&gap);
         assert!(
             message.contains("20 of 12 x 10") && message.contains("(4, 5), up to column 7"),
             "{message}"
@@ -216,26 +216,28 @@ mod tests {
 
         let mut twice = parts.clone();
         twice.push(("again".to_owned(), parts[5].1.clone()));
-        assert_eq!(told(&twice), "again and part-5 both hold pixel (8, 5)");
+        assert_eq!(refusal(&twice), "again and part-5 both hold pixel (8, 5)");
 
         let mut other_view = parts.clone();
         other_view[2].1.recipe.shading.mode = Mode::Flat;
         assert!(
-            told(&other_view)
+            refusal(&other_view)
                 .starts_with("part-2 does not belong with part-0: it was made with other settings")
         );
 
         let mut other_size = parts.clone();
         other_size[1].1.recipe = sample_recipe(13, 10);
-        assert!(told(&other_size).contains("part of a picture of 13 x 10, not 12 x 10"));
+        assert!(refusal(&other_size).contains("part of a picture of 13 x 10, not 12 x 10"));
 
         let mut with_layers = parts.clone();
         with_layers[3].1.picture.layers = Some(Layers::blank(20));
-        assert!(told(&with_layers).contains("part-3 does not belong with part-0: it has layers"));
+        assert!(
+            refusal(&with_layers).contains("part-3 does not belong with part-0: it has layers")
+        );
 
         let mut outside = parts;
         outside[5].1.rect.x = 11;
-        assert!(told(&outside).starts_with("part-5: expected a fragment"));
+        assert!(refusal(&outside).starts_with("part-5: expected a fragment"));
     }
 
     /// Parts that overlap by as much as is missing elsewhere hold as many pixels as the picture has.

@@ -1,13 +1,19 @@
 //! What tells viewers of panoramas that a picture is one: Google's "Photo Sphere XMP Metadata" (GPano).
 
 use super::Recipe;
-use crate::camera::{Panorama, Projection};
+use crate::camera::{Panorama, Projection, StereoKind};
 use std::f64::consts::PI;
 
 /// The keyword of XMP in a PNG ("XMP Specification Part 3", Adobe, 2020).
 pub(super) const KEYWORD: &str = "XML:com.adobe.xmp";
 
-/// The packet of an equirectangular picture that is not wider than all around, or higher; `None` for any other.
+/// What says that the upper half is the left eye's: Google's "Spherical Video RDF", which viewers of pictures read too.
+const TOP_BOTTOM: &str = " xmlns:GSpherical=\"http://ns.google.com/videos/1.0/spherical/\" \
+     GSpherical:Spherical=\"true\" GSpherical:Stitched=\"true\" \
+     GSpherical:ProjectionType=\"equirectangular\" GSpherical:StereoMode=\"top-bottom\"";
+
+/// The packet of an equirectangular picture that is not wider than all around, or higher, or of all around for two eyes;
+/// `None` for any other.
 pub(super) fn packet(recipe: &Recipe) -> Option<String> {
     let camera = &recipe.camera;
     let plane = camera.plane();
@@ -15,6 +21,14 @@ pub(super) fn packet(recipe: &Recipe) -> Option<String> {
     let (width, height) = ((2.0 * PI / pixel).round(), (PI / pixel).round());
     let (columns, rows) = (f64::from(plane.columns), f64::from(plane.rows));
     let is_one = camera.projection() == Projection::Panoramic(Panorama::Equirectangular);
+    let (height, stereo) = match camera.stereo().map(|stereo| stereo.kind) {
+        None => (height, ""),
+        // A whole one: parts of two pictures are not one part.
+        Some(StereoKind::Ods) if columns == width && rows == 2.0 * height => {
+            (2.0 * height, TOP_BOTTOM)
+        }
+        Some(_) => return None,
+    };
     if !is_one || columns > width || rows > height {
         return None;
     }
@@ -30,7 +44,7 @@ pub(super) fn packet(recipe: &Recipe) -> Option<String> {
          GPano:CroppedAreaImageWidthPixels=\"{columns}\" \
          GPano:CroppedAreaImageHeightPixels=\"{rows}\" \
          GPano:FullPanoWidthPixels=\"{width}\" GPano:FullPanoHeightPixels=\"{height}\" \
-         GPano:CroppedAreaLeftPixels=\"{left}\" GPano:CroppedAreaTopPixels=\"{top}\"/>\
+         GPano:CroppedAreaLeftPixels=\"{left}\" GPano:CroppedAreaTopPixels=\"{top}\"{stereo}/>\
          </rdf:RDF></x:xmpmeta><?xpacket end=\"r\"?>"
     ))
 }

@@ -2,6 +2,7 @@
 
 mod compositor;
 mod defaults;
+mod eyes;
 #[cfg(test)]
 mod instance_tests;
 mod job;
@@ -16,10 +17,11 @@ mod recipe;
 mod section_tests;
 mod tile;
 mod view;
+mod workers;
 
 pub use crate::hit::Precision;
 pub use defaults::render;
-pub use parallel::from_the_middle;
 pub use pass::{Pass, Passes};
 pub use tile::{Tile, TileStats};
 pub use view::{Cancel, Clock, Settings, View};
+pub use workers::from_the_middle;

@@ -1,15 +1,16 @@
 //! A view's tiles on many threads.
 
+use super::eyes::Eyes;
 use super::job::{Buffers, Job};
 use super::view::{Cancel, Clock, Settings, View};
+use super::workers::{from_the_middle, in_parallel};
 use super::{Pass, Tile, TileStats};
-use crate::camera::{Grid, ImagePlane, Rect, SamplePattern, SubCamera};
+use crate::camera::{Grid, Rect, SamplePattern, SubCamera};
 use crate::hit::Detail;
 use crate::hits::Hits;
 use crate::picture::Picture;
 use crate::scene::{ColorRule, Masks, Object};
 use crate::shade::{DrawnLegend, Legend, Mode, Shader};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// Between the rays that depth's colours are fitted to, in pixels: some thousand rays of a usual picture, which
@@ -64,6 +65,10 @@ impl View {
         picture: &mut Picture,
     ) -> bool {
         let rect = part.rect;
+        if let Some(eyes) = Eyes::of(self) {
+            let tiles = grid.tiles(rect.width, rect.height);
+            return eyes.render_into((self, part), &tiles, (clock, cancel), sink, picture);
+        }
         let shader = self.shader();
         let legend = self.drawn_legend(&shader);
         let buffers = || Buffers::new(self, &shader);
@@ -91,7 +96,7 @@ impl View {
         let pattern = self.settings.sample_pattern();
         in_parallel(tiles.len(), cancel, buffers, |buffers, index| {
             let mut tile = self.finish(part.part(tiles[index]), &pattern, clock, buffers);
-            draw(legend.as_ref(), &mut tile);
+            tile.draw(legend.as_ref());
             let mut picture = picture.lock().unwrap_or_else(PoisonError::into_inner);
             picture.place(tiles[index], &tile.pixels, tile.layers.as_ref());
             drop(picture);
@@ -104,6 +109,9 @@ impl View {
     pub fn cast(&self, grid: Grid, detail: Detail) -> TileStats {
         let plane = self.camera.plane();
         let tiles = grid.tiles(plane.columns, plane.rows);
+        if let Some(eyes) = Eyes::of(self) {
+            return eyes.cast(self, &tiles, detail);
+        }
         let sum = Mutex::new(TileStats::default());
         let shader = self.shader();
         let buffers = || Buffers::new(self, &shader);
@@ -122,6 +130,9 @@ impl View {
 
     /// Renders what a sub-camera of the view's camera sees, on this thread.
     pub fn render_sub_camera(&self, sub_camera: SubCamera, clock: Clock<'_>) -> Tile {
+        if let Some(eyes) = Eyes::of(self) {
+            return eyes.render_sub_camera(self, sub_camera.rect, clock);
+        }
         let shader = self.shader();
         let pattern = self.settings.sample_pattern();
         let mut tile = self.finish(
@@ -130,7 +141,7 @@ impl View {
             clock,
             &mut Buffers::new(self, &shader),
         );
-        draw(self.drawn_legend(&shader).as_ref(), &mut tile);
+        tile.draw(self.drawn_legend(&shader).as_ref());
         tile
     }
 
@@ -148,6 +159,9 @@ impl View {
         cancel: &Cancel,
         sink: &(dyn Fn(Pass, Tile) + Sync),
     ) -> bool {
+        if let Some(eyes) = Eyes::of(self) {
+            return eyes.render_progressively(self, tiles, passes, (clock, cancel), sink);
+        }
         let plane = self.camera.plane();
         let order = from_the_middle(tiles, plane);
         let jobs: Vec<_> = order
@@ -170,7 +184,7 @@ impl View {
                     job.tile(stats)
                 };
                 drop(job);
-                draw(legend.as_ref(), &mut tile);
+                tile.draw(legend.as_ref());
                 sink(pass, tile);
             })
         })
@@ -187,7 +201,7 @@ impl View {
     }
 
     /// The legend as the picture has it, if it has one.
-    fn drawn_legend(&self, shader: &Shader<'_>) -> Option<DrawnLegend> {
+    pub(super) fn drawn_legend(&self, shader: &Shader<'_>) -> Option<DrawnLegend> {
         let scale = self.settings.shading.scale?;
         let plane = self.camera.plane();
         let legend = scale.legend.then(|| shader.legend()).flatten()?;
@@ -195,10 +209,22 @@ impl View {
     }
 
     fn shader(&self) -> Shader<'_> {
-        let shader = Shader::new(&self.scene, &self.accel, self.camera, self.settings.shading)
-            .with_samples(self.settings.samples)
-            .with_sections(&self.settings.clip, self.settings.cull)
-            .with_overlay(&self.settings.clip);
+        self.shader_for(self)
+    }
+
+    /// The shader of a view that is a part of this one's picture, and has its colours.
+    pub(super) fn shader_for<'s>(&self, view: &'s Self) -> Shader<'s> {
+        let Settings {
+            shading,
+            samples,
+            ref clip,
+            cull,
+            ..
+        } = view.settings;
+        let shader = Shader::new(&view.scene, &view.accel, view.camera, shading)
+            .with_samples(samples)
+            .with_sections(clip, cull)
+            .with_overlay(clip);
         match shader
             .fits_depth()
             .then(|| self.depths_seen(shader.masks()))
@@ -234,7 +260,7 @@ impl View {
     }
 
     /// A tile in one go.
-    fn finish(
+    pub(super) fn finish(
         &self,
         sub_camera: SubCamera,
         pattern: &SamplePattern,
@@ -249,52 +275,4 @@ impl View {
         let stats = job.advance(self, pass, pattern, clock, buffers);
         job.take_tile(stats)
     }
-}
-
-/// Draws the legend over a tile, as far as it reaches into it.
-fn draw(legend: Option<&DrawnLegend>, tile: &mut Tile) {
-    if let Some(legend) = legend {
-        let colors = tile.layers.as_mut().map(|layers| &mut *layers.color);
-        legend.over(tile.rect, &mut tile.pixels, colors);
-    }
-}
-
-/// Calls `work` with every index below `count`, in ascending order as far as several workers can,
-/// until `cancel`; each worker has buffers of its own. Returns whether all were done.
-fn in_parallel<B>(
-    count: usize,
-    cancel: &Cancel,
-    buffers: impl Fn() -> B + Sync,
-    work: impl Fn(&mut B, usize) + Sync,
-) -> bool {
-    let next = AtomicUsize::new(0);
-    let done = AtomicUsize::new(0);
-    rayon::scope(|scope| {
-        for _ in 0..rayon::current_num_threads() {
-            scope.spawn(|_| {
-                let mut buffers = buffers();
-                while !cancel.is_cancelled() {
-                    let index = next.fetch_add(1, Ordering::Relaxed);
-                    if index >= count {
-                        break;
-                    }
-                    work(&mut buffers, index);
-                    done.fetch_add(1, Ordering::Relaxed);
-                }
-            });
-        }
-    });
-    done.into_inner() == count
-}
-
-/// A picture's tiles by the distance of their middles from its own: the order of rendering.
-pub fn from_the_middle(tiles: &[Rect], plane: ImagePlane) -> Vec<Rect> {
-    let mut order = tiles.to_vec();
-    // Twice the distance, in whole numbers.
-    order.sort_by_key(|tile| {
-        let x = i64::from(2 * tile.x + tile.width) - i64::from(plane.columns);
-        let y = i64::from(2 * tile.y + tile.height) - i64::from(plane.rows);
-        x * x + y * y
-    });
-    order
 }

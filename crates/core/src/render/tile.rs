@@ -1,6 +1,7 @@
 use crate::camera::Rect;
 use crate::packet::CastCounts;
 use crate::picture::Layers;
+use crate::shade::DrawnLegend;
 use std::time::Duration;
 
 /// What it took to render a tile.
@@ -39,4 +40,14 @@ pub struct Tile {
     pub layers: Option<Layers>,
     /// What it took.
     pub stats: TileStats,
+}
+
+impl Tile {
+    /// Draws the legend over it, as far as it reaches into it.
+    pub(super) fn draw(&mut self, legend: Option<&DrawnLegend>) {
+        if let Some(legend) = legend {
+            let colors = self.layers.as_mut().map(|layers| &mut *layers.color);
+            legend.over(self.rect, &mut self.pixels, colors);
+        }
+    }
 }

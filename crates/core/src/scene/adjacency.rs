@@ -39,8 +39,8 @@ impl Adjacency {
 
     /// Says what lies across an edge of a triangle.
     pub(crate) fn set(&mut self, triangle: u32, edge: usize, across: Across) {
-        let told = Across::NUMBERS.iter().find(|(told, _)| *told == across);
-        let number = match (told, across) {
+        let known = Across::NUMBERS.iter().find(|(known, _)| *known == across);
+        let number = match (known, across) {
             (Some((_, number)), _) => *number,
             (None, Across::Face(vertex)) => vertex,
             (None, _) => return,
@@ -55,8 +55,8 @@ impl Adjacency {
         let numbers = self.across.get(triangle as usize);
         numbers.map_or([Across::NoFace; 3], |numbers| {
             numbers.map(|number| {
-                let told = Across::NUMBERS.iter().find(|(_, told)| *told == number);
-                told.map_or(Across::Face(number), |(across, _)| *across)
+                let known = Across::NUMBERS.iter().find(|(_, known)| *known == number);
+                known.map_or(Across::Face(number), |(across, _)| *across)
             })
         })
     }

@@ -4,7 +4,7 @@ use super::{
     Wrap,
 };
 use crate::digest::{Digest, Digester};
-use glam::{DAffine3, DVec3, Vec2, Vec3};
+use glam::{DAffine3, DVec3};
 
 impl Scene {
     /// A checksum of all that decides pictures of the scene: triangles, normals, texture coordinates,
@@ -116,15 +116,11 @@ fn add_object(hash: &mut Digester, object: &Object) {
 fn add_mesh(hash: &mut Digester, mesh: &Mesh) {
     hash.doubles(mesh.offset().to_array());
     hash.number(mesh.positions().len() as u64);
-    hash.words(
-        mesh.positions()
-            .iter()
-            .flat_map(|p| p.to_array().map(f32::to_bits)),
-    );
+    hash.list(mesh.positions());
     hash.number(mesh.triangles().len() as u64);
-    hash.words(mesh.triangles().iter().flatten().copied());
-    add_attribute(hash, mesh.normals(), Vec3::to_array);
-    add_attribute(hash, mesh.uvs(), Vec2::to_array);
+    hash.list(mesh.triangles());
+    add_attribute(hash, mesh.normals());
+    add_attribute(hash, mesh.uvs());
     hash.number(mesh.vertex_colors().len() as u64);
     for color in mesh.vertex_colors() {
         hash.number(color.is_some().into());
@@ -137,7 +133,7 @@ fn add_mesh(hash: &mut Digester, mesh: &Mesh) {
         add_color(hash, material.color);
     }
     hash.number(mesh.material_of_triangle().len() as u64);
-    hash.words(mesh.material_of_triangle().iter().copied());
+    hash.list(mesh.material_of_triangle());
     for (number, material) in mesh.materials().iter().enumerate() {
         let Material {
             name: _,
@@ -199,26 +195,18 @@ fn add_reflectance(hash: &mut Digester, reflectance: &Reflectance) {
     }
 }
 
-fn add_attribute<T: Copy, const N: usize>(
-    hash: &mut Digester,
-    attribute: Option<&Attribute<T>>,
-    numbers: impl Fn(&T) -> [f32; N],
-) {
+fn add_attribute<T: bytemuck::Pod>(hash: &mut Digester, attribute: Option<&Attribute<T>>) {
     let Some(Attribute { values, indices }) = attribute else {
         hash.number(0);
         return;
     };
     hash.number(values.len() as u64);
-    hash.words(
-        values
-            .iter()
-            .flat_map(|value| numbers(value).map(f32::to_bits)),
-    );
+    hash.list(values);
     match indices {
         None => hash.number(0),
         Some(indices) => {
             hash.number(indices.len() as u64);
-            hash.words(indices.iter().flatten().copied());
+            hash.list(indices);
         }
     }
 }
@@ -279,6 +267,7 @@ fn add_color(hash: &mut Digester, Color([r, g, b]): Color) {
 mod tests {
     use super::*;
     use crate::scene::{Bounds, MeshData};
+    use glam::{Vec2, Vec3};
     use std::path::PathBuf;
     use std::sync::Arc;
 

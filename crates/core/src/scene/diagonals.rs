@@ -43,6 +43,17 @@ impl Diagonals {
         self.words.is_empty()
     }
 
+    /// The bits, as they are stored.
+    pub(crate) fn words(&self) -> &[u64] {
+        &self.words
+    }
+
+    /// Those of stored bits; `None` where they are not those of so many triangles.
+    pub(crate) fn from_words(words: Vec<u64>, triangles: usize) -> Option<Self> {
+        let is_whole = words.is_empty() || words.len() == triangles.div_ceil(A_WORD);
+        is_whole.then_some(Self { words })
+    }
+
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&self.words[..])
     }

@@ -3,7 +3,10 @@ use super::crease;
 use super::measures::Measures;
 use super::mesh_data::recentring_offset;
 use super::rounding::{Measure, Moves, Rounding};
-use super::{Attribute, Bounds, COORDINATE_LIMIT, Color, Diagonals, Material, MeshData, Opacity};
+use super::{
+    Attribute, Bounds, COORDINATE_LIMIT, Color, Diagonals, Material, MeshData, Opacity,
+    TreeTopology,
+};
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use robust::{Coord, orient2d};
@@ -37,21 +40,22 @@ impl Dropped {
 /// every query is about is exactly `offset + position`.
 #[derive(Clone, Debug)]
 pub struct Mesh {
-    offset: DVec3,
-    positions: Vec<Vec3>,
-    triangles: Vec<[u32; 3]>,
-    kept: Vec<u32>,
-    dropped: Dropped,
-    normals: Option<Attribute<Vec3>>,
-    uvs: Option<Attribute<Vec2>>,
-    materials: Vec<Material>,
-    material_of_triangle: Vec<u32>,
-    colors: Vec<Option<Color>>,
-    diagonals: Diagonals,
-    rounding: Rounding,
-    bounds: OnceLock<Bounds>,
-    adjacency: OnceLock<Adjacency>,
-    measures: Measures,
+    pub(super) offset: DVec3,
+    pub(super) positions: Vec<Vec3>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) kept: Vec<u32>,
+    pub(super) dropped: Dropped,
+    pub(super) normals: Option<Attribute<Vec3>>,
+    pub(super) uvs: Option<Attribute<Vec2>>,
+    pub(super) materials: Vec<Material>,
+    pub(super) material_of_triangle: Vec<u32>,
+    pub(super) colors: Vec<Option<Color>>,
+    pub(super) diagonals: Diagonals,
+    pub(super) rounding: Rounding,
+    pub(super) bounds: OnceLock<Bounds>,
+    pub(super) adjacency: OnceLock<Adjacency>,
+    pub(super) measures: Measures,
+    pub(super) tree: Option<Arc<TreeTopology>>,
 }
 
 impl Mesh {
@@ -122,7 +126,27 @@ impl Mesh {
             bounds: OnceLock::new(),
             adjacency: OnceLock::new(),
             measures: Measures::new(data.scalars),
+            tree: None,
         }
+    }
+
+    /// The same mesh with a tree that needs no clustering.
+    pub(crate) fn with_tree(self, tree: TreeTopology) -> Self {
+        Self {
+            tree: Some(Arc::new(tree)),
+            ..self
+        }
+    }
+
+    /// The same mesh without one.
+    #[cfg(test)]
+    pub(crate) fn forget_tree(&mut self) {
+        self.tree = None;
+    }
+
+    /// Which triangles lie together, where that is known.
+    pub(crate) fn tree(&self) -> Option<&TreeTopology> {
+        self.tree.as_deref()
     }
 
     /// What to add to every position; zero unless the mesh lies far from the origin.
@@ -273,7 +297,7 @@ impl Mesh {
 ///
 /// Its three projections along the axes must all be flat; each is a 2D orientation, whose sign
 /// double precision decides wherever it is beyond its rounding, and integers where it is not.
-fn has_no_area(a: Vec3, b: Vec3, c: Vec3) -> bool {
+pub(super) fn has_no_area(a: Vec3, b: Vec3, c: Vec3) -> bool {
     if a == b || b == c || c == a {
         return true;
     }

@@ -506,23 +506,23 @@ mod tests {
 
     #[test]
     fn numbers_that_make_no_shape_are_refused() {
-        let told = |shape: Shape| shape.mesh().expect_err("a bad shape").to_string();
+        let message = |shape: Shape| shape.mesh().expect_err("a bad shape").to_string();
         let sphere = |radius, segments| Shape::Sphere {
             radius,
             segments,
             rings: 4,
         };
         assert_eq!(
-            told(sphere(0.0, 8)),
+            message(sphere(0.0, 8)),
             "expected a sphere's radius above 0, found 0"
         );
         assert_eq!(
-            told(sphere(1.0, 2)),
+            message(sphere(1.0, 2)),
             "expected 3 to 16384 segments of a sphere, found 2"
         );
         let size = DVec3::new(1.0, f64::NAN, 1.0);
         assert_eq!(
-            told(Shape::Cube { size }),
+            message(Shape::Cube { size }),
             "expected a cube's size above 0, found NaN"
         );
     }

@@ -84,6 +84,8 @@ impl GroundGrid {
     }
 
     fn meeting(&self, camera: &Camera, x: f64, y: f64) -> Option<Meeting> {
+        // Of one eye: how far the next column's is aside moves lines by far less than a pixel.
+        let camera = &camera.seen_at(x, y);
         let ray = camera.ray(x, y);
         let distance = (self.height - ray.origin.y) / ray.direction.y;
         if !(distance > 0.0 && distance.is_finite()) {

@@ -22,10 +22,10 @@ pub(super) struct OwnColors {
 }
 
 /// A triangle in its place, as far as rules ask for it.
-pub(super) struct Placed<'a> {
+pub(super) struct Placed {
     /// Relative to the eye.
     pub(super) corners: [DVec3; 3],
-    pub(super) camera: &'a Camera,
+    pub(super) camera: Camera,
     /// World-space normals from the object's own.
     pub(super) world_normals: Option<Mat3>,
 }
@@ -80,12 +80,12 @@ impl OwnColors {
 
     /// A triangle's own colour, linear light; `place` tells where it is.
     #[inline]
-    pub(super) fn of_triangle<'p>(
+    pub(super) fn of_triangle(
         &self,
         number: u32,
         object: &Object,
         triangle: u32,
-        place: impl FnOnce() -> Placed<'p>,
+        place: impl FnOnce() -> Placed,
     ) -> Vec3 {
         match &object.color {
             ColorRule::File => srgb::linear(self.of_file(object, triangle)),
@@ -132,12 +132,12 @@ impl OwnColors {
     }
 
     /// How a triangle's colours change within it.
-    pub(super) fn within<'p>(
+    pub(super) fn within(
         &self,
         number: u32,
         object: &Object,
         triangle: u32,
-        place: impl FnOnce() -> Placed<'p>,
+        place: impl FnOnce() -> Placed,
     ) -> Varied {
         match &object.color {
             ColorRule::File => match object.corner_colors(triangle) {
@@ -169,7 +169,7 @@ impl OwnColors {
         }
     }
 
-    fn distances(&self, number: u32, from: Option<DVec3>, place: Placed<'_>) -> Varied {
+    fn distances(&self, number: u32, from: Option<DVec3>, place: Placed) -> Varied {
         let Placed {
             corners, camera, ..
         } = place;

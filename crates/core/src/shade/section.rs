@@ -73,8 +73,8 @@ impl Plane {
 }
 
 impl<'a> Section<'a> {
-    /// `None` where the picture has none: no plane that any ray enters through, rays that pass through backs, or a mode that
-    /// shows what hits are rather than what they look like.
+    /// `None` where the picture has none: no plane that any ray enters through, rays that pass through backs, an eye for
+    /// each column, or a mode that shows what hits are rather than what they look like.
     pub(crate) fn new(
         scene: &'a Scene,
         accel: &'a Accel,
@@ -83,6 +83,7 @@ impl<'a> Section<'a> {
         (clip, cull): (&ClippingPlanes, Cull),
     ) -> Option<Self> {
         let is_shown = cull == Cull::None
+            && !camera.has_an_eye_a_column()
             && matches!(
                 mode,
                 Mode::Color | Mode::Flat | Mode::Smooth | Mode::Material | Mode::Texture

@@ -17,10 +17,9 @@ use super::texturing::Texturing;
 use super::translucent::Translucent;
 use super::{Background, Mode, Shading, Wireframe};
 use crate::bvh::Accel;
-use crate::camera::{Camera, Projection, Rect};
+use crate::camera::{Camera, PanoramaRays, Projection, Rect};
 use crate::hit::{Cull, Detail, MISS, PrimitiveHit};
-use crate::num::simd::Lanes;
-use crate::num::simd::Simd;
+use crate::num::simd::{LANES, Lanes, Simd};
 use crate::scene::{
     Attribute, ClippingPlanes, ColorScale, Masks, Object, Reflectance, Scene, Texture,
 };
@@ -359,7 +358,7 @@ impl<'a> Shader<'a> {
         if hit.primitive == MISS {
             self.behind(x, y)
         } else {
-            self.color_on(&self.facet(hit.primitive, self.needs), x, y, hit)
+            self.color_on(&self.facet(hit.primitive, self.needs, x), x, y, hit)
         }
     }
 
@@ -371,7 +370,7 @@ impl<'a> Shader<'a> {
     /// The unit surface normal in world space, towards the eye (the mesh's own, between corners,
     /// where it has normals), and the texture coordinates (zero where there are none): the
     /// picture's layers. Both zero at a miss.
-    pub fn surface(&self, _x: f64, _y: f64, hit: &PrimitiveHit) -> ([f32; 3], [f32; 2]) {
+    pub fn surface(&self, x: f64, _y: f64, hit: &PrimitiveHit) -> ([f32; 3], [f32; 2]) {
         if hit.primitive == MISS {
             return ([0.0; 3], [0.0; 2]);
         }
@@ -381,7 +380,7 @@ impl<'a> Shader<'a> {
             normal: true,
             ..Needs::default()
         };
-        let mut facet = self.facet(hit.primitive, needs);
+        let mut facet = self.facet(hit.primitive, needs, x);
         if mesh.has_normals() {
             facet.normals = self.normals_in_world(object, mesh.corner_normals(triangle));
         }
@@ -435,6 +434,22 @@ impl<'a> Shader<'a> {
             && !self.needs.varied
             && !self.needs.edges
             && self.ground.is_none()
+            && !self.has_many_eyes()
+    }
+
+    /// Whether pixels beside each other are seen from eyes of their own.
+    pub(super) fn has_many_eyes(&self) -> bool {
+        self.camera.has_an_eye_a_column()
+    }
+
+    /// The eye of the pixels at `x`, relative to the tree's origin.
+    #[inline(always)]
+    fn eye_at(&self, x: f64) -> DVec3 {
+        if self.has_many_eyes() {
+            self.camera.seen_at(x, 0.0).placement().eye - self.accel.origin()
+        } else {
+            self.eye
+        }
     }
 
     /// The instruction set to shade with: the tree's.
@@ -445,7 +460,7 @@ impl<'a> Shader<'a> {
     /// Whether pixels are shaded by the mesh's normals, with no lines over them.
     pub(super) fn is_smooth(&self) -> bool {
         let has_lines = self.needs.edges || self.ground.is_some();
-        self.shading.mode == Mode::Smooth && !has_lines && !self.is_panoramic()
+        self.shading.mode == Mode::Smooth && !has_lines && !self.has_many_eyes()
     }
 
     /// The light on eight pixels of a row whose triangles and weights are known.
@@ -455,9 +470,20 @@ impl<'a> Shader<'a> {
         lanes: L,
         facets: &Facets<L>,
         weights: Option<(&Row, &Row)>,
-        place: (&Row, f32),
+        to_eye: Vectors<L>,
     ) -> Vectors<L> {
-        smooth::light(lanes, facets, &self.lights, &self.to_eye, weights, place)
+        smooth::light(lanes, facets, &self.lights, weights, to_eye)
+    }
+
+    /// Unit vectors to the eye from what eight pixels of a row of a planar picture show.
+    #[inline(always)]
+    pub(super) fn eight_to_eye<L: Lanes>(&self, lanes: L, place: (&Row, f32)) -> Vectors<L> {
+        smooth::to_eye(lanes, &self.to_eye, place)
+    }
+
+    /// The rays of a rectangle's pixels, where the picture is no plane.
+    pub(super) fn rays(&self, rect: Rect) -> Option<PanoramaRays> {
+        PanoramaRays::new(&self.camera.sub_camera(rect).lattice())
     }
 
     /// What the mode asks of each triangle.
@@ -472,12 +498,21 @@ impl<'a> Shader<'a> {
 
     /// Makes the pixels of a row that the picture has no place for transparent; the first is in column `left`.
     pub(super) fn clear_beyond(&self, left: u32, y: u32, pixels: &mut [[u8; 4]]) {
-        if !self.is_panoramic() {
+        if !self.is_panoramic() || pixels.is_empty() {
             return;
         }
-        for (x, pixel) in (left..).zip(pixels) {
-            if !(self.camera).has_place(f64::from(x) + 0.5, f64::from(y) + 0.5) {
-                *pixel = [0; 4];
+        let (first, y) = (f64::from(left) + 0.5, f64::from(y) + 0.5);
+        let last = first + (pixels.len() - 1) as f64;
+        if self.camera.has_all_between(first, last, y) {
+            return;
+        }
+        for (number, pixels) in pixels.chunks_mut(LANES).enumerate() {
+            let x = first + (number * LANES) as f64;
+            let has = self.camera.has_eight_places(x, y);
+            for (pixel, has) in pixels.iter_mut().zip(has) {
+                if !has {
+                    *pixel = [0; 4];
+                }
             }
         }
     }
@@ -507,25 +542,26 @@ impl<'a> Shader<'a> {
         let Some([top, bottom]) = self.background else {
             return [0.0; 4];
         };
-        let down = (y / f64::from(self.camera.plane().rows)).clamp(0.0, 1.0) as f32;
+        let (first, rows) = self.camera.own_rows();
+        let down = ((y - first) / rows).clamp(0.0, 1.0) as f32;
         opaque(top + (bottom - top) * down)
     }
 
-    /// A triangle made ready for its pixels.
-    fn facet(&self, primitive: u32, needs: Needs) -> Facet {
+    /// A triangle made ready for its pixels, at `x`.
+    fn facet(&self, primitive: u32, needs: Needs, x: f64) -> Facet {
         let mut facet = Facet::NONE;
-        self.make_ready(&mut facet, primitive, needs);
+        self.make_ready(&mut facet, primitive, needs, x);
         facet
     }
 
-    /// Makes a triangle ready in the place of another with the same needs: what they do not ask for
-    /// is not touched.
-    pub(super) fn make_ready(&self, facet: &mut Facet, primitive: u32, needs: Needs) {
+    /// Makes a triangle ready in the place of another with the same needs, for pixels at `x` or, where they have one eye,
+    /// for all: what the needs do not ask for is not touched.
+    pub(super) fn make_ready(&self, facet: &mut Facet, primitive: u32, needs: Needs, x: f64) {
         let (number, triangle) = self.accel.identify(primitive);
         let object = &self.scene.objects[number as usize];
         facet.object = number;
         if needs.normal || needs.middle || needs.edges {
-            let corners = self.corners(primitive);
+            let corners = self.corners(primitive, x);
             if needs.normal {
                 facet.normal = self.normal(corners);
             }
@@ -545,11 +581,11 @@ impl<'a> Shader<'a> {
             facet.normals = self.smooth_normals(number, object, triangle);
         }
         if needs.color {
-            let place = || self.placed(number, primitive);
+            let place = || self.placed(number, primitive, x);
             facet.color = self.own_colors.of_triangle(number, object, triangle, place);
         }
         if needs.varied {
-            let place = || self.placed(number, primitive);
+            let place = || self.placed(number, primitive, x);
             facet.varied = self.own_colors.within(number, object, triangle, place);
         }
         if needs.texture {
@@ -566,7 +602,7 @@ impl<'a> Shader<'a> {
         if needs.uvs {
             facet.uvs = object.mesh.corner_uvs(triangle);
         }
-        if let Some(color) = self.back_color(primitive) {
+        if let Some(color) = self.back_color(primitive, x) {
             facet.color = color;
             facet.varied = Varied::No;
             facet.texture = None;
@@ -575,24 +611,28 @@ impl<'a> Shader<'a> {
 
     /// The colour of a triangle that is seen from behind, where backs have their own.
     #[inline(always)]
-    fn back_color(&self, primitive: u32) -> Option<Vec3> {
+    fn back_color(&self, primitive: u32, x: f64) -> Option<Vec3> {
         let (sides, color) = self.backs.as_ref()?;
+        let of_column = (self.has_many_eyes())
+            .then(|| Sides::new(&self.camera.seen_at(x, 0.0), self.accel.origin()));
+        let sides = of_column.as_ref().unwrap_or(sides);
         let is_back = sides.is_back(self.accel.corners(primitive));
         is_back.then_some(*color)
     }
 
-    /// A triangle's corners, relative to the eye.
-    fn corners(&self, primitive: u32) -> [DVec3; 3] {
+    /// A triangle's corners, relative to the eye of the pixels at `x`.
+    fn corners(&self, primitive: u32, x: f64) -> [DVec3; 3] {
         let [a, b, c] = self.accel.corners(primitive);
-        let from_eye = |corner: Vec3| corner.as_dvec3() - self.eye;
+        let eye = self.eye_at(x);
+        let from_eye = |corner: Vec3| corner.as_dvec3() - eye;
         [from_eye(a), from_eye(b), from_eye(c)]
     }
 
     /// A triangle in its place, for rules that ask for it.
-    fn placed(&self, number: u32, primitive: u32) -> Placed<'_> {
+    fn placed(&self, number: u32, primitive: u32, x: f64) -> Placed {
         Placed {
-            corners: self.corners(primitive),
-            camera: &self.camera,
+            corners: self.corners(primitive, x),
+            camera: self.camera.seen_at(x, 0.0),
             world_normals: self.world_normals.get(number as usize).copied().flatten(),
         }
     }
@@ -627,15 +667,15 @@ impl<'a> Shader<'a> {
     pub(super) fn constant_color(&self, primitive: u32) -> [f32; 4] {
         let (number, triangle) = self.accel.identify(primitive);
         let object = &self.scene.objects[number as usize];
-        let place = || self.placed(number, primitive);
-        let color = match self.back_color(primitive) {
+        let place = || self.placed(number, primitive, 0.0);
+        let color = match self.back_color(primitive, 0.0) {
             Some(color) => color,
             None => (self.own_colors).of_triangle(number, object, triangle, place),
         };
         if self.shading.mode == Mode::Color {
             return opaque(color);
         }
-        let corners = self.corners(primitive);
+        let corners = self.corners(primitive, 0.0);
         let light = self
             .lights
             .on(self.normal(corners), self.middle_to_eye(corners));
@@ -676,7 +716,7 @@ impl<'a> Shader<'a> {
         };
         let lines = &self.lines;
         if self.is_panoramic() {
-            let corners = self.corners(hit.primitive);
+            let corners = self.corners(hit.primitive, x);
             let edges = EdgeLines::at(&self.camera, corners, (x, y)).chosen_as(edges);
             return lines.over(edges.coverage(x, y, lines.width), inside);
         }
@@ -804,7 +844,7 @@ impl<'a> Shader<'a> {
         place: (f64, f64),
         hit: &PrimitiveHit,
     ) -> [f32; 4] {
-        let corners = self.corners(hit.primitive);
+        let corners = self.corners(hit.primitive, place.0);
         let slopes = slopes(&self.camera, corners, place, (hit.u, hit.v));
         let slopes = slopes.map(|slope| slope * self.sample_width);
         self.texturing.filtered(texture, mapping, hit, slopes)

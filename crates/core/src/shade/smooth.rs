@@ -191,29 +191,32 @@ impl<L: Lanes> Facets<L> {
     }
 }
 
+/// Unit vectors to the eye from what eight pixels of a planar picture show: `to_eye` is the
+/// [`Shader`](super::Shader)'s; the pixels are `x` to the right in the picture and `y` down.
+#[inline(always)]
+pub(super) fn to_eye<L: Lanes>(lanes: L, to_eye: &[Vec3; 3], (x, y): (&Row, f32)) -> Vectors<L> {
+    let splat = |vector| Vectors::splat(lanes, vector);
+    let [corner, right, down] = to_eye;
+    let to_eye = splat(*corner)
+        .plus(splat(*right).scaled(lanes.load(x)))
+        .plus(splat(*down).scaled(lanes.splat(y)));
+    to_eye.scaled(lanes.splat(1.0) / to_eye.length())
+}
+
 /// The light on eight pixels at barycentrics (u, v) of their triangles: what
 /// [`Lights::on`](super::light::Lights::on) says; without weights the triangles' own normals count.
-/// `to_eye` is the [`Shader`](super::Shader)'s; the
-/// pixels are `x` to the right in the picture and `y` down.
 #[inline(always)]
 pub(super) fn light<L: Lanes>(
     lanes: L,
     facets: &Facets<L>,
     lights: &Lights,
-    to_eye: &[Vec3; 3],
     weights: Option<(&Row, &Row)>,
-    (x, y): (&Row, f32),
+    to_eye: Vectors<L>,
 ) -> Vectors<L> {
-    let splat = |vector| Vectors::splat(lanes, vector);
     let normal = match weights {
         Some((u, v)) => facets.normal_at(lanes, lanes.load(u), lanes.load(v)),
         None => facets.flat,
     };
-    let [corner, right, down] = to_eye;
-    let to_eye = splat(*corner)
-        .plus(splat(*right).scaled(lanes.load(x)))
-        .plus(splat(*down).scaled(lanes.splat(y)));
-    let to_eye = to_eye.scaled(lanes.splat(1.0) / to_eye.length());
     on(lanes, lights, normal, to_eye)
 }
 

@@ -4,7 +4,7 @@
 use super::LightSet;
 use super::facet::Facet;
 use super::light::Lights;
-use super::smooth::{Facets, Row, Rows, Vectors, light};
+use super::smooth::{Facets, Row, Rows, Vectors, light, to_eye};
 use crate::Simd;
 use crate::camera::{Camera, ImagePlane, Placement, Projection};
 use crate::num::simd::{LANES, Lanes, Work, dispatch};
@@ -25,14 +25,8 @@ impl Work for Pixels<'_> {
     #[inline(always)]
     fn run(self, lanes: impl Lanes) {
         let facets = Facets::one(lanes, self.facet);
-        let light = light(
-            lanes,
-            &facets,
-            self.lights,
-            self.to_eye,
-            self.weights,
-            self.place,
-        );
+        let to_eye = to_eye(lanes, self.to_eye, self.place);
+        let light = light(lanes, &facets, self.lights, self.weights, to_eye);
         let color = Vectors::splat(lanes, self.facet.color);
         *self.colors = color.times(light).store();
     }

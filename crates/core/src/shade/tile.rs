@@ -2,7 +2,7 @@ use super::facet::Facet;
 use super::smooth::{Facets, Row, Rows, Vectors};
 use super::translucent::{Translucent, shell};
 use super::{Shader, srgb};
-use crate::camera::Rect;
+use crate::camera::{PanoramaRays, Rect};
 use crate::num::simd::{LANES, Lanes, Work, dispatch};
 use crate::{Hits, MISS, PrimitiveHit};
 use glam::Vec3;
@@ -57,7 +57,7 @@ impl<'s> TileShader<'s> {
             return self.shader.behind(x, y);
         }
         let shader = self.shader;
-        shader.color_on(self.facet(hit.primitive), x, y, hit)
+        shader.color_on(self.facet(hit.primitive, x), x, y, hit)
     }
 
     /// As [`Shader::shade_pixel8`].
@@ -79,7 +79,7 @@ impl<'s> TileShader<'s> {
         let shader = self.shader();
         let covers = match shader.translucent() {
             Some(Translucent::All(alpha)) => {
-                let normal = self.facet(hit.primitive).normal_at(hit.u, hit.v);
+                let normal = self.facet(hit.primitive, x).normal_at(hit.u, hit.v);
                 shell(*alpha, normal.dot(along).abs())
             }
             Some(Translucent::Blended(_)) => shader.alpha(hit),
@@ -143,6 +143,7 @@ impl<'s> TileShader<'s> {
     fn shade_smooth(
         &mut self,
         lanes: impl Lanes,
+        rays: &TileRays,
         (left, y): (u32, u32),
         primitives: &[u32; LANES],
         weights: Option<(&Row, &Row)>,
@@ -177,7 +178,7 @@ impl<'s> TileShader<'s> {
             if primitive == MISS {
                 continue;
             }
-            let facet = self.facet(primitive);
+            let facet = self.facet(primitive, f64::from(left));
             let from = lanes.mask_from(first);
             if varied {
                 for lane in first..lane {
@@ -192,8 +193,17 @@ impl<'s> TileShader<'s> {
         if varied {
             colors = Vectors::load(lanes, &each);
         }
-        let x = std::array::from_fn(|lane| left as f32 + lane as f32 + 0.5);
-        let light = shader.light(lanes, &facets, weights, (&x, y as f32 + 0.5));
+        let to_eye = match &rays.around {
+            Some(around) => {
+                let to_eye = around.eight_to_eye(left - rays.first.0, y - rays.first.1);
+                Vectors::load(lanes, &Rows(to_eye))
+            }
+            None => {
+                let x = std::array::from_fn(|lane| left as f32 + lane as f32 + 0.5);
+                shader.eight_to_eye(lanes, (&x, y as f32 + 0.5))
+            }
+        };
+        let light = shader.light(lanes, &facets, weights, to_eye);
         shader.tables.encode_row(lanes, colors.times(light), pixels);
         if !one {
             let backdrop = shader.backdrop8(y);
@@ -210,15 +220,15 @@ impl<'s> TileShader<'s> {
     fn shade_smooth_row(
         &mut self,
         lanes: impl Lanes,
-        mut left: u32,
-        y: u32,
+        tile: &TileRays,
+        (mut left, y): (u32, u32),
         primitives: &[u32],
         pixels: &mut [[u8; 4]],
     ) {
         let (rows, rest) = primitives.as_chunks();
         let (pixel_rows, pixels) = pixels.as_chunks_mut();
         for (primitives, pixels) in rows.iter().zip(pixel_rows) {
-            self.shade_smooth(lanes, (left, y), primitives, None, pixels);
+            self.shade_smooth(lanes, tile, (left, y), primitives, None, pixels);
             left += LANES as u32;
         }
         for (x, (&primitive, pixel)) in (left..).zip(rest.iter().zip(pixels)) {
@@ -318,29 +328,47 @@ impl<'s> TileShader<'s> {
         color
     }
 
-    /// A triangle, remembered or made ready.
+    /// A triangle, remembered or made ready: for the pixels at `x` alone, if they have an eye of their own.
     #[inline(always)]
-    pub(super) fn facet(&mut self, primitive: u32) -> &Facet {
+    pub(super) fn facet(&mut self, primitive: u32, x: f64) -> &Facet {
         let place = primitive as usize % FACETS;
         if self
             .facets
             .get(place)
             .is_none_or(|(known, _)| *known != primitive)
+            || self.shader.has_many_eyes()
         {
-            self.remember(primitive);
+            self.remember(primitive, x);
         }
         &self.facets[place].1
     }
 
     #[inline(never)]
-    fn remember(&mut self, primitive: u32) {
+    fn remember(&mut self, primitive: u32, x: f64) {
         if self.facets.is_empty() {
             self.facets = vec![(MISS, Facet::NONE); FACETS];
         }
         let (known, facet) = &mut self.facets[primitive as usize % FACETS];
         *known = primitive;
         self.shader
-            .make_ready(facet, primitive, self.shader.needs());
+            .make_ready(facet, primitive, self.shader.needs(), x);
+    }
+}
+
+/// The rays of a tile's pixels, where they are worked out eight at a time.
+struct TileRays {
+    /// Of a panorama in the smooth mode.
+    around: Option<PanoramaRays>,
+    /// Column and row of the first pixel.
+    first: (u32, u32),
+}
+
+impl TileRays {
+    fn new(shader: &Shader<'_>, rect: Rect) -> Self {
+        Self {
+            around: shader.is_smooth().then(|| shader.rays(rect)).flatten(),
+            first: (rect.x, rect.y),
+        }
     }
 }
 
@@ -362,20 +390,24 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadeSmooth<'_, '_, '_,
             rows,
         } = self;
         let columns = rect.width as usize;
+        let rays = TileRays::new(shader.shader, rect);
         for (y, pixels) in rows.enumerate().take(rect.height as usize) {
             let mut first = y * columns;
             let (mut left, y) = (rect.x, rect.y + y as u32);
-            let (pixel_rows, rest) = within(pixels, columns).as_chunks_mut();
+            let pixels = within(pixels, columns);
+            let (pixel_rows, rest) = pixels.as_chunks_mut();
             for pixels in pixel_rows {
                 let weights = eight(&hits.u, first).zip(eight(&hits.v, first));
                 if let (Some(primitives), Some(weights)) = (eight(&hits.primitives, first), weights)
                 {
-                    shader.shade_smooth(lanes, (left, y), primitives, Some(weights), pixels);
+                    let weights = Some(weights);
+                    shader.shade_smooth(lanes, &rays, (left, y), primitives, weights, pixels);
                 }
                 first += LANES;
                 left += LANES as u32;
             }
             shader.shade_hits(left, y, hits, first, rest);
+            shader.shader.clear_beyond(rect.x, y, pixels);
         }
     }
 }
@@ -409,6 +441,7 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadePrimitives<'_, '_,
         let shader = self.shader;
         let (constant, smooth) = (shader.shader.is_constant(), shader.shader.is_smooth());
         let has_overlay = shader.shader.has_overlay();
+        let rays = TileRays::new(shader.shader, self.rect);
         let primitives = self.primitives.chunks(columns);
         for ((y, primitives), pixels) in (self.rect.y..).zip(primitives).zip(self.rows) {
             if has_overlay {
@@ -417,7 +450,7 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadePrimitives<'_, '_,
                     *pixel = shader.pixel8(x, y, &on(primitive));
                 }
             } else if smooth {
-                shader.shade_smooth_row(lanes, left, y, primitives, pixels);
+                shader.shade_smooth_row(lanes, &rays, (left, y), primitives, pixels);
             } else if constant {
                 shader.shade_row::<true>(left, y, primitives, pixels);
             } else {

@@ -302,6 +302,48 @@ mod tests {
     use crate::num::double_double::DoubleDouble;
     use crate::random::Random;
 
+    /// Products that underflow, of planes through corners and hits but for that. The truth is integer arithmetic, and
+    /// twice double precision of larger numbers. Without [`TINY`] this fails, of corners and of hits.
+    #[test]
+    fn what_underflow_leaves_unsure_is_decided_exactly() {
+        let mut random = Random(72);
+        let [mut close, mut sure] = [0; 2];
+        for _ in 0..3000 {
+            let mut normal = random.point() * 1e-300;
+            normal.x = 1e-150;
+            let point = (random.point() * 1e-20).as_vec3().with_x(0.0);
+            let least = f64::from_bits(1);
+            let offset = normal.dot(point.as_dvec3()) + least * (3.0 * random.signed()).round();
+            let plane = ClippingPlane::new(normal, offset).expect("a plane");
+            let planes = ClippingPlanes::new(&[plane]).expect("one plane");
+            let clip = Clip::new(&planes, DVec3::ZERO);
+            let plane = &clip.planes[0];
+            let truth = clip.exact_sign(plane, point);
+            assert_eq!(clip.at(plane, point).sign, truth, "{plane:?} {point}");
+            close += usize::from(plane.at(point).0.abs() < 10.0 * least);
+
+            let direction = random.point().with_x(0.0) * 1e-20;
+            let hit = Nearest {
+                primitive: 0,
+                t: 1.0 + random.unit(),
+                ..Nearest::NONE
+            };
+            let ray = Ray::new(point.as_dvec3() - direction * hit.t, direction);
+            let Some(sign) = plane.sign_along(&ray, &hit) else {
+                continue;
+            };
+            sure += 1;
+            let large = crate::math::pow(2.0, 800.0);
+            let product = |axis: usize| {
+                let place = DoubleDouble::from(ray.direction[axis]) * hit.t.into();
+                DoubleDouble::from(normal[axis] * large) * (place + ray.origin[axis].into())
+            };
+            let truth = product(1) + product(2) - (offset * large).into();
+            assert_eq!(truth.high.total_cmp(&0.0), sign, "{plane:?} {ray:?}");
+        }
+        assert!(close > 1000, "{close} {sure}");
+    }
+
     /// Planes through corners but for rounding, near the origin and far from it. The truth is integer arithmetic, and
     /// twice double precision. With any term of the bounds but the underflow's at zero this fails.
     #[test]

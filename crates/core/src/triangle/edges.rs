@@ -40,9 +40,9 @@ pub(super) fn major_axis(x: f64, y: f64, z: f64) -> usize {
 ///   most 3E·(max z − min z)/|D|, D their sum; its own rounding, and that of the depths, is below 10εm + η. With
 ///   higher orders: 4E·(max z − min z)/|D| + 2δ.
 ///
-/// Other terms cover two of these. Where Σ|x| + Σ|y| < 4δ, every function is
-/// less than δ(Σ|x| + Σ|y|) and undecided without the δ² of E; elsewhere the quarter of E's first term that rounding
-/// leaves is at least 2δ². And the rounding of the quotient by the advance, 2ε of t, is less than 2δ, which is 16εm.
+/// E's δ² is covered: where Σ|x| + Σ|y| < 4δ, every function is less than δ(Σ|x| + Σ|y|) and undecided without it;
+/// elsewhere the quarter of E's first term that rounding leaves is at least 2δ². The quotient by the advance rounds by
+/// ε of the depth, at most m: 2δ, which is 16εm, has room for that.
 #[derive(Clone, Copy)]
 pub(super) struct Edges {
     pub(super) functions: [f64; 3],
@@ -125,7 +125,7 @@ impl Edges {
             4.0 * self.error * self.span() / self.determinant.abs() + 2.0 * self.delta;
         Point {
             t,
-            t_error: depth_error / advance.abs() * (1.0 + 4.0 * EPSILON) + 2.0 * EPSILON * t.abs(),
+            t_error: depth_error / advance.abs(),
             u,
             v,
         }

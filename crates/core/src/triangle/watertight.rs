@@ -7,9 +7,10 @@
 //! ([`componentwise`](super::componentwise)), and what those leave to [`exact`] (Shewchuk, "Adaptive Precision
 //! Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997).
 
+mod order;
+
 use super::Nearest;
 use super::componentwise::{Determinant, Determinants};
-use super::coplanar::are_coplanar;
 use super::edges::{Edges, Point, WELL_CONDITIONED, axes, major_axis};
 use super::exact::{self, Placed};
 use crate::hit::{Cull, Precision};
@@ -174,8 +175,8 @@ impl PreparedRay {
         if is_culled || !(is_any(1) || is_any(-1)) {
             return Verdict::Miss;
         }
-        // All weights have one sign, or are zero: neither their sum nor its bound cancels, and rounding three terms
-        // takes less than 3ε of it.
+        // All weights have one sign, or are zero: neither their sum nor its bound cancels. The two sums and the quotient
+        // below take 3ε.
         let [a, b, c] = weights;
         let sum = a.value + b.value + c.value;
         let sum_error = (a.error + b.error + c.error) * 1.001 + 3.0 * EPSILON * sum.abs();
@@ -183,11 +184,10 @@ impl PreparedRay {
         if !is_well_conditioned {
             return Verdict::Undecided;
         }
-        // (N ± n) / (S ± s) is off by n/|S| + |t|·s/|S| and the quotient's rounding; second orders, and the
-        // bound's own rounding, are far below a thousandth of it.
+        // (N ± n) / (S ± s) is off by n/|S| + |t|·s/|S|; second orders, and the bound's own rounding, are far below a
+        // thousandth of it.
         let t = numerator.value / sum;
-        let t_error =
-            1.001 * (numerator.error + t.abs() * sum_error) / sum.abs() + 2.0 * EPSILON * t.abs();
+        let t_error = 1.001 * (numerator.error + t.abs() * sum_error) / sum.abs();
         let point = Point {
             t,
             t_error,
@@ -223,60 +223,6 @@ impl PreparedRay {
             corners,
             origin: self.frame,
         }
-    }
-
-    /// Which of two hits comes first along the ray: of two at one distance the lower primitive id.
-    pub(crate) fn order(
-        &self,
-        first: &Nearest,
-        second: &Nearest,
-        corners: impl Fn(u32) -> [Vec3; 3],
-        id: impl Fn(u32) -> u32,
-    ) -> Ordering {
-        if first.is_surely_before(second) {
-            return Ordering::Less;
-        }
-        if second.is_surely_before(first) {
-            return Ordering::Greater;
-        }
-        let by_id = || id(first.primitive).cmp(&id(second.primitive));
-        self.compare(first, second, corners).then_with(by_id)
-    }
-
-    /// Which of two hits is nearer, where their errors overlap.
-    fn compare(
-        &self,
-        candidate: &Nearest,
-        nearest: &Nearest,
-        corners: impl Fn(u32) -> [Vec3; 3],
-    ) -> Ordering {
-        if self.precision == Precision::Fast {
-            return candidate.t.total_cmp(&nearest.t);
-        }
-        if same_corners(corners(candidate.primitive), corners(nearest.primitive)) {
-            return Ordering::Equal;
-        }
-        let [first, second] =
-            [candidate, nearest].map(|hit| (hit.primitive, corners(hit.primitive)));
-        let closely =
-            [first, second].map(|(primitive, at)| self.intersect_componentwise(primitive, at));
-        if let Some(order) = order_of(closely) {
-            return order;
-        }
-        if are_coplanar(first.1, second.1) {
-            self.was_exact.set(true);
-            return Ordering::Equal;
-        }
-        let more =
-            [first, second].map(|(primitive, at)| self.intersect_in_double_double(primitive, at));
-        if let Some(order) = order_of(more) {
-            return order;
-        }
-        self.was_exact.set(true);
-        let [candidate, nearest] =
-            [candidate, nearest].map(|hit| self.placed(corners(hit.primitive)));
-        // Both were decided to be hits.
-        exact::compare(&self.ray, &candidate, &nearest, self.cull).unwrap_or(Ordering::Greater)
     }
 
     /// The hit at a triangle that the ray is known to hit.
@@ -334,25 +280,6 @@ impl PreparedRay {
         }
         self.within_range(primitive, edges.point(self.advance))
     }
-}
-
-/// Which of two hits is surely nearer.
-fn order_of(verdicts: [Verdict; 2]) -> Option<Ordering> {
-    let [Verdict::Hit(a), Verdict::Hit(b)] = verdicts else {
-        return None;
-    };
-    if a.is_surely_before(&b) {
-        Some(Ordering::Less)
-    } else if b.is_surely_before(&a) {
-        Some(Ordering::Greater)
-    } else {
-        None
-    }
-}
-
-/// Whether two triangles have the same corners, in any order.
-fn same_corners(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
-    a.iter().all(|p| b.contains(p)) && b.iter().all(|p| a.contains(p))
 }
 
 #[cfg(test)]

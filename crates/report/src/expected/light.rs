@@ -23,6 +23,7 @@ const THREE_POINT: [Given; 3] = [
 ];
 
 /// Where the lights stand.
+#[derive(Clone)]
 pub(super) struct Lights {
     /// The key light of the soft set, which is wrapped round shapes.
     to_key: Option<Vector<24>>,

@@ -26,7 +26,7 @@ use normal::ToWorld;
 use own_color::Numbers;
 use range::{Double, Vector, exactly, exactly_single, minus, plus};
 use raycast_core::Cull;
-use raycast_core::camera::{Camera, Projection, Rect};
+use raycast_core::camera::{Camera, Projection, Rect, StereoKind};
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{ColorRule, Object, Opacity, Reflectance, Texture, Wrap};
 use raycast_core::shade::{
@@ -42,13 +42,14 @@ const NEAR_GREY: f64 = 0.96;
 const FAR_GREY: f64 = 0.08;
 
 /// What pixels of one picture should show.
+#[derive(Clone)]
 pub(crate) struct Expected<'a> {
     stage: &'a Stage,
     camera: Camera,
     shading: Shading,
     lights: Lights,
     /// For each object without normals, those of the crease angle, where light goes by them.
-    creased: Vec<Option<Creased<'a>>>,
+    creased: Arc<[Option<Creased<'a>>]>,
     /// For each object, what takes its mesh's normals to the world.
     to_world: Vec<Option<ToWorld>>,
     /// For each object with a texture, how that lies on it where it has no place of its own.
@@ -63,6 +64,23 @@ pub(crate) struct Expected<'a> {
     legend: Option<Rect>,
     /// Whether sections are filled: fronts and backs are seen.
     has_sections: bool,
+    /// The first row of the eye's picture, and how many it has: those of what lies behind everything.
+    rows: (f64, f64),
+}
+
+/// The first row of a camera's part of the whole picture, and how many it has.
+fn rows_of(whole: &Camera, camera: &Camera) -> (f64, f64) {
+    let halves = whole.halves().into_iter().flatten();
+    let own = halves.into_iter().find(|(half, _)| half == camera);
+    own.map_or((0.0, whole.plane().rows.into()), |(_, rect)| {
+        (rect.y.into(), rect.height.into())
+    })
+}
+
+/// Whether neighbouring pixels share an eye.
+fn shares_eyes(camera: &Camera) -> bool {
+    let stereo = camera.stereo();
+    stereo.is_none_or(|stereo| stereo.kind == StereoKind::Pair)
 }
 
 /// The direction of a surface, and its texture coordinates.
@@ -80,7 +98,13 @@ struct Hit<'a> {
 }
 
 impl<'a> Expected<'a> {
-    pub(crate) fn new(stage: &'a Stage, camera: Camera, shading: Shading, cull: Cull) -> Self {
+    /// Of what a camera sees, all of a whole picture's or an eye's half of it.
+    pub(crate) fn new(
+        stage: &'a Stage,
+        (whole, camera): (Camera, Camera),
+        shading: Shading,
+        cull: Cull,
+    ) -> Self {
         let to_world = match stage.scene.world_from_objects() {
             Ok(transforms) => transforms.iter().map(ToWorld::new).collect(),
             Err(_) => Vec::new(),
@@ -92,7 +116,7 @@ impl<'a> Expected<'a> {
         };
         let numbers = Numbers::new(stage, &camera, &shading);
         let is_mapped = shading.mode == Mode::Depth && shading.scale.is_some();
-        let seen = || depths_seen(stage, &camera, cull);
+        let seen = || depths_seen(stage, &whole, cull);
         let depth_map = is_mapped
             .then(|| numbers.given_range().or_else(seen))
             .flatten();
@@ -107,15 +131,26 @@ impl<'a> Expected<'a> {
             camera,
             shading,
             lights: Lights::new(&camera, shading.lights),
-            creased: creased(stage, &shading),
+            creased: creased(stage, &shading).into(),
             to_world,
             repeats: stage.scene.objects.iter().map(repeat).collect(),
             depth,
             depth_map,
             numbers,
             legend,
-            has_sections: cull == Cull::None,
+            has_sections: cull == Cull::None && shares_eyes(&whole),
+            rows: rows_of(&whole, &camera),
         }
+    }
+
+    /// Whose rays they are.
+    pub(crate) fn camera(&self) -> Camera {
+        self.camera
+    }
+
+    /// From now on of a place that another eye sees, by the same colours.
+    pub(crate) fn look_from(&mut self, camera: &Camera) {
+        self.camera = *camera;
     }
 
     /// What a picture's layers should tell of a hit.
@@ -236,7 +271,8 @@ impl<'a> Expected<'a> {
         let Background::Gradient(top, bottom) = self.shading.background else {
             return [Single::exactly(0.0); 4];
         };
-        let down = (y / f64::from(self.camera.plane().rows)).clamp(0.0, 1.0);
+        let (first, rows) = self.rows;
+        let down = ((y - first) / rows).clamp(0.0, 1.0);
         let down = Single::exactly(down).rounded();
         let (top, bottom) = (srgb::linear(top), srgb::linear(bottom));
         let [r, g, b]: Vector<24> = std::array::from_fn(|i| top[i] + (bottom[i] - top[i]) * down);

@@ -11,6 +11,7 @@ use raycast_core::shade::{Mode, Shading};
 const NO_NUMBER: Color = Color([0x80; 3]);
 
 /// The colours of numbers in one picture.
+#[derive(Clone)]
 pub(super) struct Numbers {
     /// The colour where there is none.
     plain: Color,

@@ -1,4 +1,4 @@
-use super::{OrbitArg, values};
+use super::{OrbitArg, StereoArg, values};
 use clap::Args;
 use raycast_core::camera::{BrownConrady, Projection};
 use raycast_core::glam::DVec3;
@@ -25,6 +25,15 @@ pub struct CameraArgs {
     /// See a perspective picture through a calibrated lens, Brown-Conrady as OpenCV has it
     #[arg(long, value_name = "K1,K2,P1,P2,K3", allow_hyphen_values = true, value_parser = values::lens)]
     pub lens: Option<BrownConrady>,
+    /// A picture for two eyes: side by side, or panoramas above one another, the left eye's first
+    #[arg(long, value_name = "KIND", value_parser = values::named(values::STEREO))]
+    pub stereo: Option<StereoArg>,
+    /// From eye to eye, in scene units; the camera is in the middle
+    #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = values::number::<f64>)]
+    pub eye_distance: Option<f64>,
+    /// Where a pair's views coincide: a distance from the camera, or inf [default: the target's]
+    #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = values::number::<f64>)]
+    pub convergence: Option<f64>,
     /// Where the camera stands
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
     pub eye: Option<DVec3>,

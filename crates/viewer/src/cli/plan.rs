@@ -14,6 +14,8 @@ PLAN.yaml and PLAN.stitch.yaml, Indexed Jobs for Kubernetes whose volume and ima
 Fragments are in the folder PLAN.parts. Folders and files are named as they are on this machine. A plan that is
 there is replaced with all of these; where it is not, none of them may be there.
 
+A large mesh is best prepared once for all jobs (`raycast prepare`): each then starts at once.
+
 Examples:
   raycast plan bunny.obj --turntable 100 -o turn -- --size 1920x1080 --samples 16
   parallel --joblog turn.log --retries 3 < turn && parallel < turn.stitch

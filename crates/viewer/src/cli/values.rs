@@ -3,7 +3,7 @@
 use clap::builder::{PossibleValuesParser, RangedI64ValueParser, TypedValueParser};
 use raycast_core::Cull;
 use raycast_core::camera::{
-    BrownConrady, ImagePlane, LensError, Panorama, PixelFilter, Projection, check_step,
+    BrownConrady, ImagePlane, LensError, Panorama, PixelFilter, Projection, StereoKind, check_step,
 };
 use raycast_core::glam::{DVec2, DVec3};
 use raycast_core::ranges;
@@ -48,6 +48,16 @@ pub(super) const PROJECTIONS: Names<Projection> = &[
     ),
     ("cubemap", Projection::Panoramic(Panorama::CubeStrip)),
     ("cubemap:cross", Projection::Panoramic(Panorama::CubeCross)),
+];
+
+/// `--stereo`: for two eyes, or for one whatever a scene file says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StereoArg(pub Option<StereoKind>);
+
+pub(super) const STEREO: Names<StereoArg> = &[
+    ("none", StereoArg(None)),
+    ("pair", StereoArg(Some(StereoKind::Pair))),
+    ("ods", StereoArg(Some(StereoKind::Ods))),
 ];
 
 /// Those whose pictures are planes.

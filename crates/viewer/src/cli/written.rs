@@ -4,7 +4,7 @@ use super::clip;
 use super::shell::quoted;
 use super::values::{
     self, COLOR_MAPS, CULLS, FILTERS, LIGHTS, MODES, Names, PIXEL_FILTERS, PRECISIONS, PROJECTIONS,
-    TEXTURE_PROJECTIONS,
+    STEREO, StereoArg, TEXTURE_PROJECTIONS,
 };
 use raycast_core::camera::{Placement, Projection, frame_to_fov};
 use raycast_core::formats::{CameraFile, Limits};
@@ -45,6 +45,16 @@ pub fn render_command(
     // What is the usual is said too: a scene file may say something else.
     let [right, up] = camera.shift();
     option("--shift", format!("{right},{up}"));
+    option(
+        "--stereo",
+        word(STEREO, StereoArg(camera.stereo().map(|stereo| stereo.kind))),
+    );
+    if let Some(stereo) = camera.stereo() {
+        option("--eye-distance", stereo.eye_distance.to_string());
+        if let Some(convergence) = stereo.convergence {
+            option("--convergence", convergence.to_string());
+        }
+    }
     option("--eye", point(placement.eye));
     option("--target", point(placement.target));
     option("--up", point(placement.up));

@@ -151,7 +151,9 @@ impl<'a> Frames<'a> {
         let camera = match self.way {
             Way::Turntable(count) => {
                 let placement = CameraPath::turntable(&base.placement(), count, frame);
-                Camera::new(placement, base.projection(), base.plane()).shifted(base.shift())
+                Camera::new(placement, base.projection(), base.plane())
+                    .shifted(base.shift())
+                    .in_stereo(base.stereo())
             }
             Way::Path(path) => {
                 let key = path.at(frame);
@@ -165,6 +167,7 @@ impl<'a> Frames<'a> {
                 let image = ImageSettings {
                     size: Some((base.plane().columns, base.plane().rows)),
                     shift: Some(base.shift()),
+                    stereo: base.stereo(),
                     ..ImageSettings::default()
                 };
                 setup::camera(&self.args.camera, Some(&file), image, &bounds)

@@ -8,6 +8,7 @@ mod deep_zoom;
 mod frames;
 mod info;
 mod plan;
+mod prepare;
 mod render;
 mod report;
 mod saved_scene;
@@ -64,6 +65,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Subcommand::Stitch(args) => stitch::run(&args),
         Subcommand::Plan(args) => plan::run(&args),
         Subcommand::Convert(args) => convert::run(&args),
+        Subcommand::Prepare(args) => prepare::run(&args),
         Subcommand::TextureMap(args) => texture_map::run(&args),
         Subcommand::Section(args) => section::run(&args),
         Subcommand::Info(args) => info::run(&args),

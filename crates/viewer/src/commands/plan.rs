@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// Options of `raycast render` that say where the camera is, each with a value: a picture's recipe tells them
 /// to `raycast verify`.
-const CAMERA: [&str; 8] = [
+const CAMERA: [&str; 13] = [
     "--size",
     "--step",
     "--fov",
@@ -20,6 +20,11 @@ const CAMERA: [&str; 8] = [
     "--target",
     "--up",
     "--orbit",
+    "--shift",
+    "--lens",
+    "--stereo",
+    "--eye-distance",
+    "--convergence",
 ];
 
 /// The option of `raycast render` that names a file to read.

@@ -67,6 +67,7 @@ fn scene_file(view: &View, animation: Option<&CameraPath>) -> SceneFile {
             pixel_filter: Some(settings.pixel_filter),
             step: Some(plane.step),
             shift: Some(camera.shift()).filter(|shift| *shift != [0.0; 2]),
+            stereo: camera.stereo(),
             cull: Some(settings.cull),
             precision: Some(settings.precision),
         },

@@ -24,7 +24,7 @@ const ASIDE: (f64, f64) = (62.0, 24.0);
 /// camera's target, seen from outside in as many pixels.
 ///
 /// # Errors
-/// More sub-cameras than can be drawn; a panorama; a scene that cannot be put together.
+/// More sub-cameras than can be drawn; a panorama, or a picture for two eyes; a scene that cannot be put together.
 pub(super) fn from_outside(view: &View, grid: Grid) -> Result<View, Failure> {
     let camera = view.camera;
     if camera.projection().panorama().is_some() {
@@ -32,6 +32,11 @@ pub(super) fn from_outside(view: &View, grid: Grid) -> Result<View, Failure> {
             "--show-sub-cameras draws the frusta of a planar picture: the sub-cameras of {} have none",
             camera.projection()
         )));
+    }
+    if camera.stereo().is_some() {
+        return Err(Failure::usage(
+            "--show-sub-cameras draws frusta from one eye: this picture is for two",
+        ));
     }
     let plane = camera.plane();
     let (across, down) = grid.counts(plane.columns, plane.rows);

@@ -280,10 +280,16 @@ fn places(args: &CameraArgs) -> bool {
         orbit,
         shift,
         lens,
+        stereo,
+        eye_distance,
+        convergence,
     } = args;
     step.is_some()
         || shift.is_some()
         || lens.is_some()
+        || stereo.is_some()
+        || eye_distance.is_some()
+        || convergence.is_some()
         || fov.is_some()
         || projection.is_some()
         || eye.is_some()

@@ -247,7 +247,7 @@ fn ground(ui: &mut Ui, state: &State, out: &mut Commands) {
         "Lines on a level plane, of which ten make a stronger one",
         |ui, label| {
             let hint = registry::hint(ui.ctx(), "look.ground");
-            if let Some(is_shown) = tick(ui, current.is_some(), "Grid", &hint) {
+            if let Some(is_shown) = tick(ui, current.is_some(), "Ground grid", &hint) {
                 out.push(Command::SetGround(is_shown.then(Ground::default)));
             }
             let Some(ground) = current else {

@@ -1,7 +1,8 @@
-use crate::cli::CameraArgs;
+use crate::cli::{CameraArgs, StereoArg};
 use crate::failure::Failure;
 use raycast_core::camera::{
-    Camera, Orbit, Placement, PlaneRequest, Projection, fit_distance, frame_to_fov,
+    Camera, Orbit, Placement, PlaneRequest, Projection, Stereo, StereoKind, fit_distance,
+    frame_to_fov,
 };
 use raycast_core::formats::{CameraFile, ImageSettings};
 use raycast_core::ranges;
@@ -43,6 +44,12 @@ pub fn camera(
             "--shift is for perspective and orthographic pictures, not {projection}"
         )));
     }
+    let stereo = stereo(args, image.stereo)?;
+    if let Some(stereo) = &stereo {
+        let checked = stereo.check(projection, None);
+        checked.map_err(|error| Failure::usage(error.to_string()))?;
+    }
+    let (across, down) = stereo.map_or((1, 1), |stereo| stereo.pictures());
     // A field of view and a shape mean something else in another kind of picture.
     let kind = |projection: Projection| {
         projection
@@ -55,6 +62,13 @@ pub fn camera(
         (Some(panorama), None) => panorama.size(rows),
         _ => file_size.unwrap_or(DEFAULT_SIZE),
     };
+    // A size is that of the whole picture.
+    let is_the_files_kind =
+        image.stereo.map(|stereo| stereo.kind) == stereo.map(|stereo| stereo.kind);
+    let default_size = match alike.is_some() && is_the_files_kind && file_size.is_some() {
+        true => default_size,
+        false => (default_size.0 * across, default_size.1 * down),
+    };
     // A file's own was checked when it was read.
     if let Some(fov) = args.fov
         && let Err(error) = projection.check_fov(fov)
@@ -64,7 +78,7 @@ pub fn camera(
     let fov = args.fov.or(alike.map(fov_of));
     let fov = fov.unwrap_or(projection.default_fov());
     let (columns, rows) = args.size.unwrap_or(default_size);
-    let aspect = f64::from(columns) / f64::from(rows);
+    let aspect = f64::from(columns * down) / f64::from(rows * across);
 
     let placement = placement(args, file, bounds, |orbit| {
         fit_distance(bounds, orbit, projection, fov, aspect)
@@ -81,7 +95,7 @@ pub fn camera(
         {
             file.frame
         }
-        _ => projection.frame(fov, distance),
+        _ => projection.frame(fov, distance) * f64::from(down),
     };
     let is_the_files = args.step.is_none()
         && args.fov.is_none()
@@ -97,7 +111,7 @@ pub fn camera(
         None => PlaneRequest {
             size: args.size,
             step: args.step,
-            frame_height: args.fov.map(|fov| projection.frame(fov, distance)),
+            frame_height: (args.fov).map(|fov| projection.frame(fov, distance) * f64::from(down)),
         },
     };
     let plane = request.resolve(default_size, frame)?;
@@ -107,7 +121,47 @@ pub fn camera(
             return Err(Failure::usage(format!("a step of {step}: {error}")));
         }
     }
-    Ok(Camera::new(placement, projection, plane).shifted(shift))
+    let stereo = stereo.map(|mut stereo| {
+        if stereo.kind == StereoKind::Pair {
+            let is_planar = kind(projection).is_none();
+            let usual = if is_planar { distance } else { f64::INFINITY };
+            stereo.convergence.get_or_insert(usual);
+        }
+        stereo
+    });
+    if let Some(stereo) = &stereo {
+        let checked = stereo.check(projection, Some(plane));
+        checked.map_err(|error| Failure::usage(error.to_string()))?;
+    }
+    let camera = Camera::new(placement, projection, plane);
+    Ok(camera.shifted(shift).in_stereo(stereo))
+}
+
+/// Whether the picture is for two eyes, and how far they are apart.
+fn stereo(args: &CameraArgs, file: Option<Stereo>) -> Result<Option<Stereo>, Failure> {
+    let kind = match args.stereo {
+        Some(StereoArg(kind)) => kind,
+        None => file.map(|file| file.kind),
+    };
+    let Some(kind) = kind else {
+        return match args.eye_distance.or(args.convergence) {
+            Some(_) => Err(Failure::usage(
+                "--eye-distance and --convergence are for pictures with --stereo",
+            )),
+            None => Ok(None),
+        };
+    };
+    let Some(eye_distance) = args.eye_distance.or(file.map(|file| file.eye_distance)) else {
+        return Err(Failure::usage(
+            "--stereo needs --eye-distance, how far the eyes are apart in scene units",
+        ));
+    };
+    let of_file = file.filter(|file| file.kind == kind);
+    Ok(Some(Stereo {
+        kind,
+        eye_distance,
+        convergence: (args.convergence).or(of_file.and_then(|file| file.convergence)),
+    }))
 }
 
 /// Why there is no camera: bad usage, if anything was asked of it; else the fault of the files.
@@ -120,7 +174,10 @@ pub fn no_camera(args: &CameraArgs, name: &str, failure: Failure) -> Failure {
         || args.up.is_some()
         || args.orbit.is_some()
         || args.shift.is_some()
-        || args.lens.is_some();
+        || args.lens.is_some()
+        || args.stereo.is_some()
+        || args.eye_distance.is_some()
+        || args.convergence.is_some();
     if was_asked {
         failure
     } else {

@@ -43,7 +43,7 @@ use motion::{Motion, Trail};
 use pick::{Pick, Pinned};
 use preferences::Preferences;
 use raycast_core::camera::{
-    Camera, FrameLock, Grid, ImagePlane, PlaneError, PlaneRequest, Projection,
+    Camera, FrameLock, Grid, ImagePlane, PlaneError, PlaneRequest, Projection, Stereo,
 };
 use raycast_core::formats::{ImageSettings, Limits, SceneFile};
 use raycast_core::glam::DVec3;
@@ -111,6 +111,8 @@ pub struct State {
     pub resolution: Resolution,
     /// How far the frame is off the view axis, as the scene's file says: to the right and up, in its heights.
     pub shift: [f64; 2],
+    /// How the scene's file has its picture for two eyes: kept, and not shown.
+    pub stereo: Option<Stereo>,
     /// Rays a pixel, where a person or the scene has set them.
     pub samples: Option<u32>,
     /// Shading and culling.
@@ -209,6 +211,7 @@ impl Default for State {
             document: None,
             resolution: Resolution::Window { density: 1.0 },
             shift: [0.0; 2],
+            stereo: None,
             samples: None,
             settings: first_settings(),
             history: History::default(),
@@ -457,6 +460,7 @@ impl State {
                 precision: unusual(self.settings.precision),
                 pixel_filter: unusual(self.settings.pixel_filter),
                 shift: unusual(self.shift).filter(|_| self.can_shift()),
+                stereo: self.stereo,
                 // The camera's field of view says it.
                 step: None,
             },

@@ -345,10 +345,12 @@ fn show(state: &mut State, loaded: Loaded) {
         settings.precision = Default::default();
         settings.pixel_filter = Default::default();
         state.shift = [0.0; 2];
+        state.stereo = None;
         state.resolution = Resolution::Window { density: 1.0 };
     }
     state.samples = image.samples.map(|samples| samples.clamp(1, SAMPLES_LIMIT));
     state.shift = image.shift.unwrap_or(state.shift);
+    state.stereo = image.stereo.or(state.stereo);
     let settings = &mut state.settings;
     settings.cull = image.cull.unwrap_or(settings.cull);
     settings.precision = image.precision.unwrap_or(settings.precision);
@@ -408,7 +410,10 @@ fn apply(state: &mut State, recipe: &Recipe) {
     let projection = recipe.camera.projection();
     let frame = match projection {
         Projection::Orthographic => plane.frame_height(),
-        _ => projection.fov_degrees(plane.frame_height(), recipe.camera.distance()),
+        _ => recipe
+            .camera
+            .fov_degrees()
+            .unwrap_or(projection.default_fov()),
     };
     let camera = CameraFile {
         placement: recipe.camera.placement(),
@@ -420,6 +425,7 @@ fn apply(state: &mut State, recipe: &Recipe) {
     }
     state.settings.shading = recipe.shading;
     state.shift = recipe.camera.shift();
+    state.stereo = recipe.camera.stereo();
     state.settings.cull = recipe.cull;
     state.settings.precision = recipe.precision;
     state.settings.pixel_filter = recipe.pixel_filter;

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 /// Endings of the files that can be opened.
 pub(super) const DIALOG_ENDINGS: &[&str] = &[
-    "obj", "gltf", "glb", "ply", "stl", "off", "3mf", "txt", "tri", "toml", "gz", "zst",
+    "obj", "gltf", "glb", "ply", "stl", "off", "3mf", "txt", "tri", "raycast", "toml", "gz", "zst",
 ];
 
 pub(super) fn dialog(kind: PromptKind, suggested: &str) -> DialogAnswer {

@@ -1,4 +1,4 @@
-//! A glTF 2.0 file's JSON: what is used of it, and what is there to be told of.
+//! A glTF 2.0 file's JSON: what is used of it, and what is warned about.
 
 use crate::formats::error::{FormatError, shorten};
 use crate::formats::limits::{Budget, Share};

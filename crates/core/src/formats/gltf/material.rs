@@ -35,7 +35,7 @@ type ImageKey = (u32, [Wrap; 2]);
 /// The materials of one file, and what was made of their images.
 pub(super) struct Materials<'m, 'd> {
     data: &'m Data<'d>,
-    /// By image and wrapping; `None` for one that cannot be read, which is told once.
+    /// By image and wrapping; `None` for one that cannot be read, which is warned about once.
     images: HashMap<ImageKey, Option<Arc<Texture>>>,
     /// By image, wrapping and factor.
     tinted: HashMap<(u32, [Wrap; 2], [u64; 3]), Arc<Texture>>,
@@ -82,7 +82,7 @@ impl<'m, 'd> Materials<'m, 'd> {
     }
 
     /// How a material reflects light, and its own light; images that lie by other coordinates than `base` says are
-    /// left out, and told.
+    /// left out, with a warning.
     fn reflectance(
         &mut self,
         json: &'d MaterialJson,
@@ -218,9 +218,9 @@ impl<'m, 'd> Materials<'m, 'd> {
         let place = format!("textures[{}]", info.index);
         let Some(source) = json.source else {
             let path = quote::path(self.data.path);
-            let told = format!("{path}: {place}: its image is of a kind that is not read");
-            if !self.warnings.contains(&told) {
-                self.warnings.push(told);
+            let warning = format!("{path}: {place}: its image is of a kind that is not read");
+            if !self.warnings.contains(&warning) {
+                self.warnings.push(warning);
             }
             return Ok(None);
         };
@@ -231,9 +231,9 @@ impl<'m, 'd> Materials<'m, 'd> {
             None => {
                 let image = match self.image(source) {
                     Ok(image) => Some(Arc::new(image.wrapped(wrap))),
-                    Err(told) => {
-                        if !self.warnings.contains(&told) {
-                            self.warnings.push(told);
+                    Err(warning) => {
+                        if !self.warnings.contains(&warning) {
+                            self.warnings.push(warning);
                         }
                         None
                     }
@@ -289,12 +289,12 @@ impl<'m, 'd> Materials<'m, 'd> {
             Some(33648) => Wrap::Mirror,
             Some(other) => {
                 let path = quote::path(data.path);
-                let told = format!(
+                let warning = format!(
                     "{path}: samplers[{index}]: its image is repeated: expected 10497, 33071 or 33648, \
                      found {other}"
                 );
-                if !self.warnings.contains(&told) {
-                    self.warnings.push(told);
+                if !self.warnings.contains(&warning) {
+                    self.warnings.push(warning);
                 }
                 Wrap::Repeat
             }

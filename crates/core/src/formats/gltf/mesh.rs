@@ -15,7 +15,7 @@ const NONE: u32 = u32::MAX;
 
 /// What a file's meshes have and is not shown.
 #[derive(Debug, Default)]
-pub(super) struct Told {
+pub(super) struct Skipped {
     /// Primitives of points or lines.
     pub(super) points_and_lines: usize,
     /// Primitives without positions.
@@ -54,7 +54,7 @@ pub(super) fn read<'d>(
     data: &Data<'d>,
     materials: &mut Materials<'_, 'd>,
     index: u32,
-    told: &mut Told,
+    skipped: &mut Skipped,
 ) -> Result<MeshData, FormatError> {
     let place = format!("meshes[{index}]");
     let json = data.one(&data.root.meshes, index, "nodes", "meshes")?;
@@ -69,10 +69,10 @@ pub(super) fn read<'d>(
         numbers: HashMap::new(),
     };
     for (number, primitive) in json.primitives.iter().enumerate() {
-        builder.add(&format!("{place}.primitives[{number}]"), primitive, told)?;
+        builder.add(&format!("{place}.primitives[{number}]"), primitive, skipped)?;
     }
     let has_morphs = json.primitives.iter().any(|p| !p.targets.is_empty());
-    told.morphs += usize::from(has_morphs);
+    skipped.morphs += usize::from(has_morphs);
     Ok(builder.finish())
 }
 
@@ -81,20 +81,20 @@ impl Builder<'_, '_, '_> {
         &mut self,
         place: &str,
         primitive: &Primitive,
-        told: &mut Told,
+        skipped: &mut Skipped,
     ) -> Result<(), FormatError> {
         let data = self.data;
         let mode = primitive.mode.unwrap_or(4);
         match mode {
             0..=3 => {
-                told.points_and_lines += 1;
+                skipped.points_and_lines += 1;
                 return Ok(());
             }
             4..=6 => {}
             other => return Err(data.fault(place, "a mode from 0 to 6", &other.to_string())),
         }
         let Some(&positions) = primitive.attributes.get("POSITION") else {
-            told.empty += 1;
+            skipped.empty += 1;
             return Ok(());
         };
         let base = match primitive.material {
@@ -127,7 +127,7 @@ impl Builder<'_, '_, '_> {
             4 => corners.len() / 3,
             _ => corners.len().saturating_sub(2),
         };
-        told.loose_corners += match mode {
+        skipped.loose_corners += match mode {
             4 => corners.len() % 3,
             _ if triangles == 0 => corners.len(),
             _ => 0,

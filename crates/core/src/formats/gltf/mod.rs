@@ -21,7 +21,7 @@ use data::Data;
 pub(super) use json::MAGIC;
 use json::Root;
 use material::Materials;
-use mesh::Told;
+use mesh::Skipped;
 use nodes::MeshNode;
 use std::collections::HashMap;
 use std::path::Path;
@@ -67,7 +67,7 @@ pub(super) fn read(
     let data = Data::new(path, &root, binary, files);
     let mesh_nodes = nodes::mesh_nodes(&data)?;
     let mut materials = Materials::new(&data);
-    let mut told = Told::default();
+    let mut skipped = Skipped::default();
     let mut placed = Placed::default();
     let mut meshes: HashMap<u32, usize> = HashMap::new();
     for (done, node) in mesh_nodes.iter().enumerate() {
@@ -75,7 +75,7 @@ pub(super) fn read(
         let mesh = match meshes.get(&node.mesh) {
             Some(&mesh) => mesh,
             None => {
-                let mesh = mesh::read(&data, &mut materials, node.mesh, &mut told)?;
+                let mesh = mesh::read(&data, &mut materials, node.mesh, &mut skipped)?;
                 placed.meshes.push(mesh);
                 meshes.insert(node.mesh, placed.meshes.len() - 1);
                 placed.meshes.len() - 1
@@ -90,44 +90,45 @@ pub(super) fn read(
     if placed.meshes.iter().all(|mesh| mesh.triangles.is_empty()) {
         let found = match mesh_nodes.len() {
             0 => "no node with a mesh".to_owned(),
-            _ if told.points_and_lines > 0 => "points and lines alone".to_owned(),
+            _ if skipped.points_and_lines > 0 => "points and lines alone".to_owned(),
             count => format!("none in {count} nodes"),
         };
         return Err(FormatError::unexpected(path, None, "triangles", found));
     }
     placed.unit = Some(LengthUnit::Metre);
     placed.notes = notes(&root, &materials);
-    placed.warnings = warnings(path, &mesh_nodes, &told, materials.blended);
+    placed.warnings = warnings(path, &mesh_nodes, &skipped, materials.blended);
     placed.warnings.append(&mut materials.warnings);
     Ok(placed)
 }
 
 /// What is not shown, or not as the file has it: a line a kind.
-fn warnings(path: &Path, nodes: &[MeshNode<'_>], told: &Told, blended: usize) -> Vec<String> {
+fn warnings(path: &Path, nodes: &[MeshNode<'_>], skipped: &Skipped, blended: usize) -> Vec<String> {
     let path = quote::path(path);
     let skinned = nodes.iter().filter(|node| node.node.skin.is_some()).count();
     let counts = [
         (
-            told.points_and_lines,
+            skipped.points_and_lines,
             "primitives of points or lines, which are not shown",
         ),
         (
-            told.empty,
+            skipped.empty,
             "primitives without positions, which are not shown",
         ),
         (
-            told.loose_corners,
+            skipped.loose_corners,
             "corners behind the last whole triangle, which are passed over",
         ),
         (skinned, "nodes with skins, which are shown at rest"),
         (
-            told.morphs,
+            skipped.morphs,
             "meshes with morph targets, which are shown at rest",
         ),
         (blended, BLENDED),
     ];
-    let told = counts.iter().filter(|(count, _)| *count > 0);
-    told.map(|(count, what)| format!("{path}: {what}: {count}"))
+    let counted = counts.iter().filter(|(count, _)| *count > 0);
+    counted
+        .map(|(count, what)| format!("{path}: {what}: {count}"))
         .collect()
 }
 
@@ -141,7 +142,7 @@ fn notes(root: &Root<'_>, materials: &Materials<'_, '_>) -> Vec<String> {
     ];
     let lists = lists.iter().filter(|(count, _)| *count > 0);
     unused.extend(lists.map(|(count, what)| format!("{what} ({count})")));
-    /// How many extensions are told by name.
+    /// How many extensions are listed by name.
     const NAMED: usize = 8;
     let unread = |name: &&String| !READ.contains(&name.as_str());
     let extensions: Vec<&String> = root.extensions_used.iter().filter(unread).collect();

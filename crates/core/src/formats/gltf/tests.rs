@@ -98,10 +98,10 @@ fn own_attributes_of_one_number_are_scalars() {
         let bits = |values: &[f32]| -> Vec<u32> { values.iter().map(|v| v.to_bits()).collect() };
         assert_eq!(bits(&scalar.values), bits(&values), "{name}");
     }
-    let told = of(r#"{"attributes": {"POSITION": 0, "_HEAT": 5}}"#).expect_err("too few");
+    let message = of(r#"{"attributes": {"POSITION": 0, "_HEAT": 5}}"#).expect_err("too few");
     assert!(
-        told.contains("_HEAT: expected as many as positions, 4"),
-        "{told}"
+        message.contains("_HEAT: expected as many as positions, 4"),
+        "{message}"
     );
 }
 
@@ -375,9 +375,9 @@ fn materials_say_how_they_reflect_light_and_what_is_not_shown_is_counted() {
     assert!(first.texture.is_some() && first.emission_texture.is_none());
     assert!(!first.is_unlit && known(1).is_unlit);
     assert_eq!((known(1).metallic, known(1).roughness), (1.0, 1.0));
-    let told = "not used: images of emission by other coordinates than of colour (1 materials), images of normals \
+    let message = "not used: images of emission by other coordinates than of colour (1 materials), images of normals \
                 (1 materials), images of occlusion (1 materials), \"KHR_materials_clearcoat\"";
-    assert_eq!(notes[1], told);
+    assert_eq!(notes[1], message);
 }
 
 #[test]
@@ -451,8 +451,8 @@ fn colours_are_those_of_factors_vertices_and_images() {
             "a.gltf: blended materials, of which each layer covers by its alpha, with nothing refracted: 1",
         ]
     );
-    let told = "not used: \"X_y\"";
-    assert_eq!(notes(&gltf(&more, accessors, rest))[1], told);
+    let message = "not used: \"X_y\"";
+    assert_eq!(notes(&gltf(&more, accessors, rest))[1], message);
     let emission = |triangle| {
         let material = object.mesh.material(triangle).expect("a material");
         material.reflectance.as_ref().map(|known| known.emission)
@@ -461,13 +461,13 @@ fn colours_are_those_of_factors_vertices_and_images() {
         (emission(0), emission(2)),
         (Some([0.0; 3]), Some([1.0, 0.0, 0.0]))
     );
-    // An image that cannot be read is told, and the rest is shown.
+    // An image that cannot be read gives a warning, and the rest is shown.
     let file = read(&gltf(&more, accessors, &rest.replace("t.ppm", "none.png")));
     assert!(file.scene.objects[0].texture_on(2).is_none());
     assert!(
         file.warnings
             .iter()
-            .any(|told| told.starts_with("none.png: ")),
+            .any(|message| message.starts_with("none.png: ")),
         "{:?}",
         file.warnings
     );
@@ -486,12 +486,12 @@ fn bad_normals_are_left_out_by_triangle() {
 
 #[test]
 fn says_where_and_what() {
-    let check = |from: &str, to: &str, told: &str| {
+    let check = |from: &str, to: &str, message: &str| {
         let rest = primitives(r#"{"attributes": {"POSITION": 0}, "indices": 1}"#);
         let good = gltf(&[], "", &rest);
         assert!(good.contains(from), "{from}");
         let error = try_read(good.replacen(from, to, 1).as_bytes()).expect_err(to);
-        assert!(error.contains(told), "{error}");
+        assert!(error.contains(message), "{error}");
         assert!(error.contains("a.gltf"), "{error}");
         assert_eq!(error.lines().count(), 1, "{error}");
     };
@@ -625,7 +625,7 @@ fn says_where_and_what() {
         "\"asset\": {\"version\": 2},",
         "a.gltf:1: invalid type: integer `2`, expected a string (column 23)",
     );
-    for (extension, told) in [
+    for (extension, message) in [
         ("KHR_draco_mesh_compression", "Draco compression"),
         ("EXT_meshopt_compression", "meshopt compression"),
         ("EXT_texture_webp", "WebP images"),
@@ -635,8 +635,8 @@ fn says_where_and_what() {
         let named = format!(
             "{{\"extensionsRequired\": [\"KHR_mesh_quantization\", \"{extension}\"], \"asset\""
         );
-        let told = format!("found \"{extension}\" ({told})");
-        check("{\"asset\"", &named, &told);
+        let message = format!("found \"{extension}\" ({message})");
+        check("{\"asset\"", &named, &message);
     }
 }
 
@@ -677,7 +677,7 @@ fn a_binary_file_is_the_same_file() {
     let bytes = glb(&json, &buffer(&[]));
     let file = try_read(&bytes).expect("a good file");
     assert_eq!(file.scene.content(), read(&text).scene.content());
-    for (at, byte, told) in [
+    for (at, byte, message) in [
         (4, 1, "a.gltf: byte 4: expected GLB version 2, found 1"),
         (8, 255, "a.gltf: byte 8: expected a file of "),
         (15, 1, "a.gltf: byte 12: expected a chunk of at most "),
@@ -688,8 +688,8 @@ fn a_binary_file_is_the_same_file() {
         if at == 8 {
             bad[9] = 255;
         }
-        let error = try_read(&bad).expect_err(told);
-        assert!(error.contains(told), "{error}");
+        let error = try_read(&bad).expect_err(message);
+        assert!(error.contains(message), "{error}");
     }
     // Cut anywhere, it is refused, and nothing worse.
     for end in 0..bytes.len() {

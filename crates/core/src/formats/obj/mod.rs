@@ -552,9 +552,9 @@ mod tests {
     #[test]
     fn oddities_are_counted() {
         let obj = parse("v 0 0 0 2\nv 2 0 0 1 1 1\nv 0 2 0 2 2 2 2\nf 1 2 3\n");
-        let told: Vec<_> = obj.warnings.iter().map(|w| &w[..w.len().min(40)]).collect();
+        let beginnings: Vec<_> = obj.warnings.iter().map(|w| &w[..w.len().min(40)]).collect();
         assert_eq!(
-            told,
+            beginnings,
             [
                 "parts/a.obj: vertices with a fourth valu",
                 "parts/a.obj: vertices with values behind",

@@ -18,10 +18,10 @@ pub(super) struct MtlMaterial {
 /// What a library has and is not shown: keywords, and how many materials have each.
 pub(super) type Unused = BTreeMap<String, usize>;
 
-/// How many keywords are told by name.
+/// How many keywords are listed by name.
 const NAMED: usize = 12;
 
-/// Reads a material library. What cannot be read is left out, and told in `warnings`; what is not shown is counted.
+/// Reads a material library. What cannot be read is left out, and listed in `warnings`; what is not shown is counted.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],

@@ -395,7 +395,7 @@ impl<'a> Reader<'a> {
         };
         self.has_indices[usize::from(index < 0)] = true;
         self.highest[kind] = self.highest[kind].max(index);
-        // More than there can be of anything is told at the end.
+        // More than there can be of anything is reported at the end.
         Ok(u32::try_from(from_zero).unwrap_or(NONE))
     }
 
@@ -436,7 +436,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Counts what is held against the budget: three times what it holds, since a list that is full
+    /// Counts what is kept in memory against the budget: three times what it holds, since a list that is full
     /// doubles, and the old one stays until the new one is filled.
     fn count_bytes(&mut self) -> Result<(), FormatError> {
         let out = &self.out;
@@ -608,7 +608,7 @@ mod tests {
             };
             let [short, long] = both_ways(&line);
             match (&short, &long) {
-                // What the error expects is told with what the file has, where that is known.
+                // The error says what the file has, where that is known.
                 (Err(_), Err(_)) => {}
                 _ => assert_eq!(short, long, "{line:?}"),
             }

@@ -120,9 +120,9 @@ mod tests {
                 "a vertex index from 1 to 1",
             ),
         ] {
-            let told = text(source).expect_err(source);
+            let message = text(source).expect_err(source);
             let place = format!("a.obj:{line}: expected {expected}");
-            assert!(told.starts_with(&place), "{source:?}: {told}");
+            assert!(message.starts_with(&place), "{source:?}: {message}");
         }
     }
 
@@ -179,10 +179,10 @@ mod tests {
         };
         assert_eq!(within(4, "f 1 2 3\nf 1 2 3 1 2\n"), Ok(4));
         for faces in ["f 1 2 3\nf 1 2 3 1 2\n", "f 1 2 3 1 2 3 1 2 3 1\n"] {
-            let told = within(3, faces).expect_err("too many");
+            let message = within(3, faces).expect_err("too many");
             assert!(
-                told.ends_with("at most 3 are allowed (limit `triangles`)"),
-                "{told}"
+                message.ends_with("at most 3 are allowed (limit `triangles`)"),
+                "{message}"
             );
         }
         let budget = Budget::new(crate::formats::Limits {
@@ -190,8 +190,8 @@ mod tests {
             ..Default::default()
         });
         let source = "v 0 0 0\n".repeat(20) + "f 1 2 3\n";
-        let told = read(Path::new("a.obj"), source.as_bytes(), &budget, &|_| ())
+        let message = read(Path::new("a.obj"), source.as_bytes(), &budget, &|_| ())
             .expect_err("too many bytes");
-        assert!(told.to_string().contains("limit `bytes`"), "{told}");
+        assert!(message.to_string().contains("limit `bytes`"), "{message}");
     }
 }

@@ -250,7 +250,7 @@ mod tests {
 
     #[test]
     fn says_where_and_what() {
-        for (from, to, told) in [
+        for (from, to, message) in [
             ("big", "middle", "a.ply:2: expected `format` with ascii"),
             (
                 "vertex 2",
@@ -283,8 +283,8 @@ mod tests {
                 "a.ply: expected a line `format`, found none",
             ),
         ] {
-            let error = header(&TEXT.replace(from, to)).expect_err(told);
-            assert!(error.starts_with(told), "{error}");
+            let error = header(&TEXT.replace(from, to)).expect_err(message);
+            assert!(error.starts_with(message), "{error}");
         }
         for text in ["ply", "plywood\n", "Ply\n"] {
             assert!(!is_ply(text.as_bytes()), "{text}");

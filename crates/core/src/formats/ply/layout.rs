@@ -8,44 +8,44 @@ use glam::{DVec3, Vec2, Vec3};
 pub(super) const NONE: u32 = u32::MAX;
 
 /// What a property of a vertex is: a place in [`Row`].
-pub(super) type Slot = usize;
+pub(super) type Role = usize;
 
 /// The numbers of a vertex or a face.
 pub(super) type Row = [f64; UNUSED + 1];
 
-pub(super) const POSITION: Slot = 0;
-pub(super) const NORMAL: Slot = 3;
-pub(super) const COLOR: Slot = 6;
-pub(super) const UV: Slot = 9;
+pub(super) const POSITION: Role = 0;
+pub(super) const NORMAL: Role = 3;
+pub(super) const COLOR: Role = 6;
+pub(super) const UV: Role = 9;
 /// All that is not used.
-pub(super) const UNUSED: Slot = 11;
+pub(super) const UNUSED: Role = 11;
 /// Scalars, one after the other: they have columns of their own, and no place in a [`Row`].
-pub(super) const SCALAR: Slot = 12;
+pub(super) const SCALAR: Role = 12;
 
 /// A vertex's or a face's properties, and what each of them is.
 pub(super) struct Layout {
-    pub(super) properties: Vec<(Property, Slot)>,
+    pub(super) properties: Vec<(Property, Role)>,
     /// What makes 0 to 255 of a colour's channel.
     color_scale: f64,
 }
 
 impl Layout {
     /// Of an element: of properties with these names, each whole group that it has.
-    pub(super) fn of(element: &Element, groups: &[(&[&str], Slot)]) -> Self {
+    pub(super) fn of(element: &Element, groups: &[(&[&str], Role)]) -> Self {
         let properties = element.properties.iter();
         let mut properties: Vec<_> = properties.map(|p| (p.clone(), UNUSED)).collect();
         let mut color_scale = 1.0;
-        for &(names, slot) in groups {
+        for &(names, role) in groups {
             let places: Option<Vec<usize>> = names
                 .iter()
                 .map(|name| {
-                    let is_it = |(p, _): &(Property, Slot)| p.length.is_none() && p.name == *name;
+                    let is_it = |(p, _): &(Property, Role)| p.length.is_none() && p.name == *name;
                     properties.iter().position(is_it)
                 })
                 .collect();
-            let is_taken = properties.iter().any(|(_, taken)| *taken == slot);
+            let is_taken = properties.iter().any(|(_, taken)| *taken == role);
             if let Some(places) = places.filter(|_| !is_taken) {
-                if slot == COLOR {
+                if role == COLOR {
                     color_scale = match properties[places[0]].0.kind {
                         Scalar::F32 | Scalar::F64 => 255.0,
                         Scalar::U16 => 255.0 / 65535.0,
@@ -53,7 +53,7 @@ impl Layout {
                     };
                 }
                 for (index, place) in places.into_iter().enumerate() {
-                    properties[place].1 = slot + index;
+                    properties[place].1 = role + index;
                 }
             }
         }
@@ -63,13 +63,13 @@ impl Layout {
         }
     }
 
-    pub(super) fn has(&self, slot: Slot) -> bool {
-        self.properties.iter().any(|(_, of)| *of == slot)
+    pub(super) fn has(&self, role: Role) -> bool {
+        self.properties.iter().any(|(_, of)| *of == role)
     }
 
     /// Bytes of one in a binary file; `None` where there are lists, which decide it.
     pub(super) fn stride(&self) -> Option<usize> {
-        let bytes = |(property, _): &(Property, Slot)| match property.length {
+        let bytes = |(property, _): &(Property, Role)| match property.length {
             None => Some(property.kind.bytes()),
             Some(_) => None,
         };
@@ -85,10 +85,10 @@ impl Layout {
     /// Makes scalars of the numbers that are not used otherwise: their names.
     pub(super) fn take_scalars(&mut self) -> Vec<String> {
         let mut names: Vec<String> = Vec::new();
-        for (property, slot) in &mut self.properties {
-            let is_number = property.length.is_none() && *slot == UNUSED;
+        for (property, role) in &mut self.properties {
+            let is_number = property.length.is_none() && *role == UNUSED;
             if is_number && !names.contains(&property.name) {
-                *slot = SCALAR + names.len();
+                *role = SCALAR + names.len();
                 names.push(property.name.clone());
             }
         }
@@ -97,7 +97,7 @@ impl Layout {
 
     /// The names of what is not used.
     pub(super) fn unused(&self) -> Vec<String> {
-        let unused = self.properties.iter().filter(|(_, slot)| *slot == UNUSED);
+        let unused = self.properties.iter().filter(|(_, role)| *role == UNUSED);
         unused.map(|(property, _)| property.name.clone()).collect()
     }
 }
@@ -143,15 +143,15 @@ impl<'a> Columns<'a> {
 
     /// Keeps a number of a vertex that has no place in a row: a scalar's.
     #[inline]
-    pub(super) fn set_scalar(&mut self, index: usize, slot: Slot, value: f64) {
-        if let Some(scalar) = self.scalars.get_mut(slot - SCALAR) {
+    pub(super) fn set_scalar(&mut self, index: usize, role: Role, value: f64) {
+        if let Some(scalar) = self.scalars.get_mut(role - SCALAR) {
             scalar[index] = value as f32;
         }
     }
 
     #[inline]
     pub(super) fn set(&mut self, index: usize, row: &Row, layout: &Layout) {
-        let three = |slot| DVec3::new(row[slot], row[slot + 1], row[slot + 2]);
+        let three = |role| DVec3::new(row[role], row[role + 1], row[role + 2]);
         self.positions[index] = three(POSITION);
         if let Some(normal) = self.normals.get_mut(index) {
             *normal = three(NORMAL).normalize_or_zero().as_vec3();

@@ -157,7 +157,7 @@ fn body<V: Values>(
     }
     parsed.mesh = mesh;
     parsed.texture = header.texture.as_deref().map(|name| beside(path, name));
-    let told = quote::path(path);
+    let quoted = quote::path(path);
     let counts = [
         (
             header.odd_lines,
@@ -170,7 +170,7 @@ fn body<V: Values>(
         (left, "bytes behind its last element, which are passed over"),
     ];
     for (count, what) in counts.into_iter().filter(|(count, _)| *count > 0) {
-        parsed.warnings.push(format!("{told}: {what}: {count}"));
+        parsed.warnings.push(format!("{quoted}: {what}: {count}"));
     }
     parsed.warnings.extend(uncut.warnings(path));
     progress(1.0);

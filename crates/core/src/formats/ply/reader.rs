@@ -95,7 +95,7 @@ impl<V: Values> Reader<'_, V> {
         self.note_scalars("vertices", &scalars);
         self.note_unused("vertices", layout.unused());
         let count = self.count(element)?;
-        let of = |slot| if layout.has(slot) { count } else { 0 };
+        let of = |role| if layout.has(role) { count } else { 0 };
         let (normals, colors, uvs) = (of(NORMAL), of(COLOR), of(UV));
         let bytes = count * size_of::<DVec3>()
             + normals * size_of::<Vec3>()
@@ -210,14 +210,14 @@ impl<V: Values> Reader<'_, V> {
             let mut row: Row = [0.0; UNUSED + 1];
             corners.clear();
             uvs.clear();
-            for (place, (property, slot)) in layout.properties.iter().enumerate() {
+            for (place, (property, role)) in layout.properties.iter().enumerate() {
                 let read = match property.length {
                     None => {
                         self.values
                             .value(property.kind)
-                            .map(|value| match row.get_mut(*slot) {
+                            .map(|value| match row.get_mut(*role) {
                                 Some(place) => *place = value,
-                                None => of_face[*slot - SCALAR] = value as f32,
+                                None => of_face[*role - SCALAR] = value as f32,
                             })
                     }
                     Some(length) if place == indices => {

@@ -207,8 +207,8 @@ fn faces_have_colours_and_texture_coordinates() {
     assert_eq!(uvs.indices, Some(vec![[0, 1, 2], [NONE; 3], [NONE; 3]]));
     assert_eq!(mesh.material_of_triangle, [0, 0, 0]);
     assert_eq!(mesh.materials[0].color, Color([255, 0, 128]));
-    let told = "a/b.ply: faces of fewer than three corners, which are passed over: 1";
-    assert_eq!(warnings, [told]);
+    let message = "a/b.ply: faces of fewer than three corners, which are passed over: 1";
+    assert_eq!(warnings, [message]);
 }
 
 #[test]
@@ -290,8 +290,8 @@ fn says_where_and_what() {
         ":13: expected a number of element \"fa\\u{1}ce\", found the file's end: it is cut short",
     );
     let longer = binary_triangle(&[3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 9]);
-    let told = "a/b.ply: bytes behind its last element, which are passed over: 1";
-    assert_eq!(parse(&longer).expect("a good file").warnings, [told]);
+    let message = "a/b.ply: bytes behind its last element, which are passed over: 1";
+    assert_eq!(parse(&longer).expect("a good file").warnings, [message]);
 }
 
 #[test]

@@ -77,13 +77,13 @@ fn in_order<V: Values>(
     let count = columns.len();
     for vertex in 0..count {
         let mut row = Row::default();
-        for (property, slot) in &layout.properties {
+        for (property, role) in &layout.properties {
             match property.length {
                 None => {
                     let value = values.value(property.kind)?;
-                    match row.get_mut(*slot) {
+                    match row.get_mut(*role) {
                         Some(place) => *place = value,
-                        None => columns.set_scalar(vertex, *slot, value),
+                        None => columns.set_scalar(vertex, *role, value),
                     }
                 }
                 Some(length) => values.list(length, property.kind, |_| ())?,
@@ -263,8 +263,8 @@ impl<const BIG: bool> Values for Binary<'_, BIG> {
         }
         let list = length.bytes() + 3 * kind.bytes();
         let mut offset = 0;
-        for (place, (property, slot)) in layout.properties.iter().enumerate() {
-            if let Some(scalar) = slot.checked_sub(SCALAR).and_then(|i| scalars.get_mut(i)) {
+        for (place, (property, role)) in layout.properties.iter().enumerate() {
+            if let Some(scalar) = role.checked_sub(SCALAR).and_then(|i| scalars.get_mut(i)) {
                 let value = |record| {
                     let value = Self::new(record, offset).value(property.kind);
                     // The record is as long as all of its numbers.

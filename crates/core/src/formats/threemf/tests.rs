@@ -136,16 +136,16 @@ fn triangles_have_the_colours_of_groups_and_base_materials() {
     );
     let (found, placed) = color("", "pid=\"5\" p1=\"0\" p2=\"1\" p3=\"0\"");
     assert_eq!(found, red);
-    let told =
+    let message =
         "a.3mf: triangles whose corners have different colours, of which the first is shown: 1";
-    assert_eq!(placed.warnings, [told]);
+    assert_eq!(placed.warnings, [message]);
 }
 
 #[test]
 fn says_where_and_what() {
-    let check = |resources: &str, build: &str, told: &str| {
-        let error = read(&model(resources, build)).expect_err(told);
-        assert_eq!(error, format!("a.3mf: {told}"));
+    let check = |resources: &str, build: &str, message: &str| {
+        let error = read(&model(resources, build)).expect_err(message);
+        assert_eq!(error, format!("a.3mf: {message}"));
     };
     let (good, item) = (object(1, "", ""), "<item objectid=\"1\"/>");
     assert!(read(&model(&good, item)).is_ok());
@@ -229,7 +229,7 @@ fn says_where_and_what() {
 #[test]
 fn broken_files_are_refused_in_one_line() {
     let good = model(&object(1, "", ""), "<item objectid=\"1\"/>");
-    for (from, to, told) in [
+    for (from, to, message) in [
         ("</mesh>", "</mash>", "line 4"),
         ("</model>", "", "found the part's end"),
         (
@@ -249,8 +249,8 @@ fn broken_files_are_refused_in_one_line() {
         if to.starts_with("<modal") {
             broken = broken.replace("</model>", "</modal>");
         }
-        let error = read(&broken).expect_err(told);
-        assert!(error.contains(told), "{error}");
+        let error = read(&broken).expect_err(message);
+        assert!(error.contains(message), "{error}");
         assert_eq!(error.lines().count(), 1, "{error}");
     }
     let budget = Budget::default();

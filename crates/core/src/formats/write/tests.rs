@@ -238,7 +238,7 @@ fn moves_are_counted() {
         let (bytes, written) = bytes(&scene, format);
         let again = read(&scene, name, &bytes);
         if matches!(format, MeshFormat::Stl { .. }) {
-            // Singles near 1e7 are a unit apart.
+            // Single-precision numbers near 1e7 are a unit apart.
             assert_eq!(written.moved, 1, "{name}");
             assert!(
                 (written.largest_move - 0.123456789).abs() < 1e-7,
@@ -252,7 +252,8 @@ fn moves_are_counted() {
     assert_eq!(bytes(&scene, MeshFormat::Glb).1.moved, 0);
 }
 
-/// A reader of doubles moves these to another origin, and the decimals of singles are not the singles.
+/// A reader in double precision moves these to another origin, and the decimals of single-precision numbers are not
+/// these numbers.
 /// Single-precision coordinates, further from zero than the mesh is long: it is stored about an offset.
 fn far() -> MeshData {
     let places = [[1.0, 0.3f32, 0.007446289], [1.0, 0.3, 0.1], [1.1, 0.3, 0.7]];
@@ -347,9 +348,9 @@ fn objects_are_written_where_they_stand() {
         let (bytes, written) = bytes(&scene, format);
         let again = read(&scene, name, &bytes);
         assert_eq!(again.kept(), [0, 1, 3, 4, 5, 7], "{name}");
-        let told = "that there are 2 objects".to_owned();
+        let message = "that there are 2 objects".to_owned();
         assert_eq!(
-            written.lost.contains(&told),
+            written.lost.contains(&message),
             format != MeshFormat::Obj,
             "{name}"
         );
@@ -459,12 +460,15 @@ fn a_reading_that_is_cancelled_ends_without_a_mesh() {
         let cancel = Cancel::default();
         let budget = Budget::default().cancelled_by(cancel.clone());
         let files = Held::new(&resolve, &budget);
-        let told = mesh_file::read(Path::new(name), &bytes, &files, UpAxis::Y, &|share| {
+        let message = mesh_file::read(Path::new(name), &bytes, &files, UpAxis::Y, &|share| {
             // What is done is done.
             if share < 1.0 {
                 cancel.cancel();
             }
         });
-        assert!(matches!(told, Err(FormatError::Cancelled { .. })), "{name}");
+        assert!(
+            matches!(message, Err(FormatError::Cancelled { .. })),
+            "{name}"
+        );
     }
 }

@@ -1,15 +1,23 @@
 //! Lattices of panoramas: packets whose rays lie at places of their own on a plane each
-//! ([`places`](crate::packet::places)). Packets that see too wide for a plane are split, the smallest ones cast ray by ray.
+//! ([`places`](crate::packet::places)), or, through a lens, on the camera's. Packets that see too wide for a plane are split,
+//! the smallest ones cast ray by ray.
 
 use super::Find;
 use crate::camera::PanoramaRays;
 use crate::num::simd::{Lanes, Work};
+use crate::packet::frustum::Window;
 use crate::packet::interval_zbuffer::IntervalZBuffer;
 use crate::packet::params::{LARGE_SIDE, ROW, SIDE};
 use crate::packet::places::{Places, Span};
 use crate::packet::ray_rect::RayRect;
 use crate::packet::traversal::Traversal;
 use glam::DVec3;
+
+/// The window of the image plane that the rays of a part go through a lens to, where that is known without them.
+fn window(rays: &PanoramaRays, part: &RayRect) -> Option<Window> {
+    let [across, along] = rays.window(part.rect())?;
+    Some(Window { across, along })
+}
 
 /// [`Find`] for a panorama's lattice.
 pub(super) struct FindAround<'a>(pub(super) Find<'a, true>);
@@ -30,14 +38,29 @@ impl Work for FindAround<'_> {
         let camera = &find.lattice.camera;
         let in_world = |v: DVec3| camera.right() * v.x + camera.up() * v.y + camera.forward() * v.z;
         let faces = whole.split_at(rays.borders());
+        let plane = camera.unit_perspective();
         for large in faces.flat_map(|face| face.split(LARGE_SIDE)) {
-            let cone = rays.cone(large.rect());
-            let cone = cone.map(|(axis, tangent)| (in_world(axis).normalize_or_zero(), tangent));
-            if !traversal.list_around(lanes, cone) {
+            let window = window(&rays, &large);
+            let may_hit = match &window {
+                Some(window) => traversal.list_through(lanes, &plane, window),
+                None => {
+                    let cone = rays.cone(large.rect());
+                    let in_world = |(axis, tangent)| (in_world(axis).normalize_or_zero(), tangent);
+                    traversal.list_around(lanes, cone.map(in_world))
+                }
+            };
+            if !may_hit {
                 continue;
             }
             rest.extend(large.split(SIDE as u32));
             while let Some(part) = rest.pop() {
+                // Most packets beside a mesh are done without their rays.
+                let part_window = window.and_then(|_| self::window(&rays, &part));
+                if let Some(window) = part_window
+                    && !traversal.may_hit(lanes, &plane, &window)
+                {
+                    continue;
+                }
                 match places.find(lanes, (camera, &rays), part.rect()) {
                     Span::Empty => {}
                     Span::Wide if part.columns.max(part.rows) > ROW as u32 => {

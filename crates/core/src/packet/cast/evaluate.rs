@@ -17,6 +17,12 @@ impl Accel {
     pub fn evaluate(&self, lattice: &Lattice, cull: Cull, precision: Precision, hits: &mut Hits) {
         hits.primitives.resize(lattice.len(), MISS);
         hits.make_places();
+        if let Some(halves) = lattice.halves() {
+            return self.evaluate_halves((lattice, halves), cull, precision, hits);
+        }
+        if lattice.camera.has_an_eye_a_column() {
+            return self.evaluate_each(lattice, cull, precision, hits);
+        }
         // Those of panoramas are compiled for instances alone.
         if self.has_instances() || lattice.camera.projection().panorama().is_some() {
             self.evaluate_in::<true>(lattice, cull, precision, hits);

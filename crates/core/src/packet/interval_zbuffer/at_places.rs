@@ -7,7 +7,7 @@
 //! u = 2⁻²⁴, M as at [`LINEAR_ERROR`](crate::packet::setup::LINEAR_ERROR), whose 48u of M cover all of this. At a ray a
 //! function is off by u for its place, u for coefficients, u for products and 2u for sums. Over a cell its extremes are
 //! the value at the centre, off by 4u, and the swing from there, off by 3u; their sum rounds by 2u, and bounds hold
-//! places as rounded, by u: 10u.
+//! places as rounded, by u. The centre and half of the extent are rounded by u·[`SIDE`] each: 12u.
 
 use super::cut_triangles::Cut;
 use super::depth_merge::DepthMerge;

@@ -8,7 +8,8 @@
 //! # Error bound
 //! u = 2⁻²⁴. Edge functions of a triangle have one scale, on which they are at most 1, and are off by E < 1. Values
 //! fₖ are off by η and by u of themselves, F is the sum of their magnitudes. Three products and two sums round no term
-//! more than three times: F·E + (3η + u·F)(1 + E) + 3u·F(1 + 2E) < F·(E + 11u) + 6η.
+//! more than three times: F·E + (3η + u·F)(1 + E) + 3u·F(1 + 2E) < F·(E + 11u) + 6η. The greatest value is one, and
+//! where all are below double precision's range η is more than one: underflow, 2⁻¹⁴⁸, is next to nothing.
 
 use super::depth_merge::DepthMerge;
 use super::edge_functions::EdgeFunctions;
@@ -55,7 +56,7 @@ impl Cut {
     fn new(at: &AtCorners, edge_error: f32) -> Self {
         let sum: f32 = at.values.iter().map(|value| value.abs()).sum();
         // A hundredth covers the rounding of the bound itself.
-        let error = 1.01 * (sum * (edge_error + 12.0 * U) + 6.0 * at.error) + f32::MIN_POSITIVE;
+        let error = 1.01 * (sum * (edge_error + 12.0 * U) + 6.0 * at.error);
         Self {
             values: at.values,
             error,
@@ -155,6 +156,50 @@ impl IntervalZBuffer {
             b = b + step_b;
             c = c + step_c;
             near = near + step_near;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    /// Where a cut's weighted sum is off by as much as it may: through edge functions that are off, through values that
+    /// are, and through rounding alone. With the bound of any of the three at zero this fails.
+    #[test]
+    fn weighted_sums_are_within_their_bounds() {
+        let mut random = Random(37);
+        for round in 0..3000 {
+            let mut number = || random.signed() as f32;
+            let (values, edges) = ([(); 3].map(|()| number()), [(); 3].map(|()| number()));
+            let greatest = values
+                .iter()
+                .fold(0f32, |most, value| value.abs().max(most));
+            let (edge_error, value_error) = [(1e-3, 0.0), (0.0, 1e-3), (0.0, 0.0)][round % 3];
+            let at = AtCorners {
+                values: values.map(|value| value / greatest),
+                error: value_error,
+            };
+            let cut = Cut::new(&at, edge_error);
+            let [p, q, r] = cut.values;
+            let [a, b, c] = edges;
+            let sum = f64::from(p * a + q * b + r * c);
+            let truth: f64 = (at.values.into_iter().zip(edges))
+                .map(|(value, edge)| {
+                    let off = |x: f32, error: f32| f64::from(x) + f64::from(error);
+                    let way = if edge < 0.0 {
+                        -value_error
+                    } else {
+                        value_error
+                    };
+                    off(value, way) * off(edge, edge_error * value.signum())
+                })
+                .sum();
+            assert!(
+                (sum - truth).abs() <= f64::from(cut.error),
+                "{at:?} {edges:?}"
+            );
         }
     }
 }

@@ -282,8 +282,8 @@ impl IntervalZBuffer {
         }
     }
 
-    /// Marks undecided rays of eight from `first` on as undecided between their triangle so far and another, except those that
-    /// are surely inside of it and have one of its plane: there the lower primitive id wins.
+    /// Of eight rays from `first` on, marks those that merging left undecided, and records their triangle so far and this
+    /// one as rivals. Where a ray is surely inside this one and both lie in one plane, the lower primitive id wins instead.
     #[inline(never)]
     pub(super) fn leave_undecided(
         &mut self,

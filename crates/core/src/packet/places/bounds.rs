@@ -80,8 +80,8 @@ impl Places {
             cells.bottom[lane] = -(zero - bottom).reduce_min();
         }
         for (cells, centres) in self.cells.iter().zip(&mut self.centres) {
-            // The mean, the difference and its sum with this are rounded by less than u·32 each, 2⁻¹⁹.
-            let half = |least: f32, most: f32| (most - least) * 0.5 + 1.0 / 65536.0;
+            // Rounded: `interval_zbuffer::at_places` has room for that.
+            let half = |least: f32, most: f32| (most - least) * 0.5;
             for lane in 0..LANES {
                 centres.x[lane] = (cells.left[lane] + cells.right[lane]) * 0.5;
                 centres.y[lane] = (cells.top[lane] + cells.bottom[lane]) * 0.5;

@@ -63,6 +63,45 @@ fn rays_are_where_their_places_say() {
     assert!(needed > 100, "{needed}");
 }
 
+/// A cell's window holds its rays' tangents, of which places are the roundings to single precision. Without room for
+/// these this fails.
+#[test]
+fn windows_of_cells_hold_their_rays() {
+    let mut rays_seen = 0;
+    for lattice in lattices() {
+        let rays = PanoramaRays::new(&lattice).expect("a panorama");
+        let mut places = Places::new(&lattice.camera);
+        let rect = Rect {
+            x: 7,
+            y: 3,
+            width: 31,
+            height: 30,
+        };
+        if places.find(Plain, (&lattice.camera, &rays), rect) != Span::Packet {
+            continue;
+        }
+        let windows = places.cell_windows();
+        let view = &places.view;
+        for row in 0..rect.height {
+            for column in 0..rect.width {
+                if places.has_ray[row as usize] >> column & 1 == 0 {
+                    continue;
+                }
+                let direction = lattice.ray(rect.x + column, rect.y + row).direction;
+                let depth = direction.dot(view.forward());
+                let across = direction.dot(view.right()) / depth;
+                let along = direction.dot(view.up()) / depth;
+                let (left, right) = windows[column as usize / ROW].across;
+                let (low, high) = windows[row as usize / ROW].along;
+                assert!((left..=right).contains(&across), "{column} {row} {across}");
+                assert!((low..=high).contains(&along), "{column} {row} {along}");
+                rays_seen += 1;
+            }
+        }
+    }
+    assert!(rays_seen > 5_000, "{rays_seen}");
+}
+
 /// What a ray's place is in touches the ray's row and cell.
 #[test]
 fn boxes_touch_the_rows_and_cells_of_the_rays_in_them() {
@@ -91,10 +130,12 @@ fn boxes_touch_the_rows_and_cells_of_the_rays_in_them() {
             assert!(places.rows_touched(Plain, cell, &own) >> (at / SIDE % ROW) & 1 != 0);
             let centres = places.centres(cell / LANES);
             let lane = cell % LANES;
+            // Both are rounded.
+            let rounding = 2.0 * SIDE as f64 / f64::from(1 << 24);
             let exact = f64::from(x) - f64::from(centres.x[lane]);
-            assert!(exact.abs() <= f64::from(centres.half_x[lane]));
+            assert!(exact.abs() <= f64::from(centres.half_x[lane]) + rounding);
             let exact = f64::from(y) - f64::from(centres.y[lane]);
-            assert!(exact.abs() <= f64::from(centres.half_y[lane]));
+            assert!(exact.abs() <= f64::from(centres.half_y[lane]) + rounding);
         }
         assert_eq!(places.cells_touched(Plain, &PlaceBox::EMPTY), 0);
     }

@@ -3,9 +3,9 @@
 //! # Error bound
 //! A corner's place is X/Z and Y/Z, with X and Y off by Kδ and Z by δ (see [`setup`](super)). Where Z ≥ 1024δ, a place p
 //! is off by less than 1.001(K + |p|)δ/Z. 1.01(K + h + 64)δ/Z, which is taken, is more where |p| ≤ 100 + K/120; a place
-//! further out is off by less than (K + |p|)/1000, and stays beyond 32 columns or rows, where no ray is. Places of rays
-//! and these bounds are rounded to single precision, 32u and 64u: 2⁻¹⁶ covers both, and the rays' own error comes on
-//! top. A hit is no nearer than the nearest corner, whose inverse depth is off by 1.01δ/Z of itself, and by u where it is
+//! further out is off by less than (K + |p|)/1000, and stays beyond 32 columns or rows, where no ray is. The rays' own
+//! error comes on top. Places of rays and these bounds are rounded to single precision alike: rounding keeps their
+//! order. A hit is no nearer than the nearest corner, whose inverse depth is off by 1.01δ/Z of itself, and by u where it is
 //! rounded to single precision: twice both are taken.
 
 #![allow(
@@ -18,9 +18,6 @@ use crate::packet::place_box::PlaceBox;
 
 /// The least ratio of a corner's depth to its error at which its place is used.
 const CLEAR: f64 = 1024.0;
-
-/// What rounding places and bounds to single precision takes.
-const ROUNDING: f64 = 1.0 / 65536.0;
 
 /// Bounds of eight triangles.
 #[derive(Clone, Debug)]
@@ -68,7 +65,7 @@ impl PacketSpace {
         out: &mut PlaceBounds,
     ) {
         let [ax, ay, az, bx, by, bz, cx, cy, cz] = self.map(corners);
-        let margin = ROUNDING + 2.0 * self.ray_error;
+        let margin = 2.0 * self.ray_error;
         let mut behind = [false; LANES];
         for l in 0..LANES {
             let reach = max(max3(ax[l], bx[l], cx[l]), max3(ay[l], by[l], cy[l]));
@@ -108,4 +105,161 @@ fn least(a: f64, b: f64, c: f64) -> f64 {
 #[inline(always)]
 fn most(a: f64, b: f64, c: f64) -> f64 {
     max(max(a, b), c)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Camera, ImagePlane, Placement, Projection};
+    use crate::hit::Cull;
+    use crate::math;
+    use crate::packet::setup_tests::{lanes_of, space};
+    use crate::random::Random;
+    use crate::ray::Ray;
+    use crate::triangle::exact::{self, Placed};
+    use glam::{DVec3, Vec3};
+
+    fn decades(random: &mut Random, least: f64, most: f64) -> f64 {
+        math::pow(10.0, least + (most - least) * random.unit())
+    }
+
+    /// Checks that what a ray hits has the ray's place within its bounds, and is no nearer than they say. Whether it
+    /// hits.
+    fn holds(
+        space: &PacketSpace,
+        frame: DVec3,
+        corners: [Vec3; 3],
+        ray: &Ray,
+        place: [f64; 2],
+    ) -> bool {
+        let placed = Placed {
+            corners,
+            origin: frame,
+        };
+        let Some(hit) = exact::hit(ray, &placed, Cull::None, 0) else {
+            return false;
+        };
+        let mut bounds = PlaceBounds::NONE;
+        space.bound_places(&lanes_of([corners; LANES]), LANES, &mut bounds);
+        assert!(bounds.seen & 1 != 0, "{corners:?} {ray:?}");
+        let PlaceBox {
+            left,
+            right,
+            top,
+            bottom,
+        } = bounds.of(0);
+        let [x, y] = place.map(|at| at as f32);
+        assert!(
+            (left..=right).contains(&x),
+            "{corners:?} {ray:?}: {left} {x} {right}"
+        );
+        assert!(
+            (top..=bottom).contains(&y),
+            "{corners:?} {ray:?}: {top} {y} {bottom}"
+        );
+        // The truth is rounded too.
+        let forward = space.map[2];
+        let key = 1.0 / (hit.t * ray.direction.dot(forward));
+        let nearest = f64::from(bounds.nearest[0]);
+        assert!(
+            key <= nearest * (1.0 + 1e-14),
+            "{corners:?} {ray:?}: {key} {nearest}"
+        );
+        true
+    }
+
+    /// Triangles with a corner on a ray, far from what corners are relative to: the eye's place there is rounded. With
+    /// the bound on corners at zero this fails, and with either on the nearest depth.
+    #[test]
+    fn rays_through_corners_are_within_the_bounds() {
+        let mut random = Random(92);
+        let mut hits = 0;
+        for round in 0..6000 {
+            let is_far = round % 2 == 0;
+            let frame = if is_far {
+                DVec3::new(1e-9, 2e-9, -1e-9)
+            } else {
+                DVec3::ZERO
+            };
+            let middle = if is_far {
+                DVec3::new(3e7, 2e7, -3e7)
+            } else {
+                DVec3::ZERO
+            };
+            let a = (middle + random.point() * 1000.0).as_vec3();
+            let way = random.point().normalize();
+            let distance = decades(&mut random, -3.3, 3.0);
+            let eye = frame + a.as_dvec3() - way * distance;
+            let [b, c] = [(); 2].map(|()| {
+                let out = random.point() * 100.0 + way * 200.0;
+                (a.as_dvec3() + out).as_vec3()
+            });
+            let pitch = distance * decades(&mut random, -10.0, -3.0);
+            let plane = ImagePlane::new(32, 32, pitch).expect("a good plane");
+            let placement = Placement::towards(eye, frame + a.as_dvec3());
+            let camera = Camera::new(placement, Projection::Perspective, plane);
+            let space = space(&camera, frame, Cull::None);
+            // The view axis goes through the corner but for rounding.
+            for aside in [0.0, 1e-4, -1e-4] {
+                let ray = camera.ray(16.0 + aside, 16.0 - aside);
+                let place = [15.5 + aside, 15.5 - aside];
+                hits += usize::from(holds(&space, frame, [a, b, c], &ray, place));
+            }
+        }
+        assert!(hits > 1000, "{hits}");
+    }
+
+    /// Rays lie beside their places by what they may. With their error at zero this fails.
+    #[test]
+    fn rays_beside_their_places_are_within_the_bounds() {
+        let mut random = Random(93);
+        let mut hits = 0;
+        for _ in 0..3000 {
+            let eye = random.point() * 5.0;
+            let plane = ImagePlane::new(32, 32, 1e-3).expect("a good plane");
+            let camera = Camera::new(
+                Placement::towards(eye, DVec3::ZERO),
+                Projection::Perspective,
+                plane,
+            );
+            let mut space = space(&camera, DVec3::ZERO, Cull::None);
+            space.ray_error = 1e-3;
+            let aside = [random.signed(), random.signed()].map(|share| 1e-3 * share);
+            let ray = camera.ray(16.0 + aside[0], 16.0 + aside[1]);
+            let corners = [(); 3].map(|()| (random.point() * 2e-6).as_vec3());
+            hits += usize::from(holds(&space, DVec3::ZERO, corners, &ray, [15.5; 2]));
+        }
+        assert!(hits > 100, "{hits}");
+    }
+
+    /// Triangles in front of the eye by less than its place is rounded. Without δ they would be taken to be behind.
+    #[test]
+    fn triangles_within_rounding_of_the_eyes_plane_are_not_behind() {
+        let mut random = Random(94);
+        let mut hits = 0;
+        let frame = DVec3::X * 1e-9;
+        for _ in 0..20_000 {
+            // In steps of 2⁻²⁸ there; the eye is half a step beside one.
+            let x = f64::from(1 << 25);
+            let unit = 2f64.powi(-28);
+            let eye = DVec3::new(x, 0.0, 0.0);
+            let way = DVec3::new(random.unit(), random.signed(), random.signed()).normalize();
+            let far = decades(&mut random, 0.0, 2.0);
+            let corners = [(); 3].map(|()| {
+                let aside = DVec3::new(0.0, random.signed(), random.signed()) * unit * far;
+                (DVec3::X * x + aside).as_vec3()
+            });
+            let plane = ImagePlane::new(32, 32, 0.05).expect("a good plane");
+            let camera = Camera::new(
+                Placement::towards(eye, eye + way),
+                Projection::Perspective,
+                plane,
+            );
+            let space = space(&camera, frame, Cull::None);
+            let (x, y) = (random.unit() * 31.0, random.unit() * 31.0);
+            let ray = camera.ray(x + 0.5, y + 0.5);
+            hits += usize::from(holds(&space, frame, corners, &ray, [x, y]));
+        }
+        assert!(hits > 10, "{hits}");
+    }
 }

@@ -89,6 +89,20 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
         }
     }
 
+    /// Finds the entry points of a large packet of rays through a window of a view, which its packets share. Whether there
+    /// are any.
+    #[inline(always)]
+    pub(in crate::packet) fn list_through(
+        &mut self,
+        lanes: impl Lanes,
+        view: &Camera,
+        window: &Window,
+    ) -> bool {
+        let frustum = Frustum::new(self.seen_from(view), window);
+        self.list_in(lanes, &frustum, view);
+        !self.list.is_empty()
+    }
+
     /// Finds the entry points of a large packet of a panorama, which looks along an axis in world space and within a
     /// cone of this tangent; all of the tree where that is not known. Whether there are any.
     #[inline(always)]

@@ -6,7 +6,7 @@ use crate::camera::Camera;
 use crate::hit::Cull;
 use crate::num::simd::Lanes;
 use crate::packet::depth_reference::DepthReference;
-use crate::packet::frustum::{CellFrusta, Frustum, Viewpoint};
+use crate::packet::frustum::{CellFrusta, Frustum, Viewpoint, Window};
 use crate::packet::interval_zbuffer::IntervalZBuffer;
 use crate::packet::params::ROW;
 use crate::packet::place_box::PlaceBox;
@@ -23,6 +23,24 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
             eye_error: self.eye_error,
             bounds: &self.accel.tree.bounds,
         }
+    }
+
+    /// Whether rays through a window of a view may hit anything below the entry points.
+    #[inline(always)]
+    pub(in crate::packet) fn may_hit(
+        &self,
+        lanes: impl Lanes,
+        view: &Camera,
+        window: &Window,
+    ) -> bool {
+        let frustum = Frustum::new(self.seen_from(view), window);
+        for pair in &self.pairs {
+            let [(_, first), (_, second)] = frustum.enter(lanes, &pair.boxes);
+            if first | second {
+                return true;
+            }
+        }
+        false
     }
 
     /// Casts a panorama's packet from the entry points of its large packet on. Returns `false`, and
@@ -46,7 +64,7 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
         let space = space.relative_to(self.reference);
         let mut descent = Descent::new(frustum, SmallBoxes::new(self.lattice));
         descent.cells = Some(cells);
-        // The cells' frusta are there: nothing else is made of this.
+        // Read for the cells' frusta alone, which are built already.
         let part = RayRect {
             column: 0,
             row: 0,

@@ -19,7 +19,9 @@ use crate::state::motion;
 use crate::state::news::{DialogAnswer, Loaded, News, expire_toasts, receive};
 use crate::state::viewpoint::{DEFAULT_FOV, StandardView, Viewpoint};
 use crate::state::{Answer, Replacing, TILES_LIMIT};
-use raycast_core::camera::{FrameLock, Grid, PixelFilter, Placement, Projection};
+use raycast_core::camera::{
+    FrameLock, Grid, PixelFilter, Placement, Projection, Stereo, StereoKind,
+};
 use raycast_core::formats::{CameraFile, ImageSettings};
 use raycast_core::glam::{DAffine3, DVec3};
 use raycast_core::scene::{Color, ColorRule, Mesh, MeshData, Object, Scene, Texture, Transform};
@@ -115,6 +117,11 @@ fn what_a_scene_file_says_of_its_picture_is_shown_and_saved() {
         pixel_filter: Some(PixelFilter::Gaussian),
         step: None,
         shift: Some([0.25, -0.5]),
+        stereo: Some(Stereo {
+            kind: StereoKind::Pair,
+            eye_distance: 0.1,
+            convergence: None,
+        }),
         cull: Some(Cull::Back),
         precision: Some(Precision::Fast),
     };

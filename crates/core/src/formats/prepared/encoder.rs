@@ -1,0 +1,119 @@
+//! Writes numbers, texts and lists, with the checksum behind them.
+
+use super::checksum::{BLOCK, BYTES, of_block, of_blocks};
+use std::io::{self, Write};
+
+/// Bytes on their way to a file.
+pub(super) struct Encoder<'w> {
+    out: &'w mut dyn Write,
+    /// Less than a block that is yet to be written.
+    block: Vec<u8>,
+    /// The checksum of each block that was written.
+    checksums: Vec<u8>,
+    length: u64,
+}
+
+impl<'w> Encoder<'w> {
+    pub(super) fn new(out: &'w mut dyn Write) -> Self {
+        Self {
+            out,
+            block: Vec::with_capacity(BLOCK),
+            checksums: Vec::new(),
+            length: 0,
+        }
+    }
+
+    /// Bytes as they are.
+    pub(super) fn bytes(&mut self, mut bytes: &[u8]) -> io::Result<()> {
+        while !bytes.is_empty() {
+            let room = BLOCK - self.block.len();
+            let (now, later) = bytes.split_at(room.min(bytes.len()));
+            self.block.extend_from_slice(now);
+            if self.block.len() == BLOCK {
+                self.flush()?;
+            }
+            bytes = later;
+        }
+        Ok(())
+    }
+
+    pub(super) fn number(&mut self, number: u32) -> io::Result<()> {
+        self.bytes(&number.to_le_bytes())
+    }
+
+    pub(super) fn long(&mut self, number: u64) -> io::Result<()> {
+        self.bytes(&number.to_le_bytes())
+    }
+
+    pub(super) fn single(&mut self, number: f32) -> io::Result<()> {
+        self.number(number.to_bits())
+    }
+
+    pub(super) fn double(&mut self, number: f64) -> io::Result<()> {
+        self.long(number.to_bits())
+    }
+
+    /// How many there are of something, which its elements follow.
+    pub(super) fn count(&mut self, count: usize) -> io::Result<()> {
+        let too_many =
+            || io::Error::other(format!("{count} are more than a prepared mesh can hold"));
+        self.number(u32::try_from(count).map_err(|_| too_many())?)
+    }
+
+    pub(super) fn text(&mut self, text: &str) -> io::Result<()> {
+        self.count(text.len())?;
+        self.bytes(text.as_bytes())
+    }
+
+    /// Whether there is something, which then follows.
+    pub(super) fn option<T>(
+        &mut self,
+        value: Option<T>,
+        write: impl FnOnce(&mut Self, T) -> io::Result<()>,
+    ) -> io::Result<()> {
+        match value {
+            None => self.number(0),
+            Some(value) => {
+                self.number(1)?;
+                write(self, value)
+            }
+        }
+    }
+
+    /// Elements of so many words each, behind their count.
+    pub(super) fn list<T: Copy, const N: usize>(
+        &mut self,
+        elements: &[T],
+        words: impl Fn(T) -> [u32; N],
+    ) -> io::Result<()> {
+        self.count(elements.len())?;
+        let mut bytes = Vec::new();
+        for some in elements.chunks(1 << 12) {
+            bytes.clear();
+            bytes.extend(
+                some.iter()
+                    .flat_map(|&element| words(element))
+                    .flat_map(u32::to_le_bytes),
+            );
+            self.bytes(&bytes)?;
+        }
+        Ok(())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.checksums.extend(of_block(&self.block));
+        self.length += self.block.len() as u64;
+        self.out.write_all(&self.block)?;
+        self.block.clear();
+        Ok(())
+    }
+
+    /// Writes the checksum; how many bytes there are with it.
+    pub(super) fn finish(&mut self) -> io::Result<u64> {
+        if !self.block.is_empty() {
+            self.flush()?;
+        }
+        self.out.write_all(&of_blocks(&self.checksums))?;
+        Ok(self.length + BYTES as u64)
+    }
+}

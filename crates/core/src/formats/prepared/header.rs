@@ -1,0 +1,96 @@
+//! The first bytes of a prepared file.
+
+use super::checksum;
+use super::encoder::Encoder;
+use crate::formats::error::{FormatError, quote};
+use std::io;
+use std::path::Path;
+
+/// Tells a prepared file. As PNG's, it begins with what is no text, and shows line ends that were translated.
+const MAGIC: &[u8; 12] = b"\x89RAYCAST\r\n\x1a\n";
+
+/// What is in the file and how; another one is read by another program. To be raised with every change of the layout, of
+/// what it means, or of what a reader takes for granted.
+const VERSION: u32 = 1;
+
+/// The version of the program, as the header has it.
+const PROGRAM: &str = env!("CARGO_PKG_VERSION");
+const PROGRAM_BYTES: usize = 20;
+
+/// Magic, version, program, length.
+pub(super) const HEADER_BYTES: usize = MAGIC.len() + 4 + PROGRAM_BYTES + 8;
+
+/// Whether a file is a prepared one, of whatever version.
+pub(in crate::formats) fn is_prepared(bytes: &[u8]) -> bool {
+    bytes.starts_with(MAGIC)
+}
+
+/// Writes the header of a file of so many bytes.
+pub(super) fn write(length: u64, to: &mut Encoder<'_>) -> io::Result<()> {
+    to.bytes(MAGIC)?;
+    to.number(VERSION)?;
+    let mut program = [0; PROGRAM_BYTES];
+    for (to, byte) in program.iter_mut().zip(PROGRAM.bytes()) {
+        *to = byte;
+    }
+    to.bytes(&program)?;
+    to.long(length)
+}
+
+/// Checks that a file is of this version and whole. Returns what is between header and checksum.
+///
+/// # Errors
+/// Another version, another length, another checksum.
+pub(super) fn check<'b>(path: &Path, bytes: &'b [u8]) -> Result<&'b [u8], FormatError> {
+    let unexpected =
+        |expected: String, found: String| Err(FormatError::unexpected(path, None, expected, found));
+    let cut = |found: usize| {
+        let expected = "the end of a prepared mesh";
+        unexpected(
+            expected.to_owned(),
+            format!("that it is cut short at byte {found}"),
+        )
+    };
+    let rest = bytes.strip_prefix(MAGIC).unwrap_or_default();
+    let Some((version, rest)) = rest.split_first_chunk() else {
+        return cut(bytes.len());
+    };
+    let version = u32::from_le_bytes(*version);
+    let Some((program, rest)) = rest.split_first_chunk::<PROGRAM_BYTES>() else {
+        return cut(bytes.len());
+    };
+    if version != VERSION {
+        let program = program.split(|&byte| byte == 0).next().unwrap_or_default();
+        let program = quote(&String::from_utf8_lossy(program));
+        return unexpected(
+            format!("a prepared mesh of version {VERSION}, which this program ({PROGRAM}) reads"),
+            format!(
+                "version {version}, written by program {program}: run `raycast prepare` of this program on the \
+                 mesh again"
+            ),
+        );
+    }
+    let Some((length, _)) = rest.split_first_chunk() else {
+        return cut(bytes.len());
+    };
+    let length = u64::from_le_bytes(*length);
+    if (bytes.len() as u64) < length {
+        return unexpected(
+            format!("{length} bytes"),
+            format!("a file cut short at {}", bytes.len()),
+        );
+    }
+    if bytes.len() as u64 > length {
+        return unexpected(format!("{length} bytes"), format!("{}", bytes.len()));
+    }
+    match bytes.split_last_chunk() {
+        Some((whole, stored)) if whole.len() >= HEADER_BYTES => {
+            if checksum::checksum(whole) == *stored {
+                return Ok(&whole[HEADER_BYTES..]);
+            }
+            let found = "a file that was damaged: run `raycast prepare` again";
+            unexpected("bytes with their checksum".to_owned(), found.to_owned())
+        }
+        _ => cut(bytes.len()),
+    }
+}

@@ -1,0 +1,191 @@
+//! A mesh: offset (3 f64), positions, triangles, dropped triangles (their numbers; counts by reason), normals, texture
+//! coordinates, materials, each triangle's material, colours of vertices, scalars, diagonals, rounding; the tree over it
+//! (numbers in leaf order; for each inner node, depth first, how many triangles and inner nodes its first child has).
+
+use super::decoder::Decoder;
+use super::encoder::Encoder;
+use super::material::{self, Textures};
+use super::texture::{color_of, word};
+use crate::formats::error::FormatError;
+use crate::scene::{
+    Attribute, Color, Diagonals, Dropped, Mesh, Rounding, Scalar, ScalarAt, StoredMesh, Texture,
+    TreeTopology,
+};
+use glam::{DVec3, Vec2, Vec3};
+use std::io;
+use std::sync::Arc;
+
+/// Bytes of one at least: without elements.
+pub(super) const LEAST: usize = 3 * 8 + 4 * 16;
+
+pub(super) fn write(
+    mesh: &Mesh,
+    tree: &TreeTopology,
+    textures: &Textures<'_>,
+    to: &mut Encoder<'_>,
+) -> io::Result<()> {
+    write_point(mesh.offset(), to)?;
+    to.list(mesh.positions(), |at| at.to_array().map(f32::to_bits))?;
+    to.list(mesh.triangles(), |corners| corners)?;
+    to.list(&dropped_numbers(mesh), |number| [number])?;
+    let Dropped {
+        not_finite,
+        too_far,
+        bad_index,
+        zero_area,
+        rounded_away,
+    } = mesh.dropped();
+    for count in [not_finite, too_far, bad_index, zero_area, rounded_away] {
+        to.number(count)?;
+    }
+    write_attribute(mesh.normals(), Vec3::to_array, to)?;
+    write_attribute(mesh.uvs(), Vec2::to_array, to)?;
+    to.count(mesh.materials().len())?;
+    for material in mesh.materials() {
+        material::write(material, textures, to)?;
+    }
+    to.list(mesh.material_of_triangle(), |number| [number])?;
+    to.list(mesh.vertex_colors(), |color| {
+        [u32::from(color.is_some()), color.map_or(0, word)]
+    })?;
+    to.count(mesh.scalars().len())?;
+    for Scalar { name, at, values } in mesh.scalars() {
+        to.text(name)?;
+        to.number(match at {
+            ScalarAt::Vertices => 0,
+            ScalarAt::Triangles => 1,
+        })?;
+        to.list(values, |value| [value.to_bits()])?;
+    }
+    to.list(mesh.diagonals().words(), |word| {
+        [word as u32, (word >> 32) as u32]
+    })?;
+    let Rounding {
+        distance,
+        share_of_edge,
+        bent,
+    } = mesh.rounding();
+    to.double(distance)?;
+    to.double(share_of_edge)?;
+    to.number(bent)?;
+    to.list(&tree.order, |number| [number])?;
+    to.list(&tree.nodes, |node| node)
+}
+
+/// The numbers of the triangles that were dropped.
+fn dropped_numbers(mesh: &Mesh) -> Vec<u32> {
+    let mut kept = mesh.kept().iter().copied().peekable();
+    let all = 0..mesh.triangles().len() as u32;
+    all.filter(|number| kept.next_if_eq(number).is_none())
+        .collect()
+}
+
+fn write_point(point: DVec3, to: &mut Encoder<'_>) -> io::Result<()> {
+    let coordinates = point.to_array();
+    coordinates.into_iter().try_for_each(|x| to.double(x))
+}
+
+fn write_attribute<T: Copy, const N: usize>(
+    attribute: Option<&Attribute<T>>,
+    numbers: impl Fn(&T) -> [f32; N],
+    to: &mut Encoder<'_>,
+) -> io::Result<()> {
+    to.option(attribute, |to, Attribute { values, indices }| {
+        to.list(values, |value| numbers(&value).map(f32::to_bits))?;
+        to.option(indices.as_deref(), |to, indices| {
+            to.list(indices, |corners| corners)
+        })
+    })
+}
+
+pub(super) fn read(textures: &[Arc<Texture>], from: &mut Decoder<'_>) -> Result<Mesh, FormatError> {
+    let mut offset = || from.finite("an offset");
+    let offset = DVec3::new(offset()?, offset()?, offset()?);
+    let vec3 = |words: [u32; 3]| Vec3::from_array(words.map(f32::from_bits));
+    let vec2 = |words: [u32; 2]| Vec2::from_array(words.map(f32::from_bits));
+    let positions = from.list("vertices", vec3)?;
+    let triangles: Vec<[u32; 3]> = from.list("triangles", |corners| corners)?;
+    let count = triangles.len();
+    if count as u64 > from.budget().triangles_left() {
+        from.budget().add_triangles(from.path(), count as u64)?;
+    }
+    let dropped_numbers = from.list("numbers of dropped triangles", |[number]| number)?;
+    let mut dropped = || from.number("a count of dropped triangles");
+    let dropped = Dropped {
+        not_finite: dropped()?,
+        too_far: dropped()?,
+        bad_index: dropped()?,
+        zero_area: dropped()?,
+        rounded_away: dropped()?,
+    };
+    let normals = read_attribute("normals", vec3, from)?;
+    let uvs = read_attribute("texture coordinates", vec2, from)?;
+    let materials = from.each("materials", material::LEAST, |from| {
+        material::read(textures, from)
+    })?;
+    let material_of_triangle = from.list("materials of triangles", |[number]| number)?;
+    let colors = from.list("colours", |[is, color]: [u32; 2]| -> Option<Color> {
+        (is != 0).then(|| color_of(color))
+    })?;
+    let scalars = from.each("scalars", 12, |from| {
+        Ok(Scalar {
+            name: from.text("a scalar's name")?,
+            at: match from.flag("what has a scalar")? {
+                false => ScalarAt::Vertices,
+                true => ScalarAt::Triangles,
+            },
+            values: from.list("a scalar's numbers", |[number]| f32::from_bits(number))?,
+        })
+    })?;
+    let diagonals = from.list("diagonals", |[low, high]: [u32; 2]| {
+        u64::from(low) | u64::from(high) << 32
+    })?;
+    let Some(diagonals) = Diagonals::from_words(diagonals, count) else {
+        return Err(from.unexpected(&format!("diagonals of {count} triangles"), "others"));
+    };
+    let rounding = Rounding {
+        distance: from.double("a distance")?,
+        share_of_edge: from.double("a share of an edge")?,
+        bent: from.number("a count of triangles")?,
+    };
+    let order = from.list("triangles in leaf order", |[number]| number)?;
+    let nodes = from.list("nodes", |node| node)?;
+    // The numbers of those that are kept.
+    from.hold(4 * count as u64)?;
+    let stored = StoredMesh {
+        offset,
+        positions,
+        triangles,
+        dropped_numbers,
+        dropped,
+        normals,
+        uvs,
+        materials,
+        material_of_triangle,
+        colors,
+        scalars,
+        diagonals,
+        rounding,
+    };
+    let mesh = stored
+        .mesh()
+        .map_err(|reason| from.refused("the mesh", reason))?;
+    let tree = TreeTopology::checked(&mesh, order, nodes);
+    let tree = tree.map_err(|reason| from.refused("the tree", reason))?;
+    Ok(mesh.with_tree(tree))
+}
+
+fn read_attribute<T: Send, const N: usize>(
+    what: &str,
+    value: impl Fn([u32; N]) -> T + Sync,
+    from: &mut Decoder<'_>,
+) -> Result<Option<Attribute<T>>, FormatError> {
+    from.option("whether there are attributes", |from| {
+        Ok(Attribute {
+            values: from.list(what, value)?,
+            indices: from.option("whether there are indices", |from| {
+                from.list("indices", |corners| corners)
+            })?,
+        })
+    })
+}

@@ -1,0 +1,117 @@
+//! Lattices of pictures for two eyes. Those of a pair are two lattices, of an eye each; rays that share no eye are cast one
+//! by one.
+
+use super::Find;
+use crate::bvh::Accel;
+use crate::camera::Lattice;
+use crate::hit::{Cull, MISS, Precision, PrimitiveHit};
+use crate::hits::Hits;
+use crate::packet::counts::CastCounts;
+use crate::packet::ray_rect::RayRect;
+use crate::triangle::PreparedRay;
+use crate::triangle::clip::Clip;
+
+/// Halves of a lattice, and the column and the row of each one's first ray.
+type Halves = [(Lattice, (u32, u32)); 2];
+
+impl Accel {
+    /// [`Accel::find`] for halves of a lattice, each with the place of its first ray.
+    pub(super) fn find_halves(
+        &self,
+        clip: &Clip,
+        (lattice, halves): (&Lattice, Halves),
+        cull: Cull,
+        precision: Precision,
+        primitives: &mut [u32],
+    ) -> CastCounts {
+        let mut counts = CastCounts::default();
+        let mut found = Vec::new();
+        for (half, first) in halves.iter().filter(|(half, _)| !half.is_empty()) {
+            counts += self.find_kept(clip, half, cull, precision, &mut found);
+            for (row, found) in found.chunks(half.columns as usize).enumerate() {
+                let at = index(lattice, *first, row);
+                primitives[at..at + found.len()].copy_from_slice(found);
+            }
+        }
+        counts
+    }
+
+    /// [`Accel::evaluate`] for halves of a lattice.
+    pub(super) fn evaluate_halves(
+        &self,
+        (lattice, halves): (&Lattice, Halves),
+        cull: Cull,
+        precision: Precision,
+        hits: &mut Hits,
+    ) {
+        for (half, first) in halves.iter().filter(|(half, _)| !half.is_empty()) {
+            let columns = half.columns as usize;
+            let rows = 0..half.rows as usize;
+            let mut found = Hits::default();
+            for at in rows.clone().map(|row| index(lattice, *first, row)) {
+                let row = &hits.primitives[at..at + columns];
+                found.primitives.extend_from_slice(row);
+            }
+            self.evaluate(half, cull, precision, &mut found);
+            for row in rows {
+                let at = index(lattice, *first, row);
+                let (from, to) = (row * columns..(row + 1) * columns, at..at + columns);
+                hits.primitives[to.clone()].copy_from_slice(&found.primitives[from.clone()]);
+                hits.t[to.clone()].copy_from_slice(&found.t[from.clone()]);
+                hits.u[to.clone()].copy_from_slice(&found.u[from.clone()]);
+                hits.v[to].copy_from_slice(&found.v[from]);
+            }
+        }
+    }
+
+    /// [`Accel::find`] where rays share no eye.
+    pub(super) fn find_each(
+        &self,
+        clip: &Clip,
+        lattice: &Lattice,
+        cull: Cull,
+        precision: Precision,
+        primitives: &mut [u32],
+    ) -> CastCounts {
+        let mut counts = CastCounts::default();
+        let mut find = Find::<true> {
+            accel: self,
+            clip,
+            lattice,
+            cull,
+            precision,
+            primitives,
+            counts: &mut counts,
+        };
+        find.cast_each(&RayRect::all(lattice));
+        counts
+    }
+
+    /// [`Accel::evaluate`] where rays share no eye.
+    pub(super) fn evaluate_each(
+        &self,
+        lattice: &Lattice,
+        cull: Cull,
+        precision: Precision,
+        hits: &mut Hits,
+    ) {
+        for at in 0..hits.len() {
+            let primitive = hits.primitives[at];
+            let mut hit = PrimitiveHit::NONE;
+            if primitive != MISS {
+                let ray = lattice.ray(at as u32 % lattice.columns, at as u32 / lattice.columns);
+                let ray = PreparedRay::new(&ray, self.origin, cull, precision);
+                hit = ray.map_or(hit, |ray| {
+                    (ray.evaluate(primitive, self.corners(primitive))).to_primitive_hit()
+                });
+            }
+            hits.primitives[at] = hit.primitive;
+            (hits.t[at], hits.u[at], hits.v[at]) = (hit.t, hit.u, hit.v);
+        }
+    }
+}
+
+/// Where a row of a half begins in the whole lattice.
+fn index(lattice: &Lattice, (column, row): (u32, u32), row_of_half: usize) -> usize {
+    (row as usize + row_of_half) * lattice.columns as usize + column as usize
+}

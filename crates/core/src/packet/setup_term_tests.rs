@@ -1,0 +1,287 @@
+//! Terms of the bounds of set-up, each on triangles where no other term covers it. The truth is integer arithmetic on the
+//! rays as they are.
+
+use super::componentwise_setup::ComponentwiseSetup;
+use super::params::SIDE;
+use super::ray_box::RayBox;
+use super::setup::PacketSpace;
+use super::setup_tests::{Tally, camera, check_aside, check_one, lanes_of, space};
+use crate::camera::{Camera, ImagePlane, Placement, Projection};
+use crate::hit::Cull;
+use crate::math;
+use crate::num::simd::{LANES, Plain, Work};
+use crate::random::Random;
+use crate::triangle::exact::Placed;
+use glam::{DVec3, Vec3};
+
+const ALL: RayBox = RayBox {
+    left: 0,
+    right: SIDE as i32 - 1,
+    top: 0,
+    bottom: SIDE as i32 - 1,
+};
+
+/// 10 to a power between two.
+fn decades(random: &mut Random, least: f64, most: f64) -> f64 {
+    math::pow(10.0, least + (most - least) * random.unit())
+}
+
+fn camera_at(eye: DVec3, target: DVec3, projection: Projection, pitch: f64) -> Camera {
+    let plane = ImagePlane::new(32, 32, pitch).expect("a good plane");
+    let up = DVec3::new(0.3, 1.0, 0.1);
+    Camera::new(Placement { eye, target, up }, projection, plane)
+}
+
+/// Parallel rays begin within a few roundings of a triangle's plane, far from what its corners are relative to: a depth is
+/// off by as much as it is. With the error of the depth key's numerator at zero this fails, in either set-up.
+#[test]
+fn depth_keys_next_to_the_image_plane_are_within_their_bounds() {
+    let mut random = Random(86);
+    let mut tally = Tally::default();
+    let frame = DVec3::new(1e-9, 2e-9, -1e-9);
+    for _ in 0..2000 {
+        let middle = DVec3::new(3e7, 2e7, -3e7);
+        let corners = [(); 3].map(|()| (middle + random.point() * 1000.0).as_vec3());
+        let [a, b, c] = corners.map(Vec3::as_dvec3);
+        let inside = a + ((b - a) * random.unit() + (c - a) * random.unit()) * 0.5;
+        let way = (b - a).cross(c - a).normalize() + random.point() * 0.3;
+        let eye = frame + inside + way * (decades(&mut random, -9.0, -6.0) * random.signed());
+        let pitch = decades(&mut random, -11.0, -7.0);
+        let camera = camera_at(eye, eye - way * 5.0, Projection::Orthographic, pitch);
+        check_one(&mut random, &camera, frame, corners, &mut tally);
+    }
+    assert!(tally.hits > 1000, "{tally:?}");
+}
+
+/// Checks a triangle, set up by its greatest coordinate or by component, at the packet's rays (i, i).
+fn check_diagonal(
+    space: &PacketSpace,
+    camera: &Camera,
+    corners: [Vec3; 3],
+    by_component: bool,
+    tally: &mut Tally,
+) {
+    let lanes = lanes_of([corners; LANES]);
+    let mut set_up = space.set_up(&lanes, &[ALL; LANES]);
+    if by_component {
+        let work = ComponentwiseSetup {
+            space,
+            corners: &lanes,
+            which: 1,
+            out: &mut set_up,
+        };
+        work.run(Plain);
+    }
+    let placed = Placed {
+        corners,
+        origin: DVec3::ZERO,
+    };
+    let rays = (0..SIDE).map(|at| (at, at));
+    let aside = (0.0, 0.0);
+    check_aside(
+        (&set_up, 0),
+        camera,
+        aside,
+        Cull::None,
+        &placed,
+        rays,
+        tally,
+    );
+}
+
+/// A vector of few digits, square to z: single precision holds its multiples, so that points lie exactly on a line.
+fn line(random: &mut Random) -> DVec3 {
+    let [x, y] = [(); 2].map(|()| 1.0 + (random.unit() * 30.0).floor());
+    DVec3::new(x, y, 0.0)
+}
+
+/// Two corners far away at the packet's first ray, one close to an eye that is off at its last: there the place of the
+/// close corner is off by as much as the edge between it and a far one is in the packet's last row. With h·W in E at zero
+/// this fails.
+#[test]
+fn edges_to_corners_of_very_different_depths_are_decided_only_where_it_is_sure() {
+    let mut random = Random(87);
+    let mut tally = Tally::default();
+    for _ in 0..4000 {
+        let forward = random.point().normalize();
+        let right = forward.cross(random.point()).normalize();
+        let up = right.cross(forward);
+        let column = 1e-3;
+        let ratio = decades(&mut random, 2.5, 3.3);
+        let diagonal = right - up;
+        // Rays begin at the origin. The first one goes along the far corners.
+        let far = forward * ratio;
+        let beside = right * (column * ratio * (0.02 + 0.05 * random.unit()));
+        let corners = [forward + diagonal * (31.0 * column), far, far + beside];
+        let sight = forward + diagonal * ((15.5 + 3e-3 * random.signed()) * column);
+        let step = column * sight.dot(forward);
+        let plane = ImagePlane::new(32, 32, step).expect("a good plane");
+        let placement = Placement {
+            eye: DVec3::ZERO,
+            target: sight,
+            up,
+        };
+        let camera = Camera::new(placement, Projection::Perspective, plane);
+        let off = column * decades(&mut random, -4.0, -2.5);
+        let eye = (right + up + forward * random.signed()) * (off * 0.5 * random.signed());
+        let packet = (SIDE as u32, SIDE as u32);
+        let space = PacketSpace::new(&camera, eye, off, (0.5, 0.5), 1.0, packet, Cull::None);
+        let corners = corners.map(DVec3::as_vec3);
+        check_diagonal(&space, &camera, corners, false, &mut tally);
+    }
+    assert!(tally.hits > 1000, "{tally:?}");
+}
+
+/// Slivers square to parallel rays, with a corner at the packet's first ray: depths are next to nothing, and off by what
+/// the normal is. With its error along the packet at zero this fails.
+#[test]
+fn depth_keys_of_slivers_square_to_the_rays_are_within_their_bounds() {
+    let mut random = Random(95);
+    let mut tally = Tally::default();
+    for _ in 0..5000 {
+        let line = line(&mut random);
+        let length = line.length();
+        let aside = DVec3::new(-line.y, line.x, 0.0);
+        let long = (200.0 + 800.0 * random.unit()).round();
+        let other = (long * (0.5 + 0.4 * random.unit())).round();
+        let thin = decades(&mut random, -6.0, -1.0);
+        let at =
+            |along: f64, turn: f64| -(aside * along + DVec3::Z * (length * along * (1.0 + turn)));
+        // Differences from the first have more digits than single precision.
+        let first = DVec3::Z * (length * 1e-7 * random.signed());
+        let corners = [first, at(long, thin), at(other, -thin * random.unit())];
+        let step = long * length / 64.0;
+        let forward = line.normalize();
+        let right = forward.cross(DVec3::Z);
+        let eye = (right - DVec3::Z) * (15.5 * step);
+        let plane = ImagePlane::new(32, 32, step).expect("a good plane");
+        let placement = Placement {
+            eye,
+            target: eye + line,
+            up: DVec3::Z,
+        };
+        let camera = Camera::new(placement, Projection::Orthographic, plane);
+        let space = space(&camera, DVec3::ZERO, Cull::None);
+        let corners = corners.map(DVec3::as_vec3);
+        check_diagonal(&space, &camera, corners, true, &mut tally);
+    }
+    assert!(tally.hits > 1000, "{tally:?}");
+}
+
+/// The eye is next to one corner of a triangle, and all but in its plane: far away keys are small. With the error of their
+/// numerator by component at zero this fails.
+#[test]
+fn depth_keys_of_planes_along_the_rays_are_within_their_bounds() {
+    let mut random = Random(88);
+    let mut tally = Tally::default();
+    for _ in 0..3000 {
+        let beside = decades(&mut random, -14.0, -8.0);
+        let eye = random.point() * beside;
+        let a = random.point() * beside;
+        let [b, c] = [(); 2].map(|()| random.point());
+        let target = a + ((b - a) * random.unit() + (c - a) * random.unit()) * 0.5;
+        let pitch = decades(&mut random, -17.0, -10.0);
+        let camera = camera_at(eye, target, Projection::Perspective, pitch);
+        let corners = [a, b, c].map(DVec3::as_vec3);
+        check_one(&mut random, &camera, DVec3::ZERO, corners, &mut tally);
+    }
+    assert!(tally.hits > 1000, "{tally:?}");
+}
+
+/// Deep triangles all but seen from their edge by parallel rays that are close together. With the error of the depth key's
+/// denominator by component at zero this fails.
+#[test]
+fn depth_keys_along_parallel_rays_are_within_their_bounds() {
+    let mut random = Random(89);
+    let mut tally = Tally::default();
+    for _ in 0..6000 {
+        let line = line(&mut random);
+        let wide = decades(&mut random, -12.0, -3.0);
+        let mut at = |along: f64| {
+            let along = line * (random.unit() * along).round();
+            (along + DVec3::Z * (wide * random.signed())).as_vec3()
+        };
+        let corners = [at(0.0), at(1000.0), at(1000.0)];
+        // Rays begin next to the first corner, and run almost along the others.
+        let [a, b, c] = corners.map(Vec3::as_dvec3);
+        let inside = (a + b + c) / 3.0;
+        let off_edge = DVec3::new(-line.y, line.x, 0.0) * decades(&mut random, -14.0, -6.0);
+        let way = line + off_edge;
+        let eye = inside - way * (inside.dot(line) / line.length_squared());
+        let pitch = wide * decades(&mut random, -16.0, -3.0);
+        let camera = camera_at(eye, eye + way, Projection::Orthographic, pitch);
+        check_one(&mut random, &camera, DVec3::ZERO, corners, &mut tally);
+    }
+    assert!(tally.hits > 1000, "{tally:?}");
+}
+
+/// All coordinates are so small that single precision has few digits for them, or none. Without what is added for underflow
+/// this fails, in either set-up.
+#[test]
+fn depth_keys_that_underflow_are_within_their_bounds() {
+    let mut random = Random(90);
+    let mut tally = Tally::default();
+    for _ in 0..2000 {
+        let size = decades(&mut random, -44.0, -38.0);
+        let corners = [(); 3].map(|()| (random.point() * (size * 10.0)).as_vec3());
+        let [a, b, c] = corners.map(Vec3::as_dvec3);
+        let inside = a + ((b - a) * random.unit() + (c - a) * random.unit()) * 0.5;
+        let way = random.point();
+        let eye = inside - way * (size * random.unit());
+        let camera = camera_at(eye, eye + way, Projection::Orthographic, size * 0.01);
+        check_one(&mut random, &camera, DVec3::ZERO, corners, &mut tally);
+    }
+    assert!(tally.hits > 1000, "{tally:?}");
+}
+
+/// Rays lie beside their places by what they may. With rays' errors at zero in edge functions, or in the depth key, this
+/// fails.
+#[test]
+fn rays_beside_their_places_are_within_the_bounds() {
+    let mut random = Random(91);
+    let mut tally = Tally::default();
+    for _ in 0..1000 {
+        let pitch = decades(&mut random, -4.0, -2.0);
+        let camera = camera(&mut random, DVec3::ZERO, Projection::Perspective, pitch);
+        let ray_error = decades(&mut random, -3.0, -1.0);
+        let mut space: PacketSpace = space(&camera, DVec3::ZERO, Cull::None);
+        space.ray_error = ray_error;
+        space.rays.greatest *= ray_error / (20.0 * 1.1e-16 * camera.distance() / pitch);
+        let corners = [(); 3].map(|()| {
+            let along = camera.forward() * (30.0 * pitch * random.signed());
+            (along + random.point() * (20.0 * pitch)).as_vec3()
+        });
+        let lanes = lanes_of([corners; LANES]);
+        let placed = Placed {
+            corners,
+            origin: DVec3::ZERO,
+        };
+        let mut set_up = space.set_up(&lanes, &[ALL; LANES]);
+        for by_component in [false, true] {
+            if by_component {
+                let work = ComponentwiseSetup {
+                    space: &space,
+                    corners: &lanes,
+                    which: 1,
+                    out: &mut set_up,
+                };
+                work.run(Plain);
+            }
+            for aside in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+                let aside = (0.99 * ray_error * aside.0, 0.99 * ray_error * aside.1);
+                let rays = (0..SIDE * SIDE).step_by(23);
+                let rays = rays.map(|at| (at % SIDE, at / SIDE));
+                check_aside(
+                    (&set_up, 0),
+                    &camera,
+                    aside,
+                    Cull::None,
+                    &placed,
+                    rays,
+                    &mut tally,
+                );
+            }
+        }
+    }
+    assert!(tally.hits > 1000, "{tally:?}");
+}

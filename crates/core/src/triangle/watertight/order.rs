@@ -1,0 +1,84 @@
+//! Which of two hits of a ray comes first, where their errors overlap.
+
+use super::{PreparedRay, Verdict};
+use crate::hit::Precision;
+use crate::triangle::Nearest;
+use crate::triangle::coplanar::are_coplanar;
+use crate::triangle::exact;
+use glam::Vec3;
+use std::cmp::Ordering;
+
+impl PreparedRay {
+    /// Which of two hits comes first along the ray: of two at one distance the lower primitive id.
+    pub(crate) fn order(
+        &self,
+        first: &Nearest,
+        second: &Nearest,
+        corners: impl Fn(u32) -> [Vec3; 3],
+        id: impl Fn(u32) -> u32,
+    ) -> Ordering {
+        if first.is_surely_before(second) {
+            return Ordering::Less;
+        }
+        if second.is_surely_before(first) {
+            return Ordering::Greater;
+        }
+        let by_id = || id(first.primitive).cmp(&id(second.primitive));
+        self.compare(first, second, corners).then_with(by_id)
+    }
+
+    /// Which of two hits is nearer, where their errors overlap.
+    pub(super) fn compare(
+        &self,
+        candidate: &Nearest,
+        nearest: &Nearest,
+        corners: impl Fn(u32) -> [Vec3; 3],
+    ) -> Ordering {
+        if self.precision == Precision::Fast {
+            return candidate.t.total_cmp(&nearest.t);
+        }
+        if same_corners(corners(candidate.primitive), corners(nearest.primitive)) {
+            return Ordering::Equal;
+        }
+        let [first, second] =
+            [candidate, nearest].map(|hit| (hit.primitive, corners(hit.primitive)));
+        let closely =
+            [first, second].map(|(primitive, at)| self.intersect_componentwise(primitive, at));
+        if let Some(order) = order_of(closely) {
+            return order;
+        }
+        if are_coplanar(first.1, second.1) {
+            self.was_exact.set(true);
+            return Ordering::Equal;
+        }
+        let more =
+            [first, second].map(|(primitive, at)| self.intersect_in_double_double(primitive, at));
+        if let Some(order) = order_of(more) {
+            return order;
+        }
+        self.was_exact.set(true);
+        let [candidate, nearest] =
+            [candidate, nearest].map(|hit| self.placed(corners(hit.primitive)));
+        // Both were decided to be hits.
+        exact::compare(&self.ray, &candidate, &nearest, self.cull).unwrap_or(Ordering::Greater)
+    }
+}
+
+/// Which of two hits is surely nearer.
+fn order_of(verdicts: [Verdict; 2]) -> Option<Ordering> {
+    let [Verdict::Hit(a), Verdict::Hit(b)] = verdicts else {
+        return None;
+    };
+    if a.is_surely_before(&b) {
+        Some(Ordering::Less)
+    } else if b.is_surely_before(&a) {
+        Some(Ordering::Greater)
+    } else {
+        None
+    }
+}
+
+/// Whether two triangles have the same corners, in any order.
+fn same_corners(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
+    a.iter().all(|p| b.contains(p)) && b.iter().all(|p| a.contains(p))
+}
