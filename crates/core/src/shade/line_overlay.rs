@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3, Vec2};
 use rayon::prelude::*;
 
 /// The side of a cell, in pixels. Smaller ones take more memory, larger ones more lines a pixel.
-const CELL: f64 = 32.0;
+const CELL: f64 = 16.0;
 
 /// How much nearer than a pixel's hit a silhouette has to be, in shares of its distance: either is in single
 /// precision, at the end of a few roundings of 2⁻²⁴ each.
