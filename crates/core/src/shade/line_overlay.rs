@@ -392,8 +392,9 @@ mod tests {
                     assert!(distance < 1e-3, "{distance} at {x} {y} of {segment:?}");
                     // And its cell knows of it.
                     let mut found = false;
-                    let own = (y / CELL) as usize * 7 + (x / CELL) as usize;
-                    cells(&segment, 2.0, (7, 4), |cell| found |= cell == own);
+                    let [columns, rows] = projector.size.map(|side| (side / CELL).ceil() as usize);
+                    let own = (y / CELL) as usize * columns + (x / CELL) as usize;
+                    cells(&segment, 2.0, (columns, rows), |cell| found |= cell == own);
                     assert!(found, "{x} {y}");
                 }
             }
