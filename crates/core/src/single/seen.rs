@@ -148,8 +148,9 @@ mod tests {
         }
     }
 
-    /// A room: eight corners where three walls meet in folds, each wall of 2 n² triangles.
-    fn room(n: u32) -> Accel {
+    /// A room: eight corners where three walls meet in folds, each wall of 2 n² triangles. Before the middle of each
+    /// triangle there may be a cover.
+    fn room(n: u32, is_covered: bool) -> Accel {
         let mut positions = Vec::new();
         let mut triangles = Vec::new();
         for side in 0..6 {
@@ -174,14 +175,20 @@ mod tests {
                 }
             }
         }
+        for at in 0..triangles.len() * usize::from(is_covered) {
+            let corners = triangles[at].map(|corner: u32| positions[corner as usize]);
+            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+            let first = positions.len() as u32;
+            positions.extend(corners.map(|corner| (middle + (corner - middle) * 0.2) * 0.5));
+            triangles.push([first, first + 1, first + 2]);
+        }
         accel(positions, triangles)
     }
 
-    /// From within a convex room all of its walls are seen, to their last edges and corners: without the least weight
-    /// this fails.
+    /// From within a convex room all of its walls are seen, to their last edges and corners.
     #[test]
     fn what_meets_in_a_fold_does_not_hide_itself() {
-        let accel = room(7);
+        let accel = room(7, false);
         let kept = accel.clipped(&ClippingPlanes::NONE);
         let mut random = Random(13);
         let third = 1.0f32 / 3.0;
@@ -203,6 +210,27 @@ mod tests {
                     let at = hit(primitive, u, v);
                     assert!(kept.is_seen_from(eye, &at, Cull::None), "{at:?} {eye}");
                 }
+            }
+        }
+    }
+
+    /// Edges are seen past what hides the middle: without the least weight half of the rays miss, and this fails.
+    #[test]
+    fn a_point_at_an_edge_is_asked_for_itself() {
+        let accel = room(1, true);
+        let kept = accel.clipped(&ClippingPlanes::NONE);
+        let mut random = Random(17);
+        let walls = |&primitive: &u32| accel.identify(primitive).1 < 12;
+        for primitive in accel.primitives().filter(walls) {
+            for _ in 0..50 {
+                let eye = random.point() * 0.01;
+                let share = random.unit() as f32;
+                for (u, v) in [(share, 0.0), (0.0, share), (share, 1.0 - share)] {
+                    let at = hit(primitive, u, v);
+                    assert!(kept.is_seen_from(eye, &at, Cull::None), "{at:?} {eye}");
+                }
+                let third = 1.0f32 / 3.0;
+                assert!(!kept.is_seen_from(eye, &hit(primitive, third, third), Cull::None));
             }
         }
     }
