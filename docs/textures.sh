@@ -34,6 +34,16 @@ for kind in uv triplanar per-triangle plane sphere cylinder; do
         --texture-projection "$kind" -o "$out/torus-$kind.png"
 done
 
+# A photograph onto what its camera saw: from there, from beside it, and from behind.
+taken=(--texture-camera 2.5,2.2,3.5/0,0.1,0 --texture-fov 34)
+photograph() {
+    "$raycast" render docs/textures/shelter.raycast.toml "${leopard[@]}" "${view[@]}" "${small[@]}" "${taken[@]}" "${@:2}" \
+        -o "$out/photo-$1.png"
+}
+photograph taken --eye 2.5,2.2,3.5 --target 0,0.1,0 --fov 42
+photograph beside --eye 4.6,2.6,0.8 --target 0,0,0 --fov 42
+photograph behind --eye -3,2.6,2.6 --target 0,0,0 --fov 45
+
 # Beyond a plane of half the cube's width.
 for wrap in repeat mirror clamp border; do
     "$raycast" render assets/cube.obj "${leopard[@]}" "${crop[@]}" "${view[@]}" "${small[@]}" --orbit 30,25 \

@@ -5,7 +5,9 @@ use raycast_core::Cull;
 use raycast_core::camera::{Grid, Projection};
 use raycast_core::formats::{read_mesh, read_texture};
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{Color, Object, Scene, TextureProjection, Wrap};
+use raycast_core::scene::{
+    Color, Object, Photograph, Scene, TextureMapping, TextureProjection, Wrap,
+};
 use raycast_core::shade::{Filter, Mode, Shading};
 use raycast_report::cameras::camera;
 use raycast_tests::binary::{refuse, succeed};
@@ -32,6 +34,17 @@ fn splits_threads_and_instruction_sets_agree_with_every_projection_and_filter() 
             .wrapped([wraps[index % 5], wraps[(index + 2) % 5]]);
         let object = Object {
             texture: Some(Arc::new(texture)),
+            mapping: TextureMapping {
+                photograph: Some(Photograph {
+                    eye: DVec3::new(3.0, 2.0, -0.5),
+                    target: DVec3::ZERO,
+                    up: DVec3::Y,
+                    fov: 30.0,
+                    shift: [0.1, 0.0],
+                    lens: Some([-0.1, 0.01, 0.0, 0.0, 0.0]),
+                }),
+                ..TextureMapping::default()
+            },
             ..Object::new("torus", Arc::clone(&mesh))
         };
         let stage = Stage::staged(Scene {

@@ -7,7 +7,7 @@ use raycast_core::glam::{DVec3, Vec2, Vec3};
 use raycast_core::render::Cancel;
 use raycast_core::scene::{
     Attribute, Color, ColorMap, ColorRule, ColorScale, Material, Mesh, MeshData, Object,
-    Reflectance, Scalar, ScalarAt, Scene, Texture, Transform,
+    Photograph, Reflectance, Scalar, ScalarAt, Scene, Texture, Transform,
 };
 use raycast_core::shade::{Background, Filter, LightSet, Mode, TextureProjection, Wireframe};
 use std::sync::Arc;
@@ -291,6 +291,52 @@ fn every_mode_is_checked() {
                 assert!(found.wrong > least, "{place}: {}", found.wrong);
             }
         }
+    }
+}
+
+/// Photographs on instances and on what is placed, from where some of it is hidden and some beyond the frame.
+#[test]
+fn photographs_are_checked() {
+    let mut scene = Scene::clone(&furnished().scene);
+    for (number, object) in scene.objects.iter_mut().enumerate() {
+        object.mapping.photograph = Some(Photograph {
+            eye: DVec3::new(-2.0, 1.0, 2.5),
+            target: DVec3::new(0.2, 0.1, 0.0),
+            up: DVec3::new(0.1, 1.0, 0.0),
+            fov: [35.0, 60.0][number % 2],
+            shift: [0.0, 0.1 * number as f64],
+            lens: None,
+        });
+    }
+    let stage = Stage::new(scene).expect("a valid scene");
+    for (at, camera) in views().into_iter().enumerate() {
+        let shading = Shading {
+            mode: [Mode::Texture, Mode::Smooth][at],
+            filter: [Filter::Nearest, Filter::Bilinear][at],
+            projection: TextureProjection::Camera,
+            ..Shading::default()
+        };
+        let mut made = Made::of(&stage, camera, shading, 1, true);
+        let found = made.checked(&stage, 100_000);
+        assert_eq!(found.wrong, 0, "{:?}", found.first_wrong);
+        let color = found.channels.color;
+        assert!(color > 4800 * 9 / 10, "{color}");
+        // As if all of it were seen from there.
+        let everywhere = Shading {
+            projection: TextureProjection::Triplanar,
+            ..shading
+        };
+        let other = Made::of(&stage, camera, everywhere, 1, true);
+        let differs = |(a, b): &(&[u8; 4], &[u8; 4])| a != b;
+        let pairs = made.picture.pixels.iter().zip(&other.picture.pixels);
+        let different = pairs.filter(differs).count();
+        made.picture = other.picture;
+        let found = made.checked(&stage, 100_000);
+        assert!(
+            found.wrong > different * 9 / 10,
+            "{} of {different}",
+            found.wrong
+        );
     }
 }
 

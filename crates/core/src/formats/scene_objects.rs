@@ -4,12 +4,14 @@ use super::error::FormatError;
 use super::files::beside;
 use super::mesh_file::{self, MeshObject};
 use super::scene_text::Reader;
-use super::scene_toml::{ObjectToml, ShapeToml};
+use super::scene_toml::{CameraToml, ObjectToml, PhotographToml, ProjectionToml, ShapeToml};
 use super::{Progress, texture};
+use crate::camera::Placement;
 use crate::quote::{self, quote};
+use crate::ranges;
 use crate::scene::{
-    ColorRule, Crop, Mesh, Object, Projector, Quantity, Shape, ShapeError, Texture, TextureMapping,
-    Transform, UpAxis, Wrap,
+    ColorRule, Crop, Mesh, Object, Photograph, Projector, Quantity, Shape, ShapeError, Texture,
+    TextureMapping, Transform, UpAxis, Wrap,
 };
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use std::collections::HashMap;
@@ -135,6 +137,10 @@ impl Reader<'_> {
                 object.mapping = TextureMapping {
                     projection: table.texture_projection.map(Into::into),
                     projector: self.projector(table, &object)?,
+                    photograph: match &table.texture_camera {
+                        Some(camera) => Some(self.photograph(camera)?),
+                        None => None,
+                    },
                 };
                 if let Some(named) = &table.blend_by {
                     let name = named.get_ref();
@@ -323,6 +329,40 @@ impl Reader<'_> {
             Ok(_) => Ok(Some(projector)),
             Err(error) => Err(FormatError::refused(self.path, line, &error.to_string())),
         }
+    }
+
+    /// The camera that a texture was taken with: read as the scene's own is.
+    fn photograph(&self, table: &Spanned<PhotographToml>) -> Result<Photograph, FormatError> {
+        let PhotographToml {
+            eye,
+            target,
+            up,
+            fov,
+            shift,
+            lens,
+        } = table.get_ref().clone();
+        let camera = CameraToml {
+            projection: ProjectionToml::default(),
+            lens: lens.clone(),
+            eye,
+            target,
+            up,
+            fov,
+            frame: None,
+        };
+        let camera = self.camera(&Spanned::new(table.span(), camera))?;
+        let Placement { eye, target, up } = camera.placement;
+        Ok(Photograph {
+            eye,
+            target,
+            up,
+            fov: camera.frame,
+            shift: match &shift {
+                Some(shift) => self.in_range(shift, ranges::shift(*shift.get_ref()))?,
+                None => [0.0; 2],
+            },
+            lens: lens.map(|lens| *lens.get_ref()),
+        })
     }
 
     fn transform(&self, table: &ObjectToml) -> Result<Transform, FormatError> {

@@ -178,7 +178,7 @@ impl Reader<'_> {
             .ok_or_else(|| self.fault(animation, "a keyframe ([[animation.key]])", "none"))
     }
 
-    fn camera(&self, camera: &Spanned<CameraToml>) -> Result<CameraFile, FormatError> {
+    pub(super) fn camera(&self, camera: &Spanned<CameraToml>) -> Result<CameraFile, FormatError> {
         let line = self.line(camera);
         let camera = camera.get_ref();
         let mut projection = camera.projection.0;

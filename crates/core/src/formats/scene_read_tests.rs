@@ -3,7 +3,7 @@
 use super::scene_file::SceneFile;
 use super::*;
 use crate::camera::Projection;
-use crate::scene::{Color, ColorRule, Object, UpAxis, Wrap};
+use crate::scene::{Color, ColorRule, Object, Photograph, UpAxis, Wrap};
 use crate::shade::{
     Background, EdgeKinds, Filter, Ground, Mode, Shading, TextureProjection, Wireframe,
 };
@@ -191,6 +191,7 @@ texture-size = [1, 3]
 mesh = "b.txt"
 texture = "wide.ppm"
 texture-projection = "per-triangle"
+texture-camera = { eye = [3, 2, 4], target = [0, 0.5, 0], fov = 35.5, shift = [0.25, 0], lens = [-0.1, 0.02, 0, 0, 0] }
 "##;
 
 #[test]
@@ -238,6 +239,15 @@ fn a_texture_is_cropped_wrapped_and_placed() {
         Some(TextureProjection::PerTriangle)
     );
     assert_eq!(second.mapping.projector, None);
+    let photograph = Photograph {
+        eye: DVec3::new(3.0, 2.0, 4.0),
+        target: DVec3::new(0.0, 0.5, 0.0),
+        up: DVec3::Y,
+        fov: 35.5,
+        shift: [0.25, 0.0],
+        lens: Some([-0.1, 0.02, 0.0, 0.0, 0.0]),
+    };
+    assert_eq!(second.mapping.photograph, Some(photograph));
     let message = |from: &str, to: &str| {
         let text = MAPPED.replacen(from, to, 1);
         let error = read_scene_from(&text, &files).expect_err(to);
@@ -247,6 +257,12 @@ fn a_texture_is_cropped_wrapped_and_placed() {
         message("crop = [1, 0, 2, 1]", "crop = [3, 0, 2, 1]"),
         "scene:4: expected a part of an image of 4x1, found [3, 0, 2, 1]"
     );
+    assert_eq!(
+        message("eye = [3, 2, 4]", "eye = [0, 0.5, 0]"),
+        "scene:14: a camera cannot look from [0.0, 0.5, 0.0] at the same point: expected a target away from the eye"
+    );
+    let fov = message("fov = 35.5", "fov = 180");
+    assert!(fov.starts_with("scene:14: "), "{fov}");
     assert_eq!(
         message("texture = \"wide.ppm\"\n", ""),
         "scene:3: expected a `texture` beside what says how it lies, found none"

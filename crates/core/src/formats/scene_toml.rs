@@ -247,6 +247,9 @@ pub(super) struct ObjectToml {
     pub(super) texture_up: Option<Spanned<[f64; 3]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) texture_size: Option<Spanned<[f64; 2]>>,
+    /// Where the texture was taken.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) texture_camera: Option<Spanned<PhotographToml>>,
     /// The scalar that says how much of the texture shows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) blend_by: Option<Spanned<String>>,
@@ -263,6 +266,22 @@ pub(super) struct ObjectToml {
     pub(super) parent: Option<Spanned<String>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) visible: Option<bool>,
+}
+
+/// The perspective camera that a texture was taken with.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PhotographToml {
+    pub(super) eye: Spanned<[f64; 3]>,
+    pub(super) target: Spanned<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) up: Option<Spanned<[f64; 3]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) fov: Option<Spanned<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) shift: Option<Spanned<[f64; 2]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) lens: Option<Spanned<[f64; 5]>>,
 }
 
 /// A shape by its numbers; those left out are one unit, and as many parts as look round.
@@ -476,7 +495,7 @@ words!(LightSetToml for LightSet { Soft, Headlight, ThreePoint });
 words!(FilterToml for Filter { Nearest, Bilinear, Trilinear, Ewa });
 words!(ColorMapToml for ColorMap { Viridis, Magma, Turbo, Cividis, Diverging });
 words!(TextureProjectionToml for TextureProjection {
-    Uv, Triplanar, PerTriangle, Plane, Sphere, Cylinder
+    Uv, Triplanar, PerTriangle, Plane, Sphere, Cylinder, Camera
 });
 
 impl Default for CurveToml {

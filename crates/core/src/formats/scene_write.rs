@@ -3,11 +3,12 @@ use super::scene_animation;
 use super::scene_file::{CameraFile, SceneFile};
 use super::scene_toml::{
     BackgroundToml, CameraToml, ClipToml, ColorRuleToml, ColorToml, ImageToml, ObjectToml,
-    ProjectionToml, SceneToml, ShadingToml, StereoToml, Transparent, VERSION, WrapToml,
+    PhotographToml, ProjectionToml, SceneToml, ShadingToml, StereoToml, Transparent, VERSION,
+    WrapToml,
 };
 use crate::camera::Projection;
 use crate::quote::shorten;
-use crate::scene::{ClippingPlane, Scene, SceneError, Transform, UpAxis, Wrap};
+use crate::scene::{ClippingPlane, Photograph, Scene, SceneError, Transform, UpAxis, Wrap};
 use crate::shade::{Background, EdgeKinds, Shading};
 use glam::DAffine3;
 use std::path::Path;
@@ -217,6 +218,7 @@ fn object(
         }
     };
     let (image, projector) = (object.texture.as_ref(), object.mapping.projector);
+    let photograph = object.mapping.photograph.as_ref();
     let (color, seed) = ColorRuleToml::from_rule(&object.color);
     let Transform {
         translate,
@@ -249,6 +251,7 @@ fn object(
         texture_front: projector.map(|at| spanned(at.front.to_array())),
         texture_up: projector.map(|at| spanned(at.up.to_array())),
         texture_size: projector.map(|at| spanned(at.size.to_array())),
+        texture_camera: photograph.map(|photograph| spanned(photograph_toml(photograph))),
         blend_by: object.blend_by.clone().map(spanned),
         translate: (translate != at_rest.translate).then(|| spanned(translate.to_array())),
         rotate: (rotate != at_rest.rotate).then(|| spanned(rotate.to_array())),
@@ -257,6 +260,25 @@ fn object(
         parent: object.parent.map(|parent| spanned(names[parent].clone())),
         visible: (!object.visible).then_some(false),
     })
+}
+
+fn photograph_toml(photograph: &Photograph) -> PhotographToml {
+    let Photograph {
+        eye,
+        target,
+        up,
+        fov,
+        shift,
+        lens,
+    } = *photograph;
+    PhotographToml {
+        eye: spanned(eye.to_array()),
+        target: spanned(target.to_array()),
+        up: Some(spanned(up.to_array())),
+        fov: Some(spanned(fov)),
+        shift: (shift != [0.0; 2]).then(|| spanned(shift)),
+        lens: lens.map(spanned),
+    }
 }
 
 /// A matrix row by row; `None` for the one that changes nothing, to the last bit.

@@ -554,4 +554,5 @@ words!(texture_projection_word, texture_projection_of: TextureProjection {
     Plane = "plane",
     Sphere = "sphere",
     Cylinder = "cylinder",
+    Camera = "camera",
 });

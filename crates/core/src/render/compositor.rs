@@ -1,4 +1,5 @@
 use super::View;
+use super::photographs::Photographs;
 use crate::hit::MISS;
 use crate::scene::Masks;
 use crate::shade::{SEEN, TileShader, Translucent};
@@ -33,6 +34,7 @@ impl<'s> Compositor<'s> {
     pub(super) fn color(
         &mut self,
         shader: &mut TileShader<'_>,
+        photographs: Option<&Photographs<'_>>,
         (x, y): (f64, f64),
         primitive: u32,
     ) -> Option<[f32; 4]> {
@@ -56,7 +58,12 @@ impl<'s> Compositor<'s> {
         let mut color = Vec3::ZERO;
         let mut left = 1.0;
         for hit in self.layers.iter() {
-            let (layer, covers) = shader.layer((x, y), along, &hit);
+            let (mut layer, covers) = shader.layer((x, y), along, &hit);
+            if let Some([r, g, b, _]) =
+                photographs.and_then(|photographs| photographs.hidden(shader, (x, y), &hit))
+            {
+                layer = Vec3::new(r, g, b);
+            }
             color += layer * (left * covers);
             left *= 1.0 - covers;
             if left < SEEN {

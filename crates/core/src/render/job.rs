@@ -1,10 +1,11 @@
 //! One tile's way through the passes.
 
 use super::compositor::Compositor;
+use super::photographs::Photographs;
 use super::view::{Clock, Settings, View};
 use super::{Pass, Tile, TileStats};
 use crate::camera::{Lattice, Rect, SamplePattern, SubCamera};
-use crate::hit::{Detail, MISS};
+use crate::hit::{Detail, MISS, PrimitiveHit};
 use crate::hits::Hits;
 use crate::picture::{Layers, Strip};
 use crate::shade::{self, Cut, Section, Shader, Shown, TileShader};
@@ -157,7 +158,7 @@ impl Job {
                         .and_then(|s| s.color8(Section::shown(s.at(x, y, hit.primitive), false)));
                     let color = match cut {
                         Some(color) => color,
-                        None => match buffers.composited((x, y), hit.primitive) {
+                        None => match buffers.beyond_the_nearest((x, y), &hit) {
                             Some(color) => shade::encode(color),
                             None => buffers.shader.pixel8(x, y, &hit),
                         },
@@ -200,7 +201,7 @@ impl Job {
                     let (x, y) =
                         lattice.place(at as u32 % lattice.columns, at as u32 / lattice.columns);
                     let cut = cut.as_ref().and_then(|(s, all)| s.color(all[at]));
-                    let color = cut.or_else(|| buffers.composited((x, y), hit.primitive));
+                    let color = cut.or_else(|| buffers.beyond_the_nearest((x, y), &hit));
                     let [r, g, b, a] = color.unwrap_or_else(|| buffers.shader.color(x, y, &hit));
                     let light = [r * a, g * a, b * a, a];
                     *sum = std::array::from_fn(|channel| sum[channel] + light[channel] * weight);
@@ -266,6 +267,8 @@ pub(super) struct Buffers<'s> {
     shader: TileShader<'s>,
     /// Where surfaces let through what lies behind them.
     compositor: Option<Compositor<'s>>,
+    /// Where textures are photographs.
+    photographs: Option<Photographs<'s>>,
 }
 
 impl<'s> Buffers<'s> {
@@ -275,12 +278,27 @@ impl<'s> Buffers<'s> {
             hits: Hits::default(),
             shader: shader.tile(),
             compositor: shader.translucent().map(compositor),
+            photographs: (shader.has_photographs()).then(|| Photographs::new(view, shader.masks())),
         }
     }
 
-    /// The colour of the sample at (x, y) whose ray hits `primitive` first, where more of its hits show.
-    fn composited(&mut self, place: (f64, f64), primitive: u32) -> Option<[f32; 4]> {
-        (self.compositor.as_mut()?).color(&mut self.shader, place, primitive)
+    /// The colour of the sample at (x, y) where it takes other rays than the one that hits `hit` first: where more of
+    /// its hits show, or a texture that was taken from where the hit is hidden.
+    fn beyond_the_nearest(&mut self, place: (f64, f64), hit: &PrimitiveHit) -> Option<[f32; 4]> {
+        let Self {
+            shader,
+            compositor,
+            photographs,
+            ..
+        } = self;
+        let photographs = photographs.as_ref();
+        let composited = |compositor: &mut Compositor<'s>| {
+            compositor.color(shader, photographs, place, hit.primitive)
+        };
+        match compositor.as_mut().and_then(composited) {
+            None => photographs?.hidden(shader, place, hit),
+            composited => composited,
+        }
     }
 }
 
@@ -424,7 +442,7 @@ impl<'a, 's> Work<'a, 's> {
         rect: Rect,
         rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
     ) {
-        if self.buffers.compositor.is_none() {
+        if self.buffers.compositor.is_none() && self.buffers.photographs.is_none() {
             return self.shade_nearest(lattice, rect, rows);
         }
         let mut rows: Vec<_> = rows.collect();
@@ -432,9 +450,8 @@ impl<'a, 's> Work<'a, 's> {
         self.shade(|buffers| {
             for (y, row) in (0..lattice.rows).zip(&mut rows) {
                 for (x, pixel) in (0..lattice.columns).zip(row.iter_mut()) {
-                    let at = (y * lattice.columns + x) as usize;
-                    let primitive = buffers.hits.primitives[at];
-                    if let Some(color) = buffers.composited(lattice.place(x, y), primitive) {
+                    let hit = buffers.hits.get((y * lattice.columns + x) as usize);
+                    if let Some(color) = buffers.beyond_the_nearest(lattice.place(x, y), &hit) {
                         *pixel = shade::encode(color);
                     }
                 }
@@ -442,7 +459,7 @@ impl<'a, 's> Work<'a, 's> {
         });
     }
 
-    /// The same, but for what shows through the nearest hits.
+    /// The same, but for what takes other rays.
     fn shade_nearest<'p>(
         &mut self,
         lattice: &Lattice,

@@ -12,6 +12,9 @@ mod parallel;
 mod pass;
 #[cfg(test)]
 mod pass_tests;
+#[cfg(test)]
+mod photograph_tests;
+mod photographs;
 mod recipe;
 #[cfg(test)]
 mod section_tests;

@@ -1,7 +1,7 @@
 use super::{
-    Alpha, Attribute, Color, ColorRule, Material, Mesh, Object, Opacity, Projector, Quantity,
-    Reflectance, Scalar, ScalarAt, Scene, Texture, TextureMapping, TextureProjection, Transform,
-    Wrap,
+    Alpha, Attribute, Color, ColorRule, Material, Mesh, Object, Opacity, Photograph, Projector,
+    Quantity, Reflectance, Scalar, ScalarAt, Scene, Texture, TextureMapping, TextureProjection,
+    Transform, Wrap,
 };
 use crate::digest::{Digest, Digester};
 use glam::{DAffine3, DVec3};
@@ -237,6 +237,7 @@ fn add_mapping(hash: &mut Digester, mapping: &TextureMapping) {
     let TextureMapping {
         projection,
         projector,
+        photograph,
     } = mapping;
     hash.number(match projection {
         None => 0,
@@ -246,6 +247,7 @@ fn add_mapping(hash: &mut Digester, mapping: &TextureMapping) {
         Some(TextureProjection::Plane) => 4,
         Some(TextureProjection::Sphere) => 5,
         Some(TextureProjection::Cylinder) => 6,
+        Some(TextureProjection::Camera) => 7,
     });
     if let Some(projector) = projector {
         let Projector {
@@ -256,6 +258,23 @@ fn add_mapping(hash: &mut Digester, mapping: &TextureMapping) {
         } = projector;
         hash.doubles([center, front, up].into_iter().flat_map(|v| v.to_array()));
         hash.doubles(size.to_array());
+    }
+    if let Some(photograph) = photograph {
+        let Photograph {
+            eye,
+            target,
+            up,
+            fov,
+            shift: [right, raised],
+            lens,
+        } = photograph;
+        hash.bytes(b"photograph");
+        hash.doubles([eye, target, up].into_iter().flat_map(|v| v.to_array()));
+        hash.doubles([*fov, *right, *raised]);
+        if let Some(lens) = lens {
+            hash.bytes(b"lens");
+            hash.doubles(*lens);
+        }
     }
 }
 
@@ -270,6 +289,15 @@ mod tests {
     use glam::{Vec2, Vec3};
     use std::path::PathBuf;
     use std::sync::Arc;
+
+    const PHOTOGRAPH: Photograph = Photograph {
+        eye: DVec3::Z,
+        target: DVec3::ZERO,
+        up: DVec3::Y,
+        fov: 45.0,
+        shift: [0.0; 2],
+        lens: None,
+    };
 
     fn data() -> MeshData {
         MeshData {
@@ -365,7 +393,7 @@ mod tests {
             change(&mut data);
             digests.push(scene(data, |_| ()).content());
         }
-        let changes: [fn(&mut Object); 26] = [
+        let changes: [fn(&mut Object); 29] = [
             |object| object.transform.translate.y = 1e-300,
             |object| object.transform.rotate.y = 1.0,
             |object| object.transform.scale.y = 2.0,
@@ -395,6 +423,17 @@ mod tests {
             |object| object.mapping.projection = Some(TextureProjection::Uv),
             |object| object.mapping.projection = Some(TextureProjection::Plane),
             |object| object.mapping.projector = Some(Projector::about(&Bounds::EMPTY)),
+            |object| object.mapping.photograph = Some(PHOTOGRAPH),
+            |object| {
+                object.mapping.photograph = Some(Photograph {
+                    fov: 46.0,
+                    ..PHOTOGRAPH
+                })
+            },
+            |object| {
+                let lens = Some([0.0; 5]);
+                object.mapping.photograph = Some(Photograph { lens, ..PHOTOGRAPH });
+            },
             |object| object.blend_by = Some("s".to_owned()),
             |object| object.blend_by = Some("t".to_owned()),
         ];

@@ -1,4 +1,4 @@
-use super::Bounds;
+use super::{Bounds, Photograph};
 use glam::{DVec2, DVec3};
 
 /// How a surface finds its place in a texture. Each gives texture coordinates (u, v), in sides of the image
@@ -19,17 +19,20 @@ pub enum TextureProjection {
     Sphere,
     /// From a cylinder's axis, by angle and height.
     Cylinder,
+    /// As a slide projector stands where the image was taken: onto what its [`Photograph`] sees.
+    Camera,
 }
 
 impl TextureProjection {
     /// Each of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Uv,
         Self::Triplanar,
         Self::PerTriangle,
         Self::Plane,
         Self::Sphere,
         Self::Cylinder,
+        Self::Camera,
     ];
 
     /// Whether a [`Projector`] says where its image stands.
@@ -145,4 +148,6 @@ pub struct TextureMapping {
     pub projection: Option<TextureProjection>,
     /// `None`: [`Projector::about`] the mesh's box.
     pub projector: Option<Projector>,
+    /// Where a texture was taken that is projected by its [`Camera`](TextureProjection::Camera); `None` projects none.
+    pub photograph: Option<Photograph>,
 }

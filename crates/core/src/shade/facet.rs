@@ -77,6 +77,8 @@ pub(super) enum Mapping {
     Triplanar([Vec3; 3], [Vec3; 3]),
     /// Point by point between its corners, in object space.
     Placed([Vec3; 3]),
+    /// Point by point between its corners, in world space.
+    Photographed([Vec3; 3]),
 }
 
 impl Facet {

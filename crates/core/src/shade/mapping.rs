@@ -3,13 +3,14 @@
 use super::TextureProjection;
 use super::facet::{Mapping, unit};
 use super::per_triangle::laid;
+use super::photograph::Photographed;
 use super::placed::Placed;
 use super::triplanar::Triplanar;
 use crate::scene::{Object, Projector};
-use glam::{DVec2, Vec3};
+use glam::{DAffine3, DVec2, DVec3, Vec3};
 
 /// What triangles of one object have in common.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) enum ObjectMapping {
     /// By the mesh's texture coordinates.
     Uv,
@@ -19,12 +20,18 @@ pub(super) enum ObjectMapping {
     Triplanar(Triplanar),
     /// From where the image stands.
     Placed(Placed),
+    /// From where the image was taken.
+    Photographed(Box<Photographed>),
 }
 
 impl ObjectMapping {
     /// How an object's texture lies on it: as the object says, else as `projection` does. `None` where its
-    /// projector places nothing.
-    pub(super) fn new(object: &Object, projection: TextureProjection) -> Option<Self> {
+    /// projector places nothing, or it was taken from nowhere. Corners in the world are relative to `origin`.
+    pub(super) fn new(
+        object: &Object,
+        projection: TextureProjection,
+        origin: DVec3,
+    ) -> Option<Self> {
         let mesh = &object.mesh;
         let projection = object.mapping.projection.unwrap_or(projection);
         match projection {
@@ -40,11 +47,21 @@ impl ObjectMapping {
                     .unwrap_or_else(|| Projector::about(&mesh.bounds()));
                 Placed::new(projection, &projector, mesh.offset()).map(Self::Placed)
             }
+            TextureProjection::Camera => {
+                let photograph = object.mapping.photograph.as_ref()?;
+                let photographed = Photographed::new(photograph, origin)?;
+                Some(Self::Photographed(Box::new(photographed)))
+            }
         }
     }
 
-    /// How it lies on one triangle; `None` where it has no place or no image.
-    pub(super) fn on(&self, object: &Object, triangle: u32) -> Option<Mapping> {
+    /// How it lies on one triangle, whose corners `in_world` gives; `None` where it has no place or no image.
+    pub(super) fn on(
+        &self,
+        object: &Object,
+        triangle: u32,
+        in_world: impl FnOnce() -> [Vec3; 3],
+    ) -> Option<Mapping> {
         let mesh = &object.mesh;
         match self {
             Self::Uv => mesh.corner_uvs(triangle).map(Mapping::Uv),
@@ -62,6 +79,7 @@ impl ObjectMapping {
                 Some(Mapping::Triplanar(corners, normals))
             }
             Self::Placed(_) => mesh.corners(triangle).map(Mapping::Placed),
+            Self::Photographed(_) => Some(Mapping::Photographed(in_world())),
         }
     }
 }
@@ -74,19 +92,29 @@ fn flat_normal(corners: [Vec3; 3]) -> Vec3 {
 
 /// Where an object's texture has the corners of one of its triangles: (u, v) in sides of the image from its
 /// bottom left, beyond 0 to 1 where the texture wraps. From three sides it is the side that the triangle
-/// faces most; where it goes round an axis, the corners are on one side of the seam.
+/// faces most; where it goes round an axis, the corners are on one side of the seam. In a photograph it is where
+/// the camera shows them, hidden or not.
 ///
-/// Between the corners coordinates are linear but for [`TextureProjection::Sphere`] and
-/// [`TextureProjection::Cylinder`]. `None` where the triangle has no texture, or no place in it.
+/// Between the corners straight lines stay straight but for [`TextureProjection::Sphere`],
+/// [`TextureProjection::Cylinder`] and a [`TextureProjection::Camera`] with a lens. `None` where the triangle has no
+/// texture, or no place in it.
 pub fn texture_corners(
     object: &Object,
     triangle: u32,
     projection: TextureProjection,
+    world_from_object: &DAffine3,
 ) -> Option<[DVec2; 3]> {
-    object.texture_on(triangle)?;
-    let mapping = ObjectMapping::new(object, projection)?;
+    let texture = object.texture_on(triangle)?;
+    let mapping = ObjectMapping::new(object, projection, DVec3::ZERO)?;
     let corners = object.mesh.corners(triangle)?;
-    match (mapping.on(object, triangle)?, mapping) {
+    if let ObjectMapping::Photographed(photographed) = mapping {
+        let [a, b, c] = corners.map(|corner| {
+            let in_object = object.mesh.offset() + corner.as_dvec3();
+            photographed.place(world_from_object.transform_point3(in_object), texture)
+        });
+        return Some([a?, b?, c?]);
+    }
+    match (mapping.on(object, triangle, || corners)?, mapping) {
         (Mapping::Triplanar(corners, _), ObjectMapping::Triplanar(triplanar)) => {
             let normal = flat_normal(corners);
             let sizes = normal.abs().to_array();
@@ -110,8 +138,8 @@ pub fn texture_corners(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Attribute, Mesh, MeshData, Texture};
-    use glam::{DVec3, Vec2};
+    use crate::scene::{Attribute, Mesh, MeshData, Photograph, Texture};
+    use glam::Vec2;
     use std::sync::Arc;
 
     /// Two triangles of a square in the plane z = 1, far from the origin, the first alone with texture
@@ -134,7 +162,15 @@ mod tests {
     }
 
     fn corners(object: &Object, triangle: u32, projection: TextureProjection) -> [DVec2; 3] {
-        texture_corners(object, triangle, projection).expect("a place")
+        texture_corners(object, triangle, projection, &DAffine3::IDENTITY).expect("a place")
+    }
+
+    fn unplaced(
+        object: &Object,
+        triangle: u32,
+        projection: TextureProjection,
+    ) -> Option<[DVec2; 3]> {
+        texture_corners(object, triangle, projection, &DAffine3::IDENTITY)
     }
 
     fn near(found: [DVec2; 3], expected: [(f64, f64); 3]) {
@@ -153,7 +189,7 @@ mod tests {
             corners(&object, 0, TextureProjection::Uv),
             [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)],
         );
-        assert_eq!(texture_corners(&object, 1, TextureProjection::Uv), None);
+        assert_eq!(unplaced(&object, 1, TextureProjection::Uv), None);
         // One repeat over the longest side, 4, about the middle, (1e7, 2, 1).
         near(
             corners(&object, 0, TextureProjection::Triplanar),
@@ -176,6 +212,30 @@ mod tests {
         // What the object says goes before what the picture does.
         object.mapping.projection = Some(TextureProjection::Cylinder);
         near(corners(&object, 0, TextureProjection::Uv), right);
+        // The square, moved, is 4 from the camera, as high as the frame there, and half as wide.
+        let moved = DAffine3::from_translation(DVec3::new(0.0, 5.0, 0.0));
+        let eye = DVec3::new(1e7, 7.0, 5.0);
+        object.mapping.photograph = Some(Photograph {
+            eye,
+            target: eye - DVec3::Z,
+            up: DVec3::Y,
+            fov: 2.0 * crate::math::atan(0.5).to_degrees(),
+            shift: [0.0; 2],
+            lens: None,
+        });
+        object.mapping.projection = Some(TextureProjection::Camera);
+        let taken = texture_corners(&object, 0, TextureProjection::Uv, &moved);
+        near(
+            taken.expect("a place"),
+            [(0.25, 0.0), (0.75, 0.0), (0.75, 1.0)],
+        );
+        // Behind the eye there is no place.
+        let behind = DAffine3::from_translation(DVec3::Z * 9.0);
+        assert_eq!(
+            texture_corners(&object, 0, TextureProjection::Uv, &behind),
+            None
+        );
+        object.mapping.projection = Some(TextureProjection::Cylinder);
         // Across the seam the corners stay together.
         if let Some(projector) = &mut object.mapping.projector {
             projector.front = DVec3::NEG_Z;
@@ -191,9 +251,10 @@ mod tests {
             size: DVec2::ZERO,
             ..Projector::about(&object.mesh.bounds())
         });
-        assert_eq!(texture_corners(&object, 0, TextureProjection::Plane), None);
+        assert_eq!(unplaced(&object, 0, TextureProjection::Plane), None);
+        assert_eq!(unplaced(&object, 0, TextureProjection::Camera), None);
         object.texture = None;
-        assert_eq!(texture_corners(&object, 0, TextureProjection::Uv), None);
-        assert_eq!(texture_corners(&object, 9, TextureProjection::Uv), None);
+        assert_eq!(unplaced(&object, 0, TextureProjection::Uv), None);
+        assert_eq!(unplaced(&object, 9, TextureProjection::Uv), None);
     }
 }

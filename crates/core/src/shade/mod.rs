@@ -18,6 +18,7 @@ mod own_color;
 #[cfg(test)]
 mod own_color_tests;
 mod per_triangle;
+mod photograph;
 mod placed;
 mod ramp;
 mod reflection;
@@ -46,6 +47,7 @@ pub(crate) use legend::DrawnLegend;
 pub use legend::Legend;
 pub use mapping::texture_corners;
 pub use mode::{Background, Filter, Ground, GroundError, LightSet, Mode, Shading, Wireframe};
+pub use photograph::PhotographError;
 pub(crate) use section::{Cut, Section, Shown};
 pub use shader::Shader;
 pub(crate) use srgb::{encode, encode_premultiplied, over_black};

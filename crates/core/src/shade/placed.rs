@@ -35,7 +35,8 @@ impl Placed {
             TextureProjection::Cylinder => Surface::Cylinder,
             TextureProjection::Uv
             | TextureProjection::Triplanar
-            | TextureProjection::PerTriangle => return None,
+            | TextureProjection::PerTriangle
+            | TextureProjection::Camera => return None,
         };
         Some(Self {
             surface,

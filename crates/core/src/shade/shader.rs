@@ -210,7 +210,7 @@ impl<'a> Shader<'a> {
             creased: creased(scene, &shading),
             world_normals: world_normals(scene),
             own_colors,
-            texturing: Texturing::new(scene, shading, needs.texture),
+            texturing: Texturing::new(scene, shading, accel.origin(), needs.texture),
             sample_width: 1.0,
             depth: if shading.mode == Mode::Depth {
                 DepthColors::new(scene, &camera, shading.scale)
@@ -353,7 +353,8 @@ impl<'a> Shader<'a> {
     }
 
     /// The colour of the sample at (x, y) of the picture, in pixels from its top left corner:
-    /// linear light, alpha not multiplied in.
+    /// linear light, alpha not multiplied in. A texture that was taken by a camera shows as if that saw the hit:
+    /// whether it does is for who casts rays.
     pub fn color(&self, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
         if hit.primitive == MISS {
             self.behind(x, y)
@@ -591,9 +592,10 @@ impl<'a> Shader<'a> {
         if needs.texture {
             facet.triangle = triangle;
             facet.is_tinted = object.is_tinted(triangle);
-            facet.texture = object
-                .texture_on(triangle)
-                .and_then(|_| self.texturing.mapping(number, object, triangle));
+            facet.texture = object.texture_on(triangle).and_then(|_| {
+                let in_world = || self.accel.corners(primitive);
+                self.texturing.mapping(number, object, triangle, in_world)
+            });
             facet.blends = object.blend_numbers(triangle);
         }
         if needs.reflectance {
@@ -833,6 +835,20 @@ impl<'a> Shader<'a> {
             texel
         };
         color * (1.0 - a * blend) + texel * blend
+    }
+
+    /// Whether any hit's colour depends on [`TileShader::taken_from`](super::TileShader::taken_from).
+    pub(crate) fn has_photographs(&self) -> bool {
+        self.texturing.has_photographs()
+    }
+
+    /// Where the texture was taken that a hit on a triangle shows if it is seen from there.
+    pub(super) fn taken_from(&self, facet: &Facet, hit: &PrimitiveHit) -> Option<DVec3> {
+        let mapping = facet.texture.as_ref()?;
+        let object = &self.scene.objects[facet.object as usize];
+        let texture = object.texture_on(facet.triangle)?;
+        self.texturing
+            .taken_from((facet.object, texture), mapping, hit)
     }
 
     /// The texture's colour over what the sample at a place sees of it.

@@ -6,8 +6,8 @@ use crate::camera::{Camera, ImagePlane, Placement, Projection, Rect};
 use crate::hit::{Cull, Detail, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::scene::{
-    Attribute, Color, ColorRule, Material, Mesh, MeshData, Object, Scalar, ScalarAt, Scene,
-    Texture, Transform,
+    Attribute, Color, ColorRule, Material, Mesh, MeshData, Object, Photograph, Scalar, ScalarAt,
+    Scene, Texture, Transform,
 };
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
@@ -218,11 +218,22 @@ fn near_is_lighter_than_far() {
     }
 }
 
+/// Of a square as high as half of the image.
+const FROM_THE_FRONT: Photograph = Photograph {
+    eye: DVec3::new(0.0, 0.0, 5.0),
+    target: DVec3::ZERO,
+    up: DVec3::Y,
+    fov: 45.0,
+    shift: [0.0; 2],
+    lens: None,
+};
+
 #[test]
 fn textures_mix_with_colors_in_linear_light() {
     let texture = Texture::new(1, 1, vec![[0, 200, 255, 255]]).expect("a good texture");
     let mut textured = object(square());
     textured.texture = Some(Arc::new(texture));
+    textured.mapping.photograph = Some(FROM_THE_FRONT);
     let bench = Bench::new(vec![textured], front());
     let (own, image) = (linear([200, 100, 50]), linear([0, 200, 255]));
     for projection in TextureProjection::ALL {
@@ -289,6 +300,7 @@ fn a_texture_stands_upright() {
     let texture = Texture::new(1, 2, vec![[255, 0, 0, 255], [0, 255, 0, 255]]);
     let mut textured = object(square());
     textured.texture = texture.map(Arc::new);
+    textured.mapping.photograph = Some(FROM_THE_FRONT);
     let bench = Bench::new(vec![textured], front());
     // Its diagonal is the bottom of a triangle that is laid into the image.
     let upright = TextureProjection::ALL

@@ -21,11 +21,11 @@ pub(super) struct Texturing {
 }
 
 impl Texturing {
-    /// For the objects of a scene, where textures are shown at all.
-    pub(super) fn new(scene: &Scene, shading: Shading, is_shown: bool) -> Self {
+    /// For the objects of a scene, where textures are shown at all. Corners in the world are relative to `origin`.
+    pub(super) fn new(scene: &Scene, shading: Shading, origin: DVec3, is_shown: bool) -> Self {
         let mapping = |object: &Object| {
             let has_texture = object.has_texture();
-            has_texture.then(|| ObjectMapping::new(object, shading.projection))?
+            has_texture.then(|| ObjectMapping::new(object, shading.projection, origin))?
         };
         Self {
             mappings: if is_shown {
@@ -38,10 +38,37 @@ impl Texturing {
         }
     }
 
-    /// How an object's texture lies on a triangle; `None` where it has no place.
-    pub(super) fn mapping(&self, number: u32, object: &Object, triangle: u32) -> Option<Mapping> {
-        let mapping = self.mappings.get(number as usize)?.as_ref()?;
-        mapping.on(object, triangle)
+    /// How an object's texture lies on a triangle, whose corners `in_world` gives; `None` where it has no place.
+    pub(super) fn mapping(
+        &self,
+        number: u32,
+        object: &Object,
+        triangle: u32,
+        in_world: impl FnOnce() -> [Vec3; 3],
+    ) -> Option<Mapping> {
+        self.of(number)?.on(object, triangle, in_world)
+    }
+
+    /// Whether any texture is a photograph.
+    pub(super) fn has_photographs(&self) -> bool {
+        let mut mappings = self.mappings.iter().flatten();
+        mappings.any(|mapping| matches!(mapping, ObjectMapping::Photographed(_)))
+    }
+
+    /// Where the texture was taken that a hit shows if it is seen from there.
+    pub(super) fn taken_from(
+        &self,
+        (number, texture): (u32, &Texture),
+        mapping: &Mapping,
+        hit: &PrimitiveHit,
+    ) -> Option<DVec3> {
+        let (Mapping::Photographed(corners), Some(ObjectMapping::Photographed(photographed))) =
+            (mapping, self.of(number))
+        else {
+            return None;
+        };
+        let place = photographed.within(between(*corners, hit), texture);
+        place.map(|_| photographed.eye())
     }
 
     /// The texture's colour at a hit: linear light, alpha multiplied in.
@@ -83,6 +110,13 @@ impl Texturing {
                 };
                 let uv = placed.at(between(*corners, hit));
                 read(uv.x, uv.y)
+            }
+            Mapping::Photographed(corners) => {
+                let Some(ObjectMapping::Photographed(photographed)) = self.of(number) else {
+                    return [0.0; 4];
+                };
+                let place = photographed.within(between(*corners, hit), texture);
+                place.map_or([0.0; 4], |uv| read(uv.x, uv.y))
             }
         }
     }
@@ -160,6 +194,15 @@ impl Texturing {
                 let point = between(*corners, hit);
                 let steps = slopes.map(|slope| placed.along(point, moved(*corners, slope)));
                 read(placed.at(point), steps)
+            }
+            Mapping::Photographed(corners) => {
+                let Some(ObjectMapping::Photographed(photographed)) = self.of(number) else {
+                    return [0.0; 4];
+                };
+                let point = between(*corners, hit);
+                let along = |slope| photographed.along(point, moved(*corners, slope), texture);
+                let place = photographed.within(point, texture);
+                place.map_or([0.0; 4], |uv| read(uv, slopes.map(along)))
             }
         }
     }

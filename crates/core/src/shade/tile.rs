@@ -5,7 +5,7 @@ use super::{Shader, srgb};
 use crate::camera::{PanoramaRays, Rect};
 use crate::num::simd::{LANES, Lanes, Work, dispatch};
 use crate::{Hits, MISS, PrimitiveHit};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// How many triangles' colours are remembered: most of what 64 × 64 pixels show of triangles a few
 /// pixels wide, in two kilobytes.
@@ -67,6 +67,23 @@ impl<'s> TileShader<'s> {
         } else {
             srgb::encode(self.color(x, y, hit))
         }
+    }
+
+    /// Where the texture was taken that a hit shows if it is seen from there; `None` where its colour does not depend on
+    /// that.
+    pub(crate) fn taken_from(&mut self, x: f64, hit: &PrimitiveHit) -> Option<DVec3> {
+        let shader = self.shader;
+        shader.taken_from(self.facet(hit.primitive, x), hit)
+    }
+
+    /// As [`Shader::color`] of a hit on a triangle, without its texture.
+    pub(crate) fn untextured(&mut self, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
+        let shader = self.shader;
+        let facet = Facet {
+            texture: None,
+            ..*self.facet(hit.primitive, x)
+        };
+        shader.color_on(&facet, x, y, hit)
     }
 
     /// A layer's colour, linear light, and how much of what lies behind it covers: `along` is the unit vector of the ray.

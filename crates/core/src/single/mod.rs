@@ -2,6 +2,7 @@
 
 mod clipped;
 mod layers;
+mod seen;
 mod slab;
 #[cfg(test)]
 mod tie_tests;

@@ -9,6 +9,7 @@ mod light;
 mod mask;
 mod normal;
 mod own_color;
+mod photograph;
 mod range;
 mod reflection;
 mod section;
@@ -24,6 +25,7 @@ use crease::Creased;
 use light::Lights;
 use normal::ToWorld;
 use own_color::Numbers;
+use photograph::Place;
 use range::{Double, Vector, exactly, exactly_single, minus, plus};
 use raycast_core::Cull;
 use raycast_core::camera::{Camera, Projection, Rect, StereoKind};
@@ -64,6 +66,7 @@ pub(crate) struct Expected<'a> {
     legend: Option<Rect>,
     /// Whether sections are filled: fronts and backs are seen.
     has_sections: bool,
+    cull: Cull,
     /// The first row of the eye's picture, and how many it has: those of what lies behind everything.
     rows: (f64, f64),
 }
@@ -140,6 +143,7 @@ impl<'a> Expected<'a> {
             legend,
             has_sections: cull == Cull::None && shares_eyes(&whole),
             rows: rows_of(&whole, &camera),
+            cull,
         }
     }
 
@@ -359,8 +363,10 @@ impl<'a> Expected<'a> {
         let mesh = &hit.object.mesh;
         let filter = self.shading.filter;
         let own = hit.object.mapping.projection;
-        let by_uv = match own.unwrap_or(self.shading.projection) {
+        let projection = own.unwrap_or(self.shading.projection);
+        let by_uv = match projection {
             TextureProjection::Uv => mesh.has_uvs(),
+            TextureProjection::Camera => false,
             TextureProjection::Triplanar => false,
             // Not worked out a second time.
             TextureProjection::PerTriangle
@@ -368,12 +374,24 @@ impl<'a> Expected<'a> {
             | TextureProjection::Sphere
             | TextureProjection::Cylinder => return [Single::UNKNOWN; 3],
         };
-        if texture.wrap() != [Wrap::Repeat; 2]
+        let is_photograph = projection == TextureProjection::Camera;
+        if texture.wrap() != [Wrap::Repeat; 2] && !is_photograph
             || !matches!(filter, Filter::Nearest | Filter::Bilinear)
         {
             return [Single::UNKNOWN; 3];
         }
-        let [r, g, b, a] = if !by_uv {
+        let [r, g, b, a] = if is_photograph {
+            let Some(taken) = &hit.object.mapping.photograph else {
+                return color;
+            };
+            let numbers = (hit.number, hit.triangle);
+            let stage = (self.stage, self.cull);
+            match photograph::place(stage, numbers, hit.weights, taken, texture) {
+                Place::None => return color,
+                Place::At(place) => texture::sample(texture, place, filter),
+                Place::Unknown => return [Single::UNKNOWN; 3],
+            }
+        } else if !by_uv {
             let Some(Some(repeat)) = self.repeats.get(hit.number as usize) else {
                 return [Single::UNKNOWN; 3];
             };

@@ -1,7 +1,8 @@
 use super::values;
 use clap::Args;
+use raycast_core::camera::{BrownConrady, DEFAULT_FOV, Placement};
 use raycast_core::glam::{DVec2, DVec3};
-use raycast_core::scene::TextureProjection;
+use raycast_core::scene::{Photograph, TextureProjection};
 
 /// How surfaces find their place in a texture.
 #[derive(Clone, Debug, Default, Args)]
@@ -22,4 +23,38 @@ pub struct TextureProjectionArgs {
     /// Width and height of a plane; the height of a cylinder [default: the box's]
     #[arg(id = "texture_size", long = "texture-size", value_name = "W,H", allow_hyphen_values = true, value_parser = values::extent)]
     pub size: Option<DVec2>,
+    /// Project the texture as the photograph that a camera took, onto what it saw: where that stood, what it
+    /// looked at, and which way was up, in world space [default up: 0,1,0]
+    #[arg(id = "texture_camera", long = "texture-camera", value_name = "EYE/TARGET[/UP]", allow_hyphen_values = true, value_parser = values::placement)]
+    pub camera: Option<Placement>,
+    /// The photograph's vertical field of view in degrees [default: 45]
+    #[arg(id = "texture_fov", long = "texture-fov", value_name = "DEG", requires = "texture_camera", allow_hyphen_values = true, value_parser = values::planar_fov)]
+    pub fov: Option<f64>,
+    /// How many of its heights its frame was moved to the right and up off the view axis
+    #[arg(id = "texture_shift", long = "texture-shift", value_name = "X,Y", requires = "texture_camera", allow_hyphen_values = true, value_parser = values::shift)]
+    pub shift: Option<[f64; 2]>,
+    /// The calibrated lens that it was taken through, Brown-Conrady as OpenCV has it
+    #[arg(id = "texture_lens", long = "texture-lens", value_name = "K1,K2,P1,P2,K3", requires = "texture_camera", allow_hyphen_values = true, value_parser = values::lens)]
+    pub lens: Option<BrownConrady>,
+}
+
+impl TextureProjectionArgs {
+    /// The projection that was asked for: a photograph's camera asks for one, too.
+    pub fn kind(&self) -> Option<TextureProjection> {
+        let by_camera = self.camera.map(|_| TextureProjection::Camera);
+        self.kind.or(by_camera)
+    }
+
+    /// The camera of the photograph that was asked for.
+    pub fn photograph(&self) -> Option<Photograph> {
+        let Placement { eye, target, up } = self.camera?;
+        Some(Photograph {
+            eye,
+            target,
+            up,
+            fov: self.fov.unwrap_or(DEFAULT_FOV),
+            shift: self.shift.unwrap_or_default(),
+            lens: self.lens.map(|lens| lens.coefficients()),
+        })
+    }
 }

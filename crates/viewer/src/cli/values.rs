@@ -3,7 +3,8 @@
 use clap::builder::{PossibleValuesParser, RangedI64ValueParser, TypedValueParser};
 use raycast_core::Cull;
 use raycast_core::camera::{
-    BrownConrady, ImagePlane, LensError, Panorama, PixelFilter, Projection, StereoKind, check_step,
+    BrownConrady, ImagePlane, LensError, Panorama, PixelFilter, Placement, Projection, StereoKind,
+    check_step,
 };
 use raycast_core::glam::{DVec2, DVec3};
 use raycast_core::ranges;
@@ -84,6 +85,7 @@ pub(super) const TEXTURE_PROJECTIONS: Names<TextureProjection> = &[
     ("plane", TextureProjection::Plane),
     ("sphere", TextureProjection::Sphere),
     ("cylinder", TextureProjection::Cylinder),
+    ("camera", TextureProjection::Camera),
 ];
 
 pub(super) const LIGHTS: Names<LightSet> = &[
@@ -223,6 +225,22 @@ pub(super) fn point(text: &str) -> Result<DVec3, String> {
     } else {
         Err("expected three finite numbers".to_owned())
     }
+}
+
+/// Reads where a camera stands, what it looks at, and perhaps what is up.
+pub(super) fn placement(text: &str) -> Result<Placement, String> {
+    let points: Vec<_> = text.split('/').collect();
+    let placement = match points[..] {
+        [eye, target] => Placement::towards(point(eye)?, point(target)?),
+        [eye, target, up] => Placement {
+            eye: point(eye)?,
+            target: point(target)?,
+            up: point(up)?,
+        },
+        _ => return Err("expected points as EYE/TARGET[/UP]".to_owned()),
+    };
+    placement.check().map_err(|error| error.to_string())?;
+    Ok(placement)
 }
 
 /// Reads the distance between rays.

@@ -4,6 +4,7 @@ use crate::output::Output;
 use crate::progress::TerminalProgress;
 use crate::{memory, setup};
 use raycast_core::formats;
+use raycast_core::glam::DAffine3;
 use raycast_core::picture::{Format, Picture};
 use raycast_core::scene::{Color, Object};
 use raycast_core::shade::{TextureMap, texture_corners};
@@ -74,11 +75,16 @@ fn draw_files(args: &TextureMapArgs, output: &Output, map: &mut TextureMap) -> R
     }
 
     let objects = &file.scene.objects;
+    let placed = file
+        .scene
+        .world_from_objects()
+        .map_err(|error| Failure::could_not(error.to_string()))?;
     let one = args.object.or(args.triangle.map(|_| 0));
-    let chosen: Vec<&Object> = match one {
-        None => objects.iter().collect(),
+    let mut placed = objects.iter().zip(&placed);
+    let chosen: Vec<(&Object, &DAffine3)> = match one {
+        None => placed.collect(),
         Some(number) => {
-            let object = objects.get(number as usize).ok_or_else(|| {
+            let object = placed.nth(number as usize).ok_or_else(|| {
                 let count = objects.len();
                 Failure::usage(format!(
                     "there is no object {number}: there are {count}, from 0"
@@ -88,15 +94,17 @@ fn draw_files(args: &TextureMapArgs, output: &Output, map: &mut TextureMap) -> R
         }
     };
     let width = f64::from(args.line_width);
-    let corners = |object: &Object, number| texture_corners(object, number, projection);
+    let corners = |(object, world_from_object): (&Object, &DAffine3), number| {
+        texture_corners(object, number, projection, world_from_object)
+    };
     if let (Some(number), [object]) = (args.triangle, &chosen[..]) {
-        let count = object.mesh.triangles().len();
+        let count = object.0.mesh.triangles().len();
         if number as usize >= count {
             return Err(Failure::usage(format!(
                 "there is no triangle {number}: there are {count}, from 0"
             )));
         }
-        let corners = corners(object, number).ok_or_else(|| {
+        let corners = corners(*object, number).ok_or_else(|| {
             Failure::could_not(format!("triangle {number} has no place in the texture"))
         })?;
         let (color, opacity) = PICKED;
@@ -106,7 +114,7 @@ fn draw_files(args: &TextureMapArgs, output: &Output, map: &mut TextureMap) -> R
     }
     let mut unplaced = 0;
     for object in chosen {
-        for &number in object.mesh.kept() {
+        for &number in object.0.mesh.kept() {
             match corners(object, number) {
                 Some(corners) => map.draw_triangle(corners, EDGES, width),
                 None => unplaced += 1,

@@ -107,6 +107,11 @@ fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
                     "Cylinder",
                     "By angle and height about the object's axis",
                 ),
+                (
+                    TextureProjection::Camera,
+                    "Camera",
+                    "A photograph, onto what its camera saw",
+                ),
             ];
             out.extend(
                 select(ui, "mapping", label, shading.projection, &options)
@@ -114,6 +119,17 @@ fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
             );
         },
     );
+    if shading.projection == TextureProjection::Camera {
+        let hint = "Where the photograph was taken";
+        row(ui, "Taken", hint, |ui, _| {
+            let button =
+                egui::Button::new("From this view").min_size(egui::vec2(ui.available_width(), 0.0));
+            let hint = "Take the textures for photographs from where the camera stands now";
+            if ui.add(button).on_hover_text(hint).clicked() {
+                out.push(Command::TakePhotographs);
+            }
+        });
+    }
     row(
         ui,
         "Blend",

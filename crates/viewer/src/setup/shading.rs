@@ -4,7 +4,9 @@ use crate::cli::{
 use crate::failure::Failure;
 use crate::memory;
 use raycast_core::formats;
-use raycast_core::scene::{ColorRule, ColorScale, Projector, Quantity, Scene};
+use raycast_core::scene::{
+    ColorRule, ColorScale, Object, Projector, Quantity, Scene, TextureProjection,
+};
 use raycast_core::shade::{Mode, Shading, Wireframe};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -80,12 +82,26 @@ fn check_scalar(scene: &Scene, (option, name): (&str, &str)) -> Result<(), Failu
 /// Gives every object's texture the projection and the place that were asked for.
 ///
 /// # Errors
-/// A place without directions or size.
+/// A place without directions or size, a camera that can have taken nothing, or none where it is asked for.
 fn place_textures(scene: &mut Scene, args: &TextureProjectionArgs) -> Result<(), Failure> {
-    if args.kind.is_some() {
+    if args.kind().is_some() {
         for object in &mut scene.objects {
             object.mapping.projection = None;
         }
+    }
+    if let Some(photograph) = args.photograph() {
+        if let Err(error) = photograph.check() {
+            return Err(Failure::usage(error.to_string()));
+        }
+        for object in &mut scene.objects {
+            object.mapping.photograph = Some(photograph);
+        }
+    }
+    let mut objects = scene.objects.iter();
+    let is_taken = |object: &Object| !object.has_texture() || object.mapping.photograph.is_some();
+    if args.kind == Some(TextureProjection::Camera) && !objects.all(is_taken) {
+        let message = "--texture-projection camera needs --texture-camera EYE/TARGET";
+        return Err(Failure::usage(message.to_owned()));
     }
     let directions = [args.center, args.front, args.up];
     if directions == [None; 3] && args.size.is_none() {
@@ -142,7 +158,7 @@ pub fn shading(args: &ShadingArgs, file: Option<Shading>) -> Shading {
         background: args.background.unwrap_or(base.background),
         blend: args.blend.unwrap_or(base.blend),
         filter: args.filter.unwrap_or(base.filter),
-        projection: args.projection.kind.unwrap_or(base.projection),
+        projection: args.projection.kind().unwrap_or(base.projection),
         crease: args.crease.unwrap_or(base.crease),
         lights: args.lights.unwrap_or(base.lights),
         plain_color: args.plain_color.unwrap_or(base.plain_color),

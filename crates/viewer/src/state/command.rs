@@ -153,6 +153,8 @@ pub enum Command {
     SetFilter(Filter),
     /// How surfaces find their place in textures.
     SetTextureProjection(TextureProjection),
+    /// Take textures for photographs from where the camera stands.
+    TakePhotographs,
     /// Which faces rays meet.
     SetCull(Cull),
     /// In x-ray, how much of what lies behind it a surface covers.
@@ -379,6 +381,7 @@ impl Command {
             Self::SetBlend(_) => ("Change of blend", true),
             Self::SetFilter(_) => ("Change of filter", false),
             Self::SetTextureProjection(_) => ("Change of mapping", false),
+            Self::TakePhotographs => ("Change of photograph", false),
             Self::SetCull(_) => ("Change of faces", false),
             Self::SetXRayOpacity(_) => ("Opacity of x-ray", true),
             Self::SetBackFaces(_) => ("Color of back faces", true),

@@ -4,8 +4,10 @@ use super::State;
 use super::effect::Effect;
 use super::history::Snapshot;
 use super::turn::{Turning, axis_in, turned};
+use raycast_core::camera::{DEFAULT_FOV, Placement};
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{Object, Scene, Transform};
+use raycast_core::ranges;
+use raycast_core::scene::{Object, Photograph, Scene, Transform};
 use std::sync::Arc;
 
 /// Changes a copy of the list of objects, with the meshes shared; asks for a tree where the old one no longer
@@ -73,6 +75,34 @@ pub(super) fn change(
             })
         }
     }
+}
+
+/// Takes the textures of the objects that `is_meant` for photographs from where the camera stands.
+pub(super) fn take_photographs(
+    state: &mut State,
+    is_meant: impl Fn(&Object) -> bool,
+) -> Option<Effect> {
+    let viewpoint = state.viewpoint;
+    let shift = if state.can_shift() {
+        state.shift
+    } else {
+        [0.0; 2]
+    };
+    let Placement { eye, target, up } = viewpoint.placement();
+    let fov = ranges::fov(viewpoint.fov).unwrap_or(DEFAULT_FOV);
+    let photograph = Photograph {
+        eye,
+        target,
+        up,
+        fov,
+        shift,
+        lens: viewpoint.projection.lens().map(|lens| lens.coefficients()),
+    };
+    change(state, None, |object| {
+        if object.has_texture() && is_meant(object) {
+            object.mapping.photograph = Some(photograph);
+        }
+    })
 }
 
 /// Locks an object, or unlocks it.

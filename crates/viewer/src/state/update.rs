@@ -12,7 +12,7 @@ use super::{
     preferences,
 };
 use raycast_core::ranges::{FURTHEST_SHIFT, WIDEST_LINE};
-use raycast_core::shade::{Mode, Wireframe};
+use raycast_core::shade::{Mode, TextureProjection, Wireframe};
 
 pub use super::names::suggested_name;
 
@@ -146,7 +146,13 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::SetFilter(filter) => state.settings.shading.filter = filter,
         Command::SetTextureProjection(projection) => {
             state.settings.shading.projection = projection;
+            if projection == TextureProjection::Camera {
+                return objects::take_photographs(state, |object| {
+                    object.mapping.photograph.is_none()
+                });
+            }
         }
+        Command::TakePhotographs => return objects::take_photographs(state, |_| true),
         Command::SetCull(cull) => state.settings.cull = cull,
         Command::SetXRayOpacity(opacity) => {
             state.settings.shading.x_ray_opacity = opacity.clamp(0.0, 1.0);

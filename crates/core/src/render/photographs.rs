@@ -1,0 +1,39 @@
+use super::View;
+use crate::hit::{Cull, MISS, PrimitiveHit};
+use crate::scene::Masks;
+use crate::shade::TileShader;
+use crate::single::Clipped;
+
+/// Casts rays from where textures were taken: hits that are not seen from there have their object's own colours.
+///
+/// These rays meet what the picture's rays meet, and are always exact.
+#[derive(Debug)]
+pub(super) struct Photographs<'s> {
+    kept: Clipped<'s>,
+    cull: Cull,
+}
+
+impl<'s> Photographs<'s> {
+    pub(super) fn new(view: &'s View, masks: Option<&'s Masks<'s>>) -> Self {
+        Self {
+            kept: view.accel.clipped(&view.settings.clip).masked(masks),
+            cull: view.settings.cull,
+        }
+    }
+
+    /// The colour of the sample at (x, y) of the picture, linear light, alpha not multiplied in, where its hit would
+    /// show a texture that was taken from where it is not seen.
+    pub(super) fn hidden(
+        &self,
+        shader: &mut TileShader<'_>,
+        (x, y): (f64, f64),
+        hit: &PrimitiveHit,
+    ) -> Option<[f32; 4]> {
+        if hit.primitive == MISS {
+            return None;
+        }
+        let eye = shader.taken_from(x, hit)?;
+        let is_seen = self.kept.is_seen_from(eye, hit, self.cull);
+        (!is_seen).then(|| shader.untextured(x, y, hit))
+    }
+}
