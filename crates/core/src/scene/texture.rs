@@ -165,6 +165,20 @@ impl Texture {
         }
     }
 
+    /// The column and the row from the top of the texel that shows at (u, v). `None` beyond a border, and where a
+    /// coordinate is not finite.
+    pub fn texel_at(&self, u: f64, v: f64) -> Option<(u32, u32)> {
+        if !u.is_finite() || !v.is_finite() {
+            return None;
+        }
+        let [across, down] = self.wrap;
+        let x = across.near(u) * f64::from(self.width);
+        let y = (1.0 - down.near(v)) * f64::from(self.height);
+        // Within two sides of the image.
+        let column = across.texel(x.floor() as i64, self.width)?;
+        Some((column, down.texel(y.floor() as i64, self.height)?))
+    }
+
     /// The texels, row by row from the top.
     pub fn texels(&self) -> &[[u8; 4]] {
         &self.texels
@@ -214,5 +228,20 @@ mod tests {
         assert_eq!(outer.cropped(crop(2, 0, 2, 1)), None);
         assert_eq!(outer.cropped(crop(0, 0, 0, 1)), None);
         assert_eq!(outer.cropped(crop(u32::MAX, 0, 2, 1)), None);
+    }
+
+    #[test]
+    fn the_texel_at_a_point_is_wrapped_and_counted_from_the_top_left() {
+        let whole = Texture::new(4, 2, vec![[0; 4]; 8]).expect("a good texture");
+        let at = |wrap: Wrap, u: f64, v: f64| whole.clone().wrapped([wrap; 2]).texel_at(u, v);
+        for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp, Wrap::Border(None)] {
+            assert_eq!(at(wrap, 0.01, 0.99), Some((0, 0)), "{wrap:?}");
+            assert_eq!(at(wrap, 0.6, 0.2), Some((2, 1)), "{wrap:?}");
+        }
+        assert_eq!(at(Wrap::Repeat, -0.1, 5.2), Some((3, 1)));
+        assert_eq!(at(Wrap::Mirror, -0.1, 1.2), Some((0, 0)));
+        assert_eq!(at(Wrap::Clamp, 1e300, -7.0), Some((3, 1)));
+        assert_eq!(at(Wrap::Border(None), 1.1, 0.5), None);
+        assert_eq!(at(Wrap::Repeat, f64::NAN, 0.5), None);
     }
 }

@@ -116,11 +116,7 @@ pub fn texture_corners(
     }
     match (mapping.on(object, triangle, || corners)?, mapping) {
         (Mapping::Triplanar(corners, _), ObjectMapping::Triplanar(triplanar)) => {
-            let normal = flat_normal(corners);
-            let sizes = normal.abs().to_array();
-            let side = (0..3).fold(0, |best, i| if sizes[i] > sizes[best] { i } else { best });
-            let on_side = |corner| DVec2::from_array(triplanar.sides(corner, normal)[side].uv);
-            Some(corners.map(on_side))
+            Some(corners.map(|corner| faced_most(&triplanar, corners, corner)))
         }
         (Mapping::Placed(_), ObjectMapping::Placed(placed)) => {
             let [a, b, c] = corners.map(|corner| placed.at(corner.as_dvec3()));
@@ -133,6 +129,47 @@ pub fn texture_corners(
         (Mapping::Uv(uvs), _) => Some(uvs.map(|uv| uv.as_dvec2())),
         _ => None,
     }
+}
+
+/// Where an object's texture has a point of one of its triangles, which the weights of the second and the third corner
+/// give: (u, v) in sides of the image from its bottom left, beyond 0 to 1 where the texture wraps. As
+/// [`texture_corners`] has the corners, but round an axis and through a lens as well.
+///
+/// `None` where the triangle has no texture, or the point no place in it.
+pub fn texture_point(
+    object: &Object,
+    (triangle, [u, v]): (u32, [f64; 2]),
+    projection: TextureProjection,
+    world_from_object: &DAffine3,
+) -> Option<DVec2> {
+    let texture = object.texture_on(triangle)?;
+    let mapping = ObjectMapping::new(object, projection, DVec3::ZERO)?;
+    let corners = object.mesh.corners(triangle)?;
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    let point = a * (1.0 - u - v) + b * u + c * v;
+    match (mapping.on(object, triangle, || corners)?, mapping) {
+        (Mapping::Uv(uvs), _) => {
+            let [a, b, c] = uvs.map(|uv| uv.as_dvec2());
+            Some(a * (1.0 - u - v) + b * u + c * v)
+        }
+        (Mapping::Triplanar(corners, _), ObjectMapping::Triplanar(triplanar)) => {
+            Some(faced_most(&triplanar, corners, point.as_vec3()))
+        }
+        (_, ObjectMapping::Placed(placed)) => Some(placed.at(point)),
+        (_, ObjectMapping::Photographed(photographed)) => {
+            let in_object = object.mesh.offset() + point;
+            photographed.place(world_from_object.transform_point3(in_object), texture)
+        }
+        _ => None,
+    }
+}
+
+/// Where the side that a triangle faces most has a point.
+fn faced_most(triplanar: &Triplanar, corners: [Vec3; 3], point: Vec3) -> DVec2 {
+    let normal = flat_normal(corners);
+    let sizes = normal.abs().to_array();
+    let side = (0..3).fold(0, |best, i| if sizes[i] > sizes[best] { i } else { best });
+    DVec2::from_array(triplanar.sides(point, normal)[side].uv)
 }
 
 #[cfg(test)]
@@ -171,6 +208,42 @@ mod tests {
         projection: TextureProjection,
     ) -> Option<[DVec2; 3]> {
         texture_corners(object, triangle, projection, &DAffine3::IDENTITY)
+    }
+
+    #[test]
+    fn a_point_lies_where_its_weights_put_it_between_the_corners() {
+        let mut object = object();
+        object.mapping.photograph = Some(Photograph {
+            eye: DVec3::new(1e7, 2.0, 9.0),
+            target: DVec3::new(1e7, 2.0, 1.0),
+            up: DVec3::Y,
+            fov: 60.0,
+            shift: [0.0; 2],
+            lens: None,
+        });
+        // What keeps straight lines straight; a photograph of a plane that it faces does.
+        for projection in [
+            TextureProjection::Uv,
+            TextureProjection::PerTriangle,
+            TextureProjection::Triplanar,
+            TextureProjection::Plane,
+            TextureProjection::Camera,
+        ] {
+            let [a, b, c] = corners(&object, 0, projection);
+            for [u, v] in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.25, 0.5]] {
+                let hit = (0, [u, v]);
+                let found = texture_point(&object, hit, projection, &DAffine3::IDENTITY);
+                let expected = a * (1.0 - u - v) + b * u + c * v;
+                let found = found.expect("a place");
+                assert!(
+                    (found - expected).length() < 1e-6,
+                    "{projection:?} {found} {expected}"
+                );
+            }
+        }
+        let hit = (1, [0.25, 0.25]);
+        let none = texture_point(&object, hit, TextureProjection::Uv, &DAffine3::IDENTITY);
+        assert_eq!(none, None);
     }
 
     fn near(found: [DVec2; 3], expected: [(f64, f64); 3]) {

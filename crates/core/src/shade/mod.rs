@@ -45,7 +45,7 @@ pub use crate::scene::TextureProjection;
 pub use edge_kinds::{EdgeKinds, EdgeKindsError};
 pub(crate) use legend::DrawnLegend;
 pub use legend::Legend;
-pub use mapping::texture_corners;
+pub use mapping::{texture_corners, texture_point};
 pub use mode::{Background, Filter, Ground, GroundError, LightSet, Mode, Shading, Wireframe};
 pub use photograph::PhotographError;
 pub(crate) use section::{Cut, Section, Shown};
