@@ -3,6 +3,7 @@
 use super::cut::PlaneBy;
 use super::handle::{Handle, Tool};
 use super::inspection::Shown;
+use super::list_order::Insertion;
 use super::measure::Kind;
 use super::preferences::{Mouse, Theme};
 use super::turn::Turning;
@@ -200,6 +201,8 @@ pub enum Command {
     SetTransform(usize, Transform),
     /// Let an object move with another, or with none; it stays where it is.
     SetParent(usize, Option<usize>),
+    /// Put an object elsewhere in the list; it stays where it is in the scene.
+    Reorder(usize, Insertion),
     /// Turn an object, as [`SetTurning`](Self::SetTurning) says, about this axis (0 to 2).
     Turn(usize, usize),
     /// How objects are turned and scaled.
@@ -262,8 +265,14 @@ pub enum Command {
     Pin {
         /// The place.
         at: (f64, f64),
+        /// Beside what is kept already, rather than in its place.
+        beside: bool,
     },
-    /// Let go of it.
+    /// Look at one of the picks.
+    ChoosePick(usize),
+    /// Let go of one of the picks.
+    RemovePick(usize),
+    /// Let go of all of them.
     Unpin,
     /// Put text on the clipboard.
     Copy(String),
@@ -404,6 +413,7 @@ impl Command {
             Self::SetLocked(_, false) => ("Unlock", false),
             Self::SetTransform(..) => ("Move", true),
             Self::SetParent(..) => ("Change of parent", false),
+            Self::Reorder(..) => ("Change of order", false),
             Self::Turn(..) => ("Turn", false),
             Self::AddPlane(_) => ("Cut", false),
             Self::SetPlane(..) => ("Change of clipping plane", true),

@@ -16,6 +16,7 @@ pub mod history;
 mod inspect;
 pub mod inspection;
 pub mod lengths;
+pub mod list_order;
 pub mod manipulator;
 pub mod measure;
 pub mod motion;
@@ -25,6 +26,7 @@ pub mod news;
 mod objects;
 pub mod parents;
 pub mod pick;
+pub mod picks;
 mod plane;
 pub mod preferences;
 mod session;
@@ -40,7 +42,8 @@ use inspection::Inspection;
 use manipulator::Manipulating;
 use measure::Measuring;
 use motion::{Motion, Trail};
-use pick::{Pick, Pinned};
+use pick::Pick;
+use picks::Picks;
 use preferences::Preferences;
 use raycast_core::camera::{
     Camera, FrameLock, Grid, ImagePlane, PlaneError, PlaneRequest, Projection, Stereo,
@@ -156,7 +159,7 @@ pub struct State {
     /// What the colours of the picture on screen stand for.
     pub legend: Option<Arc<Legend>>,
     /// What was clicked on.
-    pub pinned: Option<Pinned>,
+    pub picks: Picks,
     /// Whether the keys are shown.
     pub help: bool,
     /// The list of commands, if open.
@@ -232,7 +235,7 @@ impl Default for State {
             cutting: None,
             inspection: Inspection::default(),
             legend: None,
-            pinned: None,
+            picks: Picks::default(),
             help: false,
             palette: None,
             prompt: None,
