@@ -1,7 +1,7 @@
 //! The objects of the scene: shown and hidden, named, coloured.
 
 use super::widgets::{choice, color, item, row, section};
-use super::{Commands, object_tree, transform};
+use super::{Commands, object_tree, shape, transform};
 use crate::state::State;
 use crate::state::command::Command;
 use crate::ui::format;
@@ -276,6 +276,9 @@ fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut 
         });
     });
     object_tree::parent(ui, state, number, out);
+    if let Some(shape) = object.shape.filter(|_| object.source.is_none()) {
+        shape::show(ui, state, (number, shape), out);
+    }
     transform::show(ui, state, number, object, out);
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(3.0, 3.0);

@@ -13,7 +13,7 @@ use raycast_core::Cull;
 use raycast_core::camera::{FrameLock, Grid, PixelFilter, Projection};
 use raycast_core::formats::LengthUnit;
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{ClippingPlane, Color, ColorRule, ColorScale, Transform};
+use raycast_core::scene::{ClippingPlane, Color, ColorRule, ColorScale, Shape, Transform};
 use raycast_core::shade::{
     Background, EdgeKinds, Filter, Ground, LightSet, Mode, TextureProjection,
 };
@@ -191,6 +191,10 @@ pub enum Command {
     EditName(Option<usize>),
     /// Give an object another name.
     Rename(usize, String),
+    /// Put a cube, a ball or their kind into the scene.
+    AddShape(Shape),
+    /// Give an object that is one other numbers.
+    SetShape(usize, Shape),
     /// Put a copy of an object beside it.
     Duplicate(usize),
     /// Take an object away, and those that move with it.
@@ -407,6 +411,8 @@ impl Command {
             Self::SetVisible(_, false) => ("Hide", false),
             Self::Isolate(_) => ("Isolate", false),
             Self::Rename(..) => ("Rename", false),
+            Self::AddShape(_) => ("Add", false),
+            Self::SetShape(..) => ("Change of shape", true),
             Self::Duplicate(_) => ("Duplicate", false),
             Self::Delete(_) => ("Delete", false),
             Self::SetLocked(_, true) => ("Lock", false),
@@ -427,7 +433,7 @@ impl Command {
     pub(super) fn object(&self) -> Option<usize> {
         match self {
             Self::SetColorRule(object, _) => *object,
-            Self::SetTransform(object, _) => Some(*object),
+            Self::SetTransform(object, _) | Self::SetShape(object, _) => Some(*object),
             // Or the one plane.
             Self::SetPlane(plane, _) => Some(*plane),
             _ => None,

@@ -3,7 +3,7 @@
 use raycast_core::Accel;
 use raycast_core::camera::CameraPath;
 use raycast_core::formats::LengthUnit;
-use raycast_core::scene::{Bounds, Mesh, Scene};
+use raycast_core::scene::{Bounds, Mesh, Object, Scene};
 use raycast_core::shade::Shading;
 use std::collections::{HashMap, VecDeque};
 use std::path::PathBuf;
@@ -125,11 +125,14 @@ impl Document {
         numbers.filter(|numbers| numbers.len() == self.read.objects.len())
     }
 
-    /// Whether every object can be named by a scene file: its mesh came from a file on the disk.
+    /// Whether every object can be named by a scene file: its mesh came from a file on the disk, or is a shape.
     pub fn can_be_saved(&self) -> bool {
         let objects = &self.scene.objects;
-        let is_on_disk = |path: &Option<PathBuf>| path.as_ref().is_some_and(|p| p.is_absolute());
-        !objects.is_empty() && objects.iter().all(|object| is_on_disk(&object.source))
+        let is_named = |object: &Object| match &object.source {
+            Some(path) => path.is_absolute(),
+            None => object.shape.is_some(),
+        };
+        !objects.is_empty() && objects.iter().all(is_named)
     }
 }
 

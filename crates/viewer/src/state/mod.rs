@@ -30,6 +30,7 @@ pub mod picks;
 mod plane;
 pub mod preferences;
 mod session;
+pub mod shapes;
 pub mod turn;
 pub mod update;
 pub mod viewpoint;

@@ -9,7 +9,7 @@ use super::viewpoint::fov_range;
 use super::{Palette, Pending, PromptKind, Resolution, SAMPLES_LIMIT, State};
 use super::{
     as_command, bookmarks, cut, files, history, inspect, list_order, navigate, objects, parents,
-    plane, preferences,
+    plane, preferences, shapes,
 };
 use raycast_core::ranges::{FURTHEST_SHIFT, WIDEST_LINE};
 use raycast_core::shade::{Mode, TextureProjection, Wireframe};
@@ -202,6 +202,8 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
                 state.turning = turning;
             }
         }
+        Command::AddShape(shape) => return shapes::add(state, shape),
+        Command::SetShape(which, shape) => return shapes::set(state, which, shape),
         Command::Duplicate(which) => return objects::duplicate(state, which),
         Command::Delete(which) => return objects::delete(state, which),
 

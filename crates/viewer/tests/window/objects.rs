@@ -5,6 +5,7 @@ use egui::{Key, Modifiers, PointerButton, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use raycast_core::glam::DVec3;
+use raycast_core::scene::Shape;
 use raycast_viewer::state::State;
 use raycast_viewer::state::effect::Effect;
 
@@ -253,5 +254,30 @@ fn rows_are_dragged_onto_others_and_between_them() {
     assert_eq!(
         listed(&harness),
         named([("left one", None), ("right one", None)])
+    );
+}
+
+#[test]
+fn a_shape_is_put_in_by_the_menu_and_changed_by_numbers() {
+    let mut harness = open_two();
+    click(&mut harness, "Add");
+    click(&mut harness, "Torus");
+    let shape = |harness: &Harness<'_, Bench>| {
+        let document = harness.state().state.document.as_ref().expect("a scene");
+        document.scene.objects[2].shape.expect("a shape")
+    };
+    assert_eq!(objects(&harness)[2].0, "torus");
+    click(&mut harness, "Tube");
+    harness.event(egui::Event::Text("0.5".to_owned()));
+    harness.key_press(Key::Enter);
+    harness.run();
+    assert_eq!(
+        shape(&harness),
+        Shape::Torus {
+            radius: 1.0,
+            tube: 0.5,
+            segments: 64,
+            rings: 32
+        }
     );
 }

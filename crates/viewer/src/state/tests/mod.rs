@@ -25,7 +25,9 @@ use raycast_core::camera::{
 };
 use raycast_core::formats::{CameraFile, ImageSettings};
 use raycast_core::glam::{DAffine3, DVec3};
-use raycast_core::scene::{Color, ColorRule, Mesh, MeshData, Object, Scene, Texture, Transform};
+use raycast_core::scene::{
+    Color, ColorRule, Mesh, MeshData, Object, Scene, Shape, Texture, Transform,
+};
 use raycast_core::shade::{Mode, TextureProjection};
 use raycast_core::{Accel, Cull, Precision};
 use std::path::PathBuf;

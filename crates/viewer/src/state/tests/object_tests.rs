@@ -320,6 +320,55 @@ fn an_object_put_elsewhere_in_the_list_takes_its_number_mark_lock_and_children_a
 }
 
 #[test]
+fn shapes_are_put_in_changed_by_numbers_and_undone() {
+    let mut state = opened_to_edit(2);
+    let [cube, _, sphere, ..] = crate::state::shapes::SHAPES;
+    for shape in [cube, cube, sphere] {
+        assert_eq!(
+            update(&mut state, Command::AddShape(shape)),
+            Some(Effect::Build)
+        );
+        build(&mut state);
+    }
+    assert_eq!(names(&state)[2..], ["cube", "cube 2", "sphere"]);
+    assert_eq!(state.selected, Some(4));
+    let object = &document(&state).scene.objects[4];
+    assert_eq!(object.transform.translate, state.viewpoint.orbit.pivot);
+    assert_eq!(object.mesh.triangles().len() as u64, sphere.triangles());
+    assert!(
+        document(&state).can_be_saved(),
+        "a scene file says what they are"
+    );
+    let with = |radius, segments| Shape::Sphere {
+        radius,
+        segments,
+        rings: 8,
+    };
+    update(&mut state, Command::SetShape(4, with(2.0, 12)));
+    update(&mut state, Command::SetShape(4, with(3.0, 12)));
+    let object = &document(&state).scene.objects[4];
+    assert_eq!(
+        (object.shape, object.mesh.bounds().size().y),
+        (Some(with(3.0, 12)), 6.0)
+    );
+    // What has no mesh, is too much for one frame, or is no shape, changes nothing.
+    let scene = Arc::clone(&document(&state).scene);
+    for (which, shape) in [
+        (4, with(0.0, 12)),
+        (4, with(1.0, 16_000)),
+        (0, cube),
+        (9, cube),
+    ] {
+        update(&mut state, Command::SetShape(which, shape));
+        assert!(Arc::ptr_eq(&document(&state).scene, &scene));
+    }
+    update(&mut state, Command::Undo);
+    assert_eq!(document(&state).scene.objects[4].shape, Some(sphere));
+    update(&mut state, Command::Undo);
+    assert_eq!(names(&state).len(), 4);
+}
+
+#[test]
 fn one_row_up_or_down_is_past_a_neighbour_with_the_same_parent() {
     let mut state = opened_to_edit(4);
     update(&mut state, Command::SetParent(1, Some(3)));
