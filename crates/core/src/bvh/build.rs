@@ -6,6 +6,7 @@ use super::flatten::{Reachable, World};
 use super::instances::Instances;
 use super::joined;
 use super::layout::{Layout, halved};
+use super::rounds;
 use super::tree::{Box32, DEPTH_LIMIT, Tree};
 use super::treelet::Treelets;
 use crate::num::simd::Simd;
@@ -91,7 +92,11 @@ fn build_tree(boxes: &[Box32], depth_limit: usize) -> (Tree, Vec<u32>) {
         members.fold(Box32::EMPTY, |all, &index| all.union(boxes[index as usize]))
     };
     let around: Vec<Box32> = (0..treelets.len()).into_par_iter().map(around).collect();
-    let clusters = (treelets.len() > 1 && !has_many_equals(&around)).then(|| cluster(&around));
+    let clusters = if treelets.len() > 1 && !has_many_equals(&around) {
+        cluster(&around)
+    } else {
+        None
+    };
     let layout = clusters
         .as_ref()
         .and_then(|clusters| Layout::measure(boxes, &treelets, clusters, depth_limit));
@@ -107,7 +112,9 @@ fn build_tree(boxes: &[Box32], depth_limit: usize) -> (Tree, Vec<u32>) {
 ///
 /// The builder computes areas in single precision: the boxes it sees are brought into the unit cube
 /// first. It decides the tree's shape alone, so their rounding changes no answer.
-fn cluster(boxes: &[Box32]) -> Bvh2 {
+///
+/// `None` of boxes for which that would take long.
+fn cluster(boxes: &[Box32]) -> Option<Bvh2> {
     let all = boxes.iter().copied().fold(Box32::EMPTY, Box32::union);
     let size = (all.max.as_dvec3() - all.min.as_dvec3()).max_element();
     let factor = if size > 0.0 { 1.0 / size } else { 1.0 };
@@ -117,16 +124,19 @@ fn cluster(boxes: &[Box32]) -> Bvh2 {
         .par_iter()
         .map(|b| Aabb::new(unit(b.min), unit(b.max)))
         .collect();
+    if rounds::are_many(&aabbs) {
+        return None;
+    }
     let indices = (0..boxes.len() as u32).collect();
     let mut bvh = PlocBuilder::with_capacity(aabbs.len()).build(
         PlocSearchDistance::Low,
         &aabbs,
         indices,
         SortPrecision::U64,
-        2,
+        rounds::SHORT_ROUNDS,
     );
     ReinsertionOptimizer::default().run(&mut bvh, 0.02, None);
-    bvh
+    Some(bvh)
 }
 
 /// Whether so many boxes coincide that clustering by area would have nothing to go by: it then
@@ -245,6 +255,15 @@ mod tests {
         check(
             "a crowd far from one other",
             &of(&|i| Vec3::splat(if i == 0 { 1e18 } else { i as f32 })),
+        );
+        check(
+            "each larger than the one before",
+            &(0..count)
+                .map(|i| Box32 {
+                    min: Vec3::ZERO,
+                    max: Vec3::new((i + 1) as f32, 1.0, 0.0),
+                })
+                .collect::<Vec<_>>(),
         );
         check(
             "at the ends of the range",

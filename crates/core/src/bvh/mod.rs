@@ -8,6 +8,7 @@ mod instances;
 mod joined;
 mod layout;
 mod placement;
+mod rounds;
 mod support;
 mod top_level;
 mod topology;

@@ -209,6 +209,8 @@ fn what_no_camera_can_have_is_refused() {
             None,
             Err(StereoError::EyeDistance),
         ),
+        (far(1e18), planar, None, Ok(())),
+        (far(1.01e18), planar, None, Err(StereoError::EyeDistance)),
     ] {
         assert_eq!(stereo.check(projection, plane), expected, "{stereo:?}");
     }

@@ -3,6 +3,9 @@
 use std::fmt;
 use std::str::FromStr;
 
+/// The furthest that eyes are apart: as far as a scene's coordinates go. Much further, rays would start where no double is.
+const WIDEST: f64 = 1e18;
+
 /// How a picture for two eyes is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StereoKind {
@@ -32,7 +35,7 @@ pub struct Stereo {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StereoError {
     /// A distance between the eyes that is none.
-    #[error("expected a distance between the eyes above 0, and finite")]
+    #[error("expected a distance between the eyes above 0 and at most {WIDEST:e}")]
     EyeDistance,
     /// A distance of convergence that is none.
     #[error("expected a distance of convergence above 0, or inf")]
@@ -92,7 +95,7 @@ impl Stereo {
     /// # Errors
     /// Distances that are none.
     pub fn check_distances(&self) -> Result<(), StereoError> {
-        if !(self.eye_distance > 0.0 && self.eye_distance.is_finite()) {
+        if !(self.eye_distance > 0.0 && self.eye_distance <= WIDEST) {
             return Err(StereoError::EyeDistance);
         }
         // NaN is not above zero.

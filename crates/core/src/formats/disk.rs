@@ -53,6 +53,12 @@ impl Files for Disk<'_> {
         Ok(filling.into_contents())
     }
 
+    fn name(&self, path: &Path) {
+        if path.is_file() {
+            self.opened.add(self.source(path));
+        }
+    }
+
     fn source(&self, path: &Path) -> PathBuf {
         absolute(path)
     }

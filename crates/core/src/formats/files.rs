@@ -32,10 +32,13 @@ pub(super) trait Files {
         progress: Progress<'_>,
     ) -> Result<Contents<'_>, FormatError>;
 
+    /// Remembers a file that a mesh names and that nothing shown here needs: if it is there, it counts as opened.
+    fn name(&self, path: &Path);
+
     /// The path under which an object remembers its file.
     fn source(&self, path: &Path) -> PathBuf;
 
-    /// The files that were opened so far, each once, by the paths that [`Files::source`] gives.
+    /// The files that were opened or named so far, each once, by the paths that [`Files::source`] gives.
     fn opened(&self) -> Vec<PathBuf>;
 
     /// What reading may take.
@@ -148,7 +151,7 @@ impl<'b> Filling<'b> {
     }
 }
 
-/// The files that were opened, each once, in their order.
+/// The files that were opened or named, each once, in their order.
 #[derive(Default)]
 pub(super) struct Opened(RefCell<(Vec<PathBuf>, HashSet<PathBuf>)>);
 

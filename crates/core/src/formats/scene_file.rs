@@ -71,10 +71,10 @@ pub struct SceneFile {
     pub warnings: Vec<String>,
     /// What the files are, say of themselves, and hold that is not used: a line each. Never saved.
     pub notes: Vec<String>,
-    /// Every file that was opened on the way, each once: the scene file itself, meshes, their
-    /// material libraries, textures, and those that could be opened and then not be read. Nothing
-    /// should be written over them. Absolute, or relative where they came from a caller's own store
-    /// of files. Never saved.
+    /// Every file that was opened on the way, each once: the scene file itself, meshes, their material libraries,
+    /// textures, those that could be opened and then not be read, and those that meshes name and that are not shown.
+    /// Nothing should be written over them. Absolute, or relative where they came from a caller's own store of files.
+    /// Never saved.
     pub opened: Vec<PathBuf>,
 }
 

@@ -11,6 +11,10 @@ use std::path::Path;
 /// The most columns or rows of a texture.
 const SIDE_LIMIT: u32 = 32_768;
 
+/// The most bytes that a decoder holds beside the picture: a row, colour profiles, texts. A packed profile may be a thousand
+/// times as large as its file; one that is larger than this is passed over.
+const PROFILE_LIMIT: u64 = 16 << 20;
+
 /// Bytes that a JPEG decoder holds a pixel beside the picture, at most: coefficients of 16 bits, of
 /// up to four components, where they come in several scans.
 const JPEG_COEFFICIENTS: u64 = 8;
@@ -47,8 +51,7 @@ fn decode_within(path: &Path, bytes: &[u8], budget: &Budget) -> Result<Texture, 
         return Err(unknown());
     };
     let mut limits = Limits::no_limits();
-    // What the decoder holds beside the picture: profiles, texts.
-    limits.max_alloc = Some(budget.bytes_left());
+    limits.max_alloc = Some(budget.bytes_left().min(PROFILE_LIMIT));
     reader.limits(limits);
     let decoder = reader.into_decoder().map_err(fault)?;
 

@@ -7,7 +7,7 @@ use crate::{memory, setup};
 use raycast_core::formats::{HIT_BYTES, RAY_BYTES, SceneFile, decode_ray, encode_hit};
 use raycast_core::{Clipped, Cull};
 use rayon::prelude::*;
-use std::fs::File;
+use std::fs::{File, Metadata};
 use std::io::{Read, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -133,11 +133,30 @@ fn open_rays(path: &Path) -> Result<(File, u64), Failure> {
             path.display()
         )));
     }
+    if is_device(&found) {
+        // It may have no end, as /dev/zero.
+        return Err(Failure::could_not(format!(
+            "{}: expected a file of rays or a pipe, found a device",
+            path.display()
+        )));
+    }
     let bytes = if found.is_file() { found.len() } else { 0 };
     if bytes % RAY_BYTES as u64 != 0 {
         return Err(cut_short(path, bytes));
     }
     Ok((file, bytes))
+}
+
+#[cfg(unix)]
+fn is_device(found: &Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    let kind = found.file_type();
+    kind.is_char_device() || kind.is_block_device()
+}
+
+#[cfg(not(unix))]
+fn is_device(_: &Metadata) -> bool {
+    false
 }
 
 fn cut_short(path: &Path, bytes: u64) -> Failure {

@@ -7,6 +7,8 @@ use crate::output::Output;
 use clap::Parser;
 use raycast_core::picture::Format;
 use std::ffi::OsString;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Options of `raycast render` that say where the camera is, each with a value: a picture's recipe tells them
@@ -69,6 +71,13 @@ pub(super) fn run(args: &PlanArgs) -> Result<(), Failure> {
         ),
     ];
     let own = Output::at(&plan.path, &inputs)?;
+    if own.is_taken() && !is_plan(&plan.path) {
+        // It may be what a mesh names: of that nothing is known here, where no mesh is read.
+        return Err(Failure::could_not(format!(
+            "{}: is there already and is no plan: give the plan another name",
+            plan.path.display()
+        )));
+    }
     let mut outputs = Vec::new();
     for (path, text) in &files {
         let output = match *path == plan.path {
@@ -88,6 +97,17 @@ pub(super) fn run(args: &PlanArgs) -> Result<(), Failure> {
         output.write(text.as_bytes())?.finish()?;
     }
     Ok(())
+}
+
+/// Whether a file is a plan, or empty.
+fn is_plan(path: &Path) -> bool {
+    const FIRST_LINE: u64 = 1 << 16;
+    let mut start = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(FIRST_LINE).read_to_end(&mut start));
+    let start = String::from_utf8_lossy(&start);
+    let line = start.lines().next().unwrap_or_default();
+    let is_job = line.contains(" render ") && line.contains(" -o ");
+    read.is_ok() && (start.is_empty() || is_job)
 }
 
 /// What was asked for, with absolute paths: a job may start in any folder.

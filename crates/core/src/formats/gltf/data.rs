@@ -112,11 +112,26 @@ impl<'d> Data<'d> {
             let found = format!("{}, which is not fetched", quote(uri));
             return Err(self.fault(place, "a file", &found));
         }
-        let name = percent_decode_str(uri).decode_utf8_lossy();
-        let path = beside(self.path, &name);
+        let path = self.path_of(uri);
         let none: Progress<'_> = &|_| ();
         let contents = self.files.read(&path, By::Mesh(self.path), none)?;
         Ok(Bytes::File(contents, path))
+    }
+
+    /// Remembers the files of all buffers and images, whether they are shown or not.
+    pub(super) fn name_files(&self) {
+        let buffers = self.root.buffers.iter().map(|buffer| &*buffer.uri);
+        let images = self.root.images.iter().map(|image| &*image.uri);
+        let is_file =
+            |uri: &&str| !uri.is_empty() && !uri.starts_with("data:") && !uri.contains("://");
+        for uri in buffers.chain(images).filter(is_file) {
+            self.files.name(&self.path_of(uri));
+        }
+    }
+
+    /// The file that a URI names.
+    fn path_of(&self, uri: &str) -> PathBuf {
+        beside(self.path, &percent_decode_str(uri).decode_utf8_lossy())
     }
 
     /// A buffer's bytes.

@@ -65,6 +65,7 @@ pub(super) fn read(
     let (root, _share) = json::parse(path, json, is_binary, files.budget())?;
     check_version(path, &root)?;
     let data = Data::new(path, &root, binary, files);
+    data.name_files();
     let mesh_nodes = nodes::mesh_nodes(&data)?;
     let mut materials = Materials::new(&data);
     let mut skipped = Skipped::default();

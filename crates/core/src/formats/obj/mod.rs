@@ -205,6 +205,9 @@ fn materials(
 ) -> (Materials, Option<PathBuf>) {
     let mut materials = Materials::new();
     for (library, bytes) in libraries(path, &text.libraries, files, warnings) {
+        for image in mtl::images(&bytes) {
+            files.name(&beside(&library, &image));
+        }
         let read = mtl::read(&library, &bytes, warnings, unused);
         materials.extend(read.into_iter().map(|material| (material, library.clone())));
     }
@@ -341,6 +344,7 @@ fn libraries<'f>(
         }
         let library = beside(path, name);
         if found.iter().all(|(known, _)| *known != library) {
+            files.name(&library);
             let bytes = files.read(&library, By::Mesh(path), &|_| ())?;
             found.push((library, bytes));
         }

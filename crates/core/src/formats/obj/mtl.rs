@@ -1,4 +1,4 @@
-use crate::formats::lines::{Lines, text};
+use crate::formats::lines::{Line, Lines, text};
 use crate::quote::{self, quote, shorten};
 use crate::scene::{Alpha, Color, Material, Opacity, Reflectance};
 use std::collections::BTreeMap;
@@ -97,6 +97,19 @@ pub(super) fn read(
             Vec::new()
         }
     }
+}
+
+/// The images that a library names, those too that are not shown.
+pub(super) fn images(bytes: &[u8]) -> Vec<String> {
+    let text = text(bytes);
+    let of = |line: Line<'_>| {
+        let (keyword, rest) = line.text.trim().split_once(char::is_whitespace)?;
+        let keyword = keyword.to_ascii_lowercase();
+        let is_image = keyword.starts_with("map_")
+            || ["bump", "disp", "decal", "norm", "refl"].contains(&&*keyword);
+        image_name(rest).filter(|_| is_image).map(str::to_owned)
+    };
+    Lines::of(&text).filter_map(of).collect()
 }
 
 /// What a library says of how a material reflects light.
