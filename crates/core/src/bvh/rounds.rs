@@ -34,7 +34,13 @@ pub(super) fn are_many(boxes: &[Aabb]) -> bool {
     }
     let sampled = (boxes.len() / BOXES_A_SAMPLE).max(FEWEST_SAMPLED);
     let stride = boxes.len() / sampled;
-    let sample: Vec<Aabb> = boxes.iter().copied().step_by(stride).collect();
+    // One of every so many, each elsewhere among them: of a regular grid even steps would leave lines of equal boxes, all of
+    // which are as near to one another.
+    let elsewhere =
+        |index: usize| ((index as u32).wrapping_mul(0x9e37_79b9) >> 16) as usize % stride;
+    let sample: Vec<Aabb> = (0..boxes.len() / stride)
+        .map(|index| boxes[index * stride + elsewhere(index)])
+        .collect();
     // Rounds that join few clusters are as many more as there are more boxes, and as much longer.
     let most = sample.len() * (LOOKS + MOST_LOOKS / stride);
     !ends(&sample, most)
