@@ -49,6 +49,10 @@ pub struct BenchArgs {
     /// What the pictures show
     #[arg(long, value_name = "MODE", default_value = "smooth", value_parser = values::named(values::MODES))]
     pub mode: Mode,
+    /// Measure the pictures of all modes beside visibility, in turn; frame_beside_cast is the geometric mean over the
+    /// views, written_ms what writing the picture's bytes alone takes
+    #[arg(long, conflicts_with_all = ["mode", "baselines"])]
+    pub modes: bool,
     /// How rays meet triangles.
     #[command(flatten)]
     pub casting: CastingArgs,

@@ -1,3 +1,5 @@
+mod modes;
+
 use super::{Failure, warn, workers};
 use crate::cli::BenchArgs;
 use crate::output::print;
@@ -106,6 +108,9 @@ fn median(sorted: &[Duration]) -> Duration {
 /// Measures frame times and prints them.
 pub(super) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let pool = workers(args.casting.threads)?;
+    if args.modes {
+        return modes::run(args, &pool);
+    }
     let mut figures = Vec::with_capacity(args.files.len());
     for file in &args.files {
         let progress = TerminalProgress::new();
