@@ -44,6 +44,17 @@ pub enum Detail {
     Full,
 }
 
+/// Which of a hit's numbers are interpolated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum HitNumbers {
+    /// t alone.
+    T,
+    /// u and v alone.
+    Weights,
+    /// All.
+    All,
+}
+
 /// In place of a primitive index: the ray hits nothing.
 pub const MISS: u32 = u32::MAX;
 

@@ -2,7 +2,8 @@
 
 use crate::bvh::Accel;
 use crate::camera::{Camera, ImagePlane, Lattice, Orbit, Projection, Rect};
-use crate::hit::{Cull, Detail, Precision};
+use crate::hit::{Cull, Detail, HitNumbers, Precision, PrimitiveHit};
+use crate::hits::Hits;
 use crate::math;
 use crate::num::simd::Simd;
 use crate::random::Random;
@@ -99,9 +100,31 @@ fn assert_tiles_equal_rays(accel: &Accel, camera: Camera) -> usize {
                 assert_eq!(*hit, expected, "{column} {row} {camera:?}");
                 hits_found += usize::from(!hit.is_miss());
             }
+            assert_numbers_alone_are_the_same(accel, &lattice, cull, &hits);
         }
     }
     hits_found
+}
+
+/// Where t alone is asked for, or u and v alone, they have the bits that they have among all.
+fn assert_numbers_alone_are_the_same(
+    accel: &Accel,
+    lattice: &Lattice,
+    cull: Cull,
+    all: &[PrimitiveHit],
+) {
+    let all: Hits = all.iter().copied().collect();
+    let alone = |numbers| {
+        let mut hits = Hits {
+            primitives: all.primitives.clone(),
+            ..Hits::default()
+        };
+        accel.evaluate_numbers(lattice, cull, Precision::Exact, numbers, &mut hits);
+        hits
+    };
+    assert_eq!(alone(HitNumbers::T).t, all.t);
+    let weights = alone(HitNumbers::Weights);
+    assert_eq!((weights.u, weights.v), (all.u, all.v));
 }
 
 pub(super) fn cameras(size: f64, offset: DVec3) -> Vec<Camera> {

@@ -24,6 +24,8 @@ pub(super) struct Needs {
     pub(super) reflectance: bool,
     /// Lines.
     pub(super) edges: bool,
+    /// Whether the ground may lie before it.
+    pub(super) ground: bool,
 }
 
 /// A triangle made ready for its pixels.
@@ -53,6 +55,8 @@ pub(super) struct Facet {
     /// Its material's number in its mesh, where that says how it reflects light.
     pub(super) material: Option<u32>,
     pub(super) edges: Option<EdgeLines>,
+    /// Whether the ground may lie before it.
+    pub(super) shows_ground: bool,
 }
 
 /// How colours change within a triangle.
@@ -97,6 +101,7 @@ impl Facet {
         uvs: None,
         material: None,
         edges: None,
+        shows_ground: true,
     };
 
     /// How much of the texture shows at barycentrics (u, v), 0 to 1; all of it where there is no number.
@@ -131,6 +136,25 @@ impl Facet {
             length
         };
         normal / side
+    }
+}
+
+/// A triangle made ready for a picture's channels beside colours.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SurfaceTriangle {
+    pub(super) object: u32,
+    /// Its number in its object.
+    pub(super) triangle: u32,
+    /// Its normals and texture coordinates.
+    pub(super) facet: Facet,
+}
+
+impl SurfaceTriangle {
+    /// The unit normal and the texture coordinates at barycentrics (u, v); zero where there are no coordinates.
+    pub(super) fn at(&self, u: f32, v: f32) -> ([f32; 3], [f32; 2]) {
+        let uv = self.facet.uvs.map_or(Vec2::ZERO, |uvs| blend(uvs, u, v));
+        let uv = if uv.is_finite() { uv } else { Vec2::ZERO };
+        (self.facet.normal_at(u, v).to_array(), uv.to_array())
     }
 }
 

@@ -83,9 +83,31 @@ impl GroundGrid {
         }
     }
 
+    /// Whether the ground surely shows before no point between corners, relative to the eye of a picture whose rays all
+    /// begin there.
+    ///
+    /// Where the eye is above the ground, a ray meets it before a point p only where p is below it: t of p is (height of the
+    /// eye over p) / (height of the eye over the ground) of the ground's, at most 1 + 2⁻²³ here. t's rounding to single
+    /// precision adds 2⁻²⁴, and both are less than [`NEARER`]. What the eye's own height is rounded by is of no account.
+    pub(super) fn is_hidden_by(&self, eye: f64, origin: f64, corners: [DVec3; 3]) -> bool {
+        const LOWER: f64 = 1.0 + 1.0 / (1 << 23) as f64;
+        const COARSE_EYE: f64 = 1.0 / (1u64 << 26) as f64;
+        let down = self.height - (eye + origin);
+        let rounded = (eye.abs() + origin.abs() + self.height.abs()) * f64::EPSILON;
+        let lowest = down * LOWER;
+        let is_before = |corner: DVec3| (corner.y - lowest) * down <= 0.0;
+        rounded <= down.abs() * COARSE_EYE && corners.into_iter().all(is_before)
+    }
+
     fn meeting(&self, camera: &Camera, x: f64, y: f64) -> Option<Meeting> {
         // Of one eye: how far the next column's is aside moves lines by far less than a pixel.
-        let camera = &camera.seen_at(x, y);
+        let seen_at;
+        let camera = if camera.has_an_eye_a_column() {
+            seen_at = camera.seen_at(x, y);
+            &seen_at
+        } else {
+            camera
+        };
         let ray = camera.ray(x, y);
         let distance = (self.height - ray.origin.y) / ray.direction.y;
         if !(distance > 0.0 && distance.is_finite()) {
@@ -112,6 +134,12 @@ impl GroundGrid {
         // Lines across x run along z, and the reverse.
         for (axis, color) in [(0, self.axes[1]), (2, self.axes[0])] {
             let place = met.point[axis] / self.cell;
+            let [right, down] = met.steps.map(|step| step[axis].abs());
+            // Every line is at a whole number, and none reaches 2 pixels from its middle: a pixel's way is at most the sum
+            // of those to the right and down.
+            if (place - place.round()).abs() * self.cell > 2.0 * (right + down) {
+                continue;
+            }
             // Cells a pixel.
             let rate = math::hypot(met.steps[0][axis], met.steps[1][axis]) / self.cell;
             if !(rate > 0.0 && rate.is_finite() && place.is_finite()) {

@@ -1,8 +1,11 @@
 //! From hits to colours.
 
+mod depth_colors;
 mod edge_choice;
 mod edge_kinds;
 mod edges;
+mod eight;
+mod eight_colors;
 mod facet;
 mod footprint;
 mod ground;
@@ -36,6 +39,7 @@ mod tests;
 mod texture_map;
 mod texturing;
 mod tile;
+mod tile_rays;
 mod translucent;
 mod triplanar;
 #[cfg(test)]

@@ -445,7 +445,12 @@ fn check_tiles(with_normals: bool) {
         .collect();
     let hits: Hits = places.iter().map(|&(x, y)| bench.hit(x, y)).collect();
     for shown in Mode::ALL {
-        for wireframe in [None, Some(Wireframe::default())] {
+        for (wireframe, ground) in [
+            (None, None),
+            (Some(Wireframe::default()), None),
+            (None, Some(Ground::Lowest)),
+            (None, Some(Ground::At(0.1))),
+        ] {
             let filters = [
                 Filter::Nearest,
                 Filter::Bilinear,
@@ -455,6 +460,7 @@ fn check_tiles(with_normals: bool) {
             for (index, projection) in TextureProjection::ALL.into_iter().enumerate() {
                 let shading = Shading {
                     wireframe,
+                    ground,
                     blend: if index == 0 { 0.0 } else { 0.7 },
                     projection,
                     filter: filters[index % 4],

@@ -22,6 +22,33 @@ pub(crate) struct RowHits {
     pub(crate) sure: [bool; LANES],
 }
 
+impl RowHits {
+    /// Of which nothing is known.
+    pub(crate) const NONE: Self = Self {
+        t: [0.0; LANES],
+        u: [0.0; LANES],
+        v: [0.0; LANES],
+        sure: [false; LANES],
+    };
+
+    /// Takes the lanes from `first` on from others.
+    #[inline(always)]
+    pub(crate) fn replace_from(&mut self, first: usize, others: &Self) {
+        replace_from(&mut self.t, first, &others.t);
+        replace_from(&mut self.u, first, &others.u);
+        replace_from(&mut self.v, first, &others.v);
+        replace_from(&mut self.sure, first, &others.sure);
+    }
+}
+
+/// One kind of number at a time, which compilers vectorise.
+#[inline(always)]
+fn replace_from<N: Copy>(mine: &mut [N; LANES], first: usize, others: &[N; LANES]) {
+    for (lane, (mine, &other)) in mine.iter_mut().zip(others).enumerate() {
+        *mine = if lane >= first { other } else { *mine };
+    }
+}
+
 /// Places of eight rays of a lattice's row: each the very number that [`Lattice::place`] gives for its column,
 /// and not the first one's, already rounded, plus a multiple of the stride.
 #[derive(Clone, Copy)]
@@ -134,12 +161,7 @@ fn interpolate<const MAJOR: usize, const RAYS: u8>(
     let frame = frame.to_array();
     let off = if frame == [0.0; 3] { 0.0 } else { 1.0 };
     let distance = camera.distance();
-    let mut hits = RowHits {
-        t: [0.0; LANES],
-        u: [0.0; LANES],
-        v: [0.0; LANES],
-        sure: [false; LANES],
-    };
+    let mut hits = RowHits::NONE;
     for lane in 0..LANES {
         // `Camera::ray`, a coordinate at a time.
         let (x, y) = places.get(lane);

@@ -161,46 +161,49 @@ impl LinearHit {
         self.is_useful
     }
 
-    /// Interpolates eight rays of a row, so far to the right of the view axis.
+    /// Interpolates eight rays of a row, so far to the right of the view axis: t where `T`, u and v where `WEIGHTS`. What is
+    /// not asked for makes no lane unsure.
     #[inline(always)]
     #[allow(
         clippy::needless_range_loop,
         reason = "a lane is an index into all the arrays at once"
     )]
-    pub(crate) fn interpolate(&self, row: &PencilRow, across: &[f64; LANES]) -> RowHits {
+    pub(crate) fn interpolate<const T: bool, const WEIGHTS: bool>(
+        &self,
+        row: &PencilRow,
+        across: &[f64; LANES],
+    ) -> RowHits {
         let [u, v, w] = self.normals.map(|normal| normal.dot(row.first));
         let [u_slope, v_slope, w_slope] = self.slopes;
         let [per_weight, fixed] = self.t_error;
         let [constant, linear, quadratic] = row.square;
-        let mut hits = RowHits {
-            t: [0.0; LANES],
-            u: [0.0; LANES],
-            v: [0.0; LANES],
-            sure: [false; LANES],
-        };
+        let mut hits = RowHits::NONE;
         // Plain numbers, which compilers vectorise.
         for lane in 0..LANES {
             let x = across[lane];
             let inverse = 1.0 / (w + w_slope * x);
             let u = (u + u_slope * x) * inverse;
             let v = (v + v_slope * x) * inverse;
-            let length = (constant + (linear + quadratic * x) * x).sqrt();
-            let t = self.numerator * inverse * length;
             let spread = (self.error * inverse).abs();
             let weight_error = spread + 8.0 * EPSILON;
-            let t_error = per_weight * spread + fixed + 32.0 * EPSILON * t;
             let one = |number: f64, error: f64| (number - error) as f32 == (number + error) as f32;
-            hits.t[lane] = t as f32;
-            hits.u[lane] = u as f32;
-            hits.v[lane] = v as f32;
-            hits.sure[lane] = (spread <= SINGLE)
+            let mut sure = (spread <= SINGLE)
                 & (u > weight_error)
                 & (v > weight_error)
-                & (1.0 - u - v > weight_error)
-                & (t_error <= SINGLE * t)
-                & one(u, weight_error)
-                & one(v, weight_error)
-                & one(t, t_error);
+                & (1.0 - u - v > weight_error);
+            if T {
+                let length = (constant + (linear + quadratic * x) * x).sqrt();
+                let t = self.numerator * inverse * length;
+                let t_error = per_weight * spread + fixed + 32.0 * EPSILON * t;
+                sure = sure & (t_error <= SINGLE * t) & one(t, t_error);
+                hits.t[lane] = t as f32;
+            }
+            if WEIGHTS {
+                sure = sure & one(u, weight_error) & one(v, weight_error);
+                hits.u[lane] = u as f32;
+                hits.v[lane] = v as f32;
+            }
+            hits.sure[lane] = sure;
         }
         hits
     }
@@ -241,7 +244,7 @@ mod tests {
                 let (_, y) = lattice.place(0, row);
                 let across = Places::new(&lattice, 0, row).across(&lattice.camera);
                 let pencil_row = pencil.row(lattice.camera.across_and_along(0.0, y).1);
-                let found = hit.interpolate(&pencil_row, &across);
+                let found = hit.interpolate::<true, true>(&pencil_row, &across);
                 for column in 0..LANES {
                     if !found.sure[column] {
                         tally.unsure += 1;

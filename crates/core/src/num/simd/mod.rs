@@ -88,6 +88,8 @@ pub(crate) trait F32x8:
     fn sqrt(self) -> Self;
     /// Magnitudes.
     fn abs(self) -> Self;
+    /// The greatest whole numbers that are not above; no numbers stay what they are.
+    fn floor(self) -> Self;
     /// The lesser of two; the other where either is not a number.
     fn min(self, other: Self) -> Self;
     /// The greater of two; the other where either is not a number.

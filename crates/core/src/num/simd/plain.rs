@@ -80,6 +80,10 @@ impl F32x8 for PlainF32 {
         Self(each!(l => self.0[l].abs()))
     }
     #[inline(always)]
+    fn floor(self) -> Self {
+        Self(each!(l => self.0[l].floor()))
+    }
+    #[inline(always)]
     fn min(self, other: Self) -> Self {
         Self(each!(l => if self.0[l] < other.0[l] { self.0[l] } else { other.0[l] }))
     }

@@ -30,6 +30,10 @@ impl<S: Simd> F32x8 for f32x8<S> {
     fn abs(self) -> Self {
         SimdBase::abs(self)
     }
+    #[inline(always)]
+    fn floor(self) -> Self {
+        SimdFloat::floor(self)
+    }
     // The crate leaves open which of the two its own minimum and maximum are where one is not a number.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
@@ -207,6 +211,7 @@ mod tests {
                 c * 0.1,
                 c / 0.1,
                 c.sqrt(),
+                b.floor(),
             ];
             let columns = lanes.transpose(std::array::from_fn(row));
             for number in numbers.into_iter().chain(columns) {
@@ -237,7 +242,7 @@ mod tests {
             bits
         };
         let plain = of(Simd::Plain);
-        assert_eq!(plain.len(), (15 + LANES) * LANES + 4 * (LANES + 1) + 1);
+        assert_eq!(plain.len(), (16 + LANES) * LANES + 4 * (LANES + 1) + 1);
         assert_eq!(of(Simd::best()), plain);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::bvh::Accel;
 use crate::camera::{Lattice, PanoramaRays};
-use crate::hit::{Cull, MISS, Precision, PrimitiveHit};
+use crate::hit::{Cull, HitNumbers, MISS, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::num::simd::{F32x8, Lanes, Mask8, Work, dispatch};
 use crate::triangle::PreparedRay;
@@ -15,6 +15,18 @@ impl Accel {
     /// Interpolates t, u and v where the rays of a lattice hit the triangles that [`Accel::find`] found, the
     /// primitive indices in `hits`: what [`Accel::cast_primitive`] answers, bit for bit.
     pub fn evaluate(&self, lattice: &Lattice, cull: Cull, precision: Precision, hits: &mut Hits) {
+        self.evaluate_numbers(lattice, cull, precision, HitNumbers::All, hits);
+    }
+
+    /// [`Accel::evaluate`] of some of the numbers; the others may be anything.
+    pub(crate) fn evaluate_numbers(
+        &self,
+        lattice: &Lattice,
+        cull: Cull,
+        precision: Precision,
+        numbers: HitNumbers,
+        hits: &mut Hits,
+    ) {
         hits.primitives.resize(lattice.len(), MISS);
         hits.make_places();
         if let Some(halves) = lattice.halves() {
@@ -25,9 +37,9 @@ impl Accel {
         }
         // Those of panoramas are compiled for instances alone.
         if self.has_instances() || lattice.camera.projection().panorama().is_some() {
-            self.evaluate_in::<true>(lattice, cull, precision, hits);
+            self.evaluate_in::<true>(lattice, cull, precision, numbers, hits);
         } else {
-            self.evaluate_in::<false>(lattice, cull, precision, hits);
+            self.evaluate_in::<false>(lattice, cull, precision, numbers, hits);
         }
     }
 
@@ -36,6 +48,7 @@ impl Accel {
         lattice: &Lattice,
         cull: Cull,
         precision: Precision,
+        numbers: HitNumbers,
         hits: &mut Hits,
     ) {
         dispatch(
@@ -45,6 +58,7 @@ impl Accel {
                 lattice,
                 cull,
                 precision,
+                numbers,
                 hits,
             },
         );
@@ -56,6 +70,7 @@ struct Evaluate<'a, const INSTANCES: bool> {
     lattice: &'a Lattice,
     cull: Cull,
     precision: Precision,
+    numbers: HitNumbers,
     hits: &'a mut Hits,
 }
 
@@ -79,6 +94,7 @@ impl<const INSTANCES: bool> Work for Evaluate<'_, INSTANCES> {
             lattice,
             cull,
             precision,
+            numbers,
             hits,
         } = self;
         let mut interpolate = Interpolate::<INSTANCES> {
@@ -86,6 +102,7 @@ impl<const INSTANCES: bool> Work for Evaluate<'_, INSTANCES> {
             lattice,
             cull,
             precision,
+            numbers,
             pencil: Pencil::new(lattice, accel.origin),
             around: PanoramaRays::new(lattice).filter(|_| INSTANCES),
             cached: [(MISS, LinearHit::default()); CACHED],
@@ -132,15 +149,19 @@ impl<const INSTANCES: bool> Work for Evaluate<'_, INSTANCES> {
     }
 }
 
-/// Triangles whose linear functions are cached. They are at least eight pixels wide, and a row of 64 rays hits eight of
-/// them: fewer entries set functions up again, more take more of the first-level cache.
-const CACHED: usize = 16;
+/// Triangles whose linear functions are cached: those that a row of 64 rays hits, which the next row mostly hits too. Fewer
+/// entries set functions up again, more take more of the first-level cache.
+const CACHED: usize = 64;
+
+/// Of how many triangles eight rays are interpolated by linear functions: of more, corners side by side cost less.
+const FEW_TRIANGLES: u32 = 3;
 
 struct Interpolate<'a, const INSTANCES: bool> {
     accel: &'a Accel,
     lattice: &'a Lattice,
     cull: Cull,
     precision: Precision,
+    numbers: HitNumbers,
     pencil: Option<Pencil>,
     /// The rays of a panorama.
     around: Option<PanoramaRays>,
@@ -219,8 +240,8 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
         }
     }
 
-    /// The hits of eight rays of one triangle by its linear functions; `None` where any is not sure, or where the
-    /// rays hit several: setting up linear functions costs as much as a few rays without.
+    /// The hits of eight rays of few triangles by the triangles' linear functions; `None` where any is not sure, or where the
+    /// rays hit more triangles: setting up linear functions costs as much as a few rays without.
     #[inline(always)]
     fn linear(
         &mut self,
@@ -228,17 +249,54 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
         row: Option<&PencilRow>,
         primitives: &[u32; LANES],
     ) -> Option<RowHits> {
-        if *primitives != [primitives[0]; LANES] {
-            return None;
-        }
         let row = row?;
         let across = places.across(&self.lattice.camera);
-        let hit = self.cached(primitives[0])?;
+        if *primitives == [primitives[0]; LANES] {
+            let found = self.linear_of(&across, row, primitives[0])?;
+            return (found.sure == [true; LANES]).then_some(found);
+        }
+        let mut found = RowHits::NONE;
+        let mut triangles = 0;
+        let mut lane = 0;
+        // From left to right, each over all lanes from its first on: the next one overwrites the rest.
+        while lane < LANES {
+            let (first, primitive) = (lane, primitives[lane]);
+            while lane < LANES && primitives[lane] == primitive {
+                lane += 1;
+            }
+            if primitive != MISS {
+                triangles += 1;
+                if triangles > FEW_TRIANGLES {
+                    return None;
+                }
+                found.replace_from(first, &self.linear_of(&across, row, primitive)?);
+            }
+        }
+        let mut sure = true;
+        for (is_sure, &primitive) in found.sure.iter().zip(primitives) {
+            sure &= is_sure | (primitive == MISS);
+        }
+        sure.then_some(found)
+    }
+
+    /// Eight rays' hits of a triangle by its linear functions; `None` where those say little.
+    #[inline(always)]
+    fn linear_of(
+        &mut self,
+        across: &[f64; LANES],
+        row: &PencilRow,
+        primitive: u32,
+    ) -> Option<RowHits> {
+        let numbers = self.numbers;
+        let hit = self.cached(primitive)?;
         if !hit.is_useful() {
             return None;
         }
-        let found = hit.interpolate(row, &across);
-        (found.sure == [true; LANES]).then_some(found)
+        Some(match numbers {
+            HitNumbers::T => hit.interpolate::<true, false>(row, across),
+            HitNumbers::Weights => hit.interpolate::<false, true>(row, across),
+            HitNumbers::All => hit.interpolate::<true, true>(row, across),
+        })
     }
 
     /// A triangle's linear functions, from the cache or worked out.
