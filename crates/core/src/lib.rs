@@ -45,8 +45,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! More in the crate's `examples/`: a ray, a picture, tiles as they arrive, a scene made in code, a
-//! million rays. Files are read by [`formats::read_scene`].
+//! The crate's `examples/` have more: a ray, a picture, tiles as they arrive, a scene made in code, a million rays.
+//! [`formats::read_scene`] reads files.
 //!
 //! # The rooms
 //!

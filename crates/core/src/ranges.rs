@@ -1,5 +1,5 @@
-//! What the numbers that people choose may be: one place, and the same words, for the command line,
-//! scene files and the window.
+//! Valid ranges of the numbers that people choose, in one place so that the command line, scene files and the window
+//! agree.
 
 /// The most samples a pixel: 64 × 64, beyond which eight bits a channel show nothing more.
 pub const MOST_SAMPLES: u32 = 4096;
@@ -12,10 +12,11 @@ pub const WIDEST_LINE: f32 = 100.0;
 /// precision, every triangle near it needs exact arithmetic, and the picture shows nothing.
 pub const NARROWEST_FOV: f64 = 1e-9;
 
-/// A field of view, in degrees, that is as wide as no perspective picture can be.
+/// The end of the range of vertical fields of view in degrees, exclusive: at 180° a perspective picture would be
+/// infinitely high.
 pub const FOV_END: f64 = 180.0;
 
-/// The most heights of the frame that its middle is off the view axis.
+/// The furthest that a frame's middle may be shifted off the view axis, in heights of the frame.
 pub const FURTHEST_SHIFT: f64 = 1000.0;
 
 /// A number that is out of its range.
@@ -32,17 +33,17 @@ pub enum OutOfRange {
         "expected a field of view from {NARROWEST_FOV:e} to below {FOV_END} degrees, found {0}"
     )]
     Fov(f64),
-    /// A vertical field of view of a picture that is no plane.
+    /// A vertical field of view that is too wide for a curved (panoramic) picture.
     #[error("expected a field of view of {most} degrees at most for {name}, found {found}")]
     WideFov {
-        /// The projection's name.
+        /// The name of the projection.
         name: &'static str,
-        /// The most that it can have.
+        /// The widest field of view that the projection has, in degrees.
         most: f64,
-        /// Degrees.
+        /// The field of view that was given, in degrees.
         found: f64,
     },
-    /// How far a frame is off the view axis.
+    /// A shift of the frame off the view axis.
     #[error("expected a shift within {FURTHEST_SHIFT} heights of the frame, found {0},{1}")]
     Shift(f64, f64),
     /// A share of texture in a surface's colour.
@@ -54,7 +55,7 @@ pub enum OutOfRange {
     /// How strongly hidden lines show.
     #[error("expected 0 to 1 of hidden lines, found {0}")]
     HiddenLines(f32),
-    /// How much of what lies behind it a surface covers.
+    /// How much of what lies behind it a surface hides.
     #[error("expected an opacity from 0 to 1, found {0}")]
     Opacity(f32),
     /// The ends of a color scale.
@@ -71,7 +72,8 @@ pub fn samples(count: u32) -> Result<u32, OutOfRange> {
     fits.then_some(count).ok_or(OutOfRange::Samples(count))
 }
 
-/// How far a frame is off the view axis, to the right and up, in heights of the frame: at most [`FURTHEST_SHIFT`].
+/// The shift of a frame off the view axis, to the right and up, in heights of the frame: at most [`FURTHEST_SHIFT`]
+/// each.
 ///
 /// # Errors
 /// Any other number.
@@ -126,7 +128,7 @@ pub fn hidden_lines(share: f32) -> Result<f32, OutOfRange> {
     fits.then_some(share).ok_or(OutOfRange::HiddenLines(share))
 }
 
-/// How much of what lies behind it a surface covers, from 0 to 1.
+/// How much of what lies behind it a surface hides, from 0 to 1.
 ///
 /// # Errors
 /// Any other number.

@@ -1,4 +1,4 @@
-//! What there is to see: meshes, the objects that place them, their colours and textures.
+//! The scene: meshes, the objects that place them, their colours and textures.
 
 mod adjacency;
 mod attribute;

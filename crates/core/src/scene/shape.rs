@@ -3,8 +3,8 @@ use crate::math;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::f64::consts::TAU;
 
-/// A mesh that a few numbers describe: closed, but for the plane and the disc, centred on the origin, Y up,
-/// with normals and texture coordinates. Lengths are in scene units.
+/// A mesh that a few parameters describe: closed except for the plane and the disc, centred on the origin, Y up, with
+/// normals and texture coordinates. Lengths are in scene units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// A box.
@@ -17,54 +17,54 @@ pub enum Shape {
         /// Its sides along x and z.
         size: DVec2,
     },
-    /// A ball of rings between two poles.
+    /// A sphere of rings between two poles.
     Sphere {
-        /// From the middle.
+        /// The distance from the centre.
         radius: f64,
-        /// Quads, or triangles, around it: 3 to [`Shape::PARTS`].
+        /// Quads (triangles at the poles) around the axis: 3 to [`Shape::PARTS`].
         segments: u32,
         /// Bands from pole to pole: 2 to [`Shape::PARTS`].
         rings: u32,
     },
     /// A cone with its base.
     Cone {
-        /// Of its base.
+        /// The radius of the base.
         radius: f64,
-        /// From base to tip.
+        /// The distance from base to tip.
         height: f64,
-        /// As a sphere's.
+        /// As of a sphere.
         segments: u32,
     },
     /// A cylinder with both ends.
     Cylinder {
-        /// Of its ends.
+        /// The radius of the ends.
         radius: f64,
-        /// Along y.
+        /// The length along y.
         height: f64,
-        /// As a sphere's.
+        /// As of a sphere.
         segments: u32,
     },
     /// A ring around y.
     Torus {
-        /// From the middle to the middle of its tube.
+        /// The distance from the centre to the middle of the tube.
         radius: f64,
         /// The tube's own radius.
         tube: f64,
-        /// As a sphere's.
+        /// As of a sphere.
         segments: u32,
         /// Bands around its tube: 3 to [`Shape::PARTS`].
         rings: u32,
     },
     /// A disc that faces up.
     Disc {
-        /// From the middle.
+        /// The distance from the centre.
         radius: f64,
-        /// As a sphere's.
+        /// As of a sphere.
         segments: u32,
     },
 }
 
-/// A number that a shape cannot have.
+/// A parameter out of range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("expected {expected}, found {found}")]
 pub struct ShapeError {
@@ -76,7 +76,7 @@ impl Shape {
     /// The most segments, or rings.
     pub const PARTS: u32 = 1 << 14;
 
-    /// What people call it.
+    /// The name for people.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Cube { .. } => "cube",
@@ -89,7 +89,7 @@ impl Shape {
         }
     }
 
-    /// How many triangles it has.
+    /// The number of triangles.
     pub fn triangles(&self) -> u64 {
         let quads = |segments: u32, rings: u32| 2 * u64::from(segments) * u64::from(rings);
         match *self {
@@ -108,10 +108,10 @@ impl Shape {
         }
     }
 
-    /// Whether it has a mesh.
+    /// Checks the parameters.
     ///
     /// # Errors
-    /// A length that is not above zero and finite; too few or too many parts.
+    /// A length that is not positive and finite; a number of parts out of range.
     pub fn check(&self) -> Result<(), ShapeError> {
         let name = self.name();
         let length = |what: &str, length: f64| match length > 0.0 && length.is_finite() {
@@ -179,7 +179,7 @@ impl Shape {
         }
     }
 
-    /// Its mesh.
+    /// The mesh.
     ///
     /// # Errors
     /// As [`Shape::check`].
@@ -274,7 +274,7 @@ impl Shape {
                     .iter()
                     .map(|d| *d * tube + point(radius, 0.0))
                     .collect();
-                // It ends where it begins.
+                // The profile is closed: it ends where it begins.
                 profile.extend(profile.first().copied());
                 let next = directions.iter().cycle().skip(1);
                 let normals: Vec<[DVec2; 2]> =
@@ -321,9 +321,9 @@ fn cube(size: DVec3) -> MeshData {
     }
 }
 
-/// A profile turned around y: its points' distance from the axis, and height. Those on the axis are one vertex,
-/// and one that ends where it begins is closed. `normals` are those at both ends of each of its lines. What goes
-/// up on the outside faces outwards.
+/// A profile revolved around y; its points are (distance from the axis, height). A point on the axis becomes one
+/// vertex; a profile that ends where it begins is closed. `normals` are those at both ends of each of its segments.
+/// Segments that go up face outwards.
 fn revolved(profile: &[DVec2], normals: &[[DVec2; 2]], segments: u32) -> MeshData {
     let turned: Vec<DVec2> = (0..segments)
         .map(|segment| {
@@ -334,7 +334,7 @@ fn revolved(profile: &[DVec2], normals: &[[DVec2; 2]], segments: u32) -> MeshDat
     let place = |point: DVec2, turn: DVec2| DVec3::new(point.x * turn.x, point.y, point.x * turn.y);
     let is_closed = profile.len() > 2 && profile.first() == profile.last();
     let mut positions = Vec::new();
-    // The first vertex of each point of the profile, and whether it is its only one.
+    // The first vertex of each point of the profile, and whether the point is a single vertex on the axis.
     let mut rings: Vec<(u32, bool)> = Vec::new();
     let distinct = profile.len() - usize::from(is_closed);
     for point in &profile[..distinct] {
@@ -365,7 +365,7 @@ fn revolved(profile: &[DVec2], normals: &[[DVec2; 2]], segments: u32) -> MeshDat
         }
         let first_uv = uv_values.len() as u32;
         for (end, (_, is_pole)) in [low, high].into_iter().enumerate() {
-            // A pole has no direction: its corners lie in the middle of their triangles.
+            // A pole has no longitude: its texture coordinate is that of the middle of its triangle.
             let shift = if is_pole { 0.5 } else { 0.0 };
             uv_values.extend((0..=segments).map(|segment| {
                 let u = (f64::from(segment) + shift) / f64::from(segments);
@@ -446,7 +446,7 @@ mod tests {
         ]
     }
 
-    /// Each edge is used once in each direction; those of the open shapes' rims once alone.
+    /// Each edge is used once in each direction; edges on the rims of open shapes are used once.
     #[test]
     fn shapes_are_closed_and_face_outwards() {
         for shape in shapes() {
@@ -470,7 +470,7 @@ mod tests {
                 Shape::Cube { .. } => (0, 6.0..6.1),
                 Shape::Plane { .. } => (4, -0.1..0.1),
                 Shape::Sphere { .. } => (0, 13.6..14.2),
-                // A third of a triangle's area, 3 √3 / 4, times 3.
+                // The area of an inscribed triangle, 3 √3 / 4, times 3, over 3.
                 Shape::Cone { .. } => (0, 1.29..1.31),
                 Shape::Cylinder { .. } => (0, 0.093..0.0943),
                 Shape::Torus { .. } => (0, 1.18..1.234),
@@ -491,7 +491,7 @@ mod tests {
                 let flat = (b - a).cross(c - a).normalize();
                 for normal in mesh.corner_normals(number).expect("normals") {
                     assert!(normal.is_normalized(), "{shape:?}: {normal}");
-                    // A cone of three sides turns by 60° from corner to middle.
+                    // On a cone of three sides normals turn by 60° from a corner to the middle.
                     assert!(
                         normal.dot(flat) > 0.45,
                         "{shape:?} {number}: {normal} {flat}"
@@ -505,7 +505,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_make_no_shape_are_refused() {
+    fn parameters_out_of_range_are_refused() {
         let message = |shape: Shape| shape.mesh().expect_err("a bad shape").to_string();
         let sphere = |radius, segments| Shape::Sphere {
             radius,

@@ -16,7 +16,7 @@ impl Accel {
     /// primitive indices in `hits`: what [`Accel::cast_primitive`] answers, bit for bit.
     pub fn evaluate(&self, lattice: &Lattice, cull: Cull, precision: Precision, hits: &mut Hits) {
         hits.primitives.resize(lattice.len(), MISS);
-        hits.make_places();
+        hits.resize_weights();
         if let Some(halves) = lattice.halves() {
             return self.evaluate_halves((lattice, halves), cull, precision, hits);
         }
