@@ -45,14 +45,14 @@ impl Hits {
     }
 
     /// Drops t, u and v.
-    pub(crate) fn clear_weights(&mut self) {
+    pub(crate) fn clear_tuv(&mut self) {
         for numbers in [&mut self.t, &mut self.u, &mut self.v] {
             numbers.clear();
         }
     }
 
     /// Makes room for t, u and v; their values are unspecified.
-    pub(crate) fn resize_weights(&mut self) {
+    pub(crate) fn resize_tuv(&mut self) {
         let count = self.len();
         for numbers in [&mut self.t, &mut self.u, &mut self.v] {
             numbers.resize(count, 0.0);

@@ -52,7 +52,8 @@
 //!
 //! A module uses only modules before it:
 //!
-//! [`math`], `num`, [`Ray`], [`Hit`] → [`scene`] → [`health`] → [`camera`] → `triangle` → `bvh` → `single` → [`section`] → [`packet`] →
+//! [`math`], `num`, [`Ray`], [`Hit`] → [`scene`] → [`health`] → [`camera`] → `triangle` → `bvh` → `single` →
+//! [`section`] → [`packet`] →
 //! [`shade`] → [`picture`] → [`render`](mod@render) → [`formats`]
 //!
 //! The crate is pure: it has no window, no global state and no clock, and it never prints. Files are read

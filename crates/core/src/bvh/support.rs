@@ -1,4 +1,4 @@
-//! How far a scene reaches in a direction.
+//! The extent of a scene in a direction.
 
 use super::Accel;
 use super::tree::{Box32, DEPTH_LIMIT, Subtree};

@@ -1,4 +1,4 @@
-//! From a pixel to its ray: the image plane, the camera, its sub-cameras, and ways to move it.
+//! From a pixel to its ray: the image plane, the camera, its sub-cameras, and camera motion.
 
 mod brown_conrady;
 mod eyes;

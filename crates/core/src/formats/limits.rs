@@ -5,8 +5,8 @@ use std::cell::Cell;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// How much reading may take, and what it does where files do not say. What a file claims is compared with these before anything is
-/// allocated for it, so that a small file cannot ask for all memory.
+/// How much reading may take, and what it does where files do not say. What a file claims is compared with these
+/// before anything is allocated for it, so that a small file cannot ask for all memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Bytes held at one time while reading and by what was read: the contents of files, images on

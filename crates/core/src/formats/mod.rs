@@ -114,9 +114,9 @@ pub fn read_texture_within(path: &Path, budget: &Budget) -> Result<Texture, Form
     decode_texture(&Disk::new(budget), path, By::Person)
 }
 
-/// Reads a scene file (`.raycast.toml`) and every mesh and texture that it names, or a mesh file as
-/// a scene of the objects that it places: a glTF or 3MF file's mesh nodes, depth first, those of a prepared file; else one,
-/// named after the file, with the texture that its materials name for all of it.
+/// Reads a scene file (`.raycast.toml`) and every mesh and texture that it names, or a mesh file as a scene of the
+/// objects that it places: a glTF or 3MF file's mesh nodes, depth first, those of a prepared file; else one, named
+/// after the file, with the texture that its materials name for all of it.
 ///
 /// # Errors
 /// As [`read_mesh`]; a scene file that does not parse, with its line.

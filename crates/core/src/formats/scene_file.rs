@@ -52,8 +52,8 @@ impl std::fmt::Display for FileKind {
 pub struct SceneFile {
     /// What kind of file it was read from; of several, the first.
     pub kind: FileKind,
-    /// The unit that the mesh file says its coordinates are in; `None` of scene files, and of several files that are not
-    /// in one unit.
+    /// The unit that the mesh file says its coordinates are in; `None` of scene files, and of several files that are
+    /// not in one unit.
     pub unit: Option<LengthUnit>,
     /// The objects.
     pub scene: Scene,

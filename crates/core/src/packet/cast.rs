@@ -1,4 +1,4 @@
-//! Lattices of rays through the tree. Rays that a packet leaves undecided go to the single ray.
+//! Casting lattices of rays. Rays that a packet leaves undecided are cast as single rays.
 
 mod around;
 mod evaluate;
@@ -116,7 +116,7 @@ impl Accel {
 }
 
 impl Clipped<'_> {
-    /// Casts every ray of a lattice into `hits`, else as [`Accel::cast_lattice`].
+    /// As [`Accel::cast_lattice`], for the closest hits that are kept.
     pub fn cast_lattice(
         &self,
         lattice: &Lattice,
@@ -134,8 +134,7 @@ impl Clipped<'_> {
         hits.extend(found.iter());
     }
 
-    /// Finds the closest triangle that each ray of a lattice hits at a point that is kept, else as
-    /// [`Accel::find`]; [`Accel::evaluate`] finds where.
+    /// As [`Accel::find`], for the closest hits whose points are kept; [`Accel::evaluate`] interpolates t, u and v.
     pub fn find(
         &self,
         lattice: &Lattice,
@@ -171,7 +170,8 @@ impl<const INSTANCES: bool> Work for Find<'_, INSTANCES> {
             if traversal.list.is_empty() {
                 continue;
             }
-            // Fast casting goes by packets: they may be right where single rays are not.
+            // Fast casting keeps the packet's answers, which may be right where the single ray in double precision is
+            // not.
             let is_exact = self.precision == Precision::Exact;
             if is_exact && traversal.is_sparse(lanes, self.lattice, &large) {
                 self.cast_each(&large);
@@ -192,7 +192,7 @@ impl<const INSTANCES: bool> Work for Find<'_, INSTANCES> {
 }
 
 impl<const INSTANCES: bool> Find<'_, INSTANCES> {
-    /// Keeps what a packet found, and casts its undecided rays.
+    /// Stores what a packet found, and casts its undecided rays.
     #[inline(always)]
     pub(super) fn keep(&mut self, part: &RayRect, zbuffer: &mut IntervalZBuffer) {
         let columns = part.columns as usize;
@@ -215,7 +215,7 @@ impl<const INSTANCES: bool> Find<'_, INSTANCES> {
         }
     }
 
-    /// Casts the undecided rays of a packet; `rows` (as bits) hold some.
+    /// Casts the undecided rays of a packet; `rows` (as bits) are those that have any.
     #[inline(never)]
     fn decide(&mut self, part: &RayRect, zbuffer: &mut IntervalZBuffer, rows: u32) {
         zbuffer.sort_rivals();
@@ -228,13 +228,13 @@ impl<const INSTANCES: bool> Find<'_, INSTANCES> {
                 let (column, row) = (part.column + column, part.row + row);
                 let primitive = self.cast_one(column, row, rivals);
                 self.primitives[(row * self.lattice.columns + column) as usize] = primitive;
-                // It was counted as a hit.
+                // The ray was counted as a hit.
                 self.counts.hits -= u64::from(primitive == MISS);
             }
         }
     }
 
-    /// What [`Accel::cast_primitive`] answers for a ray whose closest hit is one of its rivals.
+    /// The answer of [`Accel::cast_primitive`] for a ray whose closest hit, if any, is one of its rivals.
     fn cast_one(&mut self, column: u32, row: u32, rivals: Option<&[(u32, u32)]>) -> u32 {
         let ray = self.lattice.ray(column, row);
         let ray = PreparedRay::new(&ray, self.accel.origin, self.cull, self.precision);
@@ -248,7 +248,8 @@ impl<const INSTANCES: bool> Find<'_, INSTANCES> {
                 }
                 nearest
             }
-            // Double precision, which fast casting trusts, may see a triangle that no ray hits.
+            // In double precision, which fast casting trusts, the ray may hit a triangle that it exactly misses and
+            // that is therefore no rival: it traverses the tree.
             _ => single::nearest(self.accel, self.clip, &ray),
         };
         let primitive = nearest.primitive;

@@ -21,7 +21,7 @@ impl RayRect {
         }
     }
 
-    /// Cuts it into rectangles of at most `side × side` rays.
+    /// Splits it into rectangles of at most `side × side` rays.
     #[inline(always)]
     pub(super) fn split(self, side: u32) -> impl Iterator<Item = Self> {
         let (right, bottom) = (self.column + self.columns, self.row + self.rows);
@@ -39,7 +39,7 @@ impl RayRect {
             })
     }
 
-    /// The same as pixels of the lattice.
+    /// The same rectangle as pixels of the lattice.
     pub(super) fn rect(&self) -> Rect {
         Rect {
             x: self.column,
@@ -49,7 +49,7 @@ impl RayRect {
         }
     }
 
-    /// Cuts it before these columns and rows.
+    /// Splits it before these columns and rows.
     pub(super) fn split_at(self, [columns, rows]: [Vec<u32>; 2]) -> impl Iterator<Item = Self> {
         let ends = |cuts: Vec<u32>, first: u32, count: u32| {
             let end = first + count;

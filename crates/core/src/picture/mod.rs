@@ -1,4 +1,4 @@
-//! Pictures: what renders make, what files hold, and how fragments become one again.
+//! Pictures: as values, as files, and stitching them from fragments.
 
 mod animated_png;
 mod band;

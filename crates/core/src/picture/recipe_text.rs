@@ -17,7 +17,7 @@ use std::str::FromStr;
 const VERSION: &str = "1";
 
 impl Recipe {
-    /// All lines but the last.
+    /// All lines except the checksum.
     pub(super) fn lines(&self) -> String {
         let Self {
             scene,
@@ -59,14 +59,14 @@ impl Recipe {
             Background::Transparent => "\"transparent\"".to_owned(),
             Background::Gradient(top, bottom) => format!("[\"{top}\", \"{bottom}\"]"),
         };
-        // Pictures without planes keep the text that they had before there were any.
+        // Recipes without planes keep the text that they had before planes existed.
         let clip: String = (clip.all().iter())
             .map(|ClippingPlane { normal, offset, .. }| {
                 let numbers = [normal.x, normal.y, normal.z, *offset].map(|number| float(&number));
                 format!("clip = [{}]\n", numbers.join(", "))
             })
             .collect();
-        // What few pictures have has a line where they do.
+        // Optional lines, for what few pictures have.
         let mut more = String::new();
         if *crease != usual.crease {
             more += &format!("crease = {}\n", float(crease));
@@ -255,14 +255,14 @@ fn read(text: &str) -> Result<Recipe, String> {
             ground,
         },
     };
-    // Whatever was read must be written as it was: a damaged line is not believed.
+    // The recipe that was read must give the same text again: otherwise a line was damaged.
     if digest != recipe.digest() || recipe.to_string() != text {
         return Err("it was changed since it was written: its digest is another".to_owned());
     }
     Ok(recipe)
 }
 
-/// The lines of a recipe, from the first.
+/// The lines of a recipe, in order.
 struct Lines<'t> {
     number: usize,
     lines: std::str::Lines<'t>,
@@ -280,7 +280,7 @@ impl<'t> Lines<'t> {
         format!("line {}: expected {expected}, found {found:?}", self.number)
     }
 
-    /// What stands behind the key in the next line.
+    /// The value of the next line, which must have this key.
     fn value(&mut self, key: &str) -> Result<&'t str, String> {
         self.number += 1;
         let line = self.lines.next().unwrap_or_default();
@@ -324,7 +324,7 @@ impl<'t> Lines<'t> {
         self.list(key, "three numbers").map(DVec3::from_array)
     }
 
-    /// Clipping planes, a line each; none where there are no such lines.
+    /// The clipping planes, a line each.
     fn clip(&mut self) -> Result<ClippingPlanes, String> {
         let mut planes = ClippingPlanes::NONE;
         while self
@@ -376,7 +376,7 @@ impl<'t> Lines<'t> {
         rest.is_some_and(|rest| rest.starts_with(" = "))
     }
 
-    /// What stands behind the key, where that is the next line's.
+    /// The value of the next line, if that has this key.
     fn optional(&mut self, key: &str) -> Option<&'t str> {
         self.has(key).then(|| self.value(key).ok())?
     }
@@ -457,7 +457,7 @@ impl<'t> Lines<'t> {
     }
 }
 
-/// Which edges, and how strongly hidden ones, are written where that is not as usual.
+/// The types of edges and the strength of hidden lines, where they are not the defaults.
 fn lines_text(lines: &Wireframe) -> String {
     let Wireframe {
         width,
@@ -481,12 +481,12 @@ fn scale_text(ColorScale { map, range, legend }: &ColorScale) -> String {
     format!("[\"{}\", {range}{legend}]", color_map_word(*map))
 }
 
-/// What stands between quotes.
+/// The text between quotes.
 fn unquoted(value: &str) -> Option<&str> {
     value.strip_prefix('"')?.strip_suffix('"')
 }
 
-/// What stands between brackets, item by item.
+/// The items between brackets.
 fn items(value: &str) -> Option<std::str::Split<'_, &'static str>> {
     Some(value.strip_prefix('[')?.strip_suffix(']')?.split(", "))
 }

@@ -508,7 +508,7 @@ impl<'a, 's> Work<'a, 's> {
         if full {
             self.view.accel.evaluate(lattice, cull, precision, hits);
         } else {
-            hits.clear_weights();
+            hits.clear_tuv();
         }
         self.stats.shade += self.since(begin);
     }

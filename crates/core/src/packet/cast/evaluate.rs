@@ -1,4 +1,4 @@
-//! Where the rays of a lattice hit what they were found to hit: t, u and v, eight rays of a row at a time.
+//! t, u and v of the rays of a lattice at the triangles that they are known to hit, eight rays of a row at a time.
 
 use crate::bvh::Accel;
 use crate::camera::{Lattice, PanoramaRays};
@@ -12,18 +12,18 @@ use crate::triangle::interpolate::{
 use crate::triangle::linear::{LinearHit, Pencil, PencilRow};
 
 impl Accel {
-    /// Interpolates t, u and v where the rays of a lattice hit the triangles that [`Accel::find`] found, the
-    /// primitive indices in `hits`: what [`Accel::cast_primitive`] answers, bit for bit.
+    /// Interpolates t, u and v where the rays of a lattice hit the triangles that [`Accel::find`] found, given by the
+    /// primitive indices in `hits`: bit for bit what [`Accel::cast_primitive`] answers.
     pub fn evaluate(&self, lattice: &Lattice, cull: Cull, precision: Precision, hits: &mut Hits) {
         hits.primitives.resize(lattice.len(), MISS);
-        hits.resize_weights();
+        hits.resize_tuv();
         if let Some(halves) = lattice.halves() {
             return self.evaluate_halves((lattice, halves), cull, precision, hits);
         }
         if lattice.camera.has_an_eye_a_column() {
             return self.evaluate_each(lattice, cull, precision, hits);
         }
-        // Those of panoramas are compiled for instances alone.
+        // Panoramas use the variant for instances, so that it is compiled once only.
         if self.has_instances() || lattice.camera.projection().panorama().is_some() {
             self.evaluate_in::<true>(lattice, cull, precision, hits);
         } else {
@@ -59,7 +59,7 @@ struct Evaluate<'a, const INSTANCES: bool> {
     hits: &'a mut Hits,
 }
 
-/// Eight rays of a row: what each hits, and t, u and v there.
+/// Eight rays of a row: the triangles that they hit, and t, u and v there.
 struct Eight<'h> {
     primitives: &'h mut [u32; LANES],
     t: &'h mut [f32; LANES],
@@ -132,8 +132,8 @@ impl<const INSTANCES: bool> Work for Evaluate<'_, INSTANCES> {
     }
 }
 
-/// Triangles whose linear functions are cached. They are at least eight pixels wide, and a row of 64 rays hits eight of
-/// them: fewer entries set functions up again, more take more of the first-level cache.
+/// Triangles whose linear functions are cached. They are at least eight pixels wide, so a row of 64 rays hits eight
+/// of them: fewer entries set functions up again, more use more of the first-level cache.
 const CACHED: usize = 16;
 
 struct Interpolate<'a, const INSTANCES: bool> {
@@ -144,12 +144,12 @@ struct Interpolate<'a, const INSTANCES: bool> {
     pencil: Option<Pencil>,
     /// The rays of a panorama.
     around: Option<PanoramaRays>,
-    /// By the low bits of the primitive index.
+    /// Indexed by the low bits of the primitive index.
     cached: [(u32, LinearHit); CACHED],
 }
 
 impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
-    /// Interpolates eight rays of a row, from a column on; those beyond the row's end are misses.
+    /// Interpolates eight rays of a row, from a column on; rays beyond the row's end are misses.
     #[inline(always)]
     fn eight(
         &mut self,
@@ -219,8 +219,8 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
         }
     }
 
-    /// The hits of eight rays of one triangle by its linear functions; `None` where any is not sure, or where the
-    /// rays hit several: setting up linear functions costs as much as a few rays without.
+    /// The hits of eight rays with one triangle by its linear functions. `None` where any lane is not sure, or where
+    /// the rays hit several triangles: setting up linear functions costs as much as interpolating a few rays without.
     #[inline(always)]
     fn linear(
         &mut self,
@@ -241,7 +241,7 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
         (found.sure == [true; LANES]).then_some(found)
     }
 
-    /// A triangle's linear functions, from the cache or worked out.
+    /// A triangle's linear functions, cached or computed. `None` where they are of no use.
     #[inline(always)]
     fn cached(&mut self, primitive: u32) -> Option<&LinearHit> {
         let (cached, hit) = &mut self.cached[primitive as usize % CACHED];
@@ -255,8 +255,8 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
         Some(hit)
     }
 
-    /// Corners of the triangles that eight rays hit. Each triangle is written to all lanes from its first on;
-    /// the next one overwrites the rest.
+    /// Corners of the triangles that eight rays hit. Each triangle is written to all lanes from its first on, and the
+    /// next one overwrites the rest.
     #[inline(always)]
     fn corners<L: Lanes>(&self, lanes: L, primitives: &[u32; LANES]) -> Corners {
         let mut all = [lanes.splat(0.0); 9];

@@ -6,7 +6,7 @@ use crate::packet::frustum::Window;
 use crate::packet::params::{CELLS, ROW, SIDE};
 use crate::packet::place_box::PlaceBox;
 
-/// Bounds of eight sets of places.
+/// Eight boxes of places.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(super) struct PlaceBoxes {
@@ -80,7 +80,7 @@ impl Places {
             cells.bottom[lane] = -(zero - bottom).reduce_min();
         }
         for (cells, centres) in self.cells.iter().zip(&mut self.centres) {
-            // Rounded: `interval_zbuffer::at_places` has room for that.
+            // The rounding is covered by the bound in `interval_zbuffer::at_places`.
             let half = |least: f32, most: f32| (most - least) * 0.5;
             for lane in 0..LANES {
                 centres.x[lane] = (cells.left[lane] + cells.right[lane]) * 0.5;
@@ -105,7 +105,7 @@ impl Places {
                 all.top = all.top.min(row.top);
                 all.bottom = all.bottom.max(row.bottom);
             }
-            // Rounded to single precision: less than 2⁻¹⁸ of a column.
+            // Places were rounded to single precision: by less than 2⁻¹⁸ of a column.
             let slack = 1.0 / (1 << 16) as f64;
             let across = |place: f32| left + (f64::from(place) - MARGIN) * step;
             let along = |place: f32| high - (f64::from(place) - MARGIN) * step;
@@ -148,7 +148,7 @@ impl Places {
         self.rows[cell % ALL_CELLS].touched(lanes, by)
     }
 
-    /// Eight cells' centres, the first eight or the last.
+    /// The centres of eight cells, the first eight or the last.
     #[inline(always)]
     pub(in crate::packet) fn centres(&self, half: usize) -> &CellCentres {
         &self.centres[half % (ALL_CELLS / LANES)]
