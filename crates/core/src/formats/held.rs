@@ -5,9 +5,9 @@ use super::limits::Budget;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-/// Files that the caller holds.
+/// Files that the caller supplies from memory.
 pub(super) struct Held<'a> {
-    /// Relative path, with `/` between its parts, to bytes.
+    /// Maps a relative path, with `/` between its parts, to bytes.
     resolve: &'a dyn Fn(&str) -> Option<Vec<u8>>,
     budget: &'a Budget,
     opened: Opened,

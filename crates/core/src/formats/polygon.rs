@@ -1,4 +1,4 @@
-//! Faces of more than three corners, cut into triangles: fans where a fan is right, ears elsewhere.
+//! Triangulation of faces with more than three corners: fans where a fan is correct, ear clipping elsewhere.
 
 mod tree;
 
@@ -10,26 +10,26 @@ use std::cmp::Ordering;
 use std::path::Path;
 use tree::{Box2, Tree};
 
-/// A face of more than three corners, by the fan that stands for it in a mesh until it is cut.
+/// A face of more than three corners, given by the fan that represents it in a mesh until it is triangulated.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Polygon {
-    /// Number of its first triangle.
+    /// The number of its first triangle.
     pub(super) first: u32,
-    /// How many triangles it has: its corners less two.
+    /// The number of its triangles: its corners less two.
     pub(super) triangles: u32,
 }
 
-/// Faces that could not be cut as they should be, and stay fans.
+/// Counts of faces that could not be triangulated properly, and stay fans.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Uncut {
-    /// Those that cross themselves.
+    /// Faces that cross themselves.
     pub(super) crossing: usize,
-    /// Those that would take longer than there is time for.
+    /// Faces that would take too long.
     pub(super) intricate: usize,
 }
 
 impl Uncut {
-    /// A warning for each kind.
+    /// A warning for each reason.
     pub(super) fn warnings(self, path: &Path) -> Vec<String> {
         let path = quote::path(path);
         let kinds = [
@@ -49,13 +49,12 @@ impl Uncut {
     }
 }
 
-/// Cuts the polygons of a mesh whose faces are all fans. Each keeps its numbers; positions, texture
-/// coordinates and normals are cut alike. The mesh keeps where they were cut.
+/// Triangulates the polygons of a mesh whose faces are all fans. Each polygon keeps its triangle numbers; positions,
+/// texture coordinates and normals are triangulated alike, and the mesh records the diagonals.
 ///
-/// The corners are judged as they will be stored, in single precision relative to the mesh's
-/// offset, and in the plane of two axes that shows the most of the face. A fan stays where all its
-/// triangles have one exact orientation there and go round its first corner once. A face with a
-/// corner that cannot be stored stays a fan too.
+/// Corners are tested as they will be stored, in single precision relative to the mesh's offset, projected along an
+/// axis to the coordinate plane that shows the face largest. A face stays a fan where all triangles of the fan have
+/// one exact orientation there and turn around the first corner at most once, or where a corner cannot be stored.
 pub(super) fn cut(mesh: &mut MeshData, polygons: &[Polygon]) -> Uncut {
     if polygons.is_empty() {
         return Uncut::default();
@@ -112,53 +111,53 @@ pub(super) fn cut(mesh: &mut MeshData, polygons: &[Polygon]) -> Uncut {
     uncut
 }
 
-/// Whether two corners of a face of so many follow one another.
+/// Whether two corners of a face with `count` corners are neighbours.
 fn are_neighbours(a: u32, b: u32, count: usize) -> bool {
     let apart = a.abs_diff(b) as usize;
     apart == 1 || apart + 1 == count
 }
 
-/// The corners of a fan, in their order.
+/// The corners of a fan, in order.
 fn corners(fan: &[[u32; 3]], corners: &mut Vec<u32>) {
     corners.clear();
     corners.extend(fan.first().iter().flat_map(|first| &first[..2]));
     corners.extend(fan.iter().map(|triangle| triangle[2]));
 }
 
-/// How a face is to be cut.
+/// How to triangulate a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Cut {
     /// As a fan.
     Fan,
-    /// Into the ears that the cutter holds.
+    /// As the ears that the cutter has found.
     Ears,
-    /// As a fan, for want of better: it crosses itself.
+    /// As a fan although it is wrong, because the face crosses itself.
     Crossing,
-    /// As a fan, for want of better: it would take too long.
+    /// As a fan although it may be wrong, because clipping would take too long.
     Intricate,
 }
 
-/// Steps (boxes looked at, of some nanoseconds each) that a face may take a corner. Faces as they
-/// are drawn take some 100; one that is made to take long, of which every edge lies in every other
-/// one's box, stops after as long as loading ten triangles a corner takes.
+/// The most steps (tests of boxes, at some nanoseconds each) a corner. Ordinary faces take some 100; a hostile face,
+/// each of whose edges lies in the boxes of all others, stops after the time that it takes to load ten triangles a
+/// corner.
 const STEPS_A_CORNER: usize = 512;
 
 type Point = Coord<f64>;
 
-/// One of three ways that a corner may turn, decided exactly.
+/// The orientation of three points, decided exactly.
 ///
-/// Coordinates are single precision: no product of their differences overflows or underflows.
+/// Coordinates are in single precision: no product of their differences overflows or underflows.
 fn turn(a: Point, b: Point, c: Point) -> Ordering {
     sign(orient2d(a, b, c))
 }
 
-/// By x, then by y: along a line, the order of what is on it.
+/// By x, then by y: the order of points on a line.
 fn order(a: Point, b: Point) -> Ordering {
     let by = |a: f64, b: f64| sign(a - b);
     by(a.x, b.x).then(by(a.y, b.y))
 }
 
-/// Both zeros are equal to zero.
+/// The sign; both zeros are equal.
 fn sign(number: f64) -> Ordering {
     number.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
 }
@@ -166,23 +165,23 @@ fn sign(number: f64) -> Ordering {
 #[derive(Debug, Default)]
 struct Cutter {
     points: Vec<Point>,
-    /// The way round that the face goes.
+    /// The orientation of the face.
     inside: Option<Ordering>,
     tree: Tree,
     next: Vec<u32>,
     previous: Vec<u32>,
     is_cut: Vec<bool>,
-    /// How many corners are not cut off.
+    /// The number of corners that are not clipped.
     left: usize,
-    /// Corners to be looked at.
+    /// Corners to be tested.
     candidates: Vec<u32>,
     /// Corners that may be spikes.
     suspects: Vec<u32>,
-    /// Whether a corner is among them.
+    /// Whether a corner is a candidate.
     is_candidate: Vec<bool>,
-    /// For each corner, those whose ears it lay in when they were looked at.
+    /// For each corner, the corners whose ears contained it when they were tested.
     waiting: Vec<Vec<u32>>,
-    /// For each corner, the one that it was last found waiting for.
+    /// For each corner, the corner that it was last found to wait for.
     waits_for: Vec<u32>,
     ears: Vec<[u32; 3]>,
     steps_left: usize,
@@ -191,11 +190,11 @@ struct Cutter {
 /// No corner.
 const NOBODY: u32 = u32::MAX;
 
-/// The way on was too long.
+/// The limit of steps was reached.
 struct OutOfSteps;
 
 impl Cutter {
-    /// Decides how to cut a face of four or more corners.
+    /// Decides how to triangulate a face of four or more corners.
     fn cut(&mut self, corners: &[Vec3]) -> Cut {
         self.project(corners);
         if self.is_fan() {
@@ -214,10 +213,10 @@ impl Cutter {
         }
     }
 
-    /// Drops the axis along which the face's normal is longest. The normal is Newell's, the sum of
-    /// the fan's (Sutherland, Sproull, Schumacker, "A characterization of ten hidden-surface
-    /// algorithms", 1974); rounded, it may choose the second best of two planes that are alike. Of a
-    /// face whose parts cancel, in which rounding is all that is left of it, the parts decide.
+    /// Projects along the axis with the largest component of the face's normal. The normal is Newell's, the sum over
+    /// the fan (Sutherland, Sproull, Schumacker, "A characterization of ten hidden-surface algorithms", 1974);
+    /// rounding may choose between two nearly equal planes. Where the sum cancels to rounding errors, the magnitudes
+    /// of its terms decide.
     fn project(&mut self, corners: &[Vec3]) {
         let first = corners[0].as_dvec3();
         let mut normal = DVec3::ZERO;
@@ -228,7 +227,8 @@ impl Cutter {
             parts += part.abs();
         }
         let normal = normal.abs();
-        // Of products of differences, each within some units in the last place of the parts' sum.
+        // The rounding of a sum of products of differences, each within some units in the last place of the sum of
+        // magnitudes.
         let rounding = corners.len() as f64 * 2f64.powi(-50);
         let longest = if normal.max_element() <= rounding * parts.max_element() {
             parts
@@ -245,7 +245,7 @@ impl Cutter {
         self.points.extend(corners.iter().map(flat));
     }
 
-    /// Whether all triangles of the fan turn one way, and once round at most.
+    /// Whether all triangles of the fan have one orientation, and turn around the first corner at most once.
     fn is_fan(&self) -> bool {
         let [apex, first, ref rest @ ..] = self.points[..] else {
             return true;
@@ -255,8 +255,8 @@ impl Cutter {
             return false;
         }
         let mut last = first;
-        // Each triangle turns by less than half a circle: what comes back to the near side of the
-        // first edge after it was beyond has gone all the way round.
+        // Each triangle turns by less than half a circle. So a fan that returns to the near side of the first edge
+        // after being beyond it has turned more than once.
         let mut beyond_half = false;
         for &point in rest {
             if turn(apex, last, point) != way {
@@ -272,8 +272,8 @@ impl Cutter {
         true
     }
 
-    /// The way round that a face goes that does not cross itself: that of its lowest corner, which is
-    /// neither in its neighbour's place nor a spike. `None` where all that is left is on a line.
+    /// The orientation of a face that does not cross itself: that of its lowest corner which neither coincides with a
+    /// neighbour nor is a spike. `None` where all corners that are left lie on a line.
     fn way_round(&self) -> Option<Ordering> {
         let uncut = (0..self.points.len() as u32).filter(|&i| !self.is_cut[i as usize]);
         let lowest =
@@ -283,7 +283,7 @@ impl Cutter {
         (way != Ordering::Equal).then_some(way)
     }
 
-    /// Whether two edges cross, each with its ends on both sides of the other.
+    /// Whether two edges cross, each with its ends strictly on both sides of the other.
     fn crosses(&mut self) -> Result<bool, OutOfSteps> {
         let points = &self.points;
         let edge = |index: usize| [points[index], points[(index + 1) % points.len()]];
@@ -311,7 +311,7 @@ impl Cutter {
                     let (left, right) = (2 * one, 2 * one + 1);
                     pairs.extend([(left, left), (right, right), (left, right)]);
                 }
-                // All leaves are equally deep.
+                // All leaves are at the same depth.
                 _ => {
                     for one in [2 * one, 2 * one + 1] {
                         pairs.extend([(one, 2 * other), (one, 2 * other + 1)]);
@@ -322,10 +322,10 @@ impl Cutter {
         Ok(false)
     }
 
-    /// Cuts ears off until nothing is left (Meisters, "Polygons have ears", 1975); whether that went
-    /// well. A corner is an ear where it turns inwards and none that does not lies in its triangle,
-    /// which are all that could. One that is no ear is looked at again when that corner is gone or
-    /// turns inwards, or when a neighbour changes.
+    /// Clips ears until nothing is left (Meisters, "Polygons have ears", 1975); returns whether that succeeded. A
+    /// corner is an ear where it is convex and its triangle contains no other corner; only reflex corners need to be
+    /// tested. A corner that is no ear is tested again when the corner in its triangle is clipped or becomes convex,
+    /// or when a neighbour changes.
     fn clip(&mut self) -> Result<bool, OutOfSteps> {
         let count = self.points.len();
         let index = |i: usize| i as u32;
@@ -350,7 +350,7 @@ impl Cutter {
         self.cut_spikes();
         self.inside = self.way_round();
         if self.inside.is_none() {
-            // On a line, where the tips of spikes are cut off until three corners are left.
+            // All corners are on a line: spikes are clipped until three corners are left.
             self.close();
             return Ok(true);
         }
@@ -368,8 +368,8 @@ impl Cutter {
         self.tree
             .build(count, |i| blocks[i].then(|| Box2::around(points[i])));
 
-        // What is allowed where nothing else is left: ears with a corner on their border, then
-        // corners on a straight edge.
+        // Relaxed rules, when nothing else is left: first ears with a corner on their border, then corners on a
+        // straight edge.
         let mut touching = false;
         let mut looked_at = 0;
         while self.left > 3 {
@@ -409,8 +409,8 @@ impl Cutter {
         Ok(true)
     }
 
-    /// Cuts off corners in the place of a neighbour, and tips at which the face turns back upon
-    /// itself: triangles without area, which would make ears of what lies outside.
+    /// Clips corners that coincide with a neighbour, and spikes, where the face turns back on itself: their triangles
+    /// have no area, and would make ears of the outside.
     fn cut_spikes(&mut self) {
         while let Some(corner) = self.suspects.pop() {
             if self.left > 3 && !self.is_cut[corner as usize] && self.is_spike(corner) {
@@ -426,7 +426,7 @@ impl Cutter {
         turns_back || to_before == Ordering::Equal || to_after == Ordering::Equal
     }
 
-    /// The last triangle.
+    /// Adds the last triangle.
     fn close(&mut self) {
         let last = (0..self.points.len() as u32).find(|&i| !self.is_cut[i as usize]);
         self.ears.extend(last.map(|corner| self.ear(corner)));
@@ -447,7 +447,7 @@ impl Cutter {
         Some(turn(a, b, c)) == self.inside
     }
 
-    /// A corner that neither turns inwards nor outwards, from that of this index on.
+    /// A corner on a straight edge, searched from this one on.
     fn flat_corner(&mut self, first: u32) -> Result<Option<u32>, OutOfSteps> {
         let count = self.points.len() as u32;
         for corner in (first..count).chain(0..first) {
@@ -481,7 +481,7 @@ impl Cutter {
     fn stops_blocking(&mut self, corner: u32) {
         self.tree.remove(corner as usize);
         for waiting in std::mem::take(&mut self.waiting[corner as usize]) {
-            // It may wait for another by now.
+            // It may wait for another corner by now.
             if self.waits_for[waiting as usize] == corner {
                 self.waits_for[waiting as usize] = NOBODY;
                 self.look_at(waiting);
@@ -497,15 +497,14 @@ impl Cutter {
         }
     }
 
-    /// A corner in an ear that keeps it from being one; where `touching` is allowed, not on its
-    /// border. One in the place of an ear's own corner does not count: the two parts of the face
-    /// that meet there lie side by side.
+    /// A corner in an ear's triangle that prevents clipping it; with `touching`, only one strictly inside. A corner
+    /// that coincides with one of the ear's does not count: two parts of the face lie side by side there.
     fn blocker(&mut self, corner: u32, touching: bool) -> Result<Option<u32>, OutOfSteps> {
         let [a, b, c] = self.ear_points(corner);
         let inside = self.inside.unwrap_or(Ordering::Greater);
         let around = Box2::around(a).with(b).with(c);
         let tree = &self.tree;
-        // A box beyond an edge has all its corners there: the one furthest inwards decides.
+        // A box is beyond an edge if its corner furthest inwards is.
         let beyond = |box2: &Box2, from: Point, to: Point| {
             let inwards = (inside == Ordering::Greater) == (to.y > from.y);
             let rightwards = (inside == Ordering::Greater) == (to.x > from.x);

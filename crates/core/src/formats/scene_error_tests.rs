@@ -1,4 +1,4 @@
-//! What is wrong with scene files, in words.
+//! Error messages of faulty scene files.
 
 use super::scene_objects::ANCESTOR_LIMIT;
 use super::scene_read_tests::{WHOLE, files, parse};

@@ -1,4 +1,4 @@
-//! What scene files say.
+//! Reading scene files.
 
 use super::scene_file::SceneFile;
 use super::*;
@@ -177,7 +177,7 @@ fn what_is_left_out_is_left_to_the_caller() {
     assert_eq!(file.shading, Some(shading));
 }
 
-/// Two objects with parts of one image, placed each in its own way.
+/// Two objects with parts of one image, each mapped differently.
 pub(super) const MAPPED: &str = r##"[[object]]
 mesh = "b.txt"
 texture = "wide.ppm"

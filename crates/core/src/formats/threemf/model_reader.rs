@@ -1,4 +1,4 @@
-//! Reading a model part of a 3MF file.
+//! Parsing a model part of a 3MF file.
 
 use super::model::{Instance, Model, ModelObject, Shape};
 use super::package::{Package, Part, line_at};
@@ -13,7 +13,7 @@ use std::str::FromStr;
 /// No number.
 const NONE: u32 = u32::MAX;
 
-/// Where in the tree of elements an element stands. What a name means depends on that.
+/// The parent of an element, which decides the meaning of the element's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Place {
     Document,
@@ -27,11 +27,11 @@ enum Place {
     Triangles,
     Components,
     Build,
-    /// Of no interest, with all that is in it.
+    /// An ignored element, with all its children.
     Other,
 }
 
-/// Extensions that a model may need, by a piece of their namespace.
+/// Supported required extensions, by a part of their namespace.
 const KNOWN: [&str; 5] = [
     "/core/",
     "/production/",
@@ -40,21 +40,21 @@ const KNOWN: [&str; 5] = [
     "/beamlattice/",
 ];
 
-/// An object while it is read.
+/// An object while it is parsed.
 #[derive(Default)]
 struct Open {
     id: u32,
     name: Option<String>,
-    /// What triangles without properties of their own have.
+    /// The properties of triangles without properties of their own.
     property: (u32, u32),
     mesh: Option<MeshData>,
     components: Vec<Instance>,
-    /// A group and an index a triangle; empty where none has any.
+    /// A group and an index for each triangle; empty where no triangle has any.
     properties: Vec<(u32, u32)>,
     line: usize,
 }
 
-/// Properties of an object's triangles, whose groups may stand behind it.
+/// The properties of an object's triangles, whose groups may follow later in the file.
 struct Pending {
     object: u32,
     /// As in [`Open`].
@@ -70,16 +70,16 @@ struct ModelReader<'r, 'b> {
     open: Open,
     groups: HashMap<u32, Vec<Material>>,
     group: u32,
-    /// Groups of kinds that are not shown.
+    /// Groups of types that are not shown.
     other_groups: HashSet<u32>,
-    /// Objects with properties that stand for later.
+    /// Objects whose properties are resolved at the end.
     pending: Vec<Pending>,
     unused: HashMap<&'static str, usize>,
     triangles: u64,
     triangles_left: u64,
 }
 
-/// Reads a model part. No more triangles than `triangles_left` are read.
+/// Parses a model part of at most `triangles_left` triangles.
 pub(super) fn read(
     package: &Package<'_>,
     part: &Part<'_>,
@@ -116,7 +116,7 @@ impl ModelReader<'_, '_> {
         let text = &self.part.text[..];
         let mut reader = Reader::from_reader(text);
         let mut places = vec![Place::Document];
-        // Lines are counted as they go by.
+        // Lines are counted incrementally.
         let mut counted = 0;
         let mut has_model = false;
         loop {
@@ -163,7 +163,7 @@ impl ModelReader<'_, '_> {
         }
     }
 
-    /// Takes in an element's own tag; where what is in it stands.
+    /// Parses an element's tag; returns the parent of the elements in it.
     fn element(&mut self, tag: &BytesStart<'_>, place: Place) -> Result<Place, FormatError> {
         let name = tag.local_name();
         Ok(match (place, name.as_ref()) {
@@ -421,7 +421,7 @@ impl ModelReader<'_, '_> {
         })
     }
 
-    /// Twelve numbers: what the axes become, each in turn, and the translation.
+    /// Twelve numbers: the images of the three axes, and the translation.
     fn transform(&self, text: &str) -> Result<DAffine3, FormatError> {
         let mut numbers = [0.0; 12];
         let mut words = text.split_ascii_whitespace();
@@ -479,7 +479,7 @@ impl ModelReader<'_, '_> {
         })
     }
 
-    /// Gives triangles their materials, now that all groups are known.
+    /// Gives triangles their materials, once all groups are known.
     fn finish(mut self) -> Result<Model, FormatError> {
         for pending in std::mem::take(&mut self.pending) {
             let Pending {
