@@ -25,6 +25,7 @@ mod reflectance;
 mod rounding;
 mod scalar;
 mod shape;
+mod shape_mesh;
 mod stored_mesh;
 mod texture;
 mod transform;

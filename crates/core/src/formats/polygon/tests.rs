@@ -4,7 +4,7 @@
 use super::*;
 use crate::math;
 use crate::random::Random;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::time::{Duration, Instant};
 
 type Corner = (i64, i64);

@@ -1,6 +1,9 @@
 //! A bounding box tree along a face.
 
-use super::Point;
+use robust::Coord;
+
+/// A corner, projected to a coordinate plane.
+pub(super) type Point = Coord<f64>;
 
 /// An axis-aligned rectangle.
 #[derive(Clone, Copy, Debug)]

@@ -1,5 +1,6 @@
 //! 3MF, with colours, base materials and the production extension.
 
+mod attributes;
 mod model;
 mod model_reader;
 mod package;
