@@ -101,7 +101,7 @@ fn colors(map: ColorMap) -> Vec<Vector<24>> {
 fn fitted(stage: &Stage, camera: &Camera, quantity: &Quantity) -> Option<[Double; 2]> {
     if let Quantity::Distance(from) = quantity {
         let point = from.unwrap_or(camera.placement().eye);
-        return super::distances(stage, camera, point, from.is_none());
+        return super::depth::distances(stage, camera, point, from.is_none());
     }
     let shows = |object: &&Object| {
         object.visible && matches!(&object.color, ColorRule::Value(own) if own == quantity)
@@ -237,7 +237,7 @@ fn of_number(hit: &Hit<'_>, numbers: &Numbers, camera: &Camera, quantity: &Quant
             // Corners are rounded once to single precision.
             let corners = hit
                 .corners
-                .map(|corner| -> Vector<24> { to(super::plus(corner, exactly(to_point))) });
+                .map(|corner| -> Vector<24> { to(super::range::plus(corner, exactly(to_point))) });
             let [a, b, c] = corners;
             let point = normal::blend([a, b, c], hit.weights);
             match along_rays {
