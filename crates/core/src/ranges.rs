@@ -152,7 +152,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ranges_end_where_they_say() {
+    fn ranges_accept_their_ends_and_refuse_what_is_beyond() {
         assert!(samples(1).is_ok() && samples(4096).is_ok());
         assert!(samples(0).is_err());
         let message = samples(4097).expect_err("too many").to_string();

@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn all_copies_among_many_are_found_and_nothing_else() {
+    fn exactly_the_copies_among_many_triangles_are_found() {
         let mut random = Random(9);
         for (points, triangles, least) in [(2000, 100_000, 0), (40, 100_000, 50_000)] {
             let positions: Vec<DVec3> = (0..points).map(|_| random.point()).collect();

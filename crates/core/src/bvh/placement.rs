@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn eight_triangles_are_placed_as_each_is() {
+    fn eight_triangles_are_placed_with_the_bits_of_single_ones() {
         let mut random = Random(11);
         for (placement, size) in placements(&mut random) {
             let mut positions: Corners = [[0.0; LANES]; 9];
@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn placed_boxes_hold_the_placed_corners_of_all_their_points() {
+    fn placed_boxes_contain_the_placed_corners_in_them() {
         let mut random = Random(12);
         for (placement, size) in placements(&mut random) {
             for _ in 0..20 {

@@ -178,7 +178,7 @@ fn by_all_steps(lens: &BrownConrady, to_x: f64, to_y: f64) -> [f64; 2] {
 }
 
 #[test]
-fn steps_that_would_change_nothing_are_left_out() {
+fn stopping_early_gives_the_bits_of_all_newton_steps() {
     let mut random = Random(45);
     for lens in many() {
         for _ in 0..200 {

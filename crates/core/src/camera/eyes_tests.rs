@@ -161,7 +161,7 @@ fn rays_of_a_lattice_are_those_of_their_pixels_eyes() {
 }
 
 #[test]
-fn what_no_camera_can_have_is_refused() {
+fn invalid_stereo_settings_are_refused() {
     let planar = Projection::Perspective;
     let all_around = Projection::Panoramic(Panorama::Equirectangular);
     let fisheye = Projection::Panoramic(Panorama::Equidistant);

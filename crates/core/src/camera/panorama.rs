@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn every_direction_has_a_place_that_looks_there() {
+    fn every_direction_has_a_place_with_that_direction() {
         let mut random = Random(5);
         for panorama in all() {
             for _ in 0..2000 {
@@ -352,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn known_places_look_in_known_directions() {
+    fn known_places_have_known_directions() {
         let looks = |panorama: Panorama, a: f64, b: f64, expected: DVec3| {
             let found = panorama.direction(a, b).expect("a direction");
             let apart = angle(found, expected);
@@ -380,7 +380,7 @@ mod tests {
     }
 
     #[test]
-    fn places_that_there_are_not_look_nowhere() {
+    fn places_outside_the_projection_have_no_direction() {
         for (panorama, a, b) in [
             (Panorama::Equirectangular, 3.2, 0.0),
             (Panorama::Equirectangular, 0.0, 1.6),

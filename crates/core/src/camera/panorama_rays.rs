@@ -434,7 +434,7 @@ mod tests {
     }
 
     #[test]
-    fn eight_directions_are_those_of_single_rays() {
+    fn eight_directions_have_the_bits_of_single_rays() {
         let mut count = 0;
         for lattice in lattices() {
             let camera = &lattice.camera;

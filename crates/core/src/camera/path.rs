@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_between_is_a_line_or_a_curve_without_a_kink() {
+    fn keyframes_are_joined_by_lines_or_smooth_curves() {
         let eye = |curve, ease, frame| path(curve, ease).at(frame).placement.eye;
         assert_eq!(eye(Curve::Linear, Ease::None, 3), DVec3::new(1.0, 4.0, 5.0));
         // After a quarter of the frames it is at 10/64 of the way.

@@ -111,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn says_what_is_wrong() {
+    fn faults_of_placements_are_named() {
         let check = |eye: DVec3, target: DVec3, up: DVec3| {
             let error = Placement { eye, target, up }.check().err();
             error.map(|error| error.to_string())
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn what_nobody_said_gives_way() {
+    fn up_is_y_or_minus_z_by_default() {
         let down = Placement::towards(DVec3::Y, DVec3::ZERO);
         assert_eq!(down.up, DVec3::NEG_Z);
         assert_eq!(down.check(), Ok(()));

@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn held_files_have_plain_names() {
+    fn paths_in_a_store_are_normalised() {
         let budget = Budget::default();
         let held = Held::new(&|name| (name == "a/c.obj").then(|| vec![7]), &budget);
         let read = |path: &str| held.read(Path::new(path), By::Person, &|_| ());

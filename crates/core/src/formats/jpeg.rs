@@ -294,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_jpeg_is_left_to_others() {
+    fn files_without_jpeg_markers_are_left_to_the_decoder() {
         assert_eq!(fault_of(b"\x89PNG"), None);
         assert_eq!(fault_of(b""), None);
         assert!(fault_of(b"\xff\xd8").is_some());

@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn names_what_is_no_mesh() {
+    fn files_in_other_formats_are_named_in_the_error() {
         let check = |bytes: &[u8], expected: &str| {
             let error = mesh_kind(Path::new("a.obj"), bytes).expect_err("no mesh");
             let message = error.to_string();

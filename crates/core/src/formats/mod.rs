@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_is_named() {
+    fn files_that_cannot_be_read_are_named_in_the_error() {
         let folder = Folder::new("faults");
         let check = |path: &Path| {
             let errors = [

@@ -478,7 +478,7 @@ mod tests {
     }
 
     #[test]
-    fn what_vertices_have_is_in_the_order_of_the_keyword() {
+    fn vertex_values_follow_the_order_of_the_keyword() {
         let vertices = "0 0 0 1 0 0 1 0 3 0\n1 0 0 1 0 0 1 0 3 0\n0 1 0 1 0 0 1 0 3 0\n";
         let mesh = parse(&format!("NCOFF\n3 1 0\n{vertices}3 0 1 2\n")).expect("a good file");
         assert_eq!(mesh.mesh.colors[0], Some(Color([255, 0, 0])));

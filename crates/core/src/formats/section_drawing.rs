@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_makes_an_empty_drawing() {
+    fn a_section_without_lines_makes_an_empty_drawing() {
         let axes = SectionAxes {
             right: DVec3::X,
             up: DVec3::Y,

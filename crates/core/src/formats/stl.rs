@@ -350,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn colours_are_those_of_two_programs() {
+    fn colors_follow_the_conventions_of_two_programs() {
         let red = 31 | 8 << 5;
         let colors = |header: &str, attributes: [u16; 2]| {
             let bytes = file(header, &[facet(A, attributes[0]), facet(B, attributes[1])]);
@@ -371,7 +371,7 @@ mod tests {
     }
 
     #[test]
-    fn solids_are_parts_of_one_object() {
+    fn several_solids_make_one_object() {
         let text = "solid a b\r\nFACET normal nan nan nan\nouter loop\nvertex 0 0 0\n\
             vertex 1 0 0\nvertex 0 1 0\nendloop endfacet endsolid a b\nsolid\nendsolid\n\
             solid c\n facet normal 0 0 1\n outer loop\n vertex -0 0.0 0\n vertex 0 1 0\n\

@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_what_is_no_image() {
+    fn files_that_are_no_image_are_refused() {
         let check = |bytes: &[u8], expected: &str| {
             let message = read("a.png", bytes).expect_err("no image").to_string();
             assert!(message.starts_with("a.png: "), "{message}");

@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_packed_is_unpacked() {
+    fn compressed_files_are_decompressed() {
         let text: Vec<u8> = (0..3_000_000u32)
             .flat_map(|n| (n / 7).to_le_bytes())
             .collect();
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn bombs_are_refused_as_the_limits_say() {
+    fn compression_bombs_are_refused_at_the_limits() {
         let zeros = vec![0; 64 << 20];
         for bytes in [gzip(&zeros), zstd(&zeros)] {
             assert!(bytes.len() < 1 << 20);
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn text_of_two_bytes_a_character_is_read() {
+    fn utf_16_text_is_read() {
         let text = "v 0 0 0\u{e9}\u{1d11e}";
         for (mark, bytes) in [
             ([0xff, 0xfe], u16::to_le_bytes as fn(u16) -> [u8; 2]),
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn names_lose_what_packing_put_behind() {
+    fn inner_names_lose_the_extension_of_compression() {
         for (name, inner) in [
             ("a.obj.gz", "a.obj"),
             ("b/a.ZST", "b/a"),

@@ -234,7 +234,7 @@ mod tests {
     use std::collections::HashMap;
 
     #[test]
-    fn the_order_is_that_of_one_corner_after_the_other() {
+    fn vertices_are_in_the_order_of_sequential_welding() {
         let mut random = Random(7);
         // Few positions, so that most corners coincide with others.
         let mut coordinate = || (random.unit() * 40.0).floor() * 0.5 - 10.0;
@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_equal_to_itself() {
+    fn nan_corners_equal_themselves() {
         let mut vertices = Vertices::with_capacity(0);
         let nan = DVec3::NAN;
         assert_eq!([nan, DVec3::X, nan].map(|p| vertices.number(p)), [0, 1, 0]);

@@ -303,7 +303,7 @@ fn packets_of_any_pixel_size_answer_as_single_rays_do() {
 
 /// Planes through corners, edges, triangles and the eye.
 #[test]
-fn clipped_panoramas_are_what_clipped_single_rays_see() {
+fn clipped_panoramas_equal_clipped_single_rays() {
     let mut random = Random(77);
     let (mut kept, mut rays) = (0, 0);
     for triangles in [8, 300] {

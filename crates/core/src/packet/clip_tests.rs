@@ -44,7 +44,7 @@ pub(super) fn planes(
 }
 
 #[test]
-fn clipped_tiles_give_what_clipped_single_rays_give() {
+fn clipped_packets_equal_clipped_single_rays() {
     let mut random = Random(17);
     let (mut kept, mut cut) = (0, 0);
     for (side, size, offset) in [

@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_thin_beside_its_distance_has_a_reference_next_to_its_keys() {
+    fn scenes_thin_compared_with_their_distance_have_a_reference_close_to_their_keys() {
         let eye = DVec3::new(0.0, 0.0, 8.0);
         let thin = |projection| reference(1e-5, eye, projection).key();
         assert_eq!(thin(Projection::Perspective), 0.125);

@@ -191,7 +191,7 @@ const ROUNDS: usize = 2400;
 /// neighbour in the picture. The scenes are visible to rays of the border alone, among triangles elsewhere, so that
 /// entry points leave some out. Where a border is assigned to the face on its other side, this fails.
 #[test]
-fn rays_at_the_borders_of_faces_hit_what_their_own_face_sees() {
+fn rays_at_the_borders_of_faces_belong_to_one_face() {
     let mut sum = Sum::default();
     for panorama in [Panorama::CubeStrip, Panorama::CubeCross] {
         // A width with a pixel at each border; large packets are narrow enough to have a cone.

@@ -178,7 +178,7 @@ fn instances_answer_as_one_tree_does() {
 }
 
 #[test]
-fn changes_of_objects_answer_as_a_tree_built_anew() {
+fn updated_trees_answer_as_trees_built_from_scratch() {
     let mut random = Random(22);
     let mut scene = scene(&mut random, DVec3::ZERO);
     let mut accel = Accel::build_instances(&scene).expect("a valid scene");
@@ -276,7 +276,7 @@ fn equal_distances_go_to_the_lowest_object_then_the_lowest_triangle() {
 }
 
 #[test]
-fn what_leaves_the_range_is_counted_and_the_rest_is_met() {
+fn triangles_out_of_range_are_counted_and_the_others_are_hit() {
     let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::ONE * 1e10];
     let mesh = Arc::new(Mesh::new(MeshData {
         positions: corners,

@@ -59,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rivals_are_those_of_the_ray_once_each() {
+    fn rivals_are_grouped_by_ray_without_repetition() {
         let mut rivals = Rivals::default();
         for (ray, primitive) in [(7, 3), (2, 9), (7, 1), (7, 3), (0, 4)] {
             rivals.push(ray, primitive);

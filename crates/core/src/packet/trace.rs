@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn levels_are_what_finding_goes_through() {
+    fn the_trace_counts_what_casting_counts() {
         for (size, offset) in [
             (1.0, DVec3::ZERO),
             (30.0, DVec3::new(148376.0, 1234.0, -223423.0)),
@@ -313,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_has_no_list() {
+    fn an_empty_scene_has_no_entry_points() {
         let accel = waves(0, 1.0, DVec3::ZERO);
         for lattice in lattices(1.0, DVec3::ZERO).take(1) {
             for large in accel.levels(&lattice, Cull::None) {

@@ -42,7 +42,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_say_the_kind() {
+    fn file_names_select_the_format() {
         assert_eq!(Format::from_name("a.b/c.PNG").ok(), Some(Format::Png));
         assert_eq!(Format::from_name("c.jpeg").ok(), Some(Format::Jpeg));
         for bad in [

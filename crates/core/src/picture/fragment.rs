@@ -353,7 +353,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn places_come_back() {
+    fn positions_parse_to_themselves() {
         let place = Place {
             full_size: (65_536, 1),
             rect: Rect {

@@ -52,7 +52,7 @@ mod tests {
     use crate::picture::{Layers, Picture};
 
     #[test]
-    fn a_pixel_takes_what_its_values_do() {
+    fn memory_of_a_pixel_is_the_sum_of_its_values() {
         let Layers {
             color,
             depth,

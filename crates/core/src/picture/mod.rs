@@ -22,6 +22,7 @@ mod png_bands;
 mod ppm;
 mod recipe;
 mod recipe_text;
+mod recipe_values;
 mod rows;
 mod stitch;
 mod tiff;

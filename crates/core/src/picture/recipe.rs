@@ -207,7 +207,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn clipping_planes_are_told_where_there_are_any() {
+    fn clipping_planes_are_written_only_where_there_are_any() {
         let mut recipe = sample_recipe(40, 30);
         let plain = recipe;
         for (normal, offset) in [(DVec3::X, -0.5), (DVec3::new(1.0 / 3.0, 0.0, -2.0), 1e9)] {

@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_named() {
+    fn the_first_difference_of_recipes_is_named() {
         let whole = sample_picture(12, 10, false);
         let parts = fragments(&whole, three_by_two(), Format::Png);
         let refusal = |parts: &[(String, Fragment)]| {

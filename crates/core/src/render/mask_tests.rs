@@ -248,7 +248,7 @@ fn of_ten_thousand_coincident_layers_the_lowest_that_is_kept_counts() {
 
 /// Panes in a row, the nearest of them last in the file.
 #[test]
-fn panes_cover_what_lies_behind_in_the_order_of_the_ray() {
+fn blended_panes_are_composited_in_the_order_of_the_ray() {
     let pane = |z: f64, color: Color, opacity: Opacity| {
         let place = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)];
         let place = place.map(|(x, y)| DVec3::new(x, y, z));

@@ -118,7 +118,7 @@ fn sections_are_the_same_for_any_split() {
 }
 
 #[test]
-fn a_section_is_one_colour_with_an_outline_around_and_backs_elsewhere_stay_what_they_are() {
+fn a_section_is_filled_and_outlined_and_other_back_faces_keep_their_color() {
     let view = view(Projection::Perspective, 1);
     let cut = render(&view, Grid::default());
     let orange = |p: &&[u8; 4]| p[0] > 150 && p[0] > p[1] + 50 && p[1] > p[2] + 30;

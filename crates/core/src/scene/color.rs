@@ -154,7 +154,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn reads_what_it_writes() {
+    fn displayed_colors_parse_to_themselves() {
         let color = Color([1, 0xab, 255]);
         assert_eq!(color.to_string().parse(), Ok(color));
         assert_eq!("#0aF".parse(), Ok(Color([0, 0xaa, 255])));
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn rules_read_what_they_are_displayed_as() {
+    fn displayed_rules_parse_to_themselves() {
         for text in [
             "file",
             "per-triangle",

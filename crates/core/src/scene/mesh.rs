@@ -472,7 +472,7 @@ mod tests {
     }
 
     #[test]
-    fn what_rounding_moves_is_measured() {
+    fn rounding_reports_how_far_corners_move() {
         // A unit in the last place of 1 is 2^-23.
         let half = 2f64.powi(-25);
         let mesh = |edge: f64| {

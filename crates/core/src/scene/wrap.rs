@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_displayed_reads_again() {
+    fn displayed_wraps_parse_to_themselves() {
         let color = Color([1, 2, 0xab]);
         let all = [
             Wrap::Repeat,

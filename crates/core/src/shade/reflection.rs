@@ -1,17 +1,18 @@
-//! What metals and dielectrics of any roughness send back: a microfacet model under the picture's lights.
+//! Reflection by metals and dielectrics of any roughness: a microfacet model under the picture's lights.
 
 use super::light::{Lights, Source};
 use crate::math;
 use glam::Vec3;
 
-/// The least α = roughness²: highlights are never sharper than of a light some 3° wide. Lights that are points would
-/// be seen in a mirror by no ray. Below it, a ray in 10⁵ pixels would decide a highlight's brightness.
+/// The least α = roughness²: highlights are at least as wide as those of a light 3° wide. Without a limit no ray
+/// would hit the mirror image of a point light; with a smaller one, one ray in 10⁵ pixels would decide a highlight's
+/// brightness.
 const LEAST_ALPHA: f32 = 0.03;
 
-/// What a dielectric reflects head-on: of glass and plastics, with an index of refraction of 1.5.
+/// The reflectance of dielectrics at normal incidence: of glass and plastics, with an index of refraction of 1.5.
 const DIELECTRIC: f32 = 0.04;
 
-/// A surface, as light falls on it.
+/// A surface's reflectance at a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Surface {
     /// Base colour, linear light.
@@ -79,7 +80,7 @@ pub(super) fn reflected(lights: &Lights, surface: Surface, normal: Vec3, to_eye:
     light + all * seen
 }
 
-/// What microfacets reflect of light that is the same from all around.
+/// The fraction of uniform light from all directions that microfacets reflect.
 fn reflected_of_all(head_on: Vec3, roughness: f32, facing: f32) -> Vec3 {
     let x = 1.0 - roughness;
     let y = 0.0425 - 0.0275 * roughness;

@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn what_leaves_the_range_is_counted_and_the_rest_is_hit() {
+    fn placed_triangles_out_of_range_are_counted_and_the_others_are_hit() {
         let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::ONE * 1e10];
         let mesh = |triangles| {
             Arc::new(Mesh::new(MeshData {

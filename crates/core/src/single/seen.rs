@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn copies_hide_nothing_and_backs_are_culled() {
+    fn coincident_triangles_hide_nothing_and_back_faces_are_culled() {
         let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
         let both = accel(corners.clone(), vec![[0, 1, 2], [2, 1, 0], [0, 1, 2]]);
         let planes = ClippingPlanes::NONE;

@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// Hits at t = 0 leave no slack between the start of a box and the nearest hit: a box that starts there may still
 /// contain a lower number.
 #[test]
-fn ties_at_nothing_go_to_the_lowest_number() {
+fn ties_at_t_zero_go_to_the_lowest_number() {
     let count = 60;
     let around = |step: u32| {
         let (sin, cos) = math::sin_cos(std::f64::consts::TAU * f64::from(step) / f64::from(count));

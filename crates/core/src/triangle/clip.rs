@@ -309,7 +309,7 @@ mod tests {
     /// arithmetic, and double-double arithmetic on scaled numbers. Without [`TINY`] this fails, for corners and for
     /// hits.
     #[test]
-    fn what_underflow_leaves_unsure_is_decided_exactly() {
+    fn underflow_is_decided_exactly() {
         let mut random = Random(72);
         let [mut close, mut sure] = [0; 2];
         for _ in 0..3000 {
@@ -351,7 +351,7 @@ mod tests {
     /// Planes through corners except for rounding, near the origin and far from it. The truth is integer arithmetic,
     /// and double-double arithmetic. With any term of the bounds but the underflow's at zero this fails.
     #[test]
-    fn what_double_precision_decides_about_corners_is_so() {
+    fn what_double_precision_decides_about_corners_is_what_integers_decide() {
         let mut random = Random(71);
         let [mut sure, mut exact] = [0; 2];
         for round in 0..30_000 {
@@ -403,7 +403,7 @@ mod tests {
     /// A hit is off by as much as its bound allows: a plane that it may lie on either side of is left to exact
     /// arithmetic.
     #[test]
-    fn what_a_hit_is_off_by_leaves_planes_undecided() {
+    fn planes_within_a_hits_error_are_undecided() {
         let ray = Ray::new(DVec3::ZERO, DVec3::X);
         let hit = Nearest {
             primitive: 0,

@@ -206,7 +206,7 @@ mod tests {
     /// Planes that are parallel to a direction, exactly or except for the rounding of one corner. The truth is
     /// integer arithmetic.
     #[test]
-    fn what_double_precision_decides_about_planes_along_rays_is_so() {
+    fn what_double_precision_decides_about_parallel_planes_is_what_integers_decide() {
         let mut random = Random(67);
         let (mut sure, mut along) = (0, 0);
         for _ in 0..20_000 {
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_before_the_image_plane_is_decided_exactly() {
+    fn triangles_at_or_behind_the_image_plane_are_decided_exactly() {
         for (frame, height) in [(0.0, 3.0), (4096.0, 0.1), (1_000_000.1, 0.3)] {
             let (frame, up) = (DVec3::Z * frame, DVec3::Z * f64::from(height as f32));
             let triangle = |z: f32| {

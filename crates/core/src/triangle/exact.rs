@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn finds_the_point_it_must() {
+    fn an_exact_hit_is_at_the_known_point() {
         let corners = [Vec3::ZERO, Vec3::X * 4.0, Vec3::Y * 4.0];
         let here = placed(corners, DVec3::ZERO);
         let ray = Ray::new(DVec3::new(1.0, 2.0, 5.0), DVec3::NEG_Z * 2.0);

@@ -303,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_numerator_is_off_by_moves_the_hit() {
+    fn the_numerators_error_widens_the_hits_interval() {
         let exact = |value| Determinant { value, error: 0.0 };
         let numerator = Determinant {
             value: 3.0,
@@ -316,7 +316,7 @@ mod tests {
     /// Weights and numerator are exact, which leaves the rounding of the sum and of the quotient. The truth is
     /// double-double arithmetic.
     #[test]
-    fn rounding_the_sum_of_the_weights_moves_the_hit() {
+    fn rounding_the_weights_sum_widens_the_hits_interval() {
         let mut random = Random(63);
         let exact = |value| Determinant { value, error: 0.0 };
         for _ in 0..50_000 {
@@ -336,7 +336,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_weights_are_off_by_moves_the_hit() {
+    fn the_weights_errors_widen_the_hits_interval() {
         let weight = Determinant {
             value: 1.0,
             error: 1e-10,

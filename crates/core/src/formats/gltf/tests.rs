@@ -357,7 +357,7 @@ fn reflecting(materials: &str) -> (Arc<Mesh>, Vec<String>) {
 }
 
 #[test]
-fn materials_say_how_they_reflect_light_and_what_is_not_shown_is_counted() {
+fn reflectances_are_read_and_unsupported_features_are_counted() {
     let (mesh, notes) = reflecting(
         r#"{"pbrMetallicRoughness": {"metallicFactor": 0.25, "roughnessFactor": 7,
     "metallicRoughnessTexture": {"index": 0}}, "normalTexture": {"index": 0}, "occlusionTexture": {"index": 0},

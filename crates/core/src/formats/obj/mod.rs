@@ -489,7 +489,7 @@ mod tests {
     }
 
     #[test]
-    fn goes_without_what_is_missing() {
+    fn missing_attributes_are_left_out() {
         let obj =
             parse("mtllib no.mtl\nusemtl x\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1/1 2/2/2 3/3/3\n");
         assert!(obj.mesh.materials.is_empty() && obj.mesh.uvs.is_none());

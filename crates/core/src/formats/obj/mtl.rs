@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn leaves_out_what_it_cannot_read() {
+    fn unreadable_lines_are_skipped_with_a_warning() {
         let text =
             b"newmtl a\nKd 1 0\nKd spectral x.rfl\nKd nan 0 0\nmap_Kd\nmap_Kd -s 1\nnewmtl\n";
         let mut warnings = Vec::new();

@@ -302,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn pieces_say_what_the_whole_file_says() {
+    fn reading_in_pieces_equals_reading_the_whole_file() {
         let random = &mut Random(16);
         let mut compared = [0; 2];
         for round in 0..2000 {

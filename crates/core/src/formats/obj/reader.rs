@@ -512,7 +512,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn integers_are_those_of_the_standard_library() {
+    fn integers_parse_as_in_the_standard_library() {
         for word in [
             "0",
             "7",
@@ -558,7 +558,7 @@ mod tests {
     }
 
     #[test]
-    fn plain_corners_and_numbers_are_what_words_say() {
+    fn the_fast_path_parses_as_the_general_one() {
         let words = [
             "1",
             "23",

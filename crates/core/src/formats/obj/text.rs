@@ -66,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn passes_over_what_is_no_face() {
+    fn lines_that_are_no_faces_are_skipped() {
         let source = "# c:\\\no x\nv 0 0 0 # here\nv 1 0 0 0.5 0.5 0.5\r\nl 1 2 3\n\
             vt 0.5\nv 0 1 0\nf 1 \\\n2 \\\n3 # there\nv 2 2 2";
         let out = text(source).expect("a good file");

@@ -79,7 +79,7 @@ fn covers(corners: &[Corner]) {
 
 /// The truth is the faces themselves: the edges that are not diagonals are the faces' edges, each once.
 #[test]
-fn edges_that_are_no_diagonals_are_those_of_the_faces() {
+fn edges_that_are_not_diagonals_are_the_faces_edges() {
     let faces: [&[Corner]; 4] = [
         &[(0, 0), (4, 0), (0, 4)],
         &[(0, 0), (1, 0), (1, 1), (0, 1)],
@@ -128,7 +128,7 @@ fn edges_that_are_no_diagonals_are_those_of_the_faces() {
 }
 
 #[test]
-fn an_l_is_covered_and_nothing_else() {
+fn an_l_shape_is_covered_exactly_once() {
     let l = [(2, 0), (2, 1), (1, 1), (1, 3), (0, 3), (0, 0)];
     covers(&l);
     assert_eq!(decided(&l).0, Cut::Ears);
@@ -151,7 +151,7 @@ fn fans_stay_where_they_are_right() {
 }
 
 #[test]
-fn corners_on_edges_and_in_one_place_are_covered() {
+fn faces_with_coincident_corners_and_corners_on_edges_are_covered() {
     // A square with every edge halved.
     covers(&[
         (0, 0),
@@ -237,7 +237,7 @@ fn random_faces_are_covered() {
 }
 
 #[test]
-fn faces_that_cross_themselves_are_told() {
+fn faces_that_cross_themselves_are_counted() {
     let bow_tie = [(0, 0), (2, 2), (2, 0), (0, 2)];
     assert_eq!(decided(&bow_tie).0, Cut::Crossing);
     // Seven corners, twice around: every triangle of the fan has the same orientation.

@@ -153,7 +153,7 @@ fn scalars_are_written_as_ply_and_read_again() {
 }
 
 #[test]
-fn what_is_read_is_written_and_read_again() {
+fn written_meshes_read_back_the_same_in_every_format() {
     let scene = scene([rich()]);
     let mesh = &scene.objects[0].mesh;
     for (name, format) in READ {
@@ -204,7 +204,7 @@ fn what_is_read_is_written_and_read_again() {
 }
 
 #[test]
-fn colours_of_vertices_stay() {
+fn vertex_colors_are_written() {
     let mut data = rich();
     data.materials.clear();
     data.colors = (0..5u8)
@@ -370,7 +370,7 @@ fn objects_are_written_where_they_stand() {
 }
 
 #[test]
-fn materials_of_one_name_are_told_apart() {
+fn materials_with_equal_names_get_unique_names() {
     let mut other = rich();
     other.materials[1].color = Color([9; 3]);
     let scene = scene([rich(), other]);
@@ -384,7 +384,7 @@ fn materials_of_one_name_are_told_apart() {
 }
 
 #[test]
-fn a_glb_is_laid_out_as_it_says() {
+fn a_glbs_lengths_and_offsets_agree_with_its_bytes() {
     let mut scene = scene([rich(), rich()]);
     scene.objects[1].transform.translate = DVec3::new(1e6, 0.0, 0.0);
     let (bytes, written) = bytes(&scene, MeshFormat::Glb);
