@@ -12,13 +12,13 @@ use std::io::{Read, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Rays held at once: enough to keep every worker busy, few enough to hold for any file.
+/// Rays in memory at a time: enough to keep every worker busy. With more, large files take more memory for nothing.
 const RAYS_AT_ONCE: usize = 1 << 18;
 
-/// Rays that a worker takes at a time.
+/// Rays in one parallel task.
 const RAYS_A_TASK: usize = 1 << 10;
 
-/// How many rays were what.
+/// Counts of rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Counts {
     rays: u64,
@@ -122,7 +122,7 @@ pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
     hits_file.finish()
 }
 
-/// Opens a file of rays and tells its length, 0 for one that has none (a pipe).
+/// Opens a file of rays; returns its length as well, 0 for a pipe.
 fn open_rays(path: &Path) -> Result<(File, u64), Failure> {
     let cannot = |error: std::io::Error| Failure::could_not(format!("{}: {error}", path.display()));
     let file = File::open(path).map_err(cannot)?;
@@ -147,8 +147,8 @@ fn cut_short(path: &Path, bytes: u64) -> Failure {
     ))
 }
 
-/// Reads rays, lets `cast` answer them, and hands the hits' bytes to `write`, a part at a time.
-/// Returns the counts and the time that `cast` took.
+/// Reads rays, casts them with `cast`, and passes the encoded hits to `write`, a part at a time. Returns the counts
+/// and the time of `cast`.
 fn answer(
     path: &Path,
     mut rays: impl Read,
