@@ -19,6 +19,49 @@ impl<'b> Disk<'b> {
             opened: Opened::default(),
         }
     }
+
+    /// A regular file that a person named, to be read where it is wanted, if its first bytes are of the right kind; `None`
+    /// of any other, and of what cannot be opened.
+    pub(super) fn open_if(
+        &self,
+        path: &Path,
+        is_right: impl Fn(&[u8]) -> bool,
+    ) -> Option<OpenFile> {
+        // What a pipe gives is gone once it is looked at.
+        if !std::fs::metadata(path).ok()?.is_file() {
+            return None;
+        }
+        let file = open(path, false).ok()?;
+        let length = file.metadata().ok()?.len();
+        let file = OpenFile { file, length };
+        let mut first = [0; 16];
+        file.read_at(0, &mut first).ok()?;
+        is_right(&first).then(|| {
+            self.opened.add(self.source(path));
+            file
+        })
+    }
+}
+
+/// A file that is read here and there.
+pub(super) struct OpenFile {
+    file: File,
+    /// Bytes that it had when it was opened.
+    pub(super) length: u64,
+}
+
+impl OpenFile {
+    /// Fills a slice from a place of the file on.
+    #[cfg(unix)]
+    pub(super) fn read_at(&self, at: u64, to: &mut [u8]) -> io::Result<()> {
+        std::os::unix::fs::FileExt::read_exact_at(&self.file, to, at)
+    }
+
+    /// Elsewhere files are read from their beginning.
+    #[cfg(not(unix))]
+    pub(super) fn read_at(&self, _: u64, _: &mut [u8]) -> io::Result<()> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
 }
 
 impl Files for Disk<'_> {

@@ -190,6 +190,17 @@ pub(super) fn read(
     })
 }
 
+/// Reads a prepared mesh of so many bytes from where they are.
+pub(super) fn read_prepared(
+    path: &Path,
+    from: (prepared::ReadAt<'_>, u64),
+    files: &dyn Files,
+    progress: Progress<'_>,
+) -> Result<MeshFile, FormatError> {
+    let prepared = prepared::read_from(path, from, files.budget(), progress)?;
+    Ok(of_prepared(path, prepared, None, files))
+}
+
 /// Checks and stores what a file of several objects gives.
 fn several(
     path: &Path,

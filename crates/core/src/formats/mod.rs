@@ -81,11 +81,16 @@ const READING: f32 = 0.2;
 pub fn read_mesh(path: &Path, progress: Progress<'_>) -> Result<Mesh, FormatError> {
     let budget = Budget::default();
     let disk = Disk::new(&budget);
-    let contents = disk.read(path, By::Person, &|share| progress(share * READING))?;
-    let up_axis = budget.limits().up_axis;
-    let read = mesh_file::read(path, &contents, &disk, up_axis, &|share| {
-        progress(READING + share * (1.0 - READING));
-    })?;
+    let read = match read_prepared(path, &disk, progress) {
+        Some(read) => read?,
+        None => {
+            let contents = disk.read(path, By::Person, &|share| progress(share * READING))?;
+            let up_axis = budget.limits().up_axis;
+            mesh_file::read(path, &contents, &disk, up_axis, &|share| {
+                progress(READING + share * (1.0 - READING));
+            })?
+        }
+    };
     let count = read.objects.len();
     let mut objects = read.objects.into_iter();
     match (objects.next(), count) {
@@ -95,6 +100,18 @@ pub fn read_mesh(path: &Path, progress: Progress<'_>) -> Result<Mesh, FormatErro
             Err(FormatError::unexpected(path, None, "one mesh", found))
         }
     }
+}
+
+/// Reads a prepared mesh straight from its file; `None` of any other file.
+fn read_prepared(
+    path: &Path,
+    disk: &Disk<'_>,
+    progress: Progress<'_>,
+) -> Option<Result<mesh_file::MeshFile, FormatError>> {
+    let file = disk.open_if(path, prepared::is_prepared)?;
+    let read_at = |at: u64, to: &mut [u8]| file.read_at(at, to);
+    let from: (prepared::ReadAt<'_>, u64) = (&read_at, file.length);
+    Some(mesh_file::read_prepared(path, from, disk, progress))
 }
 
 /// Reads an image file as a texture: PNG, JPEG or PNM, known by its content.
@@ -134,14 +151,17 @@ pub fn read_scene_within(
     progress: Progress<'_>,
 ) -> Result<SceneFile, FormatError> {
     let disk = Disk::new(budget);
-    let contents = disk.read(path, By::Person, &|share| progress(share * READING))?;
-    let rest = |share: f32| progress(READING + share * (1.0 - READING));
-    if kind::is_scene(path, &contents) {
-        return scene_read::read(path, &contents, &disk, &rest);
-    }
-    let up_axis = budget.limits().up_axis;
-    let read = mesh_file::read(path, &contents, &disk, up_axis, &rest)?;
-    drop(contents);
+    let read = match read_prepared(path, &disk, progress) {
+        Some(read) => read?,
+        None => {
+            let contents = disk.read(path, By::Person, &|share| progress(share * READING))?;
+            let rest = |share: f32| progress(READING + share * (1.0 - READING));
+            if kind::is_scene(path, &contents) {
+                return scene_read::read(path, &contents, &disk, &rest);
+            }
+            mesh_file::read(path, &contents, &disk, budget.limits().up_axis, &rest)?
+        }
+    };
     mesh_file::count_objects(path, &read.objects, budget)?;
     let mut warnings = read.warnings;
     let source = disk.source(path);
