@@ -1,4 +1,5 @@
 use super::EdgeKinds;
+use crate::camera::Projection;
 use crate::scene::{Color, ColorScale, TextureProjection};
 use std::fmt;
 use std::str::FromStr;
@@ -112,6 +113,18 @@ impl Wireframe {
 
     /// How strongly hidden lines show where nobody says how strongly.
     pub const FAINT: f32 = 0.25;
+
+    /// Which of the lines a picture of this projection leaves out, in words: of a panorama those where no triangle at a
+    /// pixel has them, since its edges are no straight lines.
+    pub fn left_out(&self, projection: Projection) -> Option<&'static str> {
+        projection.panorama()?;
+        match (self.edges.silhouette, self.hidden > 0.0) {
+            (true, true) => Some("hidden lines and silhouettes"),
+            (true, false) => Some("silhouettes"),
+            (false, true) => Some("hidden lines"),
+            (false, false) => None,
+        }
+    }
 }
 
 impl Default for Wireframe {

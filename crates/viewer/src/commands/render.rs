@@ -273,7 +273,7 @@ pub(super) fn open(
     let building = Instant::now();
     let SceneFile {
         scene,
-        warnings,
+        mut warnings,
         camera: camera_file,
         animation,
         image,
@@ -295,6 +295,14 @@ pub(super) fn open(
     let bounds = setup::bounds(&scene, &accel);
     let camera = setup::camera(&args.camera, camera_file.as_ref(), image, &bounds)
         .map_err(|error| setup::no_camera(&args.camera, &name, error))?;
+    let lines = settings.shading.wireframe;
+    if let Some(lines) = lines.and_then(|lines| lines.left_out(camera.projection())) {
+        let seen = match camera.projection().lens() {
+            Some(_) => "a picture through a lens",
+            None => "a panorama",
+        };
+        warnings.push(format!("{lines} are not drawn: {seen} has none"));
+    }
     Ok(Opened {
         view: View {
             scene: Arc::new(scene),
