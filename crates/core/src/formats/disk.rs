@@ -54,7 +54,11 @@ impl OpenFile {
     /// Fills a slice from a place of the file on.
     #[cfg(unix)]
     pub(super) fn read_at(&self, at: u64, to: &mut [u8]) -> io::Result<()> {
-        std::os::unix::fs::FileExt::read_exact_at(&self.file, to, at)
+        let read = std::os::unix::fs::FileExt::read_exact_at(&self.file, to, at);
+        read.map_err(|error| match error.kind() {
+            io::ErrorKind::UnexpectedEof => io::Error::other("it was cut short while it was read"),
+            _ => error,
+        })
     }
 
     /// Elsewhere files are read from their beginning.
@@ -273,6 +277,28 @@ mod tests {
                 .expect_err("a device")
                 .contains("a device")
         );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_that_is_cut_while_it_is_open_says_so() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a");
+        std::fs::write(&path, [7; 5000]).expect("a file");
+        let budget = limited(5000);
+        let disk = Disk::new(&budget);
+        assert!(disk.open_if(&path, |first| first[0] == 8).is_none());
+        assert!(disk.opened().is_empty());
+        let file = disk
+            .open_if(&path, |first| first == [7; 16])
+            .expect("it is right");
+        assert_eq!((disk.opened(), file.length), (vec![path.clone()], 5000));
+        let mut to = [0; 100];
+        file.read_at(4900, &mut to).expect("they are there");
+        assert_eq!(to, [7; 100]);
+        std::fs::write(&path, [7; 4950]).expect("a file");
+        let told = file.read_at(4900, &mut to).expect_err("they are gone");
+        assert!(told.to_string().contains("cut short"), "{told}");
     }
 
     #[cfg(unix)]

@@ -25,6 +25,8 @@
 //! its mean direction, on which its rays lie at `places` that are worked out one by one; triangles are set up there as
 //! for a perspective packet, and their functions are evaluated at those places
 //! (`setup::place_bounds`, `traversal::placed_packets`, `interval_zbuffer::at_places`). What sees too wide for a plane is split.
+//! The faces of a cube map are planes: each is cast as a perspective lattice, whose bounds have room for what the picture's own
+//! rays are beside that lattice's.
 //!
 //! `observer` and `trace` record the way for pictures and tables. No decision here is final unless a
 //! derived bound says so: the answers are those of exact arithmetic.

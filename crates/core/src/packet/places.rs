@@ -22,9 +22,13 @@
 //!   first ray in the picture by 6εK: below 1400εK, times √2 where both coordinates move a direction. [`PLACE_ERROR`] is
 //!   above that.
 //! * **Lenses.** Packets of a picture through a lens share the camera's own image plane, on which directions (x, y, 1) are
-//!   places already: neither products nor the plane's axes move them, and rays are off by the nine roundings on their way
-//!   to the world alone. With x and y at most 2 ([`FLATTEST`]) |d| is at most 3, B at most 5, and tangents are off by less
-//!   than 9√3·3·(1 + 2)ε < 2⁸ε: below the bounds above.
+//!   places already: neither products nor the plane's axes move them. With x and y at most 2 ([`FLATTEST`]) |d| is at most 3,
+//!   B at most 5, and the nine roundings of rays on their way to the world move tangents by less than 9√3·3·(1 + 2)ε < 2⁸ε, in
+//!   both coordinates 363ε. A ray's own direction and the packet's, from Newton's steps, differ by 2·720ε: together 1803ε, and
+//!   with √2·90ε from rounding places as above below [`PLACE_ERROR`].
+//! * **Faces of a cube.** They are planes, and their packets lattices, with the picture's own rays beside the lattice's. Those
+//!   differ by less than 1100ε a tangent and rounding (`camera/cube_face`), K times as much in columns: 1560εK where both
+//!   coordinates move a direction.
 //! * **Single precision.** Rounding a place by u of itself moves a linear function by less than u of the sum of its
 //!   terms' magnitudes: one of the roundings counted where functions are evaluated
 //!   (`interval_zbuffer/at_places`).
@@ -52,7 +56,7 @@ const PLACE_ERROR: f64 = 2048.0;
 
 /// The error of a packet's tangents, 2⁻⁴¹: 1182ε·2.5 is below 2¹²ε. The frusta of packets are wider by this. Planes make
 /// room for their own rounding alone, which is relative to a packet's width: of rays that are nearly one it is less.
-const TANGENT_ERROR: f64 = 1.0 / (1u64 << 41) as f64;
+pub(super) const TANGENT_ERROR: f64 = 1.0 / (1u64 << 41) as f64;
 
 /// The greatest tangent of the angle between a packet's axis and its rays, to the right or up. Below one any is correct.
 /// With a greater one cells at the packet's rim see wider than those in its middle, and errors grow with B; with a lesser
@@ -174,6 +178,10 @@ impl Places {
     #[inline(always)]
     fn look(&mut self, rays: &PanoramaRays, part: Rect) -> bool {
         self.has_ray = [0; SIDE];
+        if rays.window(part).is_some() {
+            self.look_through_lens(rays, part);
+            return true;
+        }
         let in_part = u32::MAX >> (SIDE as u32 - part.width.clamp(1, SIDE as u32));
         let mut eight = [[0.0; LANES]; 3];
         for row in 0..part.height {
@@ -194,6 +202,42 @@ impl Places {
         let column = self.has_ray[row].trailing_zeros() as usize;
         self.fill(row * SIDE + column);
         true
+    }
+
+    /// Directions of rays through a lens where all are well-behaved: each row's from where the three above it lead, as on a
+    /// parabola.
+    #[inline(always)]
+    fn look_through_lens(&mut self, rays: &PanoramaRays, part: Rect) {
+        let in_part = u32::MAX >> (SIDE as u32 - part.width.clamp(1, SIDE as u32));
+        for first in (0..part.width).step_by(ROW) {
+            let mut above = [[[0.0; LANES]; 2]; 3];
+            for row in 0..part.height {
+                let (column, at) = (part.x + first, row as usize * SIDE + first as usize);
+                let near = match row {
+                    0 => None,
+                    1 | 2 => rays.eight_through_lens(column, part.y + row, above[0]),
+                    _ => rays.eight_through_lens(column, part.y + row, after(&above)),
+                };
+                let found = match near {
+                    Some(found) => found,
+                    None => {
+                        let mut exact = [[0.0; LANES]; 3];
+                        rays.nearly_eight(column, part.y + row, &mut exact);
+                        [exact[0], exact[1]]
+                    }
+                };
+                for (all, eight) in self.directions.iter_mut().zip([found[0], found[1], ONES]) {
+                    if let Some(all) = all.get_mut(at..at + LANES) {
+                        all.copy_from_slice(&eight);
+                    }
+                }
+                above = [found, above[0], above[1]];
+            }
+        }
+        for has_ray in self.has_ray.iter_mut().take(part.height as usize) {
+            *has_ray = in_part;
+        }
+        self.fill(0);
     }
 
     /// Gives rays that the packet does not have the direction of one that it has.
@@ -359,11 +403,8 @@ impl Places {
     /// `eye_error`.
     pub(super) fn space(&self, eye: DVec3, eye_error: f64, cull: Cull) -> PacketSpace {
         let side = (SIDE as u32, SIDE as u32);
-        let mut space = PacketSpace::new(&self.view, eye, eye_error, self.first, 1.0, side, cull);
-        // Bounds go by these where a lattice's rays are off by 32 units, or its directions by 20.
-        space.ray_error *= PLACE_ERROR / 32.0;
-        space.rays.greatest *= space.obliqueness * (PLACE_ERROR / 20.0);
-        space
+        let space = PacketSpace::new(&self.view, eye, eye_error, self.first, 1.0, side, cull);
+        space.with_rays_beside()
     }
 
     /// The part of the view's plane that the rays go through.
@@ -379,6 +420,30 @@ impl Places {
             self.y.get(first..)?.first_chunk()?,
         ))
     }
+}
+
+impl PacketSpace {
+    /// The same packet, with rays beside their places by [`PLACE_ERROR`].
+    pub(super) fn with_rays_beside(mut self) -> Self {
+        // Bounds go by these where a lattice's rays are off by 32 units, or its directions by 20.
+        self.ray_error *= PLACE_ERROR / 32.0;
+        self.rays.greatest *= self.obliqueness * (PLACE_ERROR / 20.0);
+        self
+    }
+}
+
+const ONES: [f64; LANES] = [1.0; LANES];
+
+/// Where three of a row, the last one first, lead to at equal steps.
+#[inline(always)]
+fn after([a, b, c]: &[[[f64; LANES]; 2]; 3]) -> [[f64; LANES]; 2] {
+    let mut next = [[0.0; LANES]; 2];
+    for axis in 0..2 {
+        for lane in 0..LANES {
+            next[axis][lane] = 3.0 * (a[axis][lane] - b[axis][lane]) + c[axis][lane];
+        }
+    }
+    next
 }
 
 #[inline(always)]

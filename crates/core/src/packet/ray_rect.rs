@@ -21,6 +21,16 @@ impl RayRect {
         }
     }
 
+    /// The rays of a lattice through a rectangle of its pixels.
+    pub(super) fn of(rect: Rect) -> Self {
+        Self {
+            column: rect.x,
+            row: rect.y,
+            columns: rect.width,
+            rows: rect.height,
+        }
+    }
+
     /// Cuts it into rectangles of at most `side × side` rays.
     #[inline(always)]
     pub(super) fn split(self, side: u32) -> impl Iterator<Item = Self> {
@@ -47,31 +57,5 @@ impl RayRect {
             width: self.columns,
             height: self.rows,
         }
-    }
-
-    /// Cuts it before these columns and rows.
-    pub(super) fn split_at(self, [columns, rows]: [Vec<u32>; 2]) -> impl Iterator<Item = Self> {
-        let ends = |cuts: Vec<u32>, first: u32, count: u32| {
-            let end = first + count;
-            let cuts = cuts
-                .into_iter()
-                .filter(move |cut| (first + 1..end).contains(cut));
-            let mut from = first;
-            let ranges = cuts
-                .chain([end])
-                .map(move |to| (std::mem::replace(&mut from, to), to));
-            ranges.collect::<Vec<_>>()
-        };
-        let columns = ends(columns, self.column, self.columns);
-        let rows = ends(rows, self.row, self.rows);
-        rows.into_iter().flat_map(move |(top, bottom)| {
-            let part = move |&(left, right): &(u32, u32)| Self {
-                column: left,
-                row: top,
-                columns: right - left,
-                rows: bottom - top,
-            };
-            columns.iter().map(part).collect::<Vec<_>>()
-        })
     }
 }

@@ -109,7 +109,7 @@ impl Work for RecordTrace<'_> {
         let whole = RayRect::all(lattice);
         let mut primitives = vec![MISS; lattice.len()];
         let clip = Clip::NONE;
-        let mut find = Find::<true> {
+        let mut find = Find {
             accel,
             clip: &clip,
             lattice,

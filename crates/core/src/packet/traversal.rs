@@ -15,6 +15,7 @@ use super::frustum::{CellFrusta, Frustum, Viewpoint, Window};
 use super::interval_zbuffer::{IntervalZBuffer, SmallOutcome};
 use super::observer::Observer;
 use super::params::ROW;
+use super::places::TANGENT_ERROR;
 use super::ray_bounds::{ProjectedTriangles, Projector};
 use super::ray_box::RayBox;
 use super::ray_rect::RayRect;
@@ -96,6 +97,8 @@ pub(super) struct Traversal<'a, const INSTANCES: bool> {
     pub(super) accel: &'a Accel,
     clip: &'a Clip,
     lattice: &'a Lattice,
+    /// Whether rays lie beside the lattice's, by [`PLACE_ERROR`] and [`TANGENT_ERROR`] at most: those of a cube's face.
+    pub(super) is_beside: bool,
     eye: DVec3,
     eye_error: f64,
     /// The large packet's entry points in pairs, near to far.
@@ -129,6 +132,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             accel,
             clip,
             lattice,
+            is_beside: false,
             eye,
             eye_error,
             pairs: Vec::new(),
@@ -152,10 +156,14 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             .place(part.column + part.columns - 1, part.row + part.rows - 1);
         let (left, top) = self.lattice.camera.across_and_along(x0, y0);
         let (right, bottom) = self.lattice.camera.across_and_along(x1, y1);
-        Window {
+        let window = Window {
             across: (left, right),
             along: (bottom, top),
+        };
+        if self.is_beside {
+            return window.grown(TANGENT_ERROR * self.lattice.camera.distance());
         }
+        window
     }
 
     fn viewpoint(&self) -> Viewpoint<'a> {
@@ -458,7 +466,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
     }
 
     fn space(&self, part: &RayRect, cull: Cull) -> PacketSpace {
-        PacketSpace::new(
+        let space = PacketSpace::new(
             &self.lattice.camera,
             self.eye,
             self.eye_error,
@@ -466,8 +474,13 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             f64::from(self.lattice.stride),
             (part.columns, part.rows),
             cull,
-        )
-        .relative_to(self.reference)
+        );
+        let space = if self.is_beside {
+            space.with_rays_beside()
+        } else {
+            space
+        };
+        space.relative_to(self.reference)
     }
 
     /// The relative depth key where rays begin; infinite for perspective.

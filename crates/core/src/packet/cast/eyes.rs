@@ -74,7 +74,7 @@ impl Accel {
         primitives: &mut [u32],
     ) -> CastCounts {
         let mut counts = CastCounts::default();
-        let mut find = Find::<true> {
+        let mut find = Find {
             accel: self,
             clip,
             lattice,

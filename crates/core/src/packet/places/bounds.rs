@@ -6,6 +6,10 @@ use crate::packet::frustum::Window;
 use crate::packet::params::{CELLS, ROW, SIDE};
 use crate::packet::place_box::PlaceBox;
 
+/// Cells that a triangle's bounds touch up to which their rays are looked at one by one before it is set up. Triangles
+/// smaller than the ray spacing touch one, or four at a corner; larger ones have a ray within.
+const FEW_CELLS: u32 = 4;
+
 /// Bounds of eight sets of places.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
@@ -146,6 +150,39 @@ impl Places {
         by: &PlaceBox,
     ) -> u32 {
         self.rows[cell % ALL_CELLS].touched(lanes, by)
+    }
+
+    /// Whether a ray of these cells (as bits) lies within a box; always where there are many cells.
+    #[inline(always)]
+    pub(in crate::packet) fn has_ray_within(
+        &self,
+        lanes: impl Lanes,
+        mut cells: u32,
+        by: &PlaceBox,
+    ) -> bool {
+        if cells.count_ones() > FEW_CELLS {
+            return true;
+        }
+        let (left, right) = (lanes.splat(by.left), lanes.splat(by.right));
+        let (top, bottom) = (lanes.splat(by.top), lanes.splat(by.bottom));
+        while cells != 0 {
+            let cell = cells.trailing_zeros() as usize;
+            cells &= cells - 1;
+            let mut rows = self.rows_touched(lanes, cell, by);
+            while rows != 0 {
+                let first = first_of(cell, rows.trailing_zeros() as usize);
+                rows &= rows - 1;
+                let Some((x, y)) = self.eight(first) else {
+                    return true;
+                };
+                let (x, y) = (lanes.load(x), lanes.load(y));
+                let beside = x.lt(left) | right.lt(x) | y.lt(top) | bottom.lt(y);
+                if beside.bits() & ((1 << LANES) - 1) != (1 << LANES) - 1 {
+                    return true;
+                }
+            }
+        }
+        false
     }
 
     /// Eight cells' centres, the first eight or the last.

@@ -83,7 +83,9 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
                     let near = self.reference.relative_above(bounds.nearest[lane]);
                     let around = bounds.of(lane);
                     let cells = places.cells_touched(lanes, &around);
-                    if !zbuffer.occludes_cells(lanes, cells, near) {
+                    if !zbuffer.occludes_cells(lanes, cells, near)
+                        && places.has_ray_within(lanes, cells, &around)
+                    {
                         boxes[self.queued.len & (LANES - 1)] = around;
                         self.queued.push(self.batch.primitives[lane]);
                         covered += (cells.count_ones() as usize * ROW) as i32;
