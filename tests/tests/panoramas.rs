@@ -187,7 +187,7 @@ fn lines_that_a_panorama_leaves_out_are_named() {
         ),
         (
             "cubemap",
-            "--mode wireframe --wireframe-edges silhouette --wireframe-hidden 1",
+            "--mode wireframe --wireframe-edges silhouette --wireframe-hidden=1",
             "hidden lines and silhouettes are not drawn",
         ),
         ("cylindrical", "--wireframe", ""),
