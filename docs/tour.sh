@@ -176,3 +176,37 @@ open 1280x800 "$demo"
 xdotool key alt+5
 xdotool mousemove 500 770
 take $out/depth.jpg
+
+# Three picks, numbered and listed.
+open 1280x800 "$demo"
+click 1030 48
+click 500 370
+xdotool keydown ctrl
+click 760 280
+click 690 560
+xdotool keyup ctrl
+xdotool mousemove 500 770
+take $out/picks.jpg
+
+# A ball that was put in, over the ground grid, among the other objects.
+open 1280x800 "$demo"
+run "ground grid"
+run "sphere"
+xdotool key g
+settle
+drag 496 318 496 60
+xdotool mouseup 1 mousemove 500 770
+take $out/shapes.jpg
+
+# All layers, the nearest of them exact.
+open 1280x800 "$demo"
+xdotool key alt+x
+xdotool mousemove 500 770
+take $out/x-ray.jpg
+
+# Few rays: each is a block of its color.
+open 1280x800 "$demo"
+for _ in 1 2 3 4; do xdotool key minus; done
+xdotool key t
+xdotool mousemove 500 770
+take $out/rays.jpg

@@ -284,3 +284,23 @@ fn meshes_and_trees_beyond_memory_are_refused() {
     }
     assert_eq!(names(folder.path()), ["large.stl", "rays"]);
 }
+
+#[cfg(unix)]
+#[test]
+fn rays_are_read_from_no_device() {
+    let folder = folder();
+    let hits = folder.path().join("hits");
+    let line = refuse(
+        1,
+        arguments![
+            "cast",
+            asset("cube.obj"),
+            "--rays",
+            "/dev/zero",
+            "--hits",
+            &hits
+        ],
+    );
+    assert!(line.contains("found a device"), "{line}");
+    assert!(names(folder.path()).is_empty());
+}

@@ -29,7 +29,12 @@ impl Inputs {
         write(at, "t.png", &image);
         write(at, "object.png", &image);
         // A library may have any name.
-        write(at, "lib.png", "newmtl skin\nKd 1 0 0\nmap_Kd t.png\n");
+        write(
+            at,
+            "lib.png",
+            "newmtl skin\nKd 1 0 0\nmap_Kd t.png\nmap_Bump -bm 0.5 bump.png\n",
+        );
+        write(at, "bump.png", &image);
         write(at, "lib.mtl", "newmtl other\nKd 0 1 0\n");
         let mesh = "mtllib lib.png\nmtllib lib.mtl\nusemtl skin\n\
              v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n";
@@ -39,6 +44,21 @@ impl Inputs {
             "scene.raycast.toml",
             "[[object]]\nmesh = \"mesh.obj\"\n[[object]]\nmesh = \"mesh.obj\"\ntexture = \"object.png\"\n",
         );
+        // No texture coordinates: its image is not read, nor is a buffer that nothing has a view of.
+        write(
+            at,
+            "bare.gltf",
+            r#"{"asset":{"version":"2.0"},"images":[{"uri":"t.png"}],"textures":[{"source":0}],
+            "materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}],
+            "buffers":[{"uri":"bare.bin","byteLength":36},{"uri":"unused.bin","byteLength":4}],
+            "bufferViews":[{"buffer":0,"byteLength":36}],
+            "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
+            "meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],
+            "nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0}"#,
+        );
+        let corners = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        write(at, "bare.bin", corners.map(f32::to_le_bytes).concat());
+        write(at, "unused.bin", [0; 4]);
         let ray = [0.2f32, 0.2, 5.0, 0.0, 0.0, 0.0, -1.0, 9.0];
         write(at, "rays", ray.map(f32::to_le_bytes).concat());
         let before = contents(at);
@@ -115,9 +135,19 @@ fn what_a_scene_names_is_not_written_over() {
                 "lib.png",
                 "lib.mtl",
                 "object.png",
+                // Named by a mesh whose textures this scene does not show.
+                "t.png",
+                "bump.png",
             ][..],
         ),
-        ("mesh.obj", &["mesh.obj", "lib.png", "lib.mtl", "t.png"]),
+        (
+            "mesh.obj",
+            &["mesh.obj", "lib.png", "lib.mtl", "t.png", "bump.png"],
+        ),
+        (
+            "bare.gltf",
+            &["bare.gltf", "bare.bin", "unused.bin", "t.png"],
+        ),
     ] {
         for name in named {
             inputs.assert_refused(file, &inputs.at(name));
@@ -381,4 +411,31 @@ fn panoramas_say_so_in_png_and_jpeg() {
         assert_eq!(metadata(name, &[]), None);
         assert_eq!(metadata(name, &["--projection", "fisheye"]), None);
     }
+}
+
+/// A plan reads no mesh, and so does not know what files one names.
+#[test]
+fn plans_replace_plans_alone() {
+    let inputs = Inputs::new();
+    for name in ["lib.mtl", "t.png"] {
+        let place = inputs.at(name);
+        let arguments = arguments![
+            "plan",
+            inputs.at("mesh.obj"),
+            "-o",
+            &place,
+            "--tiles",
+            "2x1"
+        ];
+        let line = refuse(1, arguments);
+        assert!(line.contains("is no plan"), "{line}");
+        inputs.assert_untouched(name);
+        assert!(!inputs.at(&format!("{name}.stitch")).exists());
+    }
+    let plan = write(inputs.folder.path(), "plan", "");
+    for tiles in ["2x1", "3x1"] {
+        let mesh = inputs.at("mesh.obj");
+        succeed(arguments!["plan", mesh, "-o", &plan, "--tiles", tiles]);
+    }
+    assert_eq!(bytes(&plan).split(|byte| *byte == b'\n').count(), 3 + 1);
 }

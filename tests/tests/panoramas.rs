@@ -9,7 +9,11 @@ use raycast_core::scene::{Object, Scene, Texture};
 use raycast_core::shade::{Filter, Mode, Shading, Wireframe};
 use raycast_oracle::random::Random;
 use raycast_report::meshes;
+use raycast_tests::arguments;
+use raycast_tests::binary::succeed;
 use raycast_tests::check::{Check, Stage, on_threads, render};
+use raycast_tests::files::{asset, folder};
+use std::ffi::OsString;
 use std::sync::Arc;
 
 /// A room of hills around triangles at all sides; the eye is within.
@@ -164,4 +168,53 @@ fn what_a_panorama_has_no_place_for_is_transparent() {
     }
     let planar = camera(Projection::Perspective, 60.0, (40, 30));
     assert!(Recipe::of(&stage.view(planar, Cull::None)).is_opaque());
+}
+
+/// Lines that a panorama leaves out are named, by what asked for them; others, and planes, have no such warning.
+#[test]
+fn lines_that_a_panorama_leaves_out_are_named() {
+    let folder = folder();
+    for (projection, options, named) in [
+        (
+            "fisheye",
+            "--wireframe --wireframe-hidden",
+            "hidden lines are not drawn",
+        ),
+        (
+            "equirectangular",
+            "--wireframe --wireframe-edges silhouette,feature:30",
+            "silhouettes are not drawn",
+        ),
+        (
+            "cubemap",
+            "--mode wireframe --wireframe-edges silhouette --wireframe-hidden=1",
+            "hidden lines and silhouettes are not drawn",
+        ),
+        ("cylindrical", "--wireframe", ""),
+        ("perspective", "--wireframe --wireframe-hidden", ""),
+        (
+            "perspective",
+            "--wireframe --wireframe-hidden --lens=-0.1,0,0,0,0",
+            "hidden lines are not drawn: a picture through a lens has none",
+        ),
+    ] {
+        let picture = folder.path().join("a.png");
+        let mut arguments = arguments![
+            "render",
+            asset("cube.obj"),
+            "-o",
+            &picture,
+            "--size",
+            "40x20"
+        ];
+        arguments.extend(arguments!["--projection", projection]);
+        arguments.extend(options.split_whitespace().map(OsString::from));
+        let told = succeed(&arguments).errors;
+        assert_eq!(
+            told.is_empty(),
+            named.is_empty(),
+            "{projection} {options}: {told}"
+        );
+        assert!(told.contains(named), "{projection} {options}: {told}");
+    }
 }

@@ -10,6 +10,7 @@ use raycast_core::scene::{
 };
 use raycast_core::shade::{Filter, Mode, Shading};
 use raycast_report::cameras::camera;
+use raycast_tests::arguments;
 use raycast_tests::binary::{refuse, succeed};
 use raycast_tests::check::{Check, Stage, instruction_sets, on_threads, render};
 use raycast_tests::files::{asset, bytes, folder};
@@ -180,4 +181,39 @@ fn triangles_are_drawn_into_the_texture_within_its_crop() {
     refused(&[&*cube, "--triangle", "12"], "there are 12, from 0");
     refused(&[&*cube, "--object", "1"], "there are 1, from 0");
     refused(&["--triangle", "1"], "<FILES>");
+}
+
+/// Half a gigabyte of colour profile in half a megabyte of a PNG.
+#[test]
+fn a_packed_profile_takes_no_memory() {
+    let folder = folder();
+    let path = folder.path().join("profile.png");
+    let info = {
+        let mut info = png::Info::with_size(16, 16);
+        info.color_type = png::ColorType::Rgb;
+        info.icc_profile = Some(vec![0; 512 << 20].into());
+        info
+    };
+    let mut file = std::fs::File::create(&path).expect("a file");
+    let encoder = png::Encoder::with_info(&mut file, info).expect("an encoder");
+    let mut writer = encoder.write_header().expect("a header");
+    writer.write_image_data(&[200; 16 * 16 * 3]).expect("rows");
+    writer.finish().expect("an end");
+    let told = succeed(arguments![
+        "render",
+        asset("cube.obj"),
+        "--texture",
+        &path,
+        "--mode",
+        "texture",
+        "--size",
+        "16x16",
+        "-o",
+        folder.path().join("a.png"),
+        "--stats",
+        "-"
+    ]);
+    let stats: serde_json::Value = serde_json::from_slice(&told.output).expect("JSON");
+    let peak = stats["peak_bytes"].as_u64().expect("a number");
+    assert!(peak < 256 << 20, "{peak}");
 }

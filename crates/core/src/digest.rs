@@ -46,33 +46,34 @@ impl FromStr for Digest {
     }
 }
 
-/// A digest under way: numbers count by their little-endian bytes.
+/// A digest being computed: numbers count by their little-endian bytes.
 pub(crate) struct Digester(Box<Xxh3>);
 
 impl Digester {
-    /// Of nothing yet.
+    /// A digest of no bytes so far.
     pub(crate) fn new() -> Self {
         Self(Box::new(Xxh3::new()))
     }
 
-    /// Takes bytes as they are.
+    /// Adds bytes as they are.
     pub(crate) fn bytes(&mut self, bytes: &[u8]) {
         self.0.update(bytes);
     }
 
-    /// Takes a number; of a list, its length comes before it, so that no two lists run together.
+    /// Adds a number. A list's length is added before its items, so that two lists in a row differ from one list of
+    /// both.
     pub(crate) fn number(&mut self, number: u64) {
         self.bytes(&number.to_le_bytes());
     }
 
-    /// Takes numbers of 64 bits.
+    /// Adds 64-bit floating-point numbers.
     pub(crate) fn doubles(&mut self, numbers: impl IntoIterator<Item = f64>) {
         for number in numbers {
             self.number(number.to_bits());
         }
     }
 
-    /// Takes numbers of 32 bits, some thousand at a time.
+    /// Adds 32-bit integers, a few thousand at a time.
     pub(crate) fn words(&mut self, words: impl IntoIterator<Item = u32>) {
         const AT_ONCE: usize = 4096;
         let mut buffer = Vec::with_capacity(4 * AT_ONCE);
@@ -86,7 +87,7 @@ impl Digester {
         self.bytes(&buffer);
     }
 
-    /// Takes a list of what consists of words of 32 bits.
+    /// Adds a list whose items consist of 32-bit words.
     pub(crate) fn list<T: bytemuck::Pod>(&mut self, list: &[T]) {
         if cfg!(target_endian = "little") {
             self.bytes(bytemuck::cast_slice(list));
@@ -95,7 +96,7 @@ impl Digester {
         }
     }
 
-    /// The digest of all that it took.
+    /// The digest of everything added so far.
     pub(crate) fn finish(&self) -> Digest {
         Digest(self.0.digest128())
     }

@@ -23,13 +23,13 @@ pub enum Cull {
     Back,
 }
 
-/// How a ray's triangle is decided where double precision leaves it undecided.
+/// How a ray against a triangle is decided where the error bounds of double precision leave it undecided.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
-    /// Rounded arithmetic: where double precision leaves a ray undecided (within some 1e-15 of an edge, or of
-    /// another surface's depth), rounding decides, and a neighbouring triangle may be shown.
+    /// Rounded arithmetic: where double precision leaves a ray undecided (within some 1e-15 of an edge, or of another
+    /// surface's depth), the rounded signs decide, and a neighbouring triangle may be shown.
     Fast,
-    /// What exact arithmetic gives.
+    /// Exact arithmetic.
     #[default]
     Exact,
 }
@@ -37,17 +37,28 @@ pub enum Precision {
 /// Which numbers of a hit are needed; the others cost nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Detail {
-    /// Which triangle; t, u and v may be anything.
+    /// Which triangle is hit; t, u and v are unspecified.
     Triangle,
-    /// t, u and v too.
+    /// The triangle, and t, u and v.
     #[default]
     Full,
 }
 
-/// In place of a primitive index: the ray hits nothing.
+/// Which of a hit's numbers are interpolated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum HitNumbers {
+    /// t alone.
+    T,
+    /// u and v alone.
+    Weights,
+    /// All.
+    All,
+}
+
+/// Stands in place of a primitive index where a ray hits nothing.
 pub const MISS: u32 = u32::MAX;
 
-/// A closest hit as casting loops store it.
+/// A closest hit in single precision, as loops over many rays store it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrimitiveHit {
     /// The triangle's primitive index, or [`MISS`].

@@ -4,7 +4,7 @@ use crate::hit::{MISS, PrimitiveHit};
 
 /// The closest hits of many rays, in structure-of-arrays order.
 ///
-/// t, u and v may not have been interpolated: they are then empty.
+/// t, u and v are empty where only the triangles were asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hits {
     /// As [`PrimitiveHit::primitive`].
@@ -18,7 +18,7 @@ pub struct Hits {
 }
 
 impl Hits {
-    /// How many there are, misses included.
+    /// The number of rays, misses included.
     pub fn len(&self) -> usize {
         self.primitives.len()
     }
@@ -28,7 +28,7 @@ impl Hits {
         self.primitives.is_empty()
     }
 
-    /// One of them; a miss beyond the last. What was not interpolated is as at a miss.
+    /// The hit of one ray; a miss beyond the last. t, u and v that were not interpolated are those of a miss.
     pub fn get(&self, index: usize) -> PrimitiveHit {
         let or = |numbers: &[f32], otherwise| numbers.get(index).copied().unwrap_or(otherwise);
         PrimitiveHit {
@@ -39,20 +39,20 @@ impl Hits {
         }
     }
 
-    /// All of them.
+    /// The hits in order.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = PrimitiveHit> + '_ {
         (0..self.len()).map(|index| self.get(index))
     }
 
-    /// Forgets t, u and v.
-    pub(crate) fn forget_places(&mut self) {
+    /// Drops t, u and v.
+    pub(crate) fn clear_tuv(&mut self) {
         for numbers in [&mut self.t, &mut self.u, &mut self.v] {
             numbers.clear();
         }
     }
 
-    /// Makes room for t, u and v, which may be anything.
-    pub(crate) fn make_places(&mut self) {
+    /// Makes room for t, u and v; their values are unspecified.
+    pub(crate) fn resize_tuv(&mut self) {
         let count = self.len();
         for numbers in [&mut self.t, &mut self.u, &mut self.v] {
             numbers.resize(count, 0.0);

@@ -45,14 +45,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! More in the crate's `examples/`: a ray, a picture, tiles as they arrive, a scene made in code, a
-//! million rays. Files are read by [`formats::read_scene`].
+//! The crate's `examples/` have more: a ray, a picture, tiles as they arrive, a scene made in code, a million rays.
+//! [`formats::read_scene`] reads files.
 //!
 //! # The rooms
 //!
 //! A module uses only modules before it:
 //!
-//! [`math`], `num`, [`Ray`], [`Hit`] → [`scene`] → [`health`] → [`camera`] → `triangle` → `bvh` → `single` → [`section`] → [`packet`] →
+//! [`math`], `num`, [`Ray`], [`Hit`] → [`scene`] → [`health`] → [`camera`] → `triangle` → `bvh` → `single` →
+//! [`section`] → [`packet`] →
 //! [`shade`] → [`picture`] → [`render`](mod@render) → [`formats`]
 //!
 //! The crate is pure: it has no window, no global state and no clock, and it never prints. Files are read

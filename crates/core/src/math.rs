@@ -7,8 +7,8 @@
 //! multiplications and divisions in one order, each correctly rounded. `clippy.toml` refuses the
 //! platform's. Square roots, roundings and remainders are exact everywhere, and need no replacement.
 //!
-//! Errors are below one unit in the last place, as the C library's are; angles are in radians; what is
-//! no number, or out of a function's domain, gives NaN.
+//! Errors are below one unit in the last place, as the C library's are; angles are in radians; NaN, and arguments
+//! outside a function's domain, give NaN.
 
 /// √(a² + b²), however large or small the two are.
 pub fn hypot(a: f64, b: f64) -> f64 {

@@ -1,11 +1,11 @@
-//! Words of a file as a message may show them: on one line, their length bounded.
+//! Quotes of file contents for messages: on one line, of bounded length.
 
 use std::path::Path;
 
 /// The most characters of a file that a message shows.
 const MOST: usize = 200;
 
-/// A piece of a file, quoted; short, since messages show where it stands.
+/// A piece of a file, quoted and shortened. The message gives its line, so the start is enough to recognise it.
 pub(crate) fn quote(text: &str) -> String {
     const LIMIT: usize = 48;
     let text = text.trim();
@@ -18,8 +18,8 @@ pub(crate) fn quote(text: &str) -> String {
     }
 }
 
-/// Another library's message, which may repeat any part of a file: shortened, and without control characters
-/// but its line ends.
+/// Another library's message, which may repeat any part of a file: shortened, and without control characters except
+/// its line ends.
 pub(crate) fn shorten(text: &str) -> String {
     let lines = |text: &str| -> String {
         let mut lines = text.split('\n').map(escape_controls);

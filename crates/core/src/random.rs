@@ -1,4 +1,4 @@
-//! Numbers that look random, for tests.
+//! Pseudorandom numbers for tests.
 
 use glam::DVec3;
 

@@ -1,5 +1,7 @@
-//! What the numbers that people choose may be: one place, and the same words, for the command line,
-//! scene files and the window.
+//! Valid ranges of the numbers that people choose, in one place so that the command line, scene files and the window
+//! agree.
+
+use std::fmt;
 
 /// The most samples a pixel: 64 × 64, beyond which eight bits a channel show nothing more.
 pub const MOST_SAMPLES: u32 = 4096;
@@ -12,11 +14,22 @@ pub const WIDEST_LINE: f32 = 100.0;
 /// precision, every triangle near it needs exact arithmetic, and the picture shows nothing.
 pub const NARROWEST_FOV: f64 = 1e-9;
 
-/// A field of view, in degrees, that is as wide as no perspective picture can be.
+/// The end of the range of vertical fields of view in degrees, exclusive: at 180° a perspective picture would be
+/// infinitely high.
 pub const FOV_END: f64 = 180.0;
 
-/// The most heights of the frame that its middle is off the view axis.
+/// The furthest that a frame's middle may be shifted off the view axis, in heights of the frame.
 pub const FURTHEST_SHIFT: f64 = 1000.0;
+
+/// A number as messages show it: a power of ten in place of many zeros.
+fn number(number: impl Into<f64> + Copy + fmt::Display + fmt::LowerExp) -> String {
+    let size = number.into().abs();
+    if (1e-6..1e9).contains(&size) || size == 0.0 || !size.is_finite() {
+        number.to_string()
+    } else {
+        format!("{number:e}")
+    }
+}
 
 /// A number that is out of its range.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -25,40 +38,41 @@ pub enum OutOfRange {
     #[error("expected 1 to {MOST_SAMPLES} samples, found {0}")]
     Samples(u32),
     /// A line's width in pixels.
-    #[error("expected a width above 0 and at most {WIDEST_LINE} pixels, found {0}")]
+    #[error("expected a width above 0 and at most {WIDEST_LINE} pixels, found {}", number(*.0))]
     LineWidth(f32),
     /// A vertical field of view.
     #[error(
-        "expected a field of view from {NARROWEST_FOV:e} to below {FOV_END} degrees, found {0}"
+        "expected a field of view from {NARROWEST_FOV:e} to below {FOV_END} degrees, found {}",
+        number(*.0)
     )]
     Fov(f64),
-    /// A vertical field of view of a picture that is no plane.
-    #[error("expected a field of view of {most} degrees at most for {name}, found {found}")]
+    /// A vertical field of view that is too wide for a curved (panoramic) picture.
+    #[error("expected a field of view of {most} degrees at most for {name}, found {}", number(*.found))]
     WideFov {
-        /// The projection's name.
+        /// The name of the projection.
         name: &'static str,
-        /// The most that it can have.
+        /// The widest field of view that the projection has, in degrees.
         most: f64,
-        /// Degrees.
+        /// The field of view that was given, in degrees.
         found: f64,
     },
-    /// How far a frame is off the view axis.
-    #[error("expected a shift within {FURTHEST_SHIFT} heights of the frame, found {0},{1}")]
+    /// A shift of the frame off the view axis.
+    #[error("expected a shift within {FURTHEST_SHIFT} heights of the frame, found {},{}", number(*.0), number(*.1))]
     Shift(f64, f64),
     /// A share of texture in a surface's colour.
-    #[error("expected a blend from 0 to 1, found {0}")]
+    #[error("expected a blend from 0 to 1, found {}", number(*.0))]
     Blend(f32),
     /// An angle between neighbouring triangles.
-    #[error("expected a crease angle from 0 to 180 degrees, found {0}")]
+    #[error("expected a crease angle from 0 to 180 degrees, found {}", number(*.0))]
     Crease(f32),
     /// How strongly hidden lines show.
-    #[error("expected 0 to 1 of hidden lines, found {0}")]
+    #[error("expected 0 to 1 of hidden lines, found {}", number(*.0))]
     HiddenLines(f32),
-    /// How much of what lies behind it a surface covers.
-    #[error("expected an opacity from 0 to 1, found {0}")]
+    /// How much of what lies behind it a surface hides.
+    #[error("expected an opacity from 0 to 1, found {}", number(*.0))]
     Opacity(f32),
     /// The ends of a color scale.
-    #[error("expected a low end below a high one, found {0} and {1}")]
+    #[error("expected a low end below a high one, found {} and {}", number(*.0), number(*.1))]
     ColorRange(f64, f64),
 }
 
@@ -71,7 +85,8 @@ pub fn samples(count: u32) -> Result<u32, OutOfRange> {
     fits.then_some(count).ok_or(OutOfRange::Samples(count))
 }
 
-/// How far a frame is off the view axis, to the right and up, in heights of the frame: at most [`FURTHEST_SHIFT`].
+/// The shift of a frame off the view axis, to the right and up, in heights of the frame: at most [`FURTHEST_SHIFT`]
+/// each.
 ///
 /// # Errors
 /// Any other number.
@@ -126,7 +141,7 @@ pub fn hidden_lines(share: f32) -> Result<f32, OutOfRange> {
     fits.then_some(share).ok_or(OutOfRange::HiddenLines(share))
 }
 
-/// How much of what lies behind it a surface covers, from 0 to 1.
+/// How much of what lies behind it a surface hides, from 0 to 1.
 ///
 /// # Errors
 /// Any other number.
@@ -150,7 +165,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ranges_end_where_they_say() {
+    fn ranges_accept_their_ends_and_refuse_what_is_beyond() {
         assert!(samples(1).is_ok() && samples(4096).is_ok());
         assert!(samples(0).is_err());
         let message = samples(4097).expect_err("too many").to_string();
@@ -162,6 +177,15 @@ mod tests {
         assert!(fov(1e-9).is_ok() && fov(179.9).is_ok());
         for degrees in [0.0, -1.0, 1e-10, 180.0, f64::NAN, f64::INFINITY] {
             assert!(fov(degrees).is_err(), "{degrees}");
+        }
+        for (degrees, found) in [
+            (180.0, "180"),
+            (1e-300, "1e-300"),
+            (-1e300, "-1e300"),
+            (0.0, "0"),
+        ] {
+            let message = fov(degrees).expect_err("no field of view").to_string();
+            assert!(message.ends_with(&format!("found {found}")), "{message}");
         }
         assert!(blend(0.0).is_ok() && blend(1.0).is_ok());
         for share in [-0.1, 1.1, f32::NAN] {

@@ -6,13 +6,13 @@ use glam::DVec3;
 /// eye is hit by no ray from there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where t is zero.
+    /// The point at t = 0.
     pub origin: DVec3,
     /// The direction; one unit of t is its length.
     pub direction: DVec3,
-    /// Hits have a greater t than this.
+    /// Hits have t > `t_min`.
     pub t_min: f64,
-    /// The greatest t of a hit, inclusive; +infinity is no limit.
+    /// Hits have t ≤ `t_max`; +infinity is no limit.
     pub t_max: f64,
 }
 
@@ -27,8 +27,8 @@ impl Ray {
         }
     }
 
-    /// Whether every number is finite (`t_max` may be +infinity) and the direction is not zero. Any other ray
-    /// is a miss.
+    /// Whether the ray can hit anything: every number is finite (`t_max` may be +infinity) and the direction is not
+    /// zero. A ray that is not valid is a miss.
     pub fn is_valid(&self) -> bool {
         self.origin.is_finite()
             && self.direction.is_finite()
@@ -43,8 +43,8 @@ impl Ray {
     }
 }
 
-/// An origin of rays relative to the point that corners are relative to, rounded, and a bound on the error of its
-/// coordinates: half a unit in the last place of the greatest. Nothing is rounded where nothing is subtracted.
+/// The origin of rays relative to `frame`, the point that corners are relative to: rounded, and a bound on the error
+/// of each coordinate (half a unit in the last place of the greatest). The error is zero where `frame` is zero.
 pub(crate) fn relative_origin(origin: DVec3, frame: DVec3) -> (DVec3, f64) {
     let relative = origin - frame;
     let error = if frame == DVec3::ZERO {
@@ -60,7 +60,7 @@ mod tests {
     use super::*;
     use crate::random::Random;
 
-    /// The truth is what rounding took from a difference (Knuth's two-sum). Half the bound would be too little.
+    /// The truth is the rounding error of the difference (Knuth's two-sum). With half the bound this fails.
     #[test]
     fn relative_origins_are_within_their_error() {
         let mut random = Random(31);

@@ -7,27 +7,29 @@ use glam::{DVec2, DVec3};
 use std::cmp::Ordering;
 use std::collections::HashMap;
 
-/// A line of a section's outline.
+/// A polyline of a section's outline.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionLine {
-    /// The object that it belongs to.
+    /// The object that the polyline belongs to.
     pub object: u32,
-    /// Its points in world space, in order, no two neighbours equal. Seen from the removed side, lines run
+    /// The polyline's points in world space, in order, no two neighbours equal. Seen from the removed side, lines run
     /// counter-clockwise around the inside; clockwise, of an object that is mirrored.
     pub points: Vec<DVec3>,
-    /// Whether the last point is joined to the first: of a closed mesh all lines are.
+    /// Whether the last point is joined to the first; always so for a closed mesh.
     pub is_closed: bool,
 }
 
-/// A place where the plane crosses an edge: the object, and the edge's removed and kept corner.
+/// Where the plane crosses an edge: the object, and the corners of the edge that is removed and that is kept, by
+/// their coordinates' bits.
 type Crossing = (u32, [[u32; 3]; 2]);
 
-/// Where a plane cuts a tree's triangles, as lines in no particular order.
+/// Where a plane cuts a tree's triangles: polylines in no particular order.
 ///
-/// Which corners are cut away is an exact sign; those on the plane are not. So a triangle is cut where some of its
-/// corners are and some are not, through just two of its edges, and triangles that share an edge share the crossing:
-/// lines of closed meshes close. Crossings are rounded from the edge alone: they are off the plane by a few units in the last
-/// place of the edge's longest coordinate. Lines that shrink to a point are left out.
+/// The sign of each corner's distance from the plane is exact, and a corner on the plane counts as kept. So the plane
+/// cuts a triangle where some of its corners are removed and some kept, through exactly two edges. Triangles that
+/// share an edge share the crossing, so the polylines of closed meshes close. A crossing is computed from its edge
+/// alone: it is off the plane by a few units in the last place of the edge's longest coordinate. Polylines that
+/// shrink to a point are left out.
 ///
 /// # Errors
 /// An invalid plane.
@@ -65,8 +67,8 @@ pub fn section(accel: &Accel, plane: &ClippingPlane) -> Result<Vec<SectionLine>,
     Ok(joined(segments))
 }
 
-/// Where the plane enters and leaves a triangle, if it goes through it: in the triangle's order, the edge that comes
-/// from what is cut away comes first.
+/// Where the plane enters and leaves a triangle, if it cuts it. The first crossing is on the edge that runs, in the
+/// triangle's order, from a removed corner to a kept one.
 fn cut(
     accel: &Accel,
     clip: &Clip,
@@ -90,7 +92,7 @@ fn cut(
             Ordering::Equal => 1.0,
             _ => (value(a) / (value(a) - value(b))).clamp(0.0, 1.0),
         };
-        // From the nearer end: the other end's rounding counts less.
+        // Measured from the nearer end, so that the other end's rounding counts less.
         let point = if share < 0.5 {
             a + (b - a) * share
         } else {
@@ -102,17 +104,17 @@ fn cut(
     Some([crossing(false)?, crossing(true)?])
 }
 
-/// Both zeros are one place.
+/// The bits of a number, the same for both zeros.
 fn to_bits(x: f32) -> u32 {
     (x + 0.0).to_bits()
 }
 
-/// Segments end to end.
+/// Joins segments end to end.
 fn joined(mut segments: HashMap<Crossing, Vec<(Crossing, [DVec3; 2])>>) -> Vec<SectionLine> {
-    // In an order that no hash decides.
+    // Sorted, because the order of a hash map is random.
     let mut starts: Vec<Crossing> = segments.keys().copied().collect();
     starts.sort_unstable();
-    // An open line begins where no segment ends.
+    // An open polyline begins where no segment ends.
     let ends: std::collections::HashSet<Crossing> =
         segments.values().flatten().map(|&(end, _)| end).collect();
     let (first, rest): (Vec<_>, Vec<_>) =
@@ -153,10 +155,10 @@ fn line_from(
     })
 }
 
-/// A plane's own axes: what whoever stands where the plane cuts away has to the right and above.
+/// Axes within a plane: right and up for somebody who stands on the removed side and looks at the cut.
 ///
-/// Up is Y, or −Z for a plane that lies flat and is seen from above, Z from below; axes of a plane across an axis are
-/// axes themselves.
+/// Up is Y; for a horizontal plane it is −Z seen from above, and Z from below. The axes of an axis-aligned plane are
+/// coordinate axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionAxes {
     /// To the right: a unit vector.
@@ -169,7 +171,7 @@ impl SectionAxes {
     /// The axes of a plane; its normal is not zero.
     pub fn of(plane: &ClippingPlane) -> Self {
         let towards = -plane.normal.normalize_or(DVec3::NEG_Z);
-        // Y × towards, scaled so that it has a length however small it is.
+        // Y × towards, scaled by a power of two so that squaring it does not underflow.
         let level = DVec3::new(towards.z, 0.0, -towards.x);
         let right = match level.abs().max_element() {
             0.0 => DVec3::X,
@@ -181,7 +183,7 @@ impl SectionAxes {
         }
     }
 
-    /// Where a point of the plane lies along them, in scene units from the world's origin.
+    /// Coordinates of a point of the plane along the axes, in scene units from the world's origin.
     pub fn place(&self, point: DVec3) -> DVec2 {
         DVec2::new(point.dot(self.right), point.dot(self.up))
     }
@@ -199,7 +201,7 @@ mod tests {
         Accel::build(&Scene::from(mesh)).expect("a valid scene")
     }
 
-    /// Of closed lines, what they enclose in the plane: holes count against it.
+    /// The area within closed polylines; holes count negative.
     fn area(lines: &[SectionLine], plane: &ClippingPlane) -> f64 {
         let axes = SectionAxes::of(plane);
         let of = |line: &SectionLine| {
@@ -225,7 +227,7 @@ mod tests {
             (DVec3::NEG_Y, 0.5, 4.0),
             (DVec3::new(1.0, 1.0, 1.0), 0.0, 27f64.sqrt()),
             (DVec3::new(1.0, 1.0, 0.0), 0.0, 32f64.sqrt()),
-            // The face that is cut away lies behind the plane, the other one on its kept side.
+            // The removed face lies behind the plane, the opposite one on its kept side.
             (DVec3::X, -1.0, 0.0),
             (DVec3::X, 1.0, 4.0),
             (DVec3::X, 1.5, 0.0),
@@ -264,8 +266,8 @@ mod tests {
             let lines = section(&torus, &plane).expect("a section");
             for line in &lines {
                 assert!(line.is_closed, "{plane:?}");
-                // A crossing is a corner plus a share of an edge, each coordinate below 2: four roundings, and as many of
-                // the product here.
+                // A crossing is a corner plus a fraction of an edge, each coordinate below 2: four roundings, and
+                // four more of the product here.
                 let off = |p: &DVec3| (plane.normal.dot(*p) - plane.offset).abs();
                 let bound = 16.0 * f64::EPSILON * plane.normal.length();
                 assert!(line.points.iter().all(|p| off(p) < bound));

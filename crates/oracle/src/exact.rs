@@ -1,4 +1,4 @@
-//! Whole numbers times powers of two: sums and products of `f64` without rounding.
+//! Dyadic numbers (integers times powers of two): sums and products of `f64` without rounding.
 
 use dashu_int::{IBig, Sign};
 use dashu_ratio::RBig;
@@ -13,7 +13,7 @@ pub(crate) struct Dyadic {
 }
 
 impl Dyadic {
-    /// The number that a finite double is.
+    /// The number of a finite double.
     pub(crate) fn new(x: f64) -> Self {
         assert!(x.is_finite(), "{x} is no number");
         let bits = x.to_bits();
@@ -29,7 +29,7 @@ impl Dyadic {
                 exponent: 0,
             };
         }
-        // Fewer bits make the products that follow shorter.
+        // Fewer bits make later products shorter.
         let spare = magnitude.trailing_zeros();
         let mantissa = IBig::from(magnitude >> spare);
         Self {
@@ -49,7 +49,7 @@ impl Dyadic {
         }
     }
 
-    /// The number with the other sign.
+    /// The negated number.
     pub(crate) fn negated(&self) -> Self {
         Self {
             mantissa: -self.mantissa.clone(),
@@ -68,7 +68,7 @@ impl Dyadic {
             .value()
     }
 
-    /// The mantissa that goes with a lower exponent.
+    /// The mantissa for a lower exponent.
     fn at(&self, exponent: i32) -> IBig {
         let shift = usize::try_from(self.exponent - exponent).expect("a lower exponent");
         &self.mantissa << shift
@@ -186,7 +186,7 @@ mod tests {
 
     #[test]
     fn agrees_with_integers() {
-        // Whole numbers below 2^40 over powers of two: i128 holds their products.
+        // Integers below 2^40 over powers of two: i128 holds their products.
         let mut random = Random::new(1);
         for _ in 0..1000 {
             let [a, b, c]: [i64; 3] = std::array::from_fn(|_| (random.bits() as i64) >> 24);

@@ -1,10 +1,10 @@
 use glam::DVec3;
 
-/// The points p with `normal · p ≥ offset`, both as given: what a clipping plane keeps.
+/// The points p with `normal · p ≥ offset`, both exactly as given: what a clipping plane keeps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfSpace {
-    /// Into it. Finite.
+    /// Points into it. Finite.
     pub normal: DVec3,
-    /// Where it begins. Finite.
+    /// `normal · p` of the points p on its border. Finite.
     pub offset: f64,
 }

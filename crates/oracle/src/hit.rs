@@ -4,16 +4,16 @@ use crate::exact::{self, Dyadic, Vector};
 use crate::{HalfSpace, Ray, Triangle, Truth};
 use std::cmp::Ordering;
 
-/// A ray without rounding.
+/// A ray in exact numbers.
 pub(crate) struct ExactRay {
     origin: Vector,
     direction: Vector,
     t_min: Dyadic,
-    /// `None` where the ray has no end.
+    /// `None` where the ray is unbounded.
     t_max: Option<Dyadic>,
 }
 
-/// A hit with the exact numbers that decide which is nearest.
+/// A hit with the exact numbers that its order is decided by.
 pub(crate) struct ExactHit<'a> {
     triangle: &'a Triangle,
     /// `w_b`, `w_c` and their sum with `w_a`: the weights' numerators and denominator.
@@ -25,7 +25,7 @@ pub(crate) struct ExactHit<'a> {
 }
 
 impl ExactRay {
-    /// The ray is valid.
+    /// The ray must be valid.
     pub(crate) fn new(ray: &Ray) -> Self {
         Self {
             origin: exact::vector(ray.origin.to_array()),
@@ -61,7 +61,7 @@ impl ExactRay {
             return None;
         }
         let depth = exact::dot(&a, &b_cross_c);
-        // t_min < depth / sum ≤ t_max, times the sum.
+        // t_min < depth / sum ≤ t_max, multiplied by the sum.
         let is_along = sum.signum() > 0;
         let against = |t: &Dyadic| {
             let order = depth.cmp(&(t * &sum));
@@ -81,7 +81,8 @@ impl ExactRay {
 }
 
 impl ExactHit<'_> {
-    /// Whether its point is in all of these: n·(o + t·d) ≥ c, times the sum that is the denominator of t.
+    /// Whether the hit's point is in all of these half-spaces: n·(o + t·d) ≥ c, multiplied by the sum that is the
+    /// denominator of t.
     pub(crate) fn is_in(&self, ray: &ExactRay, half_spaces: &[HalfSpace]) -> bool {
         half_spaces.iter().all(|half_space| {
             let normal = exact::vector(half_space.normal.to_array());
@@ -94,7 +95,7 @@ impl ExactHit<'_> {
 
     /// Nearest first; equal distances by number.
     pub(crate) fn order(&self, other: &Self) -> Ordering {
-        // depth / sum against depth' / sum': both sides times sum · sum', and its sign.
+        // Compares depth / sum with depth' / sum', both multiplied by sum · sum', whose sign may reverse the order.
         let (left, right) = (&self.depth * &other.sum, &other.depth * &self.sum);
         let by_distance = if self.sum.signum() == other.sum.signum() {
             left.cmp(&right)

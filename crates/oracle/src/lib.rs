@@ -1,10 +1,10 @@
-//! The truth about rays and triangles, by arithmetic without rounding.
+//! The truth about rays and triangles, by exact arithmetic.
 //!
-//! It is independent of the code that it checks: it takes plain values, uses another big-number
-//! library, and decides every triangle that a proven bound in double precision does not rule out.
+//! It is independent of the code that it checks: it takes plain values, uses another big-number library, and decides
+//! exactly every triangle that a proven bound in double precision does not exclude.
 //!
-//! - [`oracle`]: the nearest triangle that a ray hits, and how it hits a given one.
-//! - [`random`]: what to ask about, the same on every machine.
+//! - [`oracle`]: the closest triangle that a ray hits, and how it hits a given one.
+//! - [`random`]: pseudorandom numbers for queries, the same on every machine.
 
 mod exact;
 mod filter;

@@ -1,8 +1,7 @@
-//! A ray's nearest triangle, by arithmetic without rounding.
+//! A ray's closest triangle, by exact arithmetic.
 //!
-//! A filter in double precision, with bounds that are proven where they stand, throws away triangles that a
-//! ray certainly misses; every triangle that is left is decided exactly. So an answer never depends
-//! on a rounded number.
+//! A filter in double precision, with bounds that are proven beside it, excludes triangles that a ray certainly
+//! misses; every other triangle is decided exactly. So no answer depends on rounding.
 
 use crate::filter::Filter;
 use crate::hit::{ExactHit, ExactRay};
@@ -11,25 +10,25 @@ use crate::{HalfSpace, Ray, Triangle, Truth};
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
 
-/// Triangles, prepared for rays.
+/// Triangles, prepared for queries.
 ///
-/// A ray hits a triangle where the three determinants of the direction and two corners (seen from
-/// the origin) are all ≥ 0 or all ≤ 0 and not all zero, and `t_min < t ≤ t_max`: edges and
-/// vertices belong to all triangles that have them, and a triangle without area is never hit. A
-/// triangle with a corner that is not finite is never hit either; a ray with a number that is not
-/// finite (but for a `t_max` of +infinity), or without direction, hits nothing.
+/// A ray hits a triangle where the three determinants of the direction and two corners (relative to its origin) are
+/// all ≥ 0 or all ≤ 0 and not all zero, and `t_min < t ≤ t_max`: edges and vertices belong to all triangles that have
+/// them, and a triangle without area is never hit. A triangle with a corner that is not finite is never hit either; a
+/// ray with a number that is not finite (but for a `t_max` of +infinity), or a direction of length zero, hits
+/// nothing.
 #[derive(Clone, Debug)]
 pub struct Oracle {
     triangles: Vec<Triangle>,
     tree: Tree,
-    /// Where each triangle is, in the order of their numbers.
+    /// The index of each triangle, in the order of their numbers.
     by_number: Vec<u32>,
-    /// Where points must be for their hits to count.
+    /// Half-spaces that must contain a hit's point.
     kept: Vec<HalfSpace>,
 }
 
 impl Oracle {
-    /// The oracle of these triangles, no two with the same numbers.
+    /// The oracle of these triangles; their numbers must be distinct.
     pub fn new(mut triangles: Vec<Triangle>) -> Self {
         triangles.retain(|triangle| triangle.rounded().iter().all(|corner| corner.is_finite()));
         let tree = Tree::new(&mut triangles);
@@ -43,13 +42,13 @@ impl Oracle {
         }
     }
 
-    /// The same triangles, of which only what lies in all of these counts.
+    /// The same oracle, in which only hits inside all of these half-spaces count.
     #[must_use]
     pub fn clipped(self, kept: Vec<HalfSpace>) -> Self {
         Self { kept, ..self }
     }
 
-    /// The oracle of triangles given by their corners, all of object 0, numbered by their order.
+    /// The oracle of triangles given by their corners, all of object 0 and numbered in order.
     pub fn of_corners(corners: &[[Vec3; 3]]) -> Self {
         let triangle = |(triangle, &corners)| Triangle {
             object: 0,
@@ -60,13 +59,13 @@ impl Oracle {
         Self::new(corners.iter().enumerate().map(triangle).collect())
     }
 
-    /// The nearest triangle that `ray` hits; ties go to the lowest object, then triangle.
-    /// `cull_backs`: only those whose corners run counter-clockwise to the ray.
+    /// The closest triangle that `ray` hits; ties go to the lowest object, then the lowest triangle. With
+    /// `cull_backs`, only triangles whose corners run counter-clockwise as the ray sees them.
     pub fn nearest(&self, ray: &Ray, cull_backs: bool) -> Option<Truth> {
         self.nearest_in(ray, cull_backs, &self.kept)
     }
 
-    /// The nearest of the hits that `counts` says yes to.
+    /// The closest of the hits for which `counts` holds.
     pub fn nearest_where(
         &self,
         ray: &Ray,
@@ -76,7 +75,7 @@ impl Oracle {
         self.nearest_of_all(ray, cull_backs, &self.kept, counts)
     }
 
-    /// [`Oracle::nearest`], cut by these half-spaces instead of its own.
+    /// [`Oracle::nearest`], clipped to these half-spaces instead of its own.
     pub fn nearest_in(&self, ray: &Ray, cull_backs: bool, kept: &[HalfSpace]) -> Option<Truth> {
         self.nearest_of_all(ray, cull_backs, kept, |_| true)
     }
@@ -100,7 +99,7 @@ impl Oracle {
         nearest_of(possible, ray, cull_backs, kept, counts)
     }
 
-    /// [`Oracle::nearest`] by deciding every triangle exactly, one after the other.
+    /// [`Oracle::nearest`], deciding every triangle exactly, without filter and tree.
     pub fn brute_force(&self, ray: &Ray, cull_backs: bool) -> Option<Truth> {
         if !ray.is_valid() {
             return None;
@@ -108,8 +107,8 @@ impl Oracle {
         nearest_of(&self.triangles, ray, cull_backs, &self.kept, |_| true)
     }
 
-    /// How `ray` hits the triangle with these numbers, others or not in its way; `None` where it
-    /// does not, or where there is no such triangle.
+    /// How `ray` hits the triangle with these numbers, whether or not others are nearer; `None` where it misses, or
+    /// where the triangle does not exist.
     pub fn intersect(
         &self,
         object: u32,
@@ -136,7 +135,7 @@ impl Oracle {
         Some(&self.triangles[self.by_number[found] as usize])
     }
 
-    /// All triangles, neighbours near one another.
+    /// All triangles, in an order in which neighbours are close.
     pub fn triangles(&self) -> &[Triangle] {
         &self.triangles
     }
@@ -221,7 +220,7 @@ mod tests {
         assert!(!hit(f64::NEG_INFINITY, 9.0) && !hit(f64::INFINITY, f64::INFINITY));
         let away = Ray::new(DVec3::new(0.2, 0.2, 5.0), DVec3::Z);
         assert_eq!(oracle.nearest(&away, false), None);
-        // Backwards: t counts the other way along.
+        // Backwards: t counts in the opposite direction.
         let behind = |t_min, t_max| {
             let ray = Ray {
                 t_min,
@@ -235,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn what_only_touches_the_eye_is_not_hit() {
+    fn a_triangle_that_only_touches_the_eye_is_not_hit() {
         let oracle = Oracle::of_corners(&[UNIT, UNIT.map(|p| p - Vec3::Z)]);
         for eye in [
             DVec3::ZERO,
@@ -256,7 +255,7 @@ mod tests {
 
     #[test]
     fn fronts_run_counter_clockwise_to_the_ray() {
-        // Seen from +Z, looking down with X to the right and Y up, 0 → X → Y is counter-clockwise.
+        // Seen from +Z, with X to the right and Y up, 0 → X → Y is counter-clockwise.
         let [a, b, c] = UNIT;
         let front = Oracle::of_corners(&[[a, b, c]]);
         let back = Oracle::of_corners(&[[a, c, b]]);
@@ -290,10 +289,10 @@ mod tests {
         assert_eq!(flat.nearest(&down(1.0, 1.0), false), None);
     }
 
-    /// The filter throws away nothing that counts: over many decades, with rays aimed at what is
-    /// hardest. The truth is the same rule without the filter.
+    /// The filter excludes no triangle that is hit: over many decades, with rays at the hardest targets. The truth is
+    /// the same rule without the filter.
     #[test]
-    fn the_filter_changes_nothing() {
+    fn the_filter_changes_no_answer() {
         let mut random = Random::new(3);
         let mut hits = 0;
         for round in 0..300 {
@@ -326,7 +325,7 @@ mod tests {
         assert!(hits > 1000, "only {hits} hits");
     }
 
-    /// Products leave the range of double precision long before the numbers do.
+    /// Products leave the range of double precision long before coordinates do.
     #[test]
     fn origins_at_the_end_of_the_doubles_are_answered() {
         let oracle = Oracle::of_corners(&[UNIT]);
@@ -359,18 +358,18 @@ mod tests {
         let left = oracle(DVec3::NEG_X, -0.5);
         assert_eq!(hit(&left, 0.5), Some(0));
         assert_eq!(hit(&left, 0.5f64.next_up()), None);
-        // The nearer triangle is cut away: the one below is seen.
+        // The nearer triangle is clipped away, so the one below is hit.
         let low = oracle(DVec3::NEG_Z, 0.5);
         assert_eq!(hit(&low, 0.5), Some(1));
         assert_eq!(low.intersect(0, 0, &down(0.5, 0.25), false), None);
-        // The plane itself is kept on both its sides.
+        // Points on the plane are kept, whichever side is.
         for normal in [DVec3::Z, DVec3::NEG_Z] {
             assert_eq!(hit(&oracle(normal, 0.0), 0.5), Some(0));
         }
     }
 
     #[test]
-    fn a_given_triangle_is_met_whatever_stands_before_it() {
+    fn a_given_triangle_is_hit_even_behind_others() {
         let [a, b, c] = UNIT;
         let nearer = UNIT.map(|p| p + Vec3::Z);
         let oracle = Oracle::of_corners(&[UNIT, nearer, [b, b + b, c], [a, c, b]]);

@@ -1,9 +1,9 @@
-//! Random numbers that are the same on every machine and every run.
+//! Pseudorandom numbers that are the same on every machine and in every run.
 
 use glam::DVec3;
 
-/// A stream of random numbers: SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom
-/// number generators", 2014).
+/// A stream of pseudorandom numbers: SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number
+/// generators", 2014).
 #[derive(Clone, Debug)]
 pub struct Random(u64);
 
@@ -22,7 +22,7 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// A whole number below `end`, which is above zero.
+    /// An integer below `end`, which must be positive.
     pub fn below(&mut self, end: u32) -> u32 {
         (self.bits() % u64::from(end)) as u32
     }
@@ -32,7 +32,7 @@ impl Random {
         low + (high - low) * (self.bits() >> 11) as f64 * 2f64.powi(-53)
     }
 
-    /// A power of ten between 10^`low` and 10^`high`, any decade as likely.
+    /// A power of ten between 10^`low` and 10^`high`, uniform in the exponent.
     pub fn decade(&mut self, low: f64, high: f64) -> f64 {
         libm::pow(10.0, self.between(low, high))
     }
@@ -46,7 +46,7 @@ impl Random {
         )
     }
 
-    /// A unit vector, any direction as likely.
+    /// A uniformly distributed unit vector.
     pub fn direction(&mut self) -> DVec3 {
         loop {
             let point = self.in_cube();
@@ -56,8 +56,8 @@ impl Random {
         }
     }
 
-    /// `point` with each coordinate moved by up to `most` units in the last place of a double, or
-    /// of a single (chosen at random).
+    /// `point` with each coordinate moved by up to `most` units in the last place of double or single precision,
+    /// chosen at random.
     pub fn nudge(&mut self, point: DVec3, most: u32) -> DVec3 {
         let single = self.bits() & 1 == 0;
         let mut coordinate = |x: f64| {

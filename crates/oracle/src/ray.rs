@@ -1,13 +1,13 @@
 use glam::DVec3;
 
-/// The points `origin + t · direction` with `t_min < t ≤ t_max`, all of them exactly as given.
+/// The points `origin + t · direction` with `t_min < t ≤ t_max`, exactly as given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where `t` is zero.
+    /// The point at `t` = 0.
     pub origin: DVec3,
-    /// Which way, and what one unit of `t` is.
+    /// The direction; one unit of `t` is its length.
     pub direction: DVec3,
-    /// Where hits begin: their `t` is greater.
+    /// Hits have a greater `t` than this.
     pub t_min: f64,
     /// The greatest `t` of a hit, inclusive; +infinity is no limit.
     pub t_max: f64,
@@ -24,7 +24,7 @@ impl Ray {
         }
     }
 
-    /// Whether it is a ray at all; anything else misses.
+    /// Whether the ray can hit anything; any other ray misses.
     pub(crate) fn is_valid(&self) -> bool {
         self.origin.is_finite()
             && self.direction.is_finite()

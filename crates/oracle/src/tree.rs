@@ -1,11 +1,11 @@
-//! Balls within balls around triangles, so that a ray need not ask each of them.
+//! A tree of bounding balls over triangles, so that a ray need not be tested against each of them.
 
 use crate::Triangle;
 use crate::filter::{Filter, HALF_ULP, TINY};
 use glam::DVec3;
 use std::ops::Range;
 
-/// Triangles that are left together.
+/// The most triangles in a leaf.
 const TOGETHER: usize = 8;
 
 /// A ball around the exact corners of neighbouring triangles.
@@ -13,18 +13,18 @@ const TOGETHER: usize = 8;
 struct Ball {
     center: DVec3,
     radius: f64,
-    /// The triangles in it, if it holds no smaller balls.
+    /// The triangles in it, if it is a leaf.
     triangles: Range<u32>,
-    /// The ball after those within this one.
+    /// The index of the first ball after its descendants.
     next: u32,
 }
 
-/// All balls, each before those within it.
+/// All balls in depth-first order.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tree(Vec<Ball>);
 
 impl Tree {
-    /// Puts the triangles, all finite, into leaf order, neighbours together.
+    /// Sorts the triangles, all finite, into leaf order.
     pub(crate) fn new(triangles: &mut [Triangle]) -> Self {
         let mut tree = Self::default();
         tree.split(triangles, 0);
@@ -83,11 +83,10 @@ impl Tree {
     }
 }
 
-/// How far from `center` the triangles' exact corners reach, at least.
+/// An upper bound of the distance from `center` to the triangles' exact corners.
 ///
-/// Each coordinate of a rounded corner is within half an ulp of its own, its distance from the
-/// centre is rounded once more, and the length four times: fewer than 16 half-ulps of coordinates and
-/// distances together.
+/// Each coordinate of a rounded corner is within half an ulp of the exact one, its distance from the centre is
+/// rounded once more, and the length four times: fewer than 16 half-ulps of coordinates and distances together.
 fn radius(triangles: &[Triangle], center: DVec3) -> f64 {
     let mut radius: f64 = 0.0;
     for corner in triangles.iter().flat_map(Triangle::rounded) {

@@ -1,15 +1,15 @@
 use glam::{DVec3, Vec3};
 
-/// A triangle as stored: each corner is exactly `base + corner`.
+/// A triangle as stored; each corner is exactly `base + corner`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle {
     /// Its object's number.
     pub object: u32,
-    /// Its own number in the object.
+    /// Its number in the object.
     pub triangle: u32,
-    /// What is added, without rounding, to each corner.
+    /// Added to each corner, without rounding.
     pub base: DVec3,
-    /// The corners. Counter-clockwise from the front.
+    /// The corners, counter-clockwise as seen from the front.
     pub corners: [Vec3; 3],
 }
 
@@ -19,7 +19,7 @@ impl Triangle {
         self.corners.map(|corner| self.base + corner.as_dvec3())
     }
 
-    /// What comes first among equals.
+    /// Its rank among triangles at the same distance.
     pub(crate) fn number(&self) -> (u32, u32) {
         (self.object, self.triangle)
     }

@@ -1,33 +1,33 @@
-//! How much is measured: for seconds, or for minutes.
+//! The amount of measuring: for seconds, or for minutes.
 
 use raycast_core::Simd;
 
 /// Sizes and counts of a report.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReportBudget {
-    /// Columns and rows of the pictures whose speed is measured.
+    /// Columns and rows of the pictures that are timed.
     pub size: (u32, u32),
-    /// Measurements of each thing whose speed is measured.
+    /// Measurements of each timed task.
     pub rounds: usize,
     /// Rays a mesh that are compared with the truth.
     pub checked: usize,
-    /// Tests of a ray against a triangle that brute force may take for one measurement.
+    /// The most ray–triangle tests that brute force may take for one measurement.
     pub tests: usize,
-    /// Settings of a hard case.
+    /// Settings of each hard case.
     pub variants: usize,
-    /// Cameras of a setting of a hard case.
+    /// Cameras of each setting of a hard case.
     pub cameras: usize,
-    /// Rays a setting of a hard case: so many that are no camera's, and so many that are.
+    /// Rays of each setting of a hard case: this many free rays, and this many camera rays.
     pub hard: usize,
-    /// Rays a place along an axis of the plots of where casters break.
+    /// Rays at each position along the axis of the plots of where casters break.
     pub breaking: usize,
     /// The largest mesh, in triangles, of the plots of speed.
     pub largest: u32,
-    /// Rays a pixel of the picture that pictures are compared with.
+    /// Samples a pixel of the reference picture that pictures are compared with.
     pub samples: u32,
     /// Columns and rows of the pictures that are compared.
     pub compared: (u32, u32),
-    /// The widest instruction set that tiles are cast with, where the machine has it.
+    /// The widest instruction set that packets are cast with, if the machine has it.
     pub simd: Simd,
 }
 
@@ -48,7 +48,7 @@ impl ReportBudget {
         simd: Simd::Avx2,
     };
 
-    /// Some seconds: to see that it works.
+    /// Some seconds: a functional check.
     pub const QUICK: Self = Self {
         size: (320, 180),
         rounds: 2,

@@ -1,15 +1,14 @@
-//! Cameras and their rays, in few words.
+//! Cameras and their rays, made in code.
 
 use raycast_core::camera::{Camera, ImagePlane, Lattice, Placement, Projection};
 use raycast_core::glam::DVec3;
 
-/// Both projections, one after the other.
+/// Both planar projections.
 pub const PROJECTIONS: [Projection; 2] = [Projection::Perspective, Projection::Orthographic];
 
-/// A camera at `eye` that looks at `target`, its frame `height` high there, up being +Y.
+/// A camera at `eye` that looks at `target`, its frame `height` high there, with +Y up.
 ///
-/// The size is 1 to 65536 a side, and `height` a positive number: anything else is a mistake in the
-/// program.
+/// The size must be 1 to 65536 a side, and `height` positive: anything else is a programming error.
 pub fn camera(
     eye: DVec3,
     target: DVec3,
@@ -26,7 +25,7 @@ pub fn camera(
     Camera::new(placement, projection, plane)
 }
 
-/// The rays through the middle of all of a camera's pixels.
+/// The rays through the centres of all of a camera's pixels.
 pub fn whole(camera: Camera) -> Lattice {
     camera.whole().lattice()
 }

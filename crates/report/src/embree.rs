@@ -1,7 +1,7 @@
-//! Embree (Wald, Woop, Benthin, Johnson, Ernst, "Embree: A Kernel Framework for Efficient CPU Ray
-//! Tracing", 2014), where the machine has it: loaded at run time, nothing is linked.
+//! Embree (Wald, Woop, Benthin, Johnson, Ernst, "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014),
+//! where the machine has it: loaded at run time, not linked.
 //!
-//! The C interface of version 4 is declared by hand, as far as it is used.
+//! The parts of version 4's C interface that are used are declared by hand.
 
 #![allow(
     unsafe_code,
@@ -39,7 +39,7 @@ const RAY_QUERY_FLAG_COHERENT: c_int = 1 << 16;
 const FEATURE_FLAG_ALL: c_uint = u32::MAX;
 const DEVICE_PROPERTY_VERSION: c_int = 0;
 
-/// Why there is no Embree to compare with.
+/// Why Embree is not available.
 #[derive(Debug, Error)]
 pub enum EmbreeError {
     /// The library could not be loaded.
@@ -50,15 +50,15 @@ pub enum EmbreeError {
         /// What the loader says.
         source: libloading::Error,
     },
-    /// It is not version 4 of Embree.
+    /// The library is not Embree 4.
     #[error("{name}: expected Embree 4, found no {symbol}")]
     Symbol {
         /// The file, or the name that the system was asked for.
         name: String,
-        /// What it lacks.
+        /// The missing function.
         symbol: &'static str,
     },
-    /// It would not start, or not build a scene.
+    /// Embree did not start, or did not build a scene.
     #[error("Embree gave up: error {code}")]
     Refused {
         /// Its `RTCError`.
@@ -66,18 +66,18 @@ pub enum EmbreeError {
     },
 }
 
-/// `N` rays side by side with what they hit: `RTCRayHit` for one, `RTCRayHit8`, `RTCRayHit16`.
+/// `N` rays in structure-of-arrays order with their hits: `RTCRayHit` for one, `RTCRayHit8`, `RTCRayHit16`.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct Packet<const N: usize> {
     /// Origins, a coordinate at a time.
     pub origin: [[f32; N]; 3],
-    /// Where rays begin.
+    /// The start of each ray's range.
     pub t_near: [f32; N],
     /// Directions, of any length.
     pub direction: [[f32; N]; 3],
     time: [f32; N],
-    /// Where rays end; after a hit, where it is.
+    /// The end of each ray's range; after a hit, its distance.
     pub t_far: [f32; N],
     mask: [u32; N],
     id: [u32; N],
@@ -97,7 +97,7 @@ pub struct Packet<const N: usize> {
 }
 
 impl<const N: usize> Packet<N> {
-    /// Rays that are to be filled in, from 0 to infinity.
+    /// Rays to be filled in, with ranges from 0 to infinity.
     pub const NEW: Self = Self {
         origin: [[0.0; N]; 3],
         t_near: [0.0; N],
@@ -116,7 +116,7 @@ impl<const N: usize> Packet<N> {
         instance_triangle: [NONE; N],
     };
 
-    /// Makes the packet ready for another cast: its hits are cleared.
+    /// Clears the hits for another cast.
     #[inline(always)]
     pub fn reset(&mut self) {
         self.t_far = [f32::INFINITY; N];
@@ -133,7 +133,7 @@ struct Arguments {
     context: *mut c_void,
     filter: *mut c_void,
     intersect: *mut c_void,
-    /// There where the library was built with it.
+    /// Only used if the library was built with it.
     min_width_distance_factor: f32,
 }
 
@@ -142,7 +142,7 @@ type SceneHandle = *mut c_void;
 type Geometry = *mut c_void;
 type IntersectMany = unsafe extern "C" fn(*const c_int, SceneHandle, *mut c_void, *mut Arguments);
 
-/// The functions, valid as long as the library is loaded.
+/// The functions, valid while the library is loaded.
 struct Functions {
     new_device: unsafe extern "C" fn(*const c_char) -> Device,
     release_device: unsafe extern "C" fn(Device),
@@ -164,22 +164,21 @@ struct Functions {
     intersect_16: IntersectMany,
 }
 
-/// The library, started.
+/// The loaded library with a device.
 pub struct Embree {
     functions: Functions,
     device: Device,
-    // Never unloaded: the threads that it started end some time after the device is released, in the
-    // library's code.
+    // Never unloaded: its threads end some time after the device is released, in the library's code.
     _library: ManuallyDrop<Library>,
 }
 
-// SAFETY: "All Embree API calls are thread-safe" but for building one scene from several threads, and
-// a scene here is built before anyone else has it.
+// SAFETY: "All Embree API calls are thread-safe" except building one scene from several threads, and a scene here is
+// built before another thread has it.
 unsafe impl Send for Embree {}
 // SAFETY: as above.
 unsafe impl Sync for Embree {}
 
-/// Triangles in Embree's own tree.
+/// Triangles with Embree's own tree.
 pub struct EmbreeScene {
     embree: Arc<Embree>,
     scene: NonNull<c_void>,
@@ -192,11 +191,11 @@ unsafe impl Send for EmbreeScene {}
 unsafe impl Sync for EmbreeScene {}
 
 impl Embree {
-    /// Loads the library that [`LIBRARY_VARIABLE`] names, else one that the system knows, and starts
-    /// it with `threads` threads for building.
+    /// Loads the library that [`LIBRARY_VARIABLE`] names, else one that the system knows, and starts it with
+    /// `threads` threads for building.
     ///
     /// # Errors
-    /// There is none, it is another version, or it refuses to start.
+    /// There is none, it is another version, or it does not start.
     pub fn load(threads: usize) -> Result<Arc<Self>, EmbreeError> {
         match std::env::var_os(LIBRARY_VARIABLE) {
             Some(path) => Self::load_from(Path::new(&path), threads),
@@ -221,10 +220,10 @@ impl Embree {
             symbol,
         })?;
         let config = CString::new(format!("threads={threads},verbose=0")).unwrap_or_default();
-        // SAFETY: a string that ends in a zero, read before the call returns.
+        // SAFETY: a zero-terminated string, read before the call returns.
         let device = unsafe { (functions.new_device)(config.as_ptr()) };
         if device.is_null() {
-            // SAFETY: null asks for the error of a device that could not be made.
+            // SAFETY: null asks for the error of a device that could not be created.
             let code = unsafe { (functions.device_error)(null_mut()) };
             return Err(EmbreeError::Refused { code });
         }
@@ -244,19 +243,19 @@ impl Embree {
         format!("{major}.{minor}.{patch}")
     }
 
-    /// Builds a scene of triangles, corner coordinates as given; triangles keep their places as
-    /// numbers. `robust` asks for Embree's watertight tests and its padded boxes.
+    /// Builds a scene of triangles with these corners; a triangle's number is its index. `robust` asks for Embree's
+    /// watertight tests and padded boxes.
     ///
     /// # Errors
-    /// Embree refuses, for want of memory as a rule.
+    /// Embree refuses, usually for lack of memory.
     pub fn scene(
         self: &Arc<Self>,
         triangles: &[[Vec3; 3]],
         robust: bool,
     ) -> Result<EmbreeScene, EmbreeError> {
         let f = &self.functions;
-        // SAFETY: handles are used between their making and their release, and the buffers, which
-        // Embree pads itself, are filled to the lengths that were asked for.
+        // SAFETY: handles are used between creation and release, and the buffers, which Embree pads itself, are
+        // filled to the requested lengths.
         unsafe {
             let refused = || EmbreeError::Refused {
                 code: (f.device_error)(self.device),
@@ -303,13 +302,13 @@ impl Embree {
 
 impl Drop for Embree {
     fn drop(&mut self) {
-        // SAFETY: every scene holds the device, so none is left.
+        // SAFETY: every scene holds a reference to the device, so none is left.
         unsafe { (self.functions.release_device)(self.device) };
     }
 }
 
 impl EmbreeScene {
-    /// What building the tree took, its buffers being full.
+    /// The time to build the tree, after its buffers were filled.
     pub fn commit_time(&self) -> Duration {
         self.commit
     }
@@ -384,7 +383,7 @@ impl Arguments {
 }
 
 impl Functions {
-    /// Finds them all; the name of the first that is missing otherwise.
+    /// Finds all of them; otherwise the name of the first that is missing.
     fn of(library: &Library) -> Result<Self, &'static str> {
         fn find<F: Copy>(library: &Library, name: &'static str) -> Result<F, &'static str> {
             // SAFETY: each field's type is the C declaration of the function it is named after.

@@ -1,4 +1,4 @@
-//! What a caster answered, against the truth.
+//! A caster's answers compared with the truth.
 
 use crate::casters::Caster;
 use crate::stage::Stage;
@@ -14,7 +14,7 @@ use rayon::prelude::*;
 pub struct Errors {
     /// Rays that were cast.
     pub rays: u64,
-    /// Rays that hit something by exact arithmetic.
+    /// Rays that hit something, by exact arithmetic.
     pub hits: u64,
     /// Misses where exact arithmetic finds a triangle: holes.
     pub leaks: u64,
@@ -22,12 +22,12 @@ pub struct Errors {
     pub phantoms: u64,
     /// Hits of a triangle that is not the closest, or that the ray misses.
     pub others: u64,
-    /// Another triangle, which is truly as near: right but for the rule that the lowest number wins.
-    /// Not counted as wrong.
+    /// Another triangle at exactly the same distance: right except for the rule that the lowest number wins. Not
+    /// counted as wrong.
     pub ties: u64,
-    /// How far `t` is off, in units of single precision's last place, ascending.
+    /// The errors of `t` in units of single precision's last place, ascending.
     t_ulps: Vec<f64>,
-    /// The furthest that a weight is off.
+    /// The largest error of a weight.
     pub weight: f64,
 }
 
@@ -84,7 +84,7 @@ impl Errors {
         let found = caster.identify(hit.primitive);
         let mut met = *truth;
         if found != (truth.object, truth.triangle) {
-            // As near to a double's rounding is as near as the oracle tells.
+            // The oracle's distances are rounded to double precision, so equality within that is a tie.
             match stage.intersect(found, ray, Cull::None) {
                 Some(other) if other.t == truth.t => {
                     self.ties += 1;
@@ -103,7 +103,7 @@ impl Errors {
         }
     }
 
-    /// Both together; `t`'s errors are sorted again by the caller, or by [`Errors::sum`].
+    /// Both together; the caller, or [`Errors::sum`], sorts `t`'s errors again.
     fn joined(mut self, other: Self) -> Self {
         self.rays += other.rays;
         self.hits += other.hits;
@@ -133,13 +133,13 @@ impl Errors {
         self.wrong() as f64 / self.rays.max(1) as f64 * 1e6
     }
 
-    /// How far `t` is off for this share of the answers, 0 to 1, in units of single precision's last
-    /// place.
+    /// The quantile of the errors of `t`, for a fraction of the answers from 0 to 1, in units of single precision's
+    /// last place.
     pub fn t_ulps(&self, share: f64) -> f64 {
         quantile(&self.t_ulps, share)
     }
 
-    /// How many answers `t` was compared of.
+    /// The number of answers whose `t` was compared.
     pub fn t_count(&self) -> usize {
         self.t_ulps.len()
     }

@@ -1,4 +1,4 @@
-//! Drawings in space, made by RayCast itself: lit triangles, and lines of one width.
+//! Drawings in space, rendered by RayCast itself: lit triangles, and lines of constant width.
 
 use crate::meshes;
 use crate::stage::scene_of;
@@ -22,7 +22,7 @@ const SIDES: u32 = 6;
 /// Rays a pixel.
 const SAMPLES: u32 = 16;
 
-/// What is drawn, for one camera.
+/// A drawing for one camera.
 #[derive(Clone, Debug)]
 pub struct Figure {
     camera: Camera,
@@ -32,7 +32,7 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// An empty sheet, to be drawn with an instruction set.
+    /// An empty drawing, rendered with this instruction set.
     pub fn new(camera: Camera, simd: Simd) -> Self {
         Self {
             camera,
@@ -74,8 +74,7 @@ impl Figure {
         }
     }
 
-    /// Adds a line so many pixels wide near and far, one colour all round; nothing where an end is
-    /// behind the camera.
+    /// Adds a line of constant width in pixels and of one colour; nothing if an end is behind the camera.
     pub fn line(&mut self, from: DVec3, to: DVec3, pixels: f64, color: Color) {
         let camera = &self.camera;
         let depth = |point: DVec3| (point - camera.placement().eye).dot(camera.forward());
@@ -92,7 +91,7 @@ impl Figure {
                 center + (a * math::cos(angle) + b * math::sin(angle)) * (width * 0.5)
             })
         };
-        // A little longer than asked for, so that lines which meet leave no notch.
+        // Slightly longer, so that lines that join leave no notch.
         let start = ring(from - along * (from_width * 0.4), from_width);
         let end = ring(to + along * (to_width * 0.4), to_width);
         for side in 0..SIDES as usize {
@@ -102,7 +101,7 @@ impl Figure {
         }
     }
 
-    /// Adds lines from each point to the next, and from the last to the first.
+    /// Adds a closed polyline.
     pub fn ring(&mut self, points: &[DVec3], pixels: f64, color: Color) {
         for (at, &point) in points.iter().enumerate() {
             self.line(point, points[(at + 1) % points.len()], pixels, color);
@@ -121,7 +120,7 @@ impl Figure {
         }
     }
 
-    /// All that its camera sees, over white.
+    /// Renders the drawing over white.
     ///
     /// # Errors
     /// More triangles than can be numbered.
@@ -133,12 +132,12 @@ impl Figure {
             &Cancel::default(),
             &|_| (),
         );
-        // Nobody cancels it.
+        // It is never cancelled.
         let picture = picture.unwrap_or_else(|| Picture::blank(1, 1, false));
         Ok(image(picture.width, picture.height, &picture.pixels))
     }
 
-    /// What its camera sees in a rectangle of its picture, over white.
+    /// Renders a rectangle of the drawing over white.
     ///
     /// # Errors
     /// More triangles than can be numbered.
@@ -213,7 +212,7 @@ mod tests {
         let camera = Camera::new(placement, Projection::Perspective, plane);
         let black = Color([0; 3]);
         let mut figure = Figure::new(camera, Simd::best());
-        // Away from the eye, beside the view axis.
+        // Receding from the eye, beside the view axis.
         let (near, far) = (DVec3::new(-1.0, 1.0, 6.0), DVec3::new(3.0, 1.0, -30.0));
         figure.line(near, far, 4.0, black);
         figure.line(DVec3::Z * 20.0, DVec3::Z * 30.0, 4.0, black);

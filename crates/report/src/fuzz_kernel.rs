@@ -1,9 +1,9 @@
-//! Tiles, single rays, brute force and the oracle compared with one another, on whatever bytes say: what
-//! a fuzzer drives.
+//! Packets, single rays, brute force and the oracle compared with one another, on scenes made from bytes: the
+//! kernel's fuzz target.
 //!
-//! Bytes choose a small mesh, a camera and a part of its rays, from numbers that kernels stumble over:
-//! equal ones, both zeros, neighbours in the last place, tiny and huge ones, corners that triangles share,
-//! eyes in corners, on edges and in planes. Bytes that are missing are zeros.
+//! Bytes select a small mesh, a camera and a part of its rays, from numbers that are hard for kernels: equal ones,
+//! both zeros, neighbours in the last place, tiny and huge ones, corners that triangles share, eyes in corners, on
+//! edges and in planes. Missing bytes count as zeros.
 
 use crate::casters::instruction_sets;
 use crate::meshes::mesh;
@@ -16,37 +16,36 @@ use raycast_core::glam::DVec3;
 use raycast_core::scene::{ClippingPlane, ClippingPlanes};
 use raycast_core::{Accel, Cull, Detail, Precision, PrimitiveHit};
 
-/// The most triangles, and corners to choose theirs from.
+/// The most triangles; `CORNERS` limits the corners that they share.
 const TRIANGLES: usize = 64;
 const CORNERS: usize = 24;
 
-/// Rays of a lattice that are compared with the oracle and with brute force, besides those whose
-/// neighbours show something else.
+/// Rays of a lattice that are compared with the oracle and brute force, besides those next to a ray that hits
+/// something else.
 const TRUTHS: usize = 24;
-/// And of those, at most.
+/// The most of those.
 const BORDERS: usize = 40;
 
-/// What bytes say.
+/// The scene and rays that bytes describe.
 #[derive(Debug)]
 pub struct Scenario {
-    /// The mesh, its tree and the truth.
+    /// The mesh, its tree and the truth about it.
     pub stage: Stage,
     /// The rays.
     pub lattice: Lattice,
-    /// Which faces they hit.
+    /// Which faces the rays hit.
     pub cull: Cull,
 }
 
-/// Builds what the bytes say, and checks it.
+/// Builds the scenario of these bytes, and checks it.
 ///
 /// # Errors
-/// The first answer that is not the truth, or not the same as another caster's, with what is needed to ask
-/// again.
+/// The first answer that is wrong, or differs from another caster's, with all that is needed to reproduce it.
 pub fn check(bytes: &[u8]) -> Result<(), String> {
     scenario(bytes).map_or(Ok(()), |scenario| scenario.check())
 }
 
-/// What the bytes say; `None` where that is nothing that can be built.
+/// The scenario of these bytes; `None` where it is invalid.
 pub fn scenario(bytes: &[u8]) -> Option<Scenario> {
     let mut source = Source(bytes.iter());
     let points = source.points();
@@ -106,8 +105,8 @@ pub fn scenario(bytes: &[u8]) -> Option<Scenario> {
 }
 
 impl Scenario {
-    /// Each ray of the lattice: with each instruction set the single ray's hit, bit for bit; and for some
-    /// of them, brute force's, and the truth.
+    /// Checks each ray of the lattice: with every instruction set the single ray's hit, bit for bit; and for some
+    /// rays brute force's, and the truth.
     ///
     /// # Errors
     /// As [`check`].
@@ -170,7 +169,7 @@ impl Scenario {
         self.lattice.ray((i % columns) as u32, (i / columns) as u32)
     }
 
-    /// A fault, with what is needed to ask again.
+    /// A fault, with all that is needed to reproduce it.
     fn told(&self, i: usize, fault: &str) -> String {
         let Self {
             stage,
@@ -190,7 +189,7 @@ impl Scenario {
     }
 }
 
-/// Bytes, one after the other.
+/// A stream of bytes.
 struct Source<'b>(std::slice::Iter<'b, u8>);
 
 impl Source<'_> {
@@ -214,7 +213,7 @@ impl Source<'_> {
         std::array::from_fn(|_| self.byte())
     }
 
-    /// Corners: their own numbers, or others' or between others; all of a scale and a place.
+    /// Corners with numbers of their own, equal to others' or between them, at one scale and position.
     fn points(&mut self) -> Vec<DVec3> {
         let scale = match self.below(4) {
             0 | 1 => 1.0,
@@ -254,7 +253,7 @@ impl Source<'_> {
             .collect()
     }
 
-    /// A number that is often like others.
+    /// A number that often equals others.
     fn number(&mut self) -> f64 {
         const HOSTILE: [f64; 16] = [
             0.0,
@@ -307,7 +306,7 @@ impl Source<'_> {
         .ok()
     }
 
-    /// A place for an eye or a target: of its own, or where the mesh is hardest, or a little off that.
+    /// A position of an eye or a target: random, or at the hardest points of the mesh, or slightly beside them.
     fn place(&mut self, points: &[DVec3], triangles: &[[u32; 3]]) -> DVec3 {
         let [a, b, c] = triangles[self.below(triangles.len())].map(|i| points[i as usize]);
         let place = match self.below(8) {
@@ -325,7 +324,7 @@ impl Source<'_> {
             _ => 0.0,
         };
         let place = place * (1.0 + off);
-        // What a camera is not made for: its numbers must leave room for products.
+        // Cameras need room for products of coordinates.
         if place.is_finite() && place.abs().max_element() < 1e25 {
             place
         } else {
@@ -339,7 +338,7 @@ mod tests {
     use super::*;
     use raycast_oracle::random::Random;
 
-    /// Random bytes: most build something, and it is seen.
+    /// Random bytes: most build a scenario with visible triangles.
     #[test]
     fn random_bytes_are_answered_truly() {
         let mut random = Random::new(71);

@@ -1,4 +1,4 @@
-//! Rays with the truth about them, for every caster to be compared with.
+//! Rays with known truth, for every caster to be compared with.
 
 use crate::Stage;
 use crate::casters::{self, Caster, Rays};
@@ -9,15 +9,14 @@ use raycast_core::{Cull, PrimitiveHit};
 use raycast_oracle::Truth;
 use rayon::prelude::*;
 
-/// Rays that are no camera's, and pixels of cameras, each as given and rounded to single precision,
-/// with the truth about all of them.
+/// Free rays and pixels of cameras, each as given and rounded to single precision, with the truth about all of them.
 pub struct KnownAnswers<'a> {
     stage: &'a Stage,
-    /// Rays as given, those of the cameras last.
+    /// Rays as given, camera rays last.
     double: Asked,
     /// The same, rounded.
     single: Asked,
-    /// How many of them are no camera's.
+    /// The number of free rays.
     free: usize,
     pictures: Vec<(Camera, Vec<(u32, u32)>)>,
 }
@@ -29,7 +28,7 @@ struct Asked {
 }
 
 impl<'a> KnownAnswers<'a> {
-    /// Asks the oracle about these rays, and about these pixels of these cameras.
+    /// Asks the oracle about these free rays, and these pixels of these cameras.
     pub fn new(
         stage: &'a Stage,
         mut rays: Vec<Ray>,
@@ -58,7 +57,7 @@ impl<'a> KnownAnswers<'a> {
         }
     }
 
-    /// The rays that a caster is given: a camera's alone where it answers no others.
+    /// The rays that a caster is given: camera rays only, if it answers no others.
     pub fn rays(&self, caster: &dyn Caster) -> &[Ray] {
         match caster.rays() {
             Rays::Camera => &self.double.rays[self.free..],
@@ -67,8 +66,7 @@ impl<'a> KnownAnswers<'a> {
         }
     }
 
-    /// A caster's errors. Brute force is given as many rays as `tests` tests of a ray against a
-    /// triangle allow.
+    /// A caster's errors. Brute force gets only as many rays as `tests` ray–triangle tests allow.
     pub fn errors(&self, caster: &dyn Caster, tests: usize) -> Errors {
         let (asked, first) = match caster.rays() {
             Rays::Camera => (&self.double, self.free),
@@ -90,7 +88,7 @@ impl<'a> KnownAnswers<'a> {
     }
 }
 
-/// Answers to rays, as many as there is time for, on all workers.
+/// A caster's answers to rays, on all workers.
 fn cast(caster: &dyn Caster, rays: &[Ray], tests: usize) -> Vec<PrimitiveHit> {
     let affordable = match caster.tries() {
         0 => rays.len(),
@@ -107,7 +105,7 @@ fn cast(caster: &dyn Caster, rays: &[Ray], tests: usize) -> Vec<PrimitiveHit> {
     parts.concat()
 }
 
-/// Answers to a camera's rays through some pixels: the whole picture is cast, in its tiles.
+/// A caster's answers to some pixels of a camera: the whole picture is cast, in tiles.
 fn pick(caster: &dyn Caster, camera: &Camera, pixels: &[(u32, u32)]) -> Vec<PrimitiveHit> {
     let plane = camera.plane();
     let mut picture = vec![PrimitiveHit::NONE; plane.columns as usize * plane.rows as usize];
@@ -130,7 +128,7 @@ fn pick(caster: &dyn Caster, camera: &Camera, pixels: &[(u32, u32)]) -> Vec<Prim
     pixels.iter().map(|&(x, y)| picture[place(x, y)]).collect()
 }
 
-/// Pixels drawn by lot, the same every time.
+/// Pseudorandom pixels, the same every time.
 pub fn pixels_by_lot(camera: &Camera, count: usize) -> Vec<(u32, u32)> {
     let plane = camera.plane();
     let mut random = raycast_oracle::random::Random::new(4);

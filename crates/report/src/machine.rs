@@ -1,4 +1,4 @@
-//! What a report was made on and with.
+//! The machine and the program that a report was made with.
 
 use raycast_core::Simd;
 use std::fmt;
@@ -6,17 +6,17 @@ use std::fmt;
 /// The machine, and the program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Machine {
-    /// The processor's own name for itself.
+    /// The processor's name.
     pub processor: String,
     /// Cores that this process may use.
     pub cores: usize,
-    /// Workers.
+    /// Worker threads.
     pub threads: usize,
-    /// The widest instruction set of the casting loops.
+    /// The widest instruction set of the kernels.
     pub simd: &'static str,
-    /// The system and its architecture.
+    /// The operating system and its architecture.
     pub system: String,
-    /// What the program was built from.
+    /// The commit that the program was built from.
     pub commit: &'static str,
 }
 
@@ -45,7 +45,7 @@ impl fmt::Display for Machine {
     }
 }
 
-/// The processor's name in what Linux tells.
+/// The processor's name in `/proc/cpuinfo`.
 fn processor(told: &str) -> Option<&str> {
     let line = told.lines().find(|line| line.starts_with("model name"))?;
     line.split_once(':').map(|(_, name)| name.trim())

@@ -1,4 +1,4 @@
-//! Meshes made in code, with corners where rays like to slip through.
+//! Meshes made in code, with corners at which rays tend to leak.
 
 use raycast_core::glam::DVec3;
 use raycast_core::math;
@@ -23,8 +23,8 @@ pub fn soup(corners: &[[DVec3; 3]]) -> Mesh {
     mesh(positions, triangles)
 }
 
-/// A grid of `columns × rows` quads, two triangles each, with vertices where `point(column, row)`
-/// says. Counter-clockwise where columns run right and rows run up.
+/// A grid of `columns × rows` quads, two triangles each, with vertices at `point(column, row)`. Counter-clockwise
+/// where columns run right and rows run up.
 pub fn grid(columns: u32, rows: u32, mut point: impl FnMut(u32, u32) -> DVec3) -> Mesh {
     let mut positions = Vec::new();
     let mut triangles = Vec::new();
@@ -125,7 +125,7 @@ pub(crate) fn cuboid_parts(
     (positions, triangles)
 }
 
-/// Hills with whole heights over whole places, 0 to `side` along x and y.
+/// Hills with integer heights at integer positions, 0 to `side` along x and y.
 pub fn integer_heights(side: u32, seed: u64) -> Mesh {
     let mut random = Random::new(seed);
     let heights: Vec<f64> = (0..(side + 1) * (side + 1))
@@ -137,7 +137,7 @@ pub fn integer_heights(side: u32, seed: u64) -> Mesh {
     })
 }
 
-/// `count` triangles of `size` (against 1) in the cube `middle ± scale`.
+/// `count` random triangles of `size` (relative to the scale) in the cube `middle ± scale`.
 pub fn random_soup(random: &mut Random, count: u32, middle: DVec3, scale: f64, size: f64) -> Mesh {
     let corners: Vec<[DVec3; 3]> = (0..count)
         .map(|_| {

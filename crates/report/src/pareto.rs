@@ -1,7 +1,7 @@
-//! Which of several choices no other beats in both respects.
+//! The Pareto front of points.
 
-/// The places of the points that no other point beats: none is as far left and higher, or further
-/// left and as high. From left to right; of equal points all.
+/// Indices of the points that no other point dominates: none is as far left and higher, or further left and as high.
+/// From left to right; equal points are all included.
 pub fn front(points: &[(f64, f64)]) -> Vec<usize> {
     let beats = |a: &(f64, f64), b: &(f64, f64)| a.0 <= b.0 && a.1 >= b.1 && a != b;
     let mut front: Vec<usize> = (0..points.len())

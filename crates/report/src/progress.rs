@@ -1,15 +1,15 @@
-//! How far a report is.
+//! Progress of a report.
 
-/// Who wants to know how far a report is.
+/// Receives the progress of a report.
 pub trait ReportProgress: Sync {
-    /// So many steps of something begin.
+    /// A task of this many steps begins.
     fn begin(&self, what: &'static str, steps: u64);
 
-    /// One of them is done.
+    /// A step is done.
     fn step(&self);
 }
 
-/// Nobody.
+/// Ignores progress.
 impl ReportProgress for () {
     fn begin(&self, _: &'static str, _: u64) {}
 

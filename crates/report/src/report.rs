@@ -1,4 +1,4 @@
-//! All of a report, from scenes to files.
+//! A whole report, from scenes to files.
 
 use crate::budget::ReportBudget;
 use crate::cases::time::RACES;
@@ -13,14 +13,14 @@ use crate::subject::{Input, Subject};
 use crate::table::ReportError;
 use std::sync::Arc;
 
-/// A file of a report: its name, and all of it.
+/// A file of a report: its name and its contents.
 pub type ReportFile = (String, Vec<u8>);
 
-/// Measures everything on the current workers, and makes the files of the report: `report.md`, and
-/// what it shows.
+/// Measures everything on the current workers, and makes the files of the report: `report.md`, and its pictures and
+/// tables.
 ///
 /// # Errors
-/// A scene that cannot be cast at, a plot that cannot be drawn.
+/// An invalid scene; a plot that cannot be drawn.
 pub fn report(
     inputs: &[Input],
     budget: &ReportBudget,
@@ -51,7 +51,7 @@ pub fn report(
     files(sections, progress)
 }
 
-/// On what it was measured, against what.
+/// The machine, and the casters that are compared.
 fn opening(machine: &Machine, library: &Result<Arc<Embree>, EmbreeError>) -> Section {
     let mut section = Section::default();
     section.say("# RayCast: speed against error");
@@ -106,7 +106,7 @@ fn ordinary(
     Ok(section)
 }
 
-/// Where each caster breaks.
+/// The scales at which each caster breaks.
 fn breaks(
     budget: &ReportBudget,
     embree: Option<&Arc<Embree>>,
@@ -121,7 +121,7 @@ fn breaks(
     Ok(section)
 }
 
-/// The shape of speed.
+/// Speed against mesh size and coverage.
 fn speed(
     budget: &ReportBudget,
     embree: Option<&Arc<Embree>>,
@@ -138,7 +138,7 @@ fn speed(
     Ok(section)
 }
 
-/// The density of rays.
+/// Speed against the density of rays.
 fn dense(
     inputs: &[Input],
     budget: &ReportBudget,
@@ -155,7 +155,7 @@ fn dense(
     Ok(section)
 }
 
-/// What optional things cost.
+/// The cost of optional features.
 fn paid(budget: &ReportBudget, progress: &dyn ReportProgress) -> Result<Section, ReportError> {
     let mut section = Section::default();
     section.say("## E. Pay for what is used");
@@ -164,14 +164,14 @@ fn paid(budget: &ReportBudget, progress: &dyn ReportProgress) -> Result<Section,
     Ok(section)
 }
 
-/// A tile's way down the tree.
+/// A tile's traversal of the tree.
 fn descent(
     inputs: &[Input],
     budget: &ReportBudget,
     progress: &dyn ReportProgress,
 ) -> Result<Section, ReportError> {
     let mut section = Section::default();
-    // One mesh shows more than many.
+    // One mesh is clearer than many.
     let single = inputs.iter().find(|input| input.scene.objects.len() == 1);
     if let Some(input) = single.or(inputs.first()) {
         progress.begin("levels", 1);
@@ -183,7 +183,7 @@ fn descent(
     Ok(section)
 }
 
-/// How to measure this again.
+/// How to repeat the measurements.
 fn closing(command: &str) -> Section {
     let mut section = Section::default();
     section.say("## To measure this again");
@@ -191,7 +191,7 @@ fn closing(command: &str) -> Section {
     section
 }
 
-/// What the names in plots and tables mean.
+/// The meaning of the names in plots and tables.
 const CASTERS: &str = "\
 - **RayCast tiles**: a tile of a camera's rays at once, as pictures are made; *exact*, or *fast* (rounded \
 where doubles cannot tell). With the name of an instruction set where it is not this machine's widest.
@@ -205,7 +205,7 @@ every ray. The renderer that RayCast replaces.
 
 f32 is single precision, f64 double.";
 
-/// Writes everything down.
+/// Encodes all files.
 fn files(
     sections: impl IntoIterator<Item = Section>,
     progress: &dyn ReportProgress,

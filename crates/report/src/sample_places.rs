@@ -1,13 +1,13 @@
-//! Where a picture's samples are, worked out a second time from what the renderer documents.
+//! The sample positions of a pixel, computed independently from the renderer's documentation.
 
 use raycast_core::camera::PixelFilter;
 use raycast_core::math;
 
-/// A sample's place from its pixel's top left corner, and its weight.
+/// A sample's offset from its pixel's top left corner, and its weight.
 pub(crate) type PlacedSample = ((f64, f64), f64);
 
-/// The samples of a pixel, the centre first: Sobol's first two dimensions by their generator matrices, scrambled,
-/// taken to places by the inverse of the filter's integral, and moved so that their mean is the centre.
+/// The samples of a pixel, the centre first: the first two dimensions of Sobol's sequence by their generator
+/// matrices, scrambled, mapped by the inverse of the filter's integral, and shifted so that their mean is the centre.
 pub(crate) fn sample_places(count: u32, filter: PixelFilter) -> Vec<PlacedSample> {
     let on_grid = |at: f64| (at * 16_777_216.0).round_ties_even() / 16_777_216.0;
     let place = |share: f64| on_grid(inverse(filter, share));
@@ -55,13 +55,13 @@ fn points(count: u32) -> Vec<(f64, f64)> {
     points
 }
 
-/// The radical inverse in base 2, scrambled: the identity is its generator matrix.
+/// The radical inverse in base 2, scrambled: the generator matrix is the identity.
 fn first(index: u32) -> f64 {
     scrambled(u64::from(index), 0xb9fc_02ec)
 }
 
-/// Pascal's triangle modulo 2 is the second dimension's: digit j of the index counts to digit i if j over i is odd,
-/// which is where i's bits are all among j's (Lucas).
+/// The second dimension's generator matrix is Pascal's triangle modulo 2: digit j of the index contributes to digit i
+/// if the binomial coefficient of j over i is odd, which is so where i's bits are a subset of j's (Lucas).
 fn second(index: u32) -> f64 {
     let mut digits = 0;
     for i in 0..32_u32 {
@@ -71,7 +71,7 @@ fn second(index: u32) -> f64 {
     scrambled(digits, 0xe02c_211e)
 }
 
-/// The fraction whose digits are these, the lowest bit first behind the point, after the hash that scrambles them.
+/// The fraction with these digits, the lowest bit first after the point, after the scrambling hash.
 fn scrambled(mut bits: u64, seed: u64) -> f64 {
     const WORD: u64 = 1 << 32;
     bits ^= bits * 0x3d20_adea % WORD;
@@ -96,7 +96,7 @@ fn height(filter: PixelFilter, x: f64) -> f64 {
     }
 }
 
-/// Where a share of the magnitude lies before: by bisection of its integral over the pieces that are smooth.
+/// The position up to which a fraction of the absolute weight lies: by bisection of its integral over smooth pieces.
 fn inverse(filter: PixelFilter, share: f64) -> f64 {
     let knots: &[f64] = match filter {
         PixelFilter::Box => &[0.0, 0.5],
@@ -124,7 +124,7 @@ fn inverse(filter: PixelFilter, share: f64) -> f64 {
     if share < 0.5 { -high } else { high }
 }
 
-/// Five points of Gauss and Legendre: exact to the ninth degree.
+/// Gauss–Legendre quadrature with five points: exact to the ninth degree.
 fn integral(filter: PixelFilter, from: f64, to: f64) -> f64 {
     let (near, far) = (
         (5.0 - 2.0 * (10.0_f64 / 7.0).sqrt()).sqrt() / 3.0,

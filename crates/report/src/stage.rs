@@ -20,25 +20,25 @@ pub struct Stage {
     pub accel: Arc<Accel>,
     /// The truth about it.
     pub oracle: Oracle,
-    /// What is cut away: the truth is about what is left.
+    /// The clipping planes: the truth is about what they keep.
     clip: ClippingPlanes,
     has_masks: bool,
 }
 
 impl Stage {
-    /// A scene made ready.
+    /// Builds the tree and the oracle of a scene.
     ///
     /// # Errors
-    /// What [`Accel::build`] refuses.
+    /// Those of [`Accel::build`].
     pub fn new(scene: Scene) -> Result<Self, SceneError> {
         let accel = Accel::build(&scene)?;
         Self::of_parts(Arc::new(scene), Arc::new(accel))
     }
 
-    /// A scene and the tree that was built over it.
+    /// Builds the oracle of a scene and its tree.
     ///
     /// # Errors
-    /// What [`Accel::build`] refuses.
+    /// Those of [`Accel::build`].
     pub fn of_parts(scene: Arc<Scene>, accel: Arc<Accel>) -> Result<Self, SceneError> {
         let oracle = Oracle::new(triangles(&scene, &accel)?);
         Ok(Self {
@@ -50,7 +50,7 @@ impl Stage {
         })
     }
 
-    /// The same, cut by these planes.
+    /// The same stage, clipped by these planes.
     #[must_use]
     pub fn clipped(mut self, clip: ClippingPlanes) -> Self {
         self.oracle = (self.oracle).clipped(clip.enabled().map(half_space).collect());
@@ -58,22 +58,22 @@ impl Stage {
         self
     }
 
-    /// What is cut away.
+    /// The clipping planes.
     pub fn clip(&self) -> ClippingPlanes {
         self.clip
     }
 
-    /// What the planes leave of the tree.
+    /// The tree's triangles as the planes keep them.
     pub fn kept(&self) -> Clipped<'_> {
         self.accel.clipped(&self.clip)
     }
 
-    /// The nearest triangle that a ray hits, in truth.
+    /// The true closest triangle that a ray hits.
     pub fn truth(&self, ray: &Ray, cull: Cull) -> Option<Truth> {
         self.oracle.nearest(&as_given(ray), cull == Cull::Back)
     }
 
-    /// The nearest of a ray's hits that `counts` says yes to.
+    /// The closest of a ray's hits for which `counts` holds.
     pub(crate) fn truth_where(
         &self,
         ray: &Ray,
@@ -83,18 +83,18 @@ impl Stage {
         (self.oracle).nearest_where(&as_given(ray), cull == Cull::Back, counts)
     }
 
-    /// Whether a material is a mask, through which rays pass.
+    /// Whether any material is a mask.
     pub fn has_masks(&self) -> bool {
         self.has_masks
     }
 
-    /// The nearest triangle that a ray hits where these planes alone cut, in truth.
+    /// The true closest triangle that a ray hits, clipped by these planes instead of the stage's.
     pub(crate) fn truth_within(&self, ray: &Ray, planes: &[ClippingPlane]) -> Option<Truth> {
         let kept: Vec<_> = planes.iter().map(half_space).collect();
         self.oracle.nearest_in(&as_given(ray), false, &kept)
     }
 
-    /// How a ray hits the triangle with these numbers, others or not in its way.
+    /// How a ray hits the triangle with these numbers, whether or not others are nearer.
     pub fn intersect(
         &self,
         (object, triangle): (u32, u32),
@@ -105,7 +105,7 @@ impl Stage {
             .intersect(object, triangle, &as_given(ray), cull == Cull::Back)
     }
 
-    /// A view of it, a colour a triangle, with layers.
+    /// A view with a colour a triangle, and with layers.
     pub fn view(&self, camera: Camera, cull: Cull) -> View {
         View {
             scene: self.scene.clone(),
@@ -126,7 +126,7 @@ impl Stage {
     }
 }
 
-/// The scene with one object a mesh, each where its mesh is.
+/// A scene with an object for each mesh, without transforms.
 pub fn scene_of(meshes: impl IntoIterator<Item = Mesh>) -> Scene {
     let objects = meshes
         .into_iter()
@@ -135,7 +135,7 @@ pub fn scene_of(meshes: impl IntoIterator<Item = Mesh>) -> Scene {
     Scene { objects }
 }
 
-/// What a plane keeps.
+/// The half-space that a plane keeps.
 fn half_space(plane: &ClippingPlane) -> HalfSpace {
     HalfSpace {
         normal: plane.normal,
@@ -143,7 +143,7 @@ fn half_space(plane: &ClippingPlane) -> HalfSpace {
     }
 }
 
-/// The oracle's ray, number by number.
+/// The oracle's ray, with the same numbers.
 fn as_given(ray: &Ray) -> raycast_oracle::Ray {
     raycast_oracle::Ray {
         origin: ray.origin,
@@ -155,12 +155,11 @@ fn as_given(ray: &Ray) -> raycast_oracle::Ray {
 
 /// A scene's triangles as stored.
 ///
-/// Where all objects stand where their files put them, and their meshes share an offset, corners are
-/// taken from the meshes. Otherwise they were rounded once, when they were placed in the world: they
-/// are taken from `accel`.
+/// Where no object has a transform, and all meshes share an offset, corners are taken from the meshes. Otherwise they
+/// were rounded once, when they were transformed to world space, and are taken from `accel`.
 ///
 /// # Errors
-/// A scene whose transforms or parents are not valid.
+/// A scene whose transforms or parents are invalid.
 pub fn triangles(scene: &Scene, accel: &Accel) -> Result<Vec<Triangle>, SceneError> {
     let placed = scene.world_from_objects()?;
     let offsets = || scene.objects.iter().map(|object| object.mesh.offset());
@@ -185,9 +184,9 @@ pub fn triangles(scene: &Scene, accel: &Accel) -> Result<Vec<Triangle>, SceneErr
             let Some(corners) = mesh.corners(triangle) else {
                 continue;
             };
-            // A vertex that is not finite or too far has no triangles: the contract of a mesh. A
-            // triangle without area needs no rule of its own. The limit is about the file's numbers:
-            // where rounding them may have crossed it, only the mesh knows.
+            // By contract, a mesh has no triangles at vertices that are not finite or too far. A triangle without
+            // area is never hit, and needs no rule. The limit applies to the file's numbers; where rounding may have
+            // crossed it, only the mesh knows.
             let is_near = |limit: f64| {
                 corners.iter().all(|corner| {
                     let corner = (mesh.offset() + corner.as_dvec3()).abs();

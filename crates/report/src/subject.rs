@@ -1,4 +1,4 @@
-//! A scene that is measured.
+//! A measured scene.
 
 use crate::table::ReportError;
 use crate::{Stage, casters, embree};
@@ -10,37 +10,37 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// A scene to be measured, as it is handed in.
+/// A scene to be measured, as the caller gives it.
 #[derive(Clone, Debug)]
 pub struct Input {
-    /// What tables call it.
+    /// Its name in tables.
     pub name: String,
     /// The objects.
     pub scene: Arc<Scene>,
-    /// What it took to read it; none where it was made in memory.
+    /// The time to read it; `None` for a scene made in memory.
     pub parsing: Option<Duration>,
 }
 
-/// A scene with everything that answers rays about it.
+/// A measured scene with all casters.
 pub struct Subject {
-    /// What tables call it.
+    /// Its name in tables.
     pub name: String,
     /// The scene, RayCast's tree, the truth.
     pub stage: Stage,
-    /// What it took to read it.
+    /// The time to read it.
     pub parsing: Option<Duration>,
-    /// What it took to build RayCast's tree.
+    /// The time to build RayCast's tree.
     pub building: Duration,
     /// All casters, RayCast's own first.
     pub casters: Vec<Box<dyn Caster>>,
 }
 
 impl Subject {
-    /// Builds every caster's tree; RayCast's tiles are cast with `simd` or the widest that this machine has
-    /// below it, and with the plainer ones beside it.
+    /// Builds every caster's tree. RayCast's packets are cast with `simd`, or the widest set below it that this
+    /// machine has, and with the plainer ones as well.
     ///
     /// # Errors
-    /// A scene whose transforms or parents are not valid.
+    /// A scene whose transforms or parents are invalid.
     pub fn new(
         input: &Input,
         simd: Simd,
@@ -70,13 +70,13 @@ impl Subject {
     }
 }
 
-/// Rays along the side of a tile, as a render has them.
+/// Rays along the side of a tile, as in a render.
 const TILE: u32 = 64;
 
-/// A camera's rays, or every so many-th of them along both sides, in tiles for several workers.
+/// A camera's rays, or every `stride`-th in both directions, in tiles for several workers.
 pub fn tiles(camera: &Camera, stride: u32) -> Vec<Lattice> {
     let plane = camera.plane();
-    // Few rays make small tiles, or one worker would have them all.
+    // Few rays make small tiles, so that all workers have some.
     let side = if stride == 1 { TILE } else { 8 } * stride;
     let mut tiles = Vec::new();
     for y in (0..plane.rows).step_by(side as usize) {
@@ -93,7 +93,7 @@ pub fn tiles(camera: &Camera, stride: u32) -> Vec<Lattice> {
     tiles
 }
 
-/// The stride at which a caster that tries so many triangles a ray takes no longer than `tests` tests.
+/// The stride at which a caster that tests `tries` triangles a ray takes at most `tests` tests.
 pub fn stride(camera: &Camera, tries: usize, tests: usize) -> u32 {
     let plane = camera.plane();
     let rays = (tests / tries.max(1)).max(1) as f64;
@@ -106,7 +106,7 @@ pub fn stride(camera: &Camera, tries: usize, tests: usize) -> u32 {
     }
 }
 
-/// Casts all rays of all tiles on the current workers, and counts those that hit something.
+/// Casts all rays of all tiles on the current workers; returns how many hit something.
 pub fn cast_tiles(caster: &dyn Caster, tiles: &[Lattice]) -> usize {
     tiles
         .par_iter()
@@ -120,7 +120,7 @@ pub fn cast_tiles(caster: &dyn Caster, tiles: &[Lattice]) -> usize {
         .sum()
 }
 
-/// As [`cast_tiles`], but for visibility alone: which triangle each ray hits, not where.
+/// As [`cast_tiles`], for visibility alone.
 pub fn find_tiles(caster: &dyn Caster, tiles: &[Lattice]) -> usize {
     tiles
         .par_iter()

@@ -1,4 +1,4 @@
-//! Numbers in rows and columns: as CSV for programs, as Markdown for people.
+//! Tables of numbers: as CSV for programs, as Markdown for people.
 
 use crate::chart::ChartError;
 use std::fmt::Write;
@@ -8,18 +8,18 @@ use std::fmt::Write;
 pub struct Table {
     /// A heading a column, with its unit.
     pub columns: Vec<String>,
-    /// As many cells as columns each.
+    /// Rows, with as many cells as there are columns.
     pub rows: Vec<Vec<Cell>>,
 }
 
 /// A cell.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
-    /// Words.
+    /// Text.
     Text(String),
-    /// A number, as people read it, and as programs do.
+    /// A number: formatted for people, and exact for programs.
     Number(String, f64),
-    /// Nothing to say.
+    /// An empty cell.
     Empty,
 }
 
@@ -42,19 +42,19 @@ impl From<u64> for Cell {
 }
 
 impl Cell {
-    /// A number with so many decimals.
+    /// A number with this many decimals.
     pub fn decimals(number: f64, decimals: usize) -> Self {
         Self::Number(format!("{number:.decimals$}"), number)
     }
 
-    /// A number with three digits that count.
+    /// A number with three significant digits.
     pub fn short(number: f64) -> Self {
         Self::Number(short(number), number)
     }
 }
 
 impl Table {
-    /// No rows yet.
+    /// A table without rows.
     pub fn new(columns: &[&str]) -> Self {
         Self {
             columns: columns.iter().map(|&column| column.to_owned()).collect(),
@@ -116,7 +116,7 @@ impl Table {
     }
 }
 
-/// Why there is no report.
+/// Why a report cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// A plot.
@@ -128,10 +128,10 @@ pub enum ReportError {
     /// A picture that cannot be encoded.
     #[error(transparent)]
     Image(#[from] raycast_core::picture::ImageError),
-    /// A scene that cannot be cast at.
+    /// An invalid scene.
     #[error(transparent)]
     Scene(#[from] raycast_core::scene::SceneError),
-    /// A camera that cannot be had.
+    /// An invalid camera.
     #[error(transparent)]
     Plane(#[from] raycast_core::camera::PlaneError),
     /// Two pictures that cannot be compared.
@@ -148,7 +148,7 @@ impl From<csv::Error> for ReportError {
     }
 }
 
-/// A whole number with commas between its thousands.
+/// An integer with commas between thousands.
 pub fn grouped(count: u64) -> String {
     let digits = count.to_string();
     let mut text = String::new();
@@ -161,7 +161,7 @@ pub fn grouped(count: u64) -> String {
     text
 }
 
-/// A number with three digits that count, no more than three behind the point where it is not small.
+/// A number with three significant digits, and at most three decimals unless it is small.
 pub fn short(number: f64) -> String {
     let size = number.abs();
     if size == 0.0 {

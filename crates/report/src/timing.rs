@@ -1,23 +1,23 @@
-//! Times of several casters, taken in turn, and what is typical of them.
+//! Times of several casters, measured alternately, and robust statistics of them.
 
 use std::time::{Duration, Instant};
 
-/// A clock is read to well under a thousandth of this.
+/// The least duration that is measured; the clock's resolution is well below a thousandth of it.
 const LONG_ENOUGH: Duration = Duration::from_millis(20);
 
-/// What many measurements of one thing come to.
+/// The median and the deviation of measurements.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spread {
     /// The middle one.
     pub median: f64,
-    /// How far from it the measurements are: the middle one of their distances.
+    /// The median absolute deviation.
     pub deviation: f64,
     /// How many there were.
     pub count: usize,
 }
 
 impl Spread {
-    /// Of numbers in any order; zero of none.
+    /// Of numbers in any order; zero without any.
     pub fn of(numbers: &[f64]) -> Self {
         let middle = median(numbers);
         let distances: Vec<f64> = numbers
@@ -31,7 +31,7 @@ impl Spread {
         }
     }
 
-    /// Of times: how much is done in one, of `amount` that is done in each.
+    /// Turns times into rates, for an `amount` of work in each.
     pub fn rate(self, amount: f64) -> Self {
         let median = amount / self.median;
         Self {
@@ -51,7 +51,7 @@ impl Spread {
     }
 }
 
-/// The middle one of some numbers, of an even count the mean of the two; 0 of none.
+/// The median; for an even count the mean of the two middle numbers; 0 without any.
 pub fn median(numbers: &[f64]) -> f64 {
     let mut sorted = numbers.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
@@ -62,14 +62,14 @@ pub fn median(numbers: &[f64]) -> f64 {
     }
 }
 
-/// The value below which `share` of sorted numbers lie; 0 of none.
+/// The quantile of sorted numbers; 0 without any.
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     let last = sorted.len().saturating_sub(1);
     let at = (share * last as f64).ceil() as usize;
     sorted.get(at.min(last)).copied().unwrap_or(0.0)
 }
 
-/// The mean of numbers that multiply: rates over several meshes; 0 of none.
+/// The geometric mean, for rates over several meshes; 0 without any.
 pub fn geometric_mean(numbers: impl IntoIterator<Item = f64>) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
     for number in numbers {
@@ -83,9 +83,9 @@ pub fn geometric_mean(numbers: impl IntoIterator<Item = f64>) -> f64 {
     }
 }
 
-/// Seconds that each piece of work takes, measured `rounds` times in turn with all the others, so
-/// that a machine that slows down slows all of them; a round before does not count. Work that is
-/// over soon is done again until a clock can tell.
+/// The seconds that each task takes, measured `rounds` times alternately with all others, so that a machine that
+/// slows down slows all of them; a first round is not counted. Short tasks are repeated until they are long enough
+/// for the clock.
 pub fn interleaved<'a>(
     rounds: usize,
     works: &mut [Box<dyn FnMut() + Send + 'a>],
@@ -95,7 +95,7 @@ pub fn interleaved<'a>(
     for round in 0..=rounds {
         for (work, times) in works.iter_mut().zip(&mut times) {
             let (started, mut frames) = (Instant::now(), 0u32);
-            // To warm up once is enough.
+            // One repetition is enough for warming up.
             while frames == 0 || (round > 0 && started.elapsed() < LONG_ENOUGH) {
                 work();
                 frames += 1;

@@ -1,4 +1,4 @@
-//! A picture's pixels against the truth, more of them where it is easiest to be wrong.
+//! A picture's pixels against the truth, with more pixels where errors are most likely.
 
 use crate::expected::{Expected, Single, seen, shows};
 use crate::sample_places::{PlacedSample, sample_places};
@@ -12,10 +12,10 @@ use raycast_oracle::Truth;
 use raycast_oracle::random::Random;
 use rayon::prelude::*;
 
-/// How many wrong pixels are listed.
+/// The most wrong pixels that are listed.
 const TOLD: usize = 5;
 
-/// A rectangle of a camera's picture that is said to show a scene.
+/// A rectangle of a camera's picture that claims to show a scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Claim<'a> {
     /// The camera of the whole picture.
@@ -24,27 +24,26 @@ pub struct Claim<'a> {
     pub rect: Rect,
     /// Which faces its rays hit.
     pub cull: Cull,
-    /// In which colours.
+    /// Mode, colours, light, textures and lines.
     pub shading: Shading,
-    /// Rays a pixel.
+    /// Samples a pixel.
     pub samples: u32,
-    /// How they are weighed by their place.
+    /// The filter that weighs them.
     pub pixel_filter: PixelFilter,
-    /// What each of its pixels is said to show: as many as the rectangle has. Without layers, 8-bit
-    /// colours are all that it tells.
+    /// The claimed pixels, as many as the rectangle has. Without layers only 8-bit colours are checked.
     pub picture: &'a Picture,
 }
 
-/// What a claim came to.
+/// The result of checking a claim.
 #[derive(Clone, Debug, Default)]
 pub struct Verification {
     /// Pixels in the rectangle.
     pub pixels: usize,
     /// How many of them were checked.
     pub checked: usize,
-    /// Of those: next to a miss, or to another object.
+    /// Checked pixels next to a miss, or to another object.
     pub silhouettes: usize,
-    /// Of those: next to another triangle of the same object.
+    /// Checked pixels next to another triangle of the same object.
     pub edges: usize,
     /// At how many of them each channel was checked.
     pub channels: Channels,
@@ -55,7 +54,7 @@ pub struct Verification {
 }
 
 impl std::ops::AddAssign for Verification {
-    /// Adds what another rectangle of the same picture came to, further down.
+    /// Adds the result of another rectangle of the same picture, further down.
     fn add_assign(&mut self, other: Self) {
         self.pixels += other.pixels;
         self.checked += other.checked;
@@ -68,16 +67,16 @@ impl std::ops::AddAssign for Verification {
     }
 }
 
-/// At how many pixels each channel was checked. What a pixel does not tell is not checked, nor what
-/// hangs on the place in a triangle that the ray grazes (a cosine of 0.1 or less), colours under lines,
-/// or colours that rounding may have made anything (a texture with more than a texel to a hit's error).
+/// At how many pixels each channel was checked. Not checked are channels that the picture lacks, those that depend on
+/// the position in a triangle that the ray grazes (a cosine of 0.1 or less), colours under lines, and colours that
+/// rounding makes arbitrary (a texture with more than a texel within a hit's error).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Channels {
     /// Object and triangle.
     pub numbers: usize,
     /// Distance.
     pub depth: usize,
-    /// The surface's direction.
+    /// The surface normal.
     pub normal: usize,
     /// Texture coordinates.
     pub uv: usize,
@@ -104,17 +103,16 @@ pub struct WrongPixel {
     pub y: u32,
     /// What is wrong.
     pub fault: WrongAnswer,
-    /// The object that it shows (`u32::MAX` for none), the triangle, and the distance; `None` where the
-    /// picture tells colours alone.
+    /// The object that it shows (`u32::MAX` for none), the triangle, and the distance; `None` in a picture without
+    /// layers.
     pub shown: Option<(u32, u32, f32)>,
-    /// What its ray hits, in truth.
+    /// What its ray truly hits.
     pub truth: Option<Truth>,
 }
 
-/// Checks `most` of a claim's pixels, or all if there are no more: a third where an object ends, a
-/// third where two triangles of one meet, and the rest anywhere; of a picture that tells colours alone,
-/// anywhere. The same seed draws the same ones. `done` is called with how many more are checked, from
-/// several threads.
+/// Checks `most` of a claim's pixels, or all if there are fewer: a third at silhouettes, a third at edges between two
+/// triangles of one object, and the rest anywhere; in a picture without layers, anywhere. The seed decides which.
+/// `done` is called, from several threads, with the number of pixels checked since the last call.
 pub fn verify(
     stage: &Stage,
     claim: &Claim<'_>,
@@ -124,7 +122,7 @@ pub fn verify(
 ) -> Verification {
     let drawn = draw(claim, most, seed);
     let samples = sample_places(claim.samples, claim.pixel_filter);
-    // Of a picture for two eyes each half has an eye's camera; else one camera has all.
+    // In a picture for two eyes each half has its eye's camera.
     let whole = || vec![(claim.camera, claim.rect)];
     let halves = (claim.camera.halves()).map_or_else(whole, |halves| halves.to_vec());
     let eyes: Vec<_> = (halves.into_iter())
@@ -181,7 +179,7 @@ pub fn verify(
     }
 }
 
-/// What meets at a pixel.
+/// What is adjacent at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Silhouette,
@@ -220,7 +218,7 @@ impl Claim<'_> {
     }
 }
 
-/// The pixels to check, none twice.
+/// The pixels to check, without repetition.
 fn draw(claim: &Claim<'_>, most: usize, seed: u64) -> Vec<u32> {
     let [mut silhouettes, mut edges, mut insides] = [const { Vec::new() }; 3];
     for i in 0..claim.rect.area() {
@@ -243,7 +241,7 @@ fn draw(claim: &Claim<'_>, most: usize, seed: u64) -> Vec<u32> {
     drawn
 }
 
-/// What is wrong with a pixel, if anything is; counts what was checked.
+/// What is wrong with a pixel, if anything; counts what was checked.
 fn check(
     (stage, claim): (&Stage, &Claim<'_>),
     samples: &[PlacedSample],
@@ -258,7 +256,7 @@ fn check(
         let ray = eye.ray(place.0, place.1);
         (place, seen(stage, &ray, claim.cull))
     };
-    // Where rounding may decide what a mask keeps, nothing is known.
+    // Where rounding may decide what a mask keeps, the truth is unknown.
     let (middle, truth) = truth_at((0.5, 0.5));
     let truth = truth?;
     expected.look_from(&eye.seen_at(middle.0, middle.1));
@@ -319,7 +317,7 @@ fn check(
     })
 }
 
-/// What a pixel's layers tell, but for its colour, against what its first ray hits.
+/// Checks a pixel's layers, except for the colour, against what its first ray hits.
 fn check_layers(
     layers: &Layers,
     i: usize,

@@ -1,3 +1,5 @@
+//! Verification of pictures: good ones pass, and each fault is found.
+
 use super::*;
 use crate::cameras::{PROJECTIONS, camera};
 use crate::meshes;
@@ -6,13 +8,16 @@ use raycast_core::camera::{Grid, PixelFilter};
 use raycast_core::glam::{DVec3, Vec2, Vec3};
 use raycast_core::render::Cancel;
 use raycast_core::scene::{
-    Attribute, Color, ColorMap, ColorRule, ColorScale, Material, Mesh, MeshData, Object,
-    Photograph, Reflectance, Scalar, ScalarAt, Scene, Texture, Transform,
+    Attribute, Color, ColorRule, Mesh, MeshData, Object, Scalar, ScalarAt, Scene, Texture,
+    Transform,
 };
 use raycast_core::shade::{Background, Filter, LightSet, Mode, TextureProjection, Wireframe};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
+
+#[path = "verify_color_tests.rs"]
+mod color_tests;
 
 const SIZE: (u32, u32) = (80, 60);
 
@@ -23,7 +28,7 @@ const WHOLE: Rect = Rect {
     height: SIZE.1,
 };
 
-/// A picture with what it is said to be.
+/// A picture with the claim about it.
 struct Made {
     picture: Picture,
     camera: Camera,
@@ -59,11 +64,11 @@ impl Made {
             pixel_filter: self.pixel_filter,
             picture: &self.picture,
         };
-        let told = AtomicU64::new(0);
+        let counted = AtomicU64::new(0);
         let found = verify(stage, &claim, most, 1, &|more| {
-            told.fetch_add(more, Ordering::Relaxed);
+            counted.fetch_add(more, Ordering::Relaxed);
         });
-        assert_eq!(told.into_inner(), found.checked as u64);
+        assert_eq!(counted.into_inner(), found.checked as u64);
         found
     }
 
@@ -79,8 +84,8 @@ fn plain() -> Shading {
     }
 }
 
-/// A ball with normals, texture coordinates and colours of its own, and a texture, and a turned and stretched one
-/// beside it; a box that has none of all that, and one that has a texture but no place in it.
+/// A ball with normals, texture coordinates, vertex colours and a texture, and the same ball rotated and scaled; a
+/// box without any of these, and one with a texture but without texture coordinates.
 fn furnished() -> Stage {
     let ball = meshes::sphere(DVec3::ZERO, 1.0, 24);
     let normals = ball
@@ -92,7 +97,7 @@ fn furnished() -> Stage {
         .positions()
         .iter()
         .map(|p| Vec2::new(p.x * 1.5, p.y - 0.25 * p.z));
-    // Every seventh vertex has none: its triangles have the object's.
+    // Every seventh vertex has no colour: its triangles have the object's.
     let colors = (0..ball.positions().len()).map(|i| {
         let byte = |step: usize| (i * step % 256) as u8;
         (i % 7 > 0).then(|| Color([byte(3), byte(50), byte(91)]))
@@ -230,8 +235,8 @@ fn a_good_picture_passes_and_each_fault_is_found() {
     }
 }
 
-/// The shader and the path of its own agree on every channel in every mode, with layers and without, and
-/// nearly everything is checked; colours overwritten throughout are found nearly everywhere.
+/// The shader and the independent computation agree on every channel in every mode, with layers and without, and
+/// nearly everything is checked; colours that are overwritten everywhere are found nearly everywhere.
 #[test]
 fn every_mode_is_checked() {
     let stage = furnished();
@@ -269,7 +274,7 @@ fn every_mode_is_checked() {
                     uv,
                     color,
                 } = found.channels;
-                // All but what is grazed.
+                // All but grazed triangles.
                 let least = 4800 * 19 / 20;
                 assert!(color > least, "{place}: {color}");
                 let expected = if layers { 4800 } else { 0 };
@@ -277,7 +282,7 @@ fn every_mode_is_checked() {
                 for count in [depth, normal, uv] {
                     assert_eq!(count > least, layers, "{place}: {count}");
                 }
-                // Another colour, two bytes or as much light away.
+                // Another colour, two steps of a byte or as much light away.
                 for pixel in &mut made.picture.pixels {
                     pixel[1] = pixel[1].wrapping_add(2);
                     pixel[3] = pixel[3].wrapping_add(2);
@@ -294,271 +299,6 @@ fn every_mode_is_checked() {
     }
 }
 
-/// Photographs on instances and on what is placed, from where some of it is hidden and some beyond the frame.
-#[test]
-fn photographs_are_checked() {
-    let mut scene = Scene::clone(&furnished().scene);
-    for (number, object) in scene.objects.iter_mut().enumerate() {
-        object.mapping.photograph = Some(Photograph {
-            eye: DVec3::new(-2.0, 1.0, 2.5),
-            target: DVec3::new(0.2, 0.1, 0.0),
-            up: DVec3::new(0.1, 1.0, 0.0),
-            fov: [35.0, 60.0][number % 2],
-            shift: [0.0, 0.1 * number as f64],
-            lens: None,
-        });
-    }
-    let stage = Stage::new(scene).expect("a valid scene");
-    for (at, camera) in views().into_iter().enumerate() {
-        let shading = Shading {
-            mode: [Mode::Texture, Mode::Smooth][at],
-            filter: [Filter::Nearest, Filter::Bilinear][at],
-            projection: TextureProjection::Camera,
-            ..Shading::default()
-        };
-        let mut made = Made::of(&stage, camera, shading, 1, true);
-        let found = made.checked(&stage, 100_000);
-        assert_eq!(found.wrong, 0, "{:?}", found.first_wrong);
-        let color = found.channels.color;
-        assert!(color > 4800 * 9 / 10, "{color}");
-        // As if all of it were seen from there.
-        let everywhere = Shading {
-            projection: TextureProjection::Triplanar,
-            ..shading
-        };
-        let other = Made::of(&stage, camera, everywhere, 1, true);
-        let differs = |(a, b): &(&[u8; 4], &[u8; 4])| a != b;
-        let pairs = made.picture.pixels.iter().zip(&other.picture.pixels);
-        let different = pairs.filter(differs).count();
-        made.picture = other.picture;
-        let found = made.checked(&stage, 100_000);
-        assert!(
-            found.wrong > different * 9 / 10,
-            "{} of {different}",
-            found.wrong
-        );
-    }
-}
-
-/// A ball of six materials: metals and dielectrics, smooth and rough, with images, light of their own, and none.
-fn material_ball() -> Stage {
-    let ball = meshes::sphere(DVec3::ZERO, 1.0, 24);
-    let positions = || ball.positions().iter();
-    let image = |step: usize| {
-        let byte = move |i: usize, by: usize| (i * by * step % 251) as u8;
-        let texels = (0..64).map(|i| [byte(i, 37), byte(i, 61), byte(i, 83), 255]);
-        Texture::new(8, 8, texels.collect()).map(Arc::new)
-    };
-    let rough = |metallic, roughness| Reflectance {
-        metallic,
-        roughness,
-        ..Reflectance::default()
-    };
-    let known = [
-        rough(0.0, 0.3),
-        rough(1.0, 0.6),
-        Reflectance {
-            texture: image(1),
-            ..rough(1.0, 1.0)
-        },
-        Reflectance {
-            emission: [0.2, 1.5, 0.0],
-            emission_texture: image(2),
-            ..rough(0.5, 0.2)
-        },
-        Reflectance {
-            is_unlit: true,
-            ..rough(1.0, 0.0)
-        },
-    ];
-    let mut materials: Vec<Material> = known
-        .into_iter()
-        .map(|known| Material {
-            reflectance: Some(Arc::new(known)),
-            texture: image(3),
-            ..Material::new("known", Color([210, 120, 60]))
-        })
-        .collect();
-    materials.push(Material::new("unknown", Color([90, 160, 210])));
-    materials[0].texture = None;
-    materials[1].by_vertex = true;
-    let triangles = ball.triangles().to_vec();
-    let mesh = Mesh::new(MeshData {
-        positions: positions().map(|p| p.as_dvec3()).collect(),
-        uvs: Some(Attribute {
-            values: positions()
-                .map(|p| Vec2::new(p.x * 1.5, p.y - 0.25 * p.z))
-                .collect(),
-            indices: None,
-        }),
-        colors: (0..ball.positions().len())
-            .map(|i| Some(Color([1, 2, 3].map(|by| (60 + i * by * 7 % 190) as u8))))
-            .collect(),
-        material_of_triangle: (0..triangles.len() as u32).map(|i| i % 6).collect(),
-        triangles,
-        materials,
-        ..MeshData::default()
-    });
-    let cube = meshes::cuboid(DVec3::new(-2.0, -1.3, -2.0), DVec3::new(2.0, -1.1, 2.0));
-    Stage::new(Scene {
-        objects: vec![
-            Object::new("ball", Arc::new(mesh)),
-            Object::new("floor", Arc::new(cube)),
-        ],
-    })
-    .expect("a good scene")
-}
-
-/// Every material under every light: nothing is wrong, nearly everything is checked, and a brightness that is off is
-/// found.
-#[test]
-fn materials_are_checked() {
-    let stage = material_ball();
-    for camera in views() {
-        for lights in [LightSet::Soft, LightSet::Headlight, LightSet::ThreePoint] {
-            for filter in [Filter::Bilinear, Filter::Nearest] {
-                let shading = Shading {
-                    mode: Mode::Material,
-                    lights,
-                    filter,
-                    crease: 60.0,
-                    ..Shading::default()
-                };
-                let mut made = Made::of(&stage, camera, shading, 1, true);
-                let found = made.checked(&stage, 100_000);
-                let place = format!("{lights:?} {filter:?} {:?}", camera.projection());
-                assert_eq!(found.wrong, 0, "{place}: {:?}", found.first_wrong);
-                let least = 4800 * 9 / 10;
-                assert!(
-                    found.channels.color > least,
-                    "{place}: {}",
-                    found.channels.color
-                );
-                if let Some(layers) = &mut made.picture.layers {
-                    for color in &mut layers.color {
-                        color[1] = color[1] * 1.02 + 1e-2;
-                    }
-                }
-                let found = made.checked(&stage, 100_000);
-                assert!(found.wrong > least, "{place}: {}", found.wrong);
-            }
-        }
-    }
-}
-
-/// Two meshes with scalars, each with its rule.
-fn ruled(rule: &str) -> Stage {
-    let scalars = |vertices: usize, triangles: usize| {
-        let scalar = |name: &str, at, count: usize| Scalar {
-            name: name.to_owned(),
-            at,
-            values: (0..count)
-                .map(|i| (i * 37 % 101) as f32 * 0.3 - 7.0)
-                .collect(),
-        };
-        vec![
-            scalar("vertex", ScalarAt::Vertices, vertices),
-            scalar("face", ScalarAt::Triangles, triangles),
-        ]
-    };
-    let object = |mesh: &Mesh, x: f64| {
-        let positions = mesh.positions().iter();
-        let mut object = Object::new(
-            "object",
-            Arc::new(Mesh::new(MeshData {
-                positions: positions.map(|p| p.as_dvec3() + mesh.offset()).collect(),
-                triangles: mesh.triangles().to_vec(),
-                scalars: scalars(mesh.positions().len(), mesh.triangles().len()),
-                ..MeshData::default()
-            })),
-        );
-        object.color = rule.parse().expect("a rule");
-        object.transform.translate.x = x;
-        object.transform.rotate = DVec3::new(10.0, 20.0, 30.0);
-        object
-    };
-    let objects = vec![
-        object(&meshes::sphere(DVec3::ZERO, 1.0, 12), -0.9),
-        object(&meshes::cuboid(DVec3::splat(-0.7), DVec3::splat(0.7)), 1.2),
-    ];
-    Stage::new(Scene { objects }).expect("a valid scene")
-}
-
-#[test]
-fn every_color_rule_is_checked_but_curvature() {
-    let rules = [
-        "object",
-        "normal",
-        "area",
-        "distance",
-        "distance:1,2,-3",
-        "scalar:vertex",
-        "scalar:face",
-        "curvature",
-    ];
-    let least = 4800 * 18 / 20;
-    for (index, rule) in rules.into_iter().enumerate() {
-        let stage = ruled(rule);
-        for camera in views() {
-            for range in [None, Some([-2.0, 5.0])] {
-                let shading = Shading {
-                    mode: [Mode::Color, Mode::Smooth, Mode::Flat][index % 3],
-                    scale: Some(ColorScale {
-                        map: ColorMap::ALL[index % 5],
-                        range,
-                        legend: false,
-                    }),
-                    ..Shading::default()
-                };
-                let mut made = Made::of(&stage, camera, shading, 1, true);
-                let found = made.checked(&stage, 100_000);
-                let place = format!("{rule} {range:?} {:?}", camera.projection());
-                assert_eq!(found.wrong, 0, "{place}: {:?}", found.first_wrong);
-                if rule == "curvature" {
-                    assert!(found.channels.color < least, "{place}");
-                    continue;
-                }
-                assert!(
-                    found.channels.color > least,
-                    "{place}: {}",
-                    found.channels.color
-                );
-                for color in &mut made.layers().color {
-                    color[2] += 2e-2;
-                }
-                let found = made.checked(&stage, 100_000);
-                assert!(found.wrong > least, "{place}: {}", found.wrong);
-            }
-        }
-    }
-}
-
-#[test]
-fn depth_through_a_map_is_checked_and_what_a_legend_covers_is_not() {
-    let stage = ruled("file");
-    for camera in views() {
-        for (range, legend) in [(None, false), (Some([1.0, 4.0]), true)] {
-            let shading = Shading {
-                mode: Mode::Depth,
-                scale: Some(ColorScale {
-                    map: ColorMap::Turbo,
-                    range,
-                    legend,
-                }),
-                ..Shading::default()
-            };
-            let made = Made::of(&stage, camera, shading, 1, true);
-            let found = made.checked(&stage, 100_000);
-            assert_eq!(found.wrong, 0, "{range:?}: {:?}", found.first_wrong);
-            assert!(
-                found.channels.color > 4800 * 18 / 20,
-                "{}",
-                found.channels.color
-            );
-        }
-    }
-}
-
 #[test]
 fn means_of_samples_are_checked() {
     let stage = furnished();
@@ -567,7 +307,7 @@ fn means_of_samples_are_checked() {
         let found = made.checked(&stage, 100_000);
         assert_eq!(found.wrong, 0, "{:?}", found.first_wrong);
         assert!(found.channels.color > 4000, "{}", found.channels.color);
-        // With fewer samples, edges are others.
+        // With fewer samples, edges have other colours.
         made.samples = 4;
         let found = made.checked(&stage, 100_000);
         assert!(found.wrong > 200, "{}", found.wrong);
@@ -605,7 +345,7 @@ fn filters_are_checked() {
             "{name} {}",
             found.channels.color
         );
-        // With another filter, edges are others.
+        // With another filter, edges have other colours.
         made.pixel_filter = match filter {
             PixelFilter::Gaussian => PixelFilter::Box,
             _ => PixelFilter::Gaussian,
@@ -636,7 +376,8 @@ fn under_lines_no_color_is_checked() {
     }
 }
 
-/// Normals that cancel out, that point nowhere, or the other way: the triangle's own, or none checked.
+/// Normals that cancel, have length zero, or point the other way: the picture shows the triangle's own, or the normal
+/// is not checked.
 #[test]
 fn odd_normals_are_no_fault() {
     let normals = [
@@ -667,7 +408,7 @@ fn odd_normals_are_no_fault() {
 }
 
 #[test]
-fn only_a_few_wrong_pixels_are_told_of_and_all_are_counted() {
+fn only_a_few_wrong_pixels_are_listed_and_all_are_counted() {
     let stage = Stage::new(scene_of([meshes::octahedron()])).expect("a valid scene");
     let camera = camera(DVec3::Z * 3.0, DVec3::ZERO, PROJECTIONS[0], SIZE, 1.0);
     let made = Made {

@@ -1,4 +1,4 @@
-//! Where scenes are looked at from: the same views for every measurement.
+//! Standard views of scenes, the same for every measurement.
 
 use raycast_core::camera::{Camera, Orbit, PlaneError, PlaneRequest, Projection, fov_to_frame};
 use raycast_core::math;
@@ -7,11 +7,10 @@ use raycast_core::scene::Scene;
 /// The vertical field of view in degrees.
 pub const FOV: f64 = 45.0;
 
-/// A view from the usual angles with the scene's bounding sphere as high as the frame; `nearer` times
-/// as near as that.
+/// A view from the default angles with the scene's bounding sphere as high as the frame, or `nearer` times as close.
 ///
 /// # Errors
-/// A size that no picture can have.
+/// A size out of range.
 pub fn filling(
     scene: &Scene,
     size: (u32, u32),
@@ -25,7 +24,7 @@ pub fn filling(
         pivot: center,
         yaw,
         pitch,
-        // A scene that is a point, or nothing, has no size to fill the frame with.
+        // A scene that is a point, or empty, has no size to fill the frame.
         distance: if distance > 0.0 { distance } else { 1.0 },
     };
     let plane = PlaneRequest {

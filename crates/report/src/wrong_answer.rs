@@ -1,16 +1,16 @@
-//! In what an answer is not the truth.
+//! How an answer differs from the truth.
 
 use raycast_core::Hit;
 use raycast_oracle::Truth;
 
-/// Below this cosine between ray and normal, distances and weights have no bound to keep.
+/// The cosine between ray and normal below which distances and weights have no bound.
 pub const GRAZING: f64 = 0.1;
-/// How far off distances may be elsewhere, in units in the last place of single precision.
+/// The bound on the error of distances elsewhere, in units in the last place of single precision.
 pub const T_BOUND: f64 = 4.0;
-/// How far off weights may be elsewhere.
+/// The bound on the error of weights elsewhere.
 pub const UV_BOUND: f64 = 4.0 / (1 << 23) as f64;
 
-/// In what an answer is not the truth.
+/// How an answer differs from the truth.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum WrongAnswer {
     /// A leak, where there is a triangle.
@@ -22,7 +22,7 @@ pub enum WrongAnswer {
     /// Another triangle.
     #[error("the wrong triangle")]
     Triangle,
-    /// Weights outside 0 to 1, or a distance that is no number.
+    /// Weights outside 0 to 1, or a distance of NaN.
     #[error("a number out of its range")]
     Range,
     /// The distance is off by this many units in the last place of single precision.
@@ -31,26 +31,25 @@ pub enum WrongAnswer {
     /// The weights are off by this.
     #[error("u or v is off by {0}")]
     Weights(f64),
-    /// A channel of the picture is outside of what rounding can have made of the truth.
+    /// A channel of the picture is outside the range that rounding allows.
     #[error("{channel} is {found}, expected {low} to {high}")]
     Channel {
-        /// Its name in an EXR; of an 8-bit picture `R`, `G`, `B` or `A`, 0 to 255.
+        /// Its name in an EXR; in an 8-bit picture `R`, `G`, `B` or `A`, 0 to 255.
         channel: &'static str,
-        /// What the picture has.
+        /// The picture's value.
         found: f64,
-        /// The least that it may have.
+        /// The least allowed value.
         low: f64,
-        /// The most that it may have.
+        /// The greatest allowed value.
         high: f64,
     },
 }
 
-/// Whether a hit is the truth: the same triangle, and numbers within the bounds that the project
-/// promises (t within 4 ulp of single precision and u, v within 4 · 2⁻²³, where the ray does not
-/// graze).
+/// Compares a hit with the truth: it must have the same triangle, and numbers within the bounds that the project
+/// promises (t within 4 ulp of single precision and u, v within 4 · 2⁻²³, where the ray does not graze).
 ///
 /// # Errors
-/// The first thing that is wrong.
+/// The first difference.
 pub fn compare(hit: Option<&Hit>, truth: Option<&Truth>) -> Result<(), WrongAnswer> {
     let (hit, truth) = match (hit, truth) {
         (None, None) => return Ok(()),
@@ -79,11 +78,11 @@ pub fn compare(hit: Option<&Hit>, truth: Option<&Truth>) -> Result<(), WrongAnsw
     Ok(())
 }
 
-/// Whether a pixel that shows these shows the truth: the same triangle, and a distance within the
-/// bound where the ray does not graze. `u32::MAX` and infinity tell of a miss.
+/// Compares a pixel with the truth: it must have the same triangle, and a distance within the bound where the ray
+/// does not graze. `u32::MAX` and infinity mean a miss.
 ///
 /// # Errors
-/// The first thing that is wrong.
+/// The first difference.
 pub fn compare_pixel(
     object: u32,
     triangle: u32,
@@ -95,7 +94,7 @@ pub fn compare_pixel(
         object,
         triangle,
         t: depth.into(),
-        // A picture does not tell the weights.
+        // A picture does not contain the weights.
         u: truth.map_or(0.0, |truth| truth.u),
         v: truth.map_or(0.0, |truth| truth.v),
     };
@@ -105,7 +104,7 @@ pub fn compare_pixel(
     compare((!is_miss).then_some(&hit), truth)
 }
 
-/// How far a number is from the truth, in units in the last place of single precision.
+/// The error of a number in units in the last place of single precision.
 pub fn ulps(found: f64, truth: f64) -> f64 {
     (found - truth).abs() / ulp(truth)
 }
@@ -137,7 +136,7 @@ mod tests {
     };
 
     #[test]
-    fn each_fault_is_told() {
+    fn each_fault_is_reported() {
         let ulp = 2f64.powi(-22);
         assert_eq!(compare(None, None), Ok(()));
         assert_eq!(compare(Some(&HIT), Some(&TRUTH)), Ok(()));

@@ -1,4 +1,4 @@
-//! Why a command was not done.
+//! Failures of commands.
 
 use raycast_core::camera::{PlacementError, PlaneError};
 use raycast_core::formats::FormatError;
@@ -9,17 +9,16 @@ use std::fmt;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-/// Why a command was not done; shown as one line.
+/// Why a command failed; displayed as one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Failure {
-    /// What was asked for makes no sense: exit status 2.
+    /// Bad usage: exit status 2.
     Usage(Reason),
-    /// It could not be done: exit status 1.
+    /// The command could not be completed: exit status 1.
     CouldNot(Reason),
 }
 
-/// What is told of a failure, and the error that it came from, if it came from one. Two are equal if
-/// they tell the same.
+/// The message of a failure, and the error that caused it, if any. Two are equal if their messages are.
 #[derive(Clone, Debug)]
 pub struct Reason {
     message: String,
@@ -27,7 +26,7 @@ pub struct Reason {
 }
 
 impl Reason {
-    /// An error in its own words.
+    /// An error, with its own message.
     pub fn of(error: impl Error + Send + Sync + 'static) -> Self {
         Self {
             message: error.to_string(),
@@ -54,12 +53,12 @@ impl From<String> for Reason {
 }
 
 impl Failure {
-    /// Bad usage.
+    /// Bad usage, with this message.
     pub fn usage(message: impl Into<String>) -> Self {
         Self::Usage(message.into().into())
     }
 
-    /// Could not.
+    /// A failure with this message.
     pub fn could_not(message: impl Into<String>) -> Self {
         Self::CouldNot(message.into().into())
     }
@@ -69,7 +68,7 @@ impl Failure {
         reason
     }
 
-    /// The exit status that says so.
+    /// The exit status of the failure.
     pub fn exit_code(&self) -> ExitCode {
         match self {
             Self::Usage(_) => ExitCode::from(2),

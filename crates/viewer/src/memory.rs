@@ -1,22 +1,22 @@
-//! How much memory this process may still take, and refusals of what needs more.
+//! The memory that this process may still take, and refusals of what needs more.
 //!
-//! A process that runs out of memory is ended, by the system or by its own allocator, with no word of
-//! what was too large. So what a picture will take is reckoned before it is begun, and compared with the
-//! least of what the process's own limits, its control group and the machine leave.
+//! A process that runs out of memory is killed, by the system or by its own allocator, without a word about what was
+//! too large. So the memory of a picture is estimated before it is started, and compared with the least of what the
+//! process's own limits, its control group and the machine leave.
 
 use crate::failure::Failure;
 use raycast_core::formats::{Budget, Limits};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// What leaves least.
+/// The limit that leaves least.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Limit {
-    /// `RLIMIT_AS`: the process's addresses (`ulimit -v`).
+    /// `RLIMIT_AS`: the process's address space (`ulimit -v`).
     AddressSpace,
-    /// `RLIMIT_DATA`: its data (`ulimit -d`).
+    /// `RLIMIT_DATA`: its data segment (`ulimit -d`).
     Data,
-    /// The control group's memory: a container's.
+    /// The memory limit of the control group, such as a container's.
     ControlGroup,
     /// The machine's memory.
     Machine,
@@ -33,39 +33,39 @@ impl fmt::Display for Limit {
     }
 }
 
-/// Addresses that a thread takes at its start, whether it uses them or not: glibc's allocator reserves
-/// 64 MiB for each, and its stack some 8 MiB. Encoders start as many threads as the machine has.
+/// Address space that a thread reserves at its start, used or not: glibc's allocator reserves 64 MiB for each, and
+/// its stack takes some 8 MiB. Encoders start as many threads as the machine has.
 const THREAD: u64 = 72 << 20;
 
-/// Of addresses that are left, so many quarters are given to what is reckoned: lists that grow twofold ask
-/// for more than they fill, which costs addresses and no memory.
+/// The quarters of the remaining address space that estimates may take: lists that double ask for more than they
+/// fill, which costs addresses but no memory.
 const QUARTERS: u64 = 3;
 
-/// How much memory there is to be had.
+/// The memory that is left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Room {
-    /// Bytes that the process may take beside those that it has.
+    /// The bytes that the process may take in addition.
     pub bytes: u64,
-    /// Who says so.
+    /// The limit that decides it.
     pub limit: Limit,
 }
 
-/// Limits of a process in bytes; `None` for none.
+/// Limits of a process in bytes; `None` for unlimited.
 #[derive(Clone, Copy, Debug, Default)]
 struct ProcessLimits {
-    /// How many more threads it may start.
+    /// The number of threads that it may still start.
     threads: u64,
     address_space: Option<u64>,
     data: Option<u64>,
 }
 
 impl Room {
-    /// What there is now; `None` where the system does not tell.
+    /// The memory that is left now; `None` where the system does not report it.
     pub fn now() -> Option<Self> {
         Self::under(Path::new("/"), process_limits())
     }
 
-    /// As the files of a Linux system tell it that lie in `root`.
+    /// As reported by a Linux system's files under `root`.
     fn under(root: &Path, limits: ProcessLimits) -> Option<Self> {
         let status = read(&root.join("proc/self/status")).unwrap_or_default();
         let has = |key: &str| kibibytes(&status, key).unwrap_or(0);
@@ -108,10 +108,10 @@ impl Room {
         self.check(tree.saturating_add(levels), what, fits)
     }
 
-    /// Refuses what needs more than there is. `what` is what needs it, `instead` what would fit.
+    /// Refuses what needs more memory than is left. `what` needs it, `instead` would fit.
     ///
     /// # Errors
-    /// Not enough, with the figures.
+    /// Too little memory, with the figures.
     pub fn check(
         self,
         bytes: u64,
@@ -130,7 +130,7 @@ impl Room {
     }
 }
 
-/// A budget of reading, of which nothing is taken, within these limits and within the memory that there is.
+/// An unused budget of reading, within these limits and the memory that is left.
 pub fn budget(limits: Limits) -> Budget {
     let budget = Budget::new(limits);
     match Room::now() {
@@ -139,11 +139,12 @@ pub fn budget(limits: Limits) -> Budget {
     }
 }
 
-/// What building the tree over a scene takes at most, in bytes a triangle: 180 were measured at the peak
-/// of reading and building a mesh of a million. More would refuse what fits; less, fail halfway.
+/// An upper bound of the memory that building the tree takes, in bytes a triangle: 180 were measured at the peak of
+/// reading and building a mesh of a million. A larger value would refuse scenes that fit; with a smaller one commands
+/// would fail halfway.
 const TREE: u64 = 200;
 
-/// Refuses a scene for whose tree there is not the memory.
+/// Refuses a scene for whose tree too little memory is left.
 ///
 /// # Errors
 /// Too many triangles, with the figures and how many would fit.
@@ -151,8 +152,8 @@ pub fn check_tree(name: &str, triangles: usize) -> Result<(), Failure> {
     check_scene(name, triangles, 0)
 }
 
-/// Refuses a scene where there is not the memory for its tree and for `levels`, the bytes of its textures' mip
-/// levels, which are made when a pixel first needs them.
+/// Refuses a scene for whose tree, and `levels` bytes of mip levels that are made when a pixel first needs them, too
+/// little memory is left.
 ///
 /// # Errors
 /// Too many triangles or too large textures, with the figures and what would fit.
@@ -163,8 +164,8 @@ pub fn check_scene(name: &str, triangles: usize, levels: u64) -> Result<(), Fail
     }
 }
 
-/// Refuses a picture for which there is not the memory; `memory_for` says what one of so many columns and
-/// rows takes, and `otherwise` how it could be had in other ways.
+/// Refuses a picture for which too little memory is left; `memory_for` gives the memory of a picture of a size, and
+/// `otherwise` names other ways to make it.
 ///
 /// # Errors
 /// Too large a picture, with the figures and the largest of its shape that would fit.
@@ -185,7 +186,7 @@ pub fn check_picture(
     room.check(memory_for(columns, rows), what, fits)
 }
 
-/// Refuses a picture that is made band by band where there is not the memory for one band.
+/// Refuses a picture made in bands if too little memory is left for one band.
 ///
 /// # Errors
 /// Too wide a picture, with the figures.
@@ -197,13 +198,13 @@ pub fn check_band(name: &Path, bytes: u64) -> Result<(), Failure> {
     room.check(bytes, what, "a narrower picture would fit")
 }
 
-/// The largest picture of a shape that takes no more than so many bytes.
+/// The largest picture of a shape that takes at most so many bytes.
 fn largest(
     (columns, rows): (u32, u32),
     bytes: u64,
     memory_for: impl Fn(u32, u32) -> u64,
 ) -> Option<(u32, u32)> {
-    // In 4096ths of the sides: more is not told apart in words.
+    // In 4096ths of the sides: finer differences do not matter in a message.
     let scaled = |share: u32| {
         let side = |side: u32| (u64::from(side) * u64::from(share) / 4096) as u32;
         (side(columns), side(rows))
@@ -214,7 +215,7 @@ fn largest(
         .find(|&(columns, rows)| columns > 0 && rows > 0 && memory_for(columns, rows) <= bytes)
 }
 
-/// Bytes as people say them.
+/// A number of bytes, formatted for people.
 struct Size(u64);
 
 impl fmt::Display for Size {
@@ -243,13 +244,13 @@ fn process_limits() -> ProcessLimits {
     ProcessLimits::default()
 }
 
-/// What the process's control group leaves, and those that it is in: the least of them.
+/// The least that the process's control group and its ancestors leave.
 fn control_group(root: &Path) -> Option<u64> {
     let groups = read(&root.join("proc/self/cgroup"))?;
     let cgroups = root.join("sys/fs/cgroup");
     let mut least: Option<u64> = None;
     for line in groups.lines() {
-        // `4:memory:/path` of the first version, `0::/path` of the second.
+        // `4:memory:/path` in version 1, `0::/path` in version 2.
         let mut fields = line.splitn(3, ':').skip(1);
         let (controllers, path) = (fields.next()?, fields.next()?);
         let files = if controllers.is_empty() {
@@ -277,8 +278,8 @@ fn control_group(root: &Path) -> Option<u64> {
     least
 }
 
-/// A group's folder and those of the groups that it is in. In a container the path is often one that
-/// only its host has; the mount itself is then the group's own folder.
+/// The folders of a group and its ancestors. In a container the path often exists on the host only; the mount itself
+/// is then the group's folder.
 fn from_leaf(mount: &Path, path: &str) -> Vec<PathBuf> {
     let leaf = mount.join(path.trim_start_matches('/'));
     let mut folders: Vec<PathBuf> = leaf
@@ -292,10 +293,10 @@ fn from_leaf(mount: &Path, path: &str) -> Vec<PathBuf> {
     folders
 }
 
-/// What a group leaves: its limit but what it uses, of which files that nobody reads are given back.
+/// What a group leaves: its limit minus its usage, not counting cached files that are inactive.
 fn left_in(group: &Path, [limit, usage, unread]: [&str; 3]) -> Option<u64> {
     let number = |name: &str| read(&group.join(name))?.trim().parse::<u64>().ok();
-    // `max`, which is no number, is no limit; nor is the first version's 2⁶³, less a page.
+    // `max`, which is no number, means unlimited; so does version 1's 2⁶³ minus a page.
     let limit = number(limit).filter(|&limit| limit < 1 << 62)?;
     let stat = read(&group.join("memory.stat")).unwrap_or_default();
     let unread = stat.lines().find_map(|line| line.strip_prefix(unread));
@@ -322,7 +323,7 @@ mod tests {
 
     const MIB: u64 = 1 << 20;
 
-    /// A system's files, made for a test.
+    /// Files of a system, made for a test.
     fn system(files: &[(&str, &str)]) -> tempfile::TempDir {
         let root = tempfile::tempdir().expect("a folder");
         for (path, text) in files {
@@ -353,7 +354,7 @@ mod tests {
         let none = ProcessLimits::default();
         assert_eq!(room(&[], none), None);
         assert_eq!(room(&[STATUS, MEMINFO], none), Some((2048, Limit::Machine)));
-        // 200 MiB in use and two threads to come, of which a quarter is left free.
+        // 200 MiB in use and two threads to be started, of which a quarter is left free.
         let limits = ProcessLimits {
             threads: 2,
             address_space: Some((200 + 2 * 72 + 800) * MIB),
@@ -416,7 +417,7 @@ mod tests {
             ),
         ];
         assert_eq!(room(&first, none), Some((150, Limit::ControlGroup)));
-        // In a container: a path that is not there, and the limit at the mount.
+        // In a container: the path does not exist, and the limit is at the mount.
         let inside = [
             MEMINFO,
             ("proc/self/cgroup", "0::/../../host/path\n"),

@@ -11,8 +11,8 @@
 //!   only those that nobody holds are removed. Where a file system has no locks they are left alone.
 //! - **Gone on with, if asked for.** [`Output::resume`] writes a part file that stays when its command is
 //!   ended, with a journal of what of it is safe on the disk; the next command goes on after that.
-//! - **No input is lost.** A place is compared with every file that was opened on the way, by device
-//!   and inode where the system has them: links, hard links and roundabout paths are no way around.
+//! - **No input is lost.** A place is compared with every file that was opened on the way, and those that meshes name, by
+//!   device and inode where the system has them: links, hard links and roundabout paths are no way around.
 //! - **What it replaces stays what it was**: mode, owner and group are kept; a link is followed, also
 //!   one to a file that is not there yet. A file that may not be written, or whose owner or group a
 //!   new file cannot be given, is refused before the work. Not kept: access lists, other attributes,

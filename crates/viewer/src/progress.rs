@@ -1,21 +1,21 @@
-//! How far a command is, on standard error, where that is a terminal.
+//! A command's progress, on standard error if that is a terminal.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::Duration;
 
-/// Parts of a whole that loading counts in: finer than a terminal can show.
+/// The units of loading's progress: finer than a terminal can show.
 const SHARES: u64 = 1000;
 
-/// A bar of one stage after another. Its counts are atomic: workers add to them, and a thread of
-/// the bar's own draws.
+/// A bar for one stage after another. Its counts are atomic: workers add to them, and a thread of the bar's own
+/// draws.
 #[derive(Debug)]
 pub struct TerminalProgress {
     bar: ProgressBar,
 }
 
 impl TerminalProgress {
-    /// A bar on standard error, or none at all where that is no terminal.
+    /// A bar on standard error, or a hidden one if that is no terminal.
     pub fn new() -> Self {
         let bar = if std::io::stderr().is_terminal() {
             ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())
@@ -26,40 +26,40 @@ impl TerminalProgress {
         Self { bar }
     }
 
-    /// A bar that nobody sees.
+    /// A hidden bar.
     pub fn hidden() -> Self {
         Self {
             bar: ProgressBar::hidden(),
         }
     }
 
-    /// Begins to load files.
+    /// Starts the stage of loading files.
     pub fn loading(&self) {
         self.begin("loading", "{msg:>9} {bar:40} {percent:>3} %", SHARES);
     }
 
-    /// How much is loaded, 0 to 1.
+    /// Sets the fraction that is loaded, 0 to 1.
     pub fn loaded(&self, share: f32) {
         self.bar
             .set_position((f64::from(share) * SHARES as f64) as u64);
     }
 
-    /// Begins to build the tree, of which no share is known.
+    /// Starts the stage of building the tree, whose progress is unknown.
     pub fn building(&self) {
         self.begin("building", "{msg:>9} {spinner} {elapsed}", 1);
     }
 
-    /// Begins to do `count` things, counted by [`TerminalProgress::done`].
+    /// Starts a stage of `count` steps, counted by [`TerminalProgress::done`].
     pub fn counting(&self, what: &'static str, count: u64) {
         self.begin(what, "{msg:>9} {bar:40} {pos}/{len} {eta}", count);
     }
 
-    /// So many more of them are done.
+    /// Counts steps that are done.
     pub fn done(&self, count: u64) {
         self.bar.inc(count);
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn clear(&self) {
         self.bar.finish_and_clear();
     }

@@ -1,4 +1,4 @@
-//! What a command took, as `--stats` writes it.
+//! The statistics of a command, as `--stats` writes them.
 
 use crate::failure::Failure;
 use crate::output::{Output, print};
@@ -12,7 +12,7 @@ use std::time::Duration;
 pub struct Stats {
     /// Triangles of the files, dropped ones included.
     pub triangles: u64,
-    /// Triangles that no ray can meet.
+    /// Triangles that no ray can hit.
     pub dropped: u64,
     /// Reading files.
     pub load_ms: f64,
@@ -26,44 +26,44 @@ pub struct Stats {
     pub total_ms: f64,
     /// Rays cast.
     pub rays: u64,
-    /// Rays that met something.
+    /// Rays that hit something.
     pub hits: u64,
-    /// Rays that were misses for being no rays.
+    /// Rays that are misses because they are invalid.
     pub invalid_rays: u64,
-    /// Nodes of the tree that tiles went through.
+    /// Nodes of the tree whose children's boxes were tested.
     pub nodes: u64,
-    /// Triangles set up for blocks of rays.
+    /// Triangles tested against packets.
     pub triangles_set_up: u64,
-    /// Rays that single precision left open, and doubles decided.
+    /// Rays that single precision left undecided, and double precision decided.
     pub double_rays: u64,
-    /// Rays that doubles left open too, decided by exact arithmetic.
+    /// Rays that double precision left undecided too, and exact arithmetic decided.
     pub exact_rays: u64,
-    /// Millions of rays a second of `cast_ms`; 0 where that is too short to tell.
+    /// Millions of rays a second of `cast_ms`; 0 where that is too short to measure.
     pub mrays_per_s: f64,
     /// Workers.
     pub threads: usize,
-    /// The instructions of the casting loops.
+    /// The instruction set of the kernels.
     pub simd: &'static str,
-    /// Whether there was a tree for each mesh instead of one over all triangles.
+    /// Whether there was a tree for each mesh, instead of one over all triangles.
     pub instances: bool,
-    /// The most memory that the process held at once; 0 where the system does not tell.
+    /// The peak memory of the process; 0 where the system does not report it.
     pub peak_bytes: u64,
 }
 
 impl Stats {
-    /// One JSON object and a line's end.
+    /// The statistics as a JSON object, with a line end.
     ///
     /// # Errors
-    /// Numbers that JSON does not have.
+    /// Numbers that JSON cannot represent.
     pub fn to_json(&self) -> Result<String, Failure> {
         json(self)
     }
 }
 
-/// Where `--stats` go.
+/// The destination of `--stats`.
 #[derive(Clone, Debug)]
 pub enum StatsTarget {
-    /// Nobody asked for them.
+    /// None.
     Nowhere,
     /// `-`.
     Stdout,
@@ -84,7 +84,7 @@ impl StatsTarget {
         }
     }
 
-    /// Checks that they do not go to one of these files.
+    /// Checks that the destination is none of these files.
     ///
     /// # Errors
     /// As [`Output::check_against`].
@@ -95,7 +95,7 @@ impl StatsTarget {
         }
     }
 
-    /// Writes them.
+    /// Writes the statistics.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -108,19 +108,18 @@ impl StatsTarget {
     }
 }
 
-/// A render's wall-clock time, shared out between visibility and everything else as the tiles' own
-/// times are: with more workers than one, tiles' times add up to more than what passed, and while
-/// the last tiles are made some workers wait.
+/// A render's wall-clock time, divided between visibility and everything else in proportion to the tiles' own times.
+/// With several workers the tiles' times sum to more than the wall-clock time, and workers wait for the last tiles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Shares {
     /// Visibility.
     pub cast: Duration,
-    /// Shading, lines, conversion, putting tiles together.
+    /// Shading, lines, conversion, assembling tiles.
     pub shade: Duration,
 }
 
 impl Shares {
-    /// Shares out `wall` by the sum of all tiles' statistics.
+    /// Divides `wall` in proportion to the tiles' statistics.
     pub fn new(wall: Duration, tiles: &TileStats) -> Self {
         let worked = (tiles.cast + tiles.shade).as_secs_f64();
         let cast = if worked > 0.0 {
@@ -135,12 +134,12 @@ impl Shares {
     }
 }
 
-/// Milliseconds, to the microsecond.
+/// Milliseconds, rounded to microseconds.
 pub fn milliseconds(time: Duration) -> f64 {
     (time.as_secs_f64() * 1e6).round() / 1e3
 }
 
-/// Millions of rays a second, to three decimals; 0 where the time is too short to tell.
+/// Millions of rays a second, to three decimals; 0 where the time is too short to measure.
 pub fn mrays_per_s(rays: u64, time: Duration) -> f64 {
     if time.is_zero() {
         0.0
@@ -149,7 +148,7 @@ pub fn mrays_per_s(rays: u64, time: Duration) -> f64 {
     }
 }
 
-/// The most memory that this process has held at once, in bytes; 0 where the system does not tell.
+/// The peak memory of this process in bytes; 0 where the system does not report it.
 pub fn peak_bytes() -> u64 {
     std::fs::read_to_string("/proc/self/status").map_or(0, |status| high_water_mark(&status))
 }
@@ -163,10 +162,10 @@ fn high_water_mark(status: &str) -> u64 {
     kibibytes.unwrap_or(0) * 1024
 }
 
-/// JSON for people and programs: indented, with a line's end.
+/// Indented JSON with a line end.
 ///
 /// # Errors
-/// What JSON does not have.
+/// Numbers that JSON cannot represent.
 pub fn json(value: &impl Serialize) -> Result<String, Failure> {
     match serde_json::to_string_pretty(value) {
         Ok(text) => Ok(text + "\n"),

@@ -1,4 +1,4 @@
-//! The tree: triangles in treelets, obvhs's clustering above them.
+//! Building one tree over all triangles: treelets, and obvhs's clustering above them.
 
 use super::Accel;
 use super::copies::copies;
@@ -6,6 +6,7 @@ use super::flatten::{Reachable, World};
 use super::instances::Instances;
 use super::joined;
 use super::layout::{Layout, halved};
+use super::rounds;
 use super::tree::{Box32, DEPTH_LIMIT, Tree};
 use super::treelet::Treelets;
 use crate::num::simd::Simd;
@@ -17,12 +18,12 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use rayon::prelude::*;
 
-/// The most triangles in a treelet. Frames of a million triangles take as long with 16 as with 1, which takes
-/// three times as long to build; single rays take a tenth longer from 16 on.
+/// The most triangles in a treelet. Clustering every triangle by itself (1) takes three times as long to build.
+/// Frames of a million triangles take equally long from 1 to 16; with 16, single rays take a tenth longer.
 const TREELET_LIMIT: usize = 8;
 
-/// A treelet takes one triangle more for each time that a mesh has as many as this: below twice as many
-/// every triangle is clustered by itself.
+/// Treelets have one triangle more for each time that the mesh has this many, up to [`TREELET_LIMIT`]: with fewer
+/// than twice as many, every triangle is clustered by itself, since building is fast anyway.
 const FEW_TREELETS: usize = 1 << 14;
 
 pub(super) fn build(scene: &Scene) -> Result<Accel, SceneError> {
@@ -30,14 +31,14 @@ pub(super) fn build(scene: &Scene) -> Result<Accel, SceneError> {
 }
 
 impl TreeTopology {
-    /// That of the tree which is built over a mesh alone.
+    /// The topology of a tree built over a mesh alone.
     pub(crate) fn of(mesh: &Mesh) -> Self {
         let accel = build_world(World::alone(mesh, None), DEPTH_LIMIT);
         Self::of_tree(&accel.tree, &accel.triangles)
     }
 }
 
-/// The tree over all visible objects of a world, at most so deep.
+/// Builds a tree over all visible objects of a world, of at most `depth_limit` levels.
 pub(super) fn build_world(world: World<'_>, depth_limit: usize) -> Accel {
     if let Some(accel) = joined::build(&world, depth_limit, build_world) {
         return accel;
@@ -56,7 +57,7 @@ pub(super) fn build_world(world: World<'_>, depth_limit: usize) -> Accel {
     }
     let (tree, order) = build_tree(&boxes, depth_limit);
     drop(boxes);
-    // Corners are placed a second time: that takes less than keeping them, unsorted, would.
+    // Corners are placed a second time: that takes less time and memory than keeping them unsorted.
     let triangles = order.par_iter();
     let triangles = triangles.map(|&index| world.triangle(numbers[index as usize]));
     Accel {
@@ -71,18 +72,18 @@ pub(super) fn build_world(world: World<'_>, depth_limit: usize) -> Accel {
     }
 }
 
-/// Leaves out what stands at some places, which ascend.
-fn remove<T>(all: &mut Vec<T>, places: &[u32]) {
-    let mut places = places.iter().copied().peekable();
+/// Removes the items at some indices, which ascend.
+fn remove<T>(all: &mut Vec<T>, indices: &[u32]) {
+    let mut indices = indices.iter().copied().peekable();
     let mut place = 0;
     all.retain(|_| {
-        let is_removed = places.next_if_eq(&place).is_some();
+        let is_removed = indices.next_if_eq(&place).is_some();
         place += 1;
         !is_removed
     });
 }
 
-/// The tree over the boxes, at most so deep, and their indices in the order of its leaves.
+/// A tree of at most `depth_limit` levels over the boxes, and the boxes' indices in leaf order.
 fn build_tree(boxes: &[Box32], depth_limit: usize) -> (Tree, Vec<u32>) {
     let limit = (boxes.len() / FEW_TREELETS).min(TREELET_LIMIT);
     let treelets = Treelets::of(boxes, limit);
@@ -91,7 +92,11 @@ fn build_tree(boxes: &[Box32], depth_limit: usize) -> (Tree, Vec<u32>) {
         members.fold(Box32::EMPTY, |all, &index| all.union(boxes[index as usize]))
     };
     let around: Vec<Box32> = (0..treelets.len()).into_par_iter().map(around).collect();
-    let clusters = (treelets.len() > 1 && !has_many_equals(&around)).then(|| cluster(&around));
+    let clusters = if treelets.len() > 1 && !has_many_equals(&around) {
+        cluster(&around)
+    } else {
+        None
+    };
     let layout = clusters
         .as_ref()
         .and_then(|clusters| Layout::measure(boxes, &treelets, clusters, depth_limit));
@@ -101,13 +106,15 @@ fn build_tree(boxes: &[Box32], depth_limit: usize) -> (Tree, Vec<u32>) {
     }
 }
 
-/// Builds with obvhs: PLOC (Meister and Bittner, "Parallel Locally-Ordered Clustering for Bounding
-/// Volume Hierarchy Construction", 2018), then reinsertion (the same, "Parallel Reinsertion for
-/// Bounding Volume Hierarchy Optimization", 2018).
+/// Clusters with obvhs: PLOC (Meister and Bittner, "Parallel Locally-Ordered Clustering for Bounding Volume Hierarchy
+/// Construction", 2018), then reinsertion (the same, "Parallel Reinsertion for Bounding Volume Hierarchy
+/// Optimization", 2018).
 ///
-/// The builder computes areas in single precision: the boxes it sees are brought into the unit cube
-/// first. It decides the tree's shape alone, so their rounding changes no answer.
-fn cluster(boxes: &[Box32]) -> Bvh2 {
+/// The builder computes areas in single precision, so boxes are scaled into the unit cube first. They decide only the
+/// tree's shape, so this rounding changes no answer.
+///
+/// `None` for boxes on which that would take long.
+fn cluster(boxes: &[Box32]) -> Option<Bvh2> {
     let all = boxes.iter().copied().fold(Box32::EMPTY, Box32::union);
     let size = (all.max.as_dvec3() - all.min.as_dvec3()).max_element();
     let factor = if size > 0.0 { 1.0 / size } else { 1.0 };
@@ -117,20 +124,23 @@ fn cluster(boxes: &[Box32]) -> Bvh2 {
         .par_iter()
         .map(|b| Aabb::new(unit(b.min), unit(b.max)))
         .collect();
+    if rounds::are_many(&aabbs) {
+        return None;
+    }
     let indices = (0..boxes.len() as u32).collect();
     let mut bvh = PlocBuilder::with_capacity(aabbs.len()).build(
         PlocSearchDistance::Low,
         &aabbs,
         indices,
         SortPrecision::U64,
-        2,
+        rounds::SHORT_ROUNDS,
     );
     ReinsertionOptimizer::default().run(&mut bvh, 0.02, None);
-    bvh
+    Some(bvh)
 }
 
-/// Whether so many boxes coincide that clustering by area would have nothing to go by: it then
-/// takes time quadratic in their number. Judged by a sample.
+/// Whether so many boxes coincide that areas do not order pairs: clustering then takes time quadratic in their
+/// number. Decided by a sample.
 fn has_many_equals(boxes: &[Box32]) -> bool {
     let stride = boxes.len().div_ceil(4096);
     let mut sample: Vec<[u32; 6]> = boxes
@@ -160,8 +170,8 @@ mod tests {
         }
     }
 
-    /// Checks that a tree holds every box once, inside the boxes above it, in primitive indices that follow one
-    /// another, and that it is not too deep.
+    /// Checks that a tree contains every box once, inside the boxes above it, in contiguous primitive indices, and
+    /// that it is not too deep.
     fn check(name: &str, boxes: &[Box32]) {
         let (tree, order) = build_tree(boxes, DEPTH_LIMIT);
         let mut sorted = order.clone();
@@ -228,7 +238,7 @@ mod tests {
             (0..count).map(|i| cube(place(i), 1e-3)).collect()
         };
         check("one place", &of(&|_| Vec3::ONE));
-        check("two places", &of(&|i| Vec3::splat((i % 2) as f32)));
+        check("two indices", &of(&|i| Vec3::splat((i % 2) as f32)));
         check("evenly along a line", &of(&|i| Vec3::X * i as f32));
         check(
             "in a plane",
@@ -245,6 +255,15 @@ mod tests {
         check(
             "a crowd far from one other",
             &of(&|i| Vec3::splat(if i == 0 { 1e18 } else { i as f32 })),
+        );
+        check(
+            "each larger than the one before",
+            &(0..count)
+                .map(|i| Box32 {
+                    min: Vec3::ZERO,
+                    max: Vec3::new((i + 1) as f32, 1.0, 0.0),
+                })
+                .collect::<Vec<_>>(),
         );
         check(
             "at the ends of the range",

@@ -1,4 +1,4 @@
-//! Triangles that coincide with another one, in the same winding order: no ray hits them first.
+//! Duplicate triangles: triangles that coincide with another one in the same winding order. No ray hits them first.
 
 use super::corner_hash::bits;
 use super::flatten::World;
@@ -6,21 +6,22 @@ use rayon::prelude::*;
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Bits of a hash set for each triangle. Of triangles that have no copy one in about as many shares its bit with another
-/// one, and is compared corner by corner: fewer bits compare more, more take memory.
+/// Bits of the hash filter for each triangle. About one in so many triangles without a copy shares its bit with
+/// another one, and is compared corner by corner: with fewer bits more are compared, with more the filter takes more
+/// memory.
 const BITS_EACH: usize = 32;
 
 /// The fewest triangles for which two threads are faster than one.
 const TOGETHER: usize = 1 << 12;
 
-/// Of triangles whose numbers ascend, those whose three corners another one with a lower number has as
-/// well, in the same winding order: their places, ascending.
+/// The triangles that are copies: another triangle with a lower number has the same three corners in the same winding
+/// order. `numbers` ascend; the result are indices into them, ascending.
 ///
-/// A ray hits both at the same distance or neither, so that the lowest number wins, whichever faces
-/// are culled: this is decided here once, and not by each ray. One of the other winding order is no copy,
-/// since culling distinguishes the two; nor is one whose like with a lower number is not opaque, and may let rays through.
+/// A ray hits both at the same distance or neither, so the lowest number wins, whichever faces are culled. Deciding
+/// that here saves every ray the comparison. A triangle of the other winding order is no copy, since culling
+/// distinguishes the two; nor is a copy of a triangle that is not opaque, which may let rays through.
 ///
-/// `hashes` are those of [`hash`](super::corner_hash::hash). Where there is no copy this takes a few nanoseconds a triangle.
+/// `hashes` are those of [`hash`](super::corner_hash::hash). Without copies this takes a few nanoseconds a triangle.
 pub(super) fn copies(world: &World<'_>, numbers: &[u32], hashes: &[u32]) -> Vec<u32> {
     let suspects = suspects(hashes);
     let runs = suspects.chunk_by(|a, b| a.0 == b.0);
@@ -44,7 +45,7 @@ pub(super) fn copies(world: &World<'_>, numbers: &[u32], hashes: &[u32]) -> Vec<
     copies
 }
 
-/// The same triangle from its least corner on, in the same winding order.
+/// The corners rotated so that the least comes first, in the same winding order.
 fn turned(corners: [[u32; 3]; 3]) -> [[u32; 3]; 3] {
     let [a, b, c] = corners;
     [[a, b, c], [b, c, a], [c, a, b]]
@@ -53,8 +54,7 @@ fn turned(corners: [[u32; 3]; 3]) -> [[u32; 3]; 3] {
         .unwrap_or(corners)
 }
 
-/// Hashes that are there more than once, and a few others, each with its place: equal ones together, places
-/// ascending.
+/// Hashes that occur more than once, and a few others, each with its index: equal ones together, indices ascending.
 fn suspects(hashes: &[u32]) -> Vec<(u32, u32)> {
     let bits = (hashes.len() * BITS_EACH).next_power_of_two().max(64);
     let at = |hash: u32| {
@@ -68,7 +68,7 @@ fn suspects(hashes: &[u32]) -> Vec<(u32, u32)> {
     if again.is_empty() {
         return Vec::new();
     }
-    // Which of several equals was the first is chance; that there are several is not.
+    // Which of several equal hashes came first depends on the threads; that there are several does not.
     let twice = Bits::new(bits);
     for &hash in &again {
         twice.set(at(hash));
@@ -82,7 +82,7 @@ fn suspects(hashes: &[u32]) -> Vec<(u32, u32)> {
     suspects
 }
 
-/// Bits that threads set.
+/// Bits that several threads set.
 struct Bits(Vec<AtomicU64>);
 
 impl Bits {
@@ -90,7 +90,7 @@ impl Bits {
         Self((0..bits / 64).map(|_| AtomicU64::new(0)).collect())
     }
 
-    /// Sets a bit of a word; whether it was set before.
+    /// Sets a bit of a word; returns whether it was set before.
     fn set(&self, (word, bit): (usize, u64)) -> bool {
         self.0[word].fetch_or(bit, Ordering::Relaxed) & bit != 0
     }
@@ -108,7 +108,7 @@ mod tests {
     use glam::DVec3;
     use std::sync::Arc;
 
-    /// The copies among triangles with corners of some few points.
+    /// The copies among triangles with corners at a few points.
     fn found(positions: &[DVec3], triangles: Vec<[u32; 3]>) -> Vec<u32> {
         let mesh = Mesh::new(MeshData {
             positions: positions.to_vec(),
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn copies_are_those_that_turn_the_same_way() {
+    fn copies_have_the_same_winding_order() {
         let [x, y, z] = DVec3::AXES;
         let positions = [DVec3::ZERO, x, y, z, -DVec3::ZERO];
         let triangles = vec![
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn all_copies_among_many_are_found_and_nothing_else() {
+    fn exactly_the_copies_among_many_triangles_are_found() {
         let mut random = Random(9);
         for (points, triangles, least) in [(2000, 100_000, 0), (40, 100_000, 50_000)] {
             let positions: Vec<DVec3> = (0..points).map(|_| random.point()).collect();

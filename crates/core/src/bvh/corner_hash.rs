@@ -1,6 +1,6 @@
 //! Hashes of triangles by their corners.
 
-/// A number that triangles with the same corners share, in whatever order they are.
+/// A hash that is equal for triangles with the same corners, in any order.
 pub(super) fn hash(corners: [[f32; 3]; 3]) -> u32 {
     let one = |[x, y, z]: [u32; 3]| {
         let x = u64::from(x).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -13,7 +13,7 @@ pub(super) fn hash(corners: [[f32; 3]; 3]) -> u32 {
     (a.wrapping_add(b).wrapping_add(c) >> 32) as u32
 }
 
-/// Corners as numbers that are equal where the coordinates are: the zeros are one.
+/// The bits of corners' coordinates, minus zero as zero, so that they are equal where the coordinates are.
 pub(super) fn bits(corners: [[f32; 3]; 3]) -> [[u32; 3]; 3] {
     corners.map(|corner| corner.map(|x| (x + 0.0).to_bits()))
 }

@@ -1,4 +1,4 @@
-//! A scene's triangles in one space.
+//! A scene's triangles in one space, by number.
 
 use super::Triangle;
 use super::corner_hash::hash;
@@ -9,20 +9,20 @@ use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Where every object's triangles are.
+/// All objects' triangles, and how they are placed.
 pub(super) struct World<'s> {
-    /// What all corners are relative to.
+    /// The point that all corners are relative to.
     pub(super) origin: DVec3,
-    /// The first number of each object, and the number after the last.
+    /// The number of each object's first triangle, and the number after the last.
     pub(super) first_numbers: Vec<u32>,
     pub(super) objects: Vec<Placed<'s>>,
 }
 
-/// A mesh in the world.
+/// A mesh with its placement.
 pub(super) struct Placed<'s> {
     pub(super) mesh: &'s Mesh,
     pub(super) visible: bool,
-    /// `None` where positions as the mesh has them are relative to the world's origin.
+    /// `None` where the mesh's positions are relative to the world's origin as they are.
     pub(super) placement: Option<Placement>,
 }
 
@@ -40,11 +40,11 @@ impl<'s> Placed<'s> {
 
 /// The triangles that rays can hit.
 pub(super) struct Reachable {
-    /// Their numbers.
+    /// Triangle numbers.
     pub(super) numbers: Vec<u32>,
     /// The boxes around them.
     pub(super) boxes: Vec<Box32>,
-    /// Numbers that those with the same corners share.
+    /// Hashes of their corners.
     pub(super) hashes: Vec<u32>,
     /// Kept triangles that a transform has moved out of range.
     pub(super) out_of_range: u32,
@@ -57,7 +57,7 @@ impl<'s> World<'s> {
         Self::about(scene, &transforms, origin)
     }
 
-    /// The same about an origin that is given.
+    /// As [`World::of`], about a given origin.
     pub(super) fn about(
         scene: &'s Scene,
         transforms: &[DAffine3],
@@ -74,7 +74,7 @@ impl<'s> World<'s> {
         })
     }
 
-    /// A mesh alone: in its place, or with the positions that it has.
+    /// One mesh alone, placed or with its own positions.
     pub(super) fn alone(mesh: &'s Mesh, placement: Option<Placement>) -> Self {
         Self {
             origin: DVec3::ZERO,
@@ -87,7 +87,7 @@ impl<'s> World<'s> {
         }
     }
 
-    /// The same with those objects hidden whose mesh keeps a tree.
+    /// The same world with those objects hidden whose mesh has a known tree.
     pub(super) fn without_known_trees(&self) -> Self {
         let objects = self.objects.iter().map(|object| Placed {
             visible: object.visible && object.mesh.tree().is_none(),
@@ -100,23 +100,23 @@ impl<'s> World<'s> {
         }
     }
 
-    /// The object of a number.
+    /// The object that a triangle number belongs to.
     fn object(&self, number: u32) -> usize {
         match &self.objects[..] {
-            // Nothing to look up.
+            // One object: nothing to search.
             [_] => 0,
             _ => self.first_numbers.partition_point(|&first| first <= number) - 1,
         }
     }
 
-    /// Whether all of a triangle's surface is there, and covers what lies behind it.
+    /// Whether a triangle's material is opaque.
     pub(super) fn is_opaque(&self, number: u32) -> bool {
         let object = self.object(number);
         let triangle = number - self.first_numbers[object];
         *self.objects[object].mesh.opacity(triangle) == Opacity::Opaque
     }
 
-    /// The triangle of a number. One that its mesh does not have is nowhere.
+    /// The triangle of a number. A number out of range gives NaN corners.
     pub(super) fn triangle(&self, number: u32) -> Triangle {
         let object = self.object(number);
         let corners = self.corners(object, number - self.first_numbers[object]);
@@ -134,7 +134,7 @@ impl<'s> World<'s> {
         }
     }
 
-    /// All kept triangles but those out of range.
+    /// All kept triangles that are within range.
     pub(super) fn reachable(&self) -> Reachable {
         let mut numbers =
             Vec::with_capacity(self.objects.iter().map(|o| o.mesh.kept().len()).sum());
@@ -171,8 +171,8 @@ impl<'s> World<'s> {
     }
 }
 
-/// Whether rays can hit a triangle: all its coordinates are within twice the limit, since a mesh at
-/// the limit may have been moved off its offset.
+/// Whether rays can hit a triangle: all coordinates are within twice the limit, since a mesh at the limit may have
+/// been moved off its offset.
 pub(super) fn in_range(corners: &[Vec3; 3]) -> bool {
     let within = |corner: &Vec3| f64::from(corner.abs().max_element()) <= 2.0 * COORDINATE_LIMIT;
     corners
@@ -180,7 +180,7 @@ pub(super) fn in_range(corners: &[Vec3; 3]) -> bool {
         .all(|corner| corner.is_finite() && within(corner))
 }
 
-/// The first number of each object, and the number after the last.
+/// The number of each object's first triangle, and the number after the last.
 fn number(scene: &Scene) -> Result<Vec<u32>, SceneError> {
     let limit = TRIANGLE_LIMIT;
     let mut next: u64 = 0;
@@ -198,10 +198,10 @@ fn number(scene: &Scene) -> Result<Vec<u32>, SceneError> {
     Ok(first_numbers)
 }
 
-/// What all corners are stored relative to: the first object's place if it lies far from zero.
+/// The point that all corners are stored relative to: the first object's position, if that is far from zero.
 ///
-/// A mesh at rest keeps its positions as they are when this is its own offset; for others it is as
-/// good as any other point nearby.
+/// A mesh without transform keeps its positions as they are when this is its own offset. For other meshes any point
+/// nearby is as good.
 pub(super) fn common_origin(scene: &Scene, transforms: &[DAffine3]) -> DVec3 {
     let mut offsets = scene
         .objects
@@ -214,7 +214,7 @@ pub(super) fn common_origin(scene: &Scene, transforms: &[DAffine3]) -> DVec3 {
                 DVec3::ZERO
             } else {
                 let place = world_from_object.transform_point3(offset);
-                // Whole numbers of a coarse grain, so that differences from it stay exact.
+                // Integers, so that differences from them stay exact.
                 if *world_from_object == DAffine3::IDENTITY {
                     offset
                 } else {
@@ -223,7 +223,7 @@ pub(super) fn common_origin(scene: &Scene, transforms: &[DAffine3]) -> DVec3 {
             }
         });
     let first = offsets.next().unwrap_or(DVec3::ZERO);
-    // Objects far apart share no good origin but zero itself.
+    // Objects far apart share no good origin except zero.
     let shared =
         offsets.all(|offset| (offset - first).abs().max_element() <= first.abs().max_element());
     if shared { first } else { DVec3::ZERO }

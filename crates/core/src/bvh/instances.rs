@@ -1,10 +1,10 @@
-//! Objects as instances: a mesh's tree is stored once, and its boxes and corners are mapped by the placement of each
-//! object that has it, below a top-level tree over the objects.
+//! Objects as instances: each mesh's tree is stored once, and its boxes and corners are mapped by the placement of
+//! each object that has the mesh, below a top-level tree over the objects.
 //!
-//! Node and primitive indices go on beyond those of the arrays in [`Accel`](super::Accel), which are empty where
-//! there are instances. Each instance has a run of whole pages of them, as many as its mesh's tree has triangles;
-//! the run before the first holds the top-level nodes. So every traversal walks from the top-level tree into the
-//! trees of meshes, and a primitive index still names one triangle of one object.
+//! Node and primitive indices continue beyond the arrays in [`Accel`](super::Accel), which are empty where there are
+//! instances. Each instance has a run of whole pages of indices, as many as its mesh's tree has triangles; the run
+//! before the first contains the top-level nodes. So every traversal descends from the top-level tree into the trees
+//! of meshes, and a primitive index still identifies one triangle of one object.
 
 use super::Triangle;
 use super::placement::{BoxPlacement, Placement};
@@ -23,12 +23,12 @@ static NOWHERE: Triangle = Triangle {
     number: u32::MAX,
 };
 
-/// The indices from `first` on that so many need: the first after them. `None` beyond 32 bits.
+/// The first page boundary after `count` indices from `first` on. `None` beyond 32 bits.
 pub(super) fn pages_after(first: u32, count: u32) -> Option<u32> {
     first.checked_add(count.checked_next_multiple_of(1 << PAGE_BITS)?)
 }
 
-/// Two children of a node with their boxes.
+/// The children of a node, with their boxes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Opened {
     pub(crate) boxes: BoxPair,
@@ -38,22 +38,22 @@ pub(crate) struct Opened {
 /// The triangles of a mesh and the tree over them.
 #[derive(Clone, Debug)]
 pub(super) struct MeshTree {
-    /// Corners as the mesh has them, or placed where no instance is to place them; numbers as in the mesh.
+    /// Corners in the mesh's space, or placed where no instance is to place them; numbers as in the mesh.
     pub(super) triangles: Vec<Triangle>,
     pub(super) tree: Tree,
-    /// Triangles that are not in it because their placement moved them out of range.
+    /// Triangles that are left out because their placement moved them out of range.
     pub(super) out_of_range: u32,
-    /// Whether it is over what is within range in one place; then it serves for no other.
+    /// Whether it contains only the triangles that are within range under one placement; it then serves no other.
     pub(super) is_for_one_place: bool,
 }
 
 impl MeshTree {
-    /// How many indices its nodes and primitives need: each needs those from zero on.
+    /// How many indices its nodes and primitives need; both start at zero.
     pub(super) fn indices(&self) -> u32 {
         self.triangles.len().max(self.tree.nodes.len()) as u32
     }
 
-    /// The same tree with other corners for its triangles.
+    /// The same tree, refitted to other corners.
     pub(super) fn refitted(&self, corners: impl Fn(&Triangle) -> [Vec3; 3]) -> Self {
         let refit = |triangle: &Triangle| Triangle {
             corners: corners(triangle),
@@ -72,7 +72,7 @@ impl MeshTree {
             }
         };
         let mut tree = self.tree.clone();
-        // Children come behind their parents.
+        // Children have greater indices than their parents.
         for index in (0..tree.nodes.len()).rev() {
             let children = tree.nodes[index].children(index as u32);
             let boxes = children.map(|child| around(&tree.nodes, child));
@@ -93,18 +93,18 @@ impl MeshTree {
     }
 }
 
-/// A mesh's tree in its place.
+/// A mesh's tree with its placement.
 #[derive(Clone, Debug)]
 pub(super) struct Placed {
     pub(super) tree: Arc<MeshTree>,
-    /// `None` where corners as the tree has them are in place.
+    /// `None` where the tree's corners are in the scene's space already.
     pub(super) placement: Option<(Placement, BoxPlacement)>,
     /// The box around the placed corners.
     pub(super) bounds: Box32,
 }
 
 impl Placed {
-    /// A tree in its place. `None` where a corner may be out of the range in which rays can hit it.
+    /// Places a tree. `None` where a corner may be out of the range in which rays can hit it.
     pub(super) fn new(tree: Arc<MeshTree>, placement: Option<Placement>) -> Option<Self> {
         let around = tree.tree.bounds;
         let placement = placement.map(|placement| {
@@ -127,7 +127,7 @@ impl Placed {
         Some(placed)
     }
 
-    /// The same with a tree of its own whose corners are in place.
+    /// The same with a tree of its own whose corners are placed.
     pub(super) fn with_tree_in_place(self) -> Self {
         let Some((placement, _)) = &self.placement else {
             return self;
@@ -140,7 +140,7 @@ impl Placed {
         }
     }
 
-    /// Widens `bounds` to hold a subtree that lies within `around`: branches and bounds, the larger child first.
+    /// Extends `bounds` to a subtree that lies within `around`, by branch and bound, the larger child first.
     fn extend_bounds(&mut self, subtree: Subtree, around: Box32) {
         let holds = self.bounds.min.cmple(around.min) & self.bounds.max.cmpge(around.max);
         if holds.all() {
@@ -191,11 +191,11 @@ impl Placed {
     }
 }
 
-/// An object that rays can hit.
+/// A visible object.
 #[derive(Clone, Debug)]
 pub(super) struct Instance {
     pub(super) object: u32,
-    /// The number among all triangles of the scene that the mesh's first one has.
+    /// The number, among all triangles of the scene, of the mesh's first one.
     pub(super) first_number: u32,
     /// Its first index.
     pub(super) first: u32,
@@ -208,30 +208,30 @@ pub(crate) struct Instances {
     /// Top-level nodes, by index.
     pub(super) top: Vec<Opened>,
     pub(super) all: Vec<Instance>,
-    /// The instance of each page.
+    /// For each page, the index of its instance.
     pages: Vec<u32>,
 }
 
 impl Instances {
-    /// Instances by ascending first index, which lie in `first..end` of all indices.
+    /// From the top-level nodes, and instances by ascending first index; these use the indices `first..end`.
     pub(super) fn new(top: Vec<Opened>, all: Vec<Instance>) -> Self {
         let mut pages = Vec::new();
         for (number, instance) in all.iter().enumerate() {
             let end = pages_after(instance.first, instance.placed.tree.indices());
             let end = end.unwrap_or(u32::MAX) >> PAGE_BITS;
-            // The pages before the first instance are the top-level nodes'.
+            // The pages before the first instance belong to the top-level nodes.
             pages.resize(end as usize, number as u32);
         }
         Self { top, all, pages }
     }
 
-    /// Whether there are none: then the arrays have all nodes and triangles.
+    /// Whether there are no instances: then the arrays contain all nodes and triangles.
     #[inline(always)]
     pub(crate) fn is_empty(&self) -> bool {
         self.all.is_empty()
     }
 
-    /// The instance that has an index, and which of its own that is.
+    /// The instance that an index belongs to, and the index within it.
     #[inline(always)]
     fn of(&self, index: u32) -> Option<(&Instance, u32)> {
         let number = *self.pages.get((index >> PAGE_BITS) as usize)?;
@@ -254,13 +254,13 @@ impl Instances {
         }
     }
 
-    /// The children of a top-level node; `None` for the subtrees of one instance.
+    /// The children of a top-level node; `None` for a subtree of an instance.
     pub(super) fn top_children(&self, subtree: Subtree) -> Option<[Subtree; 2]> {
         let node = self.top.get(subtree.node()? as usize)?;
         Some(node.children)
     }
 
-    /// A triangle as the mesh's tree has it.
+    /// A triangle as the mesh's tree stores it.
     #[inline(never)]
     fn stored(&self, primitive: u32) -> &Triangle {
         self.of(primitive)
@@ -268,7 +268,7 @@ impl Instances {
             .unwrap_or(&NOWHERE)
     }
 
-    /// The corners of eight triangles as their meshes' trees have them. Most are of one instance, which is looked up
+    /// The corners of eight triangles as their meshes' trees store them. Most are of one instance, which is looked up
     /// once.
     #[inline(always)]
     pub(super) fn stored_corners(&self, primitives: &[u32; LANES]) -> [&[Vec3; 3]; LANES] {
@@ -297,7 +297,8 @@ impl Instances {
         }
     }
 
-    /// Places the stored corners of eight triangles, each as [`Instances::corners`] does: instance by instance.
+    /// Places the stored corners of eight triangles, instance by instance, with the results of
+    /// [`Instances::corners`].
     #[inline(always)]
     pub(super) fn place(&self, primitives: &[u32; LANES], corners: &mut [[f32; LANES]; 9]) {
         let stored = *corners;
@@ -357,12 +358,12 @@ impl Instances {
         self.all.iter().map(triangles).sum()
     }
 
-    /// The instances' trees, some of them more than once.
+    /// The instances' trees; a tree that several instances share is repeated.
     pub(super) fn all_trees(&self) -> impl Iterator<Item = &Arc<MeshTree>> {
         self.all.iter().map(|instance| &instance.placed.tree)
     }
 
-    /// Bytes kept beside the trees.
+    /// Bytes retained beside the trees.
     pub(super) fn retained_bytes(&self) -> usize {
         self.top.capacity() * size_of::<Opened>()
             + self.all.capacity() * size_of::<Instance>()

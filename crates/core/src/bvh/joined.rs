@@ -1,4 +1,4 @@
-//! Building without clustering: over meshes that keep which of their triangles lie together.
+//! Building without clustering, over meshes whose tree topology is known.
 
 use super::flatten::{Placed, World, in_range};
 use super::instances::{Instances, Opened};
@@ -13,17 +13,17 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// Where a triangle is yet to come.
+/// Fills the arrays until the triangles are written.
 const EMPTY: Triangle = Triangle {
     corners: [Vec3::ZERO; 3],
     number: 0,
 };
 
-/// Builds over a world in which the tree of a visible mesh is known: that one, or all of them, and one over the meshes
-/// that have none, below a top-level tree that becomes a part of the one tree. `build` gives the tree over a world.
+/// Builds a tree over a world in which the topology of some visible mesh's tree is known. The trees of those meshes,
+/// and one tree over all other meshes, are joined below a top-level tree. `build` builds the tree over a world.
 ///
-/// `None` where no tree is known, one is too deep, or a corner is placed out of range: not all triangles are in a tree
-/// then.
+/// `None` where no topology is known, the result is too deep, or a corner is placed out of range: a tree would then
+/// have to leave triangles out.
 pub(super) fn build(
     world: &World<'_>,
     depth_limit: usize,
@@ -66,19 +66,19 @@ pub(super) fn build(
     })
 }
 
-/// A tree of which the corners and boxes are yet to be made.
+/// A tree whose corners and boxes are not made yet.
 struct Part<'p> {
     topology: Cow<'p, TreeTopology>,
-    /// What to add to the numbers of its triangles.
+    /// The offset of its triangles' numbers.
     first_number: u32,
-    /// The mesh that has the triangles and where it is; `None` where they are several objects'.
+    /// Its mesh and placement; `None` where it has several objects.
     mesh: Option<(&'p Mesh, Option<Placement>)>,
-    /// About where it is: decides the shape of the top-level tree alone.
+    /// Its approximate bounds, which only decide the shape of the top-level tree.
     around: Box32,
 }
 
 impl<'p> Part<'p> {
-    /// An object's own; `None` where its mesh keeps none.
+    /// The part of an object; `None` where its mesh's topology is unknown.
     fn known(object: &Placed<'p>, first_number: u32) -> Option<Self> {
         let mesh = object.mesh;
         let (bounds, offset) = (mesh.bounds(), mesh.offset());
@@ -95,7 +95,7 @@ impl<'p> Part<'p> {
         })
     }
 
-    /// That of a tree over several objects; `None` of an empty one.
+    /// The part made of a tree over several objects; `None` if that is empty.
     fn built(accel: &Accel) -> Option<Self> {
         (!accel.is_empty()).then(|| Self {
             topology: Cow::Owned(TreeTopology::of_tree(&accel.tree, &accel.triangles)),
@@ -110,15 +110,15 @@ impl<'p> Part<'p> {
 struct Joined<'p> {
     world: &'p World<'p>,
     parts: Vec<Part<'p>>,
-    /// The top-level nodes; a leaf's first primitive index is its part.
+    /// The top-level nodes; a leaf's first primitive index is its part's index.
     top: Vec<Opened>,
     root: Subtree,
-    /// The inner nodes and triangles below each top-level node.
+    /// The numbers of inner nodes and triangles below each top-level node.
     sizes: Vec<Place>,
 }
 
 impl<'p> Joined<'p> {
-    /// `None` of no parts.
+    /// `None` without parts.
     fn new(world: &'p World<'p>, parts: Vec<Part<'p>>) -> Option<Self> {
         let numbered = parts.iter().zip(0..);
         let mut roots: Vec<Root> = numbered
@@ -132,7 +132,7 @@ impl<'p> Joined<'p> {
             top,
             root: root?.0,
         };
-        // Children come behind their parents.
+        // Children have greater indices than their parents.
         for index in (0..joined.top.len()).rev() {
             let [a, b] = joined.top[index].children.map(|child| joined.size(child));
             joined.sizes[index] = a.after(1 + b.node, b.primitive);
@@ -151,10 +151,10 @@ impl<'p> Joined<'p> {
         }
     }
 
-    /// The tree, and the triangles in the order of its leaves; `None` where one is out of range.
+    /// The tree, and the triangles in leaf order; `None` where one is out of range.
     fn tree(&self) -> Option<(Tree, Vec<Triangle>)> {
         let size = self.size(self.root);
-        // Threads share the work of touching new memory.
+        // In parallel, because the first write to new memory is slow.
         let all = |count: usize| (0..count).into_par_iter();
         let mut nodes: Vec<Node> = all(size.node).map(|_| Node::default()).collect();
         let mut triangles: Vec<Triangle> = all(size.primitive).map(|_| EMPTY).collect();
@@ -214,8 +214,8 @@ impl<'p> Joined<'p> {
     }
 }
 
-/// Lays out a checked topology (order and nodes): its triangles, and its nodes with their boxes. `None` where a triangle is
-/// out of range.
+/// Lays out a checked topology (order and nodes): its triangles, and its nodes with their boxes. `None` where a
+/// triangle is out of range.
 fn fill(
     (order, topology): (&[u32], &[[u32; 2]]),
     triangle: &(impl Fn(u32) -> ([Vec3; 3], u32) + Sync),

@@ -1,4 +1,4 @@
-//! The acceleration structure: a scene's triangles in one space, in the order of the leaves of a tree over them.
+//! The acceleration structure: a scene's triangles in one space, in the leaf order of a tree over them.
 
 mod build;
 mod copies;
@@ -8,6 +8,7 @@ mod instances;
 mod joined;
 mod layout;
 mod placement;
+mod rounds;
 mod support;
 mod top_level;
 mod topology;
@@ -23,30 +24,31 @@ use std::sync::Arc;
 use tree::{BoxPair, Subtree, Tree};
 use two_level::Known;
 
-/// A triangle in leaf order.
+/// A triangle, as stored in leaf order.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Triangle {
     /// Corners relative to [`Accel::origin`].
     pub(crate) corners: [Vec3; 3],
-    /// Primitive id: its number among all triangles of the scene, objects in order. Ties go to the lowest.
+    /// Primitive id: the triangle's number among all triangles of the scene, objects in order. At equal distances the
+    /// lowest wins.
     pub(crate) number: u32,
 }
 
 /// World-space triangles and the tree over them: one tree over all, or a top-level tree over the objects and a tree
 /// for each mesh.
 ///
-/// Corners are in single precision relative to [`Accel::origin`]. Where the scene is one object at rest, or all its
-/// meshes share an offset and rest, they are the meshes' own positions, unchanged; anything else is transformed in
-/// double precision and rounded once. "Exact" refers to these corners. Both kinds of tree have the same, and give
-/// every ray the same answer, bit for bit; only primitive indices differ.
+/// Corners are in single precision relative to [`Accel::origin`]. Where the scene is one object without transform, or
+/// all its meshes share an offset and have no transform, they are the meshes' own positions, unchanged; anything else
+/// is transformed in double precision and rounded once. "Exact" refers to these corners. Both variants have the same
+/// corners and give every ray the same answer, bit for bit; only primitive indices differ.
 #[derive(Clone, Debug)]
 pub struct Accel {
     pub(crate) origin: DVec3,
-    /// In leaf order; none where there are instances.
+    /// In leaf order; empty where there are instances.
     triangles: Vec<Triangle>,
-    /// Its nodes; none where there are instances.
+    /// The nodes; empty where there are instances.
     pub(crate) tree: Tree,
-    /// What has the nodes and triangles that the arrays do not have.
+    /// The nodes and triangles of instances.
     pub(crate) instances: Instances,
     /// The instruction set for packets.
     pub(crate) simd: Simd,
@@ -54,22 +56,22 @@ pub struct Accel {
     first_numbers: Vec<u32>,
     /// Triangles finite in their mesh that a transform moved out of single precision's range.
     out_of_range: u32,
-    /// What the next tree over instances may take over.
+    /// Trees that [`Accel::updated`] may reuse.
     known: Option<Arc<Known>>,
 }
 
 impl Accel {
-    /// Places every object's kept triangles in the world and builds one tree over all of them.
+    /// Transforms every object's kept triangles to world space and builds one tree over all of them.
     ///
     /// # Errors
-    /// A scene whose transforms or parents are not valid, or with more triangles than ids.
+    /// A scene whose transforms or parents are invalid, or with more triangles than ids.
     pub fn build(scene: &Scene) -> Result<Self, SceneError> {
         build::build(scene)
     }
 
-    /// Builds a tree for each mesh, however many objects have it, and a top-level tree over the objects
-    /// (Embree's instances). Rays take longer, the more so where objects overlap; memory is that of the meshes, and
-    /// [`Accel::updated`] takes no rebuild of them.
+    /// Builds a tree for each mesh, however many objects have it, and a top-level tree over the objects (Embree's
+    /// instances). Rays take longer, the more so where objects overlap; memory is that of the meshes, and
+    /// [`Accel::updated`] rebuilds none of their trees.
     ///
     /// # Errors
     /// As [`Accel::build`].
@@ -80,15 +82,14 @@ impl Accel {
         }
     }
 
-    /// How many triangles [`Accel::build_instances`] stores for a scene, in trees of 200 bytes a triangle at most: those of
-    /// every object where they are placed once, else those of every mesh.
+    /// How many triangles [`Accel::build_instances`] stores for a scene, in trees of at most 200 bytes a triangle:
+    /// the triangles of every object where these are few enough to be placed once, else those of every mesh.
     pub fn stored_triangles(scene: &Scene) -> usize {
         two_level::stored_triangles(scene)
     }
 
-    /// The tree over the scene after its objects have changed, as by [`Accel::build_instances`]: trees are built
-    /// for the meshes alone that this one has no tree for. The origin stays: an object that moves changes no other's
-    /// corners.
+    /// The structure after the scene's objects have changed, as [`Accel::build_instances`] would build it; only the
+    /// trees of new meshes are built. The origin stays: moving an object changes no other's corners.
     ///
     /// # Errors
     /// As [`Accel::build`].
@@ -99,15 +100,14 @@ impl Accel {
         }
     }
 
-    /// What [`Accel::updated`] gives, where that takes no longer than some milliseconds and no other thread: every
-    /// mesh has a tree, there are at most some thousand objects, and few of them are in a new place. `None`
-    /// elsewhere.
+    /// As [`Accel::updated`], where that takes at most some milliseconds on this thread alone: every mesh has a tree,
+    /// there are at most some thousand objects, and few of them have a new placement. `None` elsewhere.
     pub fn updated_at_once(&self, scene: &Scene) -> Option<Self> {
         self.known.as_ref()?;
         two_level::build(scene, Some(self), true).ok()?
     }
 
-    /// The box around all that rays can hit, in world coordinates; empty where there is nothing.
+    /// The box around everything that rays can hit, in world coordinates; empty where there is nothing.
     pub fn bounds(&self) -> Bounds {
         if self.is_empty() {
             return Bounds::EMPTY;
@@ -126,8 +126,8 @@ impl Accel {
 
     /// The children of a node, with their boxes. Those of a mesh's tree are placed in `opened`.
     ///
-    /// `INSTANCES` says whether there may be any, here and below: packets are compiled for both, since a branch that
-    /// is never taken cost one tree 4 % (in memory that could have been registers).
+    /// `INSTANCES` says whether there may be any, here and below. Packets are compiled for both values: with a branch
+    /// that is never taken, one tree took 4 % longer (in memory that could have been registers).
     #[inline(always)]
     pub(crate) fn open<'a, const INSTANCES: bool>(
         &'a self,
@@ -147,7 +147,7 @@ impl Accel {
         }
     }
 
-    /// The same where nothing is known of instances: for single rays.
+    /// As [`Accel::open`] where it is not known whether there are instances: for single rays.
     #[inline(always)]
     pub(crate) fn open_any<'a>(
         &'a self,
@@ -163,7 +163,7 @@ impl Accel {
         }
     }
 
-    /// The corners of eight triangles as they are stored: those of instances are to be [placed](Accel::place).
+    /// The corners of eight triangles as they are stored; those of instances must still be [placed](Accel::place).
     #[inline(always)]
     pub(crate) fn stored_corners<const INSTANCES: bool>(
         &self,
@@ -176,7 +176,7 @@ impl Accel {
         }
     }
 
-    /// Places the stored corners of eight triangles; nothing to do where there are no instances.
+    /// Places the stored corners of eight triangles; does nothing without instances.
     #[inline(always)]
     pub(crate) fn place<const INSTANCES: bool>(
         &self,
@@ -200,7 +200,7 @@ impl Accel {
         self.instances.corners(primitive)
     }
 
-    /// Triangles that follow one another in memory, for prefetching.
+    /// The stored triangles, for prefetching.
     #[inline(always)]
     pub(crate) fn triangles(&self) -> &[Triangle] {
         &self.triangles
@@ -226,7 +226,7 @@ impl Accel {
         }
     }
 
-    /// All primitive indices: those below [`Accel::len`], unless there are instances.
+    /// All primitive indices: those below [`Accel::len`], except with instances.
     pub fn primitives(&self) -> impl Iterator<Item = u32> {
         (0..self.triangles.len() as u32).chain(self.instances.primitives())
     }
@@ -262,7 +262,7 @@ impl Accel {
         };
         let number = triangle.number;
         let object = match &self.first_numbers[..] {
-            // One object: nothing to look up.
+            // One object: nothing to search.
             [_, _] => 0,
             first => first.partition_point(|&first| first <= number) - 1,
         };
@@ -274,30 +274,30 @@ impl Accel {
         self.simd
     }
 
-    /// Casts packets with another instruction set, or with the best this machine has below it.
+    /// Casts packets with another instruction set, or with the best below it that this machine has.
     pub fn with_simd(mut self, simd: Simd) -> Self {
         self.simd = simd.min(Simd::best());
         self
     }
 
-    /// How many triangles rays can hit. Of those that coincide and turn the same way only the one with
-    /// the lowest id counts; where there are instances, of those of one mesh.
+    /// How many triangles rays can hit. Of triangles that coincide in the same winding order only the one with the
+    /// lowest id counts; with instances, only within a mesh.
     pub fn len(&self) -> usize {
         self.triangles.len() + self.instances.triangle_count()
     }
 
-    /// Whether there is nothing to hit.
+    /// Whether there are no triangles.
     pub fn is_empty(&self) -> bool {
         self.tree.root.is_none()
     }
 
-    /// Triangles that a transform moved out of single precision's range: never hit.
+    /// Triangles that a transform moved out of single precision's range; they are never hit.
     pub fn out_of_range(&self) -> u32 {
         self.out_of_range
     }
 
-    /// Bytes kept by the trees and the triangles, with those that [`Accel::updated`] may take over: a tree that
-    /// several objects have counts once.
+    /// Bytes retained by trees and triangles, including trees that [`Accel::updated`] may reuse; a tree that several
+    /// objects share counts once.
     pub fn retained_bytes(&self) -> usize {
         let known = self.known.as_deref();
         let trees = known.into_iter().flat_map(Known::all_trees);

@@ -1,19 +1,19 @@
-//! Where a mesh stands: its corners, and boxes around them, from its own space to the scene's.
+//! Placements of meshes: maps of corners, and of boxes around them, from the mesh's space to the scene's.
 
 use super::tree::{Box32, BoxPair};
 use crate::num::simd::LANES;
 use glam::{DAffine3, DVec3, Vec3};
 
-/// Corners of eight triangles: x, y and z of the first corner, the second and the third.
+/// Corners of eight triangles: x, y and z of the first, the second and the third corner.
 type Corners = [[f32; LANES]; 9];
 
 /// The map from a mesh's positions to the tree's coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placement {
     world_from_object: DAffine3,
-    /// What to add to a position of the mesh.
+    /// What is added to a position of the mesh.
     offset: DVec3,
-    /// What corners in the tree are relative to.
+    /// The point that corners in the tree are relative to.
     origin: DVec3,
 }
 
@@ -26,7 +26,7 @@ impl Placement {
         }
     }
 
-    /// A corner: worked out in double precision and rounded once.
+    /// A corner, computed in double precision and rounded once.
     pub(super) fn corner(&self, position: Vec3) -> Vec3 {
         let in_object = self.offset + position.as_dvec3();
         (self.world_from_object.transform_point3(in_object) - self.origin).as_vec3()
@@ -62,19 +62,19 @@ impl Placement {
     }
 }
 
-/// Maps boxes around a mesh's positions to boxes around its placed corners.
+/// The map of boxes around a mesh's positions to boxes around its placed corners.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BoxPlacement {
-    /// Rows of the matrix.
+    /// The rows of the matrix.
     rows: [[f64; 3]; 3],
-    /// Where the mesh's offset comes to lie.
+    /// The mesh's offset, mapped.
     shift: [f64; 3],
-    /// How far a box must reach further than its rounded faces.
+    /// By how much a box is enlarged beyond its rounded faces.
     slack: [f64; 3],
 }
 
 impl BoxPlacement {
-    /// For boxes inside of `bounds`.
+    /// For boxes inside `bounds`.
     pub(super) fn new(placement: &Placement, bounds: &Box32) -> Self {
         let Placement {
             world_from_object:
@@ -100,11 +100,11 @@ impl BoxPlacement {
         }
     }
 
-    /// Boxes that hold every placed corner of a position in the given ones.
+    /// Boxes that contain every placed corner of a position in the given boxes.
     ///
-    /// The middle is mapped, and half the size by the absolute values of the matrix (Arvo, "Transforming
-    /// Axis-Aligned Bounding Boxes", 1990). Rounding to single precision keeps order: a corner inside of a face
-    /// before it is not outside after it.
+    /// The centre is mapped by the matrix, and half the size by the matrix's absolute values (Arvo, "Transforming
+    /// Axis-Aligned Bounding Boxes", 1990). Rounding to single precision is monotone: a corner inside a face stays
+    /// inside it.
     pub(super) fn boxes(&self, boxes: &BoxPair) -> BoxPair {
         let mut middle = [[0.0; 2]; 3];
         let mut half = [[0.0; 2]; 3];
@@ -135,7 +135,7 @@ impl BoxPlacement {
         placed
     }
 
-    /// The same for one box.
+    /// As [`BoxPlacement::boxes`], for one box.
     pub(super) fn one(&self, around: Box32) -> Box32 {
         self.boxes(&BoxPair::of([around, around])).get(0)
     }
@@ -147,7 +147,7 @@ mod tests {
     use crate::random::Random;
     use glam::{DMat3, DQuat};
 
-    /// Placements over many magnitudes, each with how large the mesh is.
+    /// Placements of many magnitudes, each with the size of a mesh.
     fn placements(random: &mut Random) -> Vec<(Placement, f64)> {
         let mut all = Vec::new();
         for round in 0..300 {
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn eight_triangles_are_placed_as_each_is() {
+    fn eight_triangles_are_placed_with_the_bits_of_single_ones() {
         let mut random = Random(11);
         for (placement, size) in placements(&mut random) {
             let mut positions: Corners = [[0.0; LANES]; 9];
@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn placed_boxes_hold_the_placed_corners_of_all_their_points() {
+    fn placed_boxes_contain_the_placed_corners_in_them() {
         let mut random = Random(12);
         for (placement, size) in placements(&mut random) {
             for _ in 0..20 {

@@ -1,4 +1,4 @@
-//! How far a scene reaches in a direction.
+//! The extent of a scene in a direction.
 
 use super::Accel;
 use super::tree::{Box32, DEPTH_LIMIT, Subtree};
@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_hidden_is_not_hit_and_keeps_its_number() {
+    fn hidden_objects_are_not_hit_and_keep_their_numbers() {
         let mesh = Arc::new(Mesh::new(MeshData {
             positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
             triangles: vec![[0, 1, 2]],

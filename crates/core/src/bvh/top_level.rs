@@ -1,43 +1,43 @@
-//! The tree over the objects of a scene: its leaves are the roots of the objects' own trees, or
-//! subtrees of them.
+//! The top-level tree: over the objects of a scene; its leaves are the roots of the objects' own trees, or subtrees
+//! of them.
 //!
-//! Split where the surface area heuristic over bins says (Wald, "On fast Construction of SAH-based Bounding Volume
-//! Hierarchies", 2007). On this thread alone: a window that waits for it must not wait for cores that cast rays.
+//! Split by the surface area heuristic over bins (Wald, "On fast Construction of SAH-based Bounding Volume
+//! Hierarchies", 2007). Single-threaded: a window that waits for it must not wait for cores that cast rays.
 
 use super::instances::Opened;
 use super::tree::{Box32, BoxPair, Subtree};
 use super::treelet::middle;
 use glam::DVec3;
 
-/// The deepest top-level tree: one level more than halving makes of the two million instances that have a page of
-/// indices each.
+/// The deepest top-level tree: one level more than halving needs for two million instances, each with its page of
+/// indices.
 pub(super) const TOP_DEPTH: usize = 22;
 
-/// Bins along an axis. Frames of a thousand objects take as long with 32.
+/// Bins along an axis. Fewer give worse splits; with 32, frames of a thousand objects take as long.
 const BINS: usize = 16;
 
-/// How many triangles a top-level node has at least, or says it has: too many to be taken as a leaf, since they do
-/// not follow one another.
+/// The least triangle count of a top-level node (a smaller one reports this): too many for traversal to treat the
+/// node as a leaf, which it must not, since its triangles are not contiguous.
 const MANY: u32 = 1 << 10;
 
 /// A subtree of an object's tree, and the box around it.
 pub(super) type Root = (Subtree, Box32);
 
-/// The nodes over some roots, the first at index 0, and the root of all; `None` if there are none.
+/// The nodes over some roots, the first at index 0, and the root of all; `None` without roots.
 pub(super) fn top_level(roots: &mut [Root]) -> (Vec<Opened>, Option<Root>) {
     let mut nodes = Vec::with_capacity(roots.len());
     let root = build(roots, TOP_DEPTH, &mut nodes);
     (nodes, root)
 }
 
-/// Builds over at most so many levels, which halving must not need more of.
+/// Builds at most `levels` levels; halving must not need more.
 fn build(roots: &mut [Root], levels: usize, nodes: &mut Vec<Opened>) -> Option<Root> {
     if roots.len() < 2 {
         return roots.first().copied();
     }
     let node = nodes.len();
     nodes.push(Opened::default());
-    // Each half must fit below: a part of so many needs at most as many levels as halving makes of it.
+    // Each half must fit below: halving it must not need more levels than are left.
     let below = levels.saturating_sub(1);
     let most = 1usize << below.saturating_sub(1).min(30);
     let count = split(roots).filter(|&count| count.max(roots.len() - count) <= most);
@@ -54,7 +54,7 @@ fn build(roots: &mut [Root], levels: usize, nodes: &mut Vec<Opened>) -> Option<R
     Some((root, around_a.union(around_b)))
 }
 
-/// The box around the centres of some boxes.
+/// The box around the centres of the roots' boxes.
 fn span(roots: &[Root]) -> Box32 {
     roots.iter().fold(Box32::EMPTY, |all, (_, around)| {
         let middle = middle(around);
@@ -65,8 +65,8 @@ fn span(roots: &[Root]) -> Box32 {
     })
 }
 
-/// Orders roots by the side of the best plane on which their centres lie; how many lie on the first. `None` where
-/// no plane separates them.
+/// Partitions roots by the side of the best plane on which their centres lie; returns how many lie on the first.
+/// `None` where no plane separates them.
 fn split(roots: &mut [Root]) -> Option<usize> {
     let span = span(roots);
     let (from, size) = (
@@ -104,12 +104,12 @@ fn split(roots: &mut [Root]) -> Option<usize> {
         }
     }
     let (_, axis, first) = best?;
-    // Those of the first side come first, in the order that they had.
+    // A stable sort keeps the order on each side.
     roots.sort_by_key(|(_, around)| bin(axis, around) >= first);
     Some(roots.partition_point(|(_, around)| bin(axis, around) < first))
 }
 
-/// Orders roots along the longest axis of their centres; half of them.
+/// Partitions roots in the middle, along the longest axis of their centres; returns half their number.
 fn halve(roots: &mut [Root]) -> usize {
     let span = span(roots);
     let axis = (span.max - span.min).max_position();
@@ -121,7 +121,7 @@ fn halve(roots: &mut [Root]) -> usize {
     half
 }
 
-/// Half the surface of a box; nothing for an empty one.
+/// Half the surface area of a box; zero for an empty one.
 pub(super) fn area(around: &Box32) -> f64 {
     let size = around.max.as_dvec3() - around.min.as_dvec3();
     let DVec3 { x, y, z } = size.max(DVec3::ZERO);

@@ -1,7 +1,8 @@
-//! Trees without their boxes: as they are kept with a mesh, so that the next tree over it needs no clustering.
+//! Tree topologies: trees without their boxes, as they are kept with a mesh so that the next tree over it needs no
+//! clustering.
 //!
-//! What is kept says which triangles lie together, and nothing else. Boxes are made again from the corners as they
-//! are placed: none can be wrong.
+//! A topology says which triangles lie together, and nothing else. Boxes are recomputed from the placed corners, so
+//! that none can be wrong.
 
 use super::Triangle;
 use super::copies::copies;
@@ -12,11 +13,11 @@ use crate::scene::{Mesh, TreeTopology};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Triangles that are worth a task of their own.
+/// Triangles in one parallel task.
 const CHUNK: usize = 1 << 14;
 
 impl TreeTopology {
-    /// That of a tree over triangles in leaf order.
+    /// The topology of a tree over triangles in leaf order.
     pub(super) fn of_tree(tree: &Tree, triangles: &[Triangle]) -> Self {
         let mut nodes = vec![[0; 2]; tree.nodes.len()];
         let mut levels = 0;
@@ -43,8 +44,8 @@ impl TreeTopology {
         }
     }
 
-    /// What somebody says is a tree over a mesh, checked: each triangle that rays can hit is in one leaf, leaves are
-    /// small, and the tree is not too deep.
+    /// Checks a topology from outside against a mesh: each triangle that rays can hit is in exactly one leaf, leaves
+    /// are small, and the tree is not too deep.
     ///
     /// # Errors
     /// What does not hold, in words.
@@ -69,10 +70,10 @@ impl TreeTopology {
     }
 }
 
-/// The level of the deepest leaf of a subtree that is on this one. `None` where the nodes do not fit it.
+/// The level of the deepest leaf of a subtree whose root is on `level`. `None` where the nodes do not form a tree.
 ///
-/// Each node takes its children's nodes and triangles out of its own: however they were chosen, none is in two places,
-/// and none follows itself.
+/// Each node takes its children's nodes and triangles out of its own: whatever the numbers are, no node is in two
+/// subtrees, and none is its own descendant.
 fn levels(nodes: &[[u32; 2]], triangles: usize, level: usize) -> Option<usize> {
     let Some((&[count, below], nodes)) = nodes.split_first() else {
         return (1..=LEAF_LIMIT).contains(&triangles).then_some(level);
@@ -92,7 +93,7 @@ fn levels(nodes: &[[u32; 2]], triangles: usize, level: usize) -> Option<usize> {
     Some(a?.max(b?))
 }
 
-/// Checks that an order has each of a mesh's kept triangles once, but for the copies that no tree has.
+/// Checks that an order contains each of a mesh's kept triangles once, except for copies, which no tree has.
 fn check_order(mesh: &Mesh, order: &[u32]) -> Result<(), &'static str> {
     let count = mesh.triangles().len();
     let seen: Vec<AtomicU64> = (0..count.div_ceil(64)).map(|_| AtomicU64::new(0)).collect();

@@ -1,20 +1,21 @@
-//! A binary tree of boxes, laid out for the traversals here.
+//! A binary tree of boxes, laid out for packet and single-ray traversal.
 
 use glam::Vec3;
 use std::ops::Range;
 
-/// The deepest tree. Traversals keep their stacks in arrays of this length. Trees of millions of triangles that
-/// crowd at poles, clustered one by one, were between 64 and 96 deep; a deeper one is built by halving instead.
+/// The deepest tree. Traversals keep their stacks in arrays of this length, so a greater limit takes more of the
+/// first-level cache. Trees of millions of triangles that crowd at poles, clustered one by one, were 64 to 96 levels
+/// deep; a deeper tree is built by halving instead.
 pub(crate) const DEPTH_LIMIT: usize = 96;
 
-/// Stands for a leaf where a node's index would be. In [`Node`], the bit of a count that marks a leaf.
+/// In place of a node's index, marks a leaf; in a count of [`Node`], the bit that marks a leaf.
 const LEAF: u32 = u32::MAX;
 const LEAF_BIT: u32 = 1 << 31;
 
 /// The most triangles in a tree: counts leave one bit free.
 pub(crate) const TRIANGLE_LIMIT: u32 = LEAF_BIT - 1;
 
-/// A subtree: the run of primitive indices of its triangles, and its node unless it is a leaf.
+/// A subtree: the run of its triangles' primitive indices, and its node unless it is a leaf.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Subtree {
     node: u32,
@@ -41,7 +42,7 @@ impl Subtree {
         Self { node, first, count }
     }
 
-    /// The same with node and primitives further on by so many indices.
+    /// The same subtree with node and primitive indices increased by `by`.
     #[inline(always)]
     pub(crate) fn shifted(self, by: u32) -> Self {
         let node = if self.node == LEAF {
@@ -108,17 +109,17 @@ impl BoxPair {
 #[repr(C, align(64))]
 pub(crate) struct Node {
     pub(crate) boxes: BoxPair,
-    /// The first primitive index of the first child; those of the second follow.
+    /// The first primitive index of the first child; the second child's follow.
     first: u32,
     /// How many triangles the children have, with [`LEAF_BIT`] for leaves.
     counts: [u32; 2],
-    /// The second child's node, or [`LEAF`]. The first child's is the next one.
+    /// The second child's node, or [`LEAF`]. The first child's node is the next one.
     second: u32,
 }
 
 impl Node {
-    /// A node of these boxes and children. The first child's node follows this one, and its primitive indices
-    /// end where the second child's begin.
+    /// A node of these boxes and children. The first child's node must be the next one, and its primitive indices
+    /// must end where the second child's begin.
     pub(crate) fn of(boxes: [Box32; 2], [a, b]: [Subtree; 2]) -> Self {
         let count = |child: Subtree| {
             let bit = if child.node == LEAF { LEAF_BIT } else { 0 };
@@ -172,7 +173,7 @@ impl Box32 {
     }
 }
 
-/// The tree: nodes in depth-first order, so a first child follows its parent.
+/// A tree: nodes in depth-first order, so that a first child follows its parent.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
     pub(crate) nodes: Vec<Node>,

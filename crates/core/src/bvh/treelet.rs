@@ -1,7 +1,7 @@
 //! Treelets: boxes in small groups of neighbours along a Morton curve.
 //!
-//! Morton codes, cut at their highest differing bits, as in Lauterbach et al., "Fast BVH Construction on GPUs",
-//! 2009; such groups below a tree built with more care as in Pantaleoni and Luebke, "HLBVH: Hierarchical LBVH
+//! Morton codes, split at their highest differing bits, follow Lauterbach et al., "Fast BVH Construction on GPUs",
+//! 2009; such groups below a tree built with more care follow Pantaleoni and Luebke, "HLBVH: Hierarchical LBVH
 //! Construction for Real-Time Ray Tracing of Dynamic Geometry", 2010.
 
 use super::tree::Box32;
@@ -12,7 +12,7 @@ use std::ops::Range;
 /// The fewest boxes for which two threads are faster than one.
 const PARALLEL: usize = 1 << 13;
 
-/// Boxes in an order in which neighbours are close, and where it is cut.
+/// An order of boxes in which neighbours are close, split into treelets.
 pub(super) struct Treelets {
     /// Indices of boxes, treelet by treelet.
     order: Vec<u32>,
@@ -57,7 +57,7 @@ impl Treelets {
     }
 }
 
-/// The centre of a box. Halved first, so that the sum stays in range.
+/// The centre of a box. Halved first, so that the sum does not overflow.
 pub(super) fn middle(b: &Box32) -> Vec3 {
     b.min * 0.5 + b.max * 0.5
 }
@@ -78,7 +78,7 @@ pub(super) fn span(boxes: &[Box32], indices: &[u32]) -> Box32 {
         .reduce(|| Box32::EMPTY, Box32::union)
 }
 
-/// Sorts the boxes of these indices, and returns how many each treelet takes.
+/// Sorts the boxes of these indices along the curve; returns the number of boxes in each treelet.
 fn cut(boxes: &[Box32], indices: &mut [u32], limit: usize) -> Vec<u32> {
     let span = span(boxes, indices);
     let size = (span.max.as_dvec3() - span.min.as_dvec3()).max_element();
@@ -87,8 +87,8 @@ fn cut(boxes: &[Box32], indices: &mut [u32], limit: usize) -> Vec<u32> {
         let parts = indices.chunks(limit);
         return parts.map(|part| part.len() as u32).collect();
     }
-    // A key is a cell of a cubic grid, then the place in `indices`: keys are distinct, and sort to the same
-    // order everywhere.
+    // A key is a cell of a cubic grid, then the index in `indices`: keys are distinct, and sort to the same order
+    // everywhere.
     let place_bits = usize::BITS - indices.len().leading_zeros();
     let axis_bits = (u64::BITS - place_bits) / 3;
     let cells = f64::from(1u32 << axis_bits);
@@ -135,7 +135,7 @@ struct Part<'p> {
     indices: &'p mut [u32],
 }
 
-/// What cutting needs besides keys.
+/// The parameters of splitting, besides the keys.
 #[derive(Clone, Copy)]
 struct Cutter<'b> {
     boxes: &'b [Box32],
@@ -144,8 +144,8 @@ struct Cutter<'b> {
 }
 
 impl Cutter<'_> {
-    /// Cuts at the highest bit in which keys differ, until parts are small enough; returns how many boxes
-    /// each has.
+    /// Splits at the highest bit in which keys differ, until parts are small enough; returns the number of boxes in
+    /// each.
     fn cut(self, part: Part<'_>) -> Vec<u32> {
         if part.keys.len() < PARALLEL {
             let mut counts = Vec::new();
@@ -162,7 +162,7 @@ impl Cutter<'_> {
         }
     }
 
-    /// The same on this thread alone.
+    /// As `cut`, on this thread alone.
     fn cut_here(self, part: Part<'_>, counts: &mut Vec<u32>) {
         if part.keys.len() <= self.limit {
             counts.push(part.keys.len() as u32);
@@ -176,8 +176,7 @@ impl Cutter<'_> {
         }
     }
 
-    /// A part's two halves, or itself if all of it lies in one cell of the grid: it then gets a grid of its
-    /// own.
+    /// A part's two halves, or the part itself if it lies in one cell of the grid: it then gets a grid of its own.
     fn halves<'p>(self, part: Part<'p>) -> Result<[Part<'p>; 2], Part<'p>> {
         let (Some(first), Some(last)) = (part.keys.first(), part.keys.last()) else {
             return Err(part);

@@ -1,5 +1,5 @@
-//! Building over instances: a tree a mesh, and a top-level tree over the objects. After a change of the objects only
-//! the latter is built anew.
+//! Building over instances: a tree for each mesh, and a top-level tree over the objects. When objects change, only
+//! the latter is rebuilt.
 
 use super::build::build_world;
 use super::flatten::{World, common_origin};
@@ -15,23 +15,21 @@ use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap, HashSet};
 use std::sync::{Arc, Weak};
 
-/// The most objects of a scene for which a change is made at once: the top-level tree takes about a microsecond an
-/// object.
+/// The most objects of a scene for which [`build`] is quick: the top-level tree takes about a microsecond an object.
 const QUICK_OBJECTS: usize = 4096;
 
-/// The most objects of a change that is made at once that are in a new place: to find how far one reaches takes some
-/// ten microseconds.
+/// The most new placements for which [`build`] is quick: finding the bounds of one takes some ten microseconds.
 const QUICK_PLACES: usize = 64;
 
-/// The most triangles of a mesh whose tree is brought back to its own space at once.
+/// The most triangles of a mesh whose tree a quick [`build`] refits to the mesh's own space.
 const QUICK_TRIANGLES: usize = 1 << 16;
 
-/// The most triangles of a scene whose corners are all placed once instead of by each packet: 60 MB. Casting took
-/// 1.2 to 1.9 times as long where packets place them. A mesh of one object alone always is: its tree in its own
-/// space is then not kept.
+/// The most triangles of a scene whose corners are all placed once, in 60 MB, instead of by each packet: casting
+/// takes 1.2 to 1.9 times as long where packets place them. The corners of a mesh that only one object has are always
+/// placed; its tree in its own space is then not kept.
 const PLACED_TRIANGLES: usize = 1 << 20;
 
-/// The triangles that are stored for a scene: see [`PLACED_TRIANGLES`].
+/// The number of triangles that are stored for a scene: see [`PLACED_TRIANGLES`].
 pub(super) fn stored_triangles(scene: &Scene) -> usize {
     let all = scene.triangle_count();
     if all <= PLACED_TRIANGLES {
@@ -43,21 +41,22 @@ pub(super) fn stored_triangles(scene: &Scene) -> usize {
     meshes.values().sum()
 }
 
-/// The most subtrees of objects below the top-level tree, unless there are more objects.
+/// The most subtrees of objects below the top-level tree, unless there are more objects. With more, overlapping
+/// objects are separated better; with fewer, the top-level tree is built faster.
 const ROOTS: usize = 1024;
 
-/// A mesh, by its address, in its place, as bits.
+/// A mesh, by its address, and its transform, as bits.
 type Key = (usize, [u64; 12]);
 
-/// What trees of a scene's next states may take over, by the meshes' addresses.
+/// Trees that the next state of a scene may reuse, by the meshes' addresses.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Known {
-    /// An address stays a mesh's own for as long as there is a reference to it, were it a weak one.
+    /// An address stays a mesh's own as long as a reference to it exists, even a weak one.
     meshes: HashMap<usize, Weak<Mesh>>,
-    /// In the mesh's own space.
+    /// Trees in the mesh's own space.
     trees: HashMap<usize, Arc<MeshTree>>,
     placed: HashMap<Key, Placed>,
-    /// For each mesh a tree of all its triangles whose corners are in place somewhere, if there is one.
+    /// For each mesh with one, a tree of all its triangles whose corners are placed.
     trees_in_place: HashMap<usize, Arc<MeshTree>>,
 }
 
@@ -79,7 +78,7 @@ impl Known {
         }
     }
 
-    /// What is known of meshes in their places, and of the others the number of an object that has each.
+    /// The known placed meshes among `keys`; and for each other key, the number of an object that has it.
     fn placed_and_missing(&self, keys: &[Key]) -> (HashMap<Key, Placed>, HashMap<Key, usize>) {
         let mut placed = HashMap::with_capacity(keys.len());
         let mut missing = HashMap::new();
@@ -92,7 +91,7 @@ impl Known {
         (placed, missing)
     }
 
-    /// Adds what is known of meshes whose only tree is in a place: an object that is gone may come back.
+    /// Keeps the placed trees of meshes that have no other tree: an object that was removed may come back.
     fn keep_only_trees(
         &self,
         meshes: &HashMap<usize, Weak<Mesh>>,
@@ -111,18 +110,18 @@ impl Known {
         }
     }
 
-    /// Whether there is a tree of a mesh, in its own space or placed.
+    /// Whether a mesh has a tree, in its own space or placed.
     fn has_tree(&self, address: usize) -> bool {
         self.trees.contains_key(&address) || self.trees_in_place.contains_key(&address)
     }
 
-    /// All trees, some of them more than once.
+    /// All trees; a tree that is used more than once is repeated.
     pub(super) fn all_trees(&self) -> impl Iterator<Item = &Arc<MeshTree>> {
         let placed = self.placed.values().map(|placed| &placed.tree);
         self.trees.values().chain(placed)
     }
 
-    /// Bytes kept beside the trees.
+    /// Bytes retained beside the trees.
     pub(super) fn retained_bytes(&self) -> usize {
         fn table<K, V>(map: &HashMap<K, V>) -> usize {
             map.capacity() * size_of::<(K, V)>()
@@ -140,7 +139,7 @@ fn key(object: &Object, world_from_object: &DAffine3) -> Key {
     (address(&object.mesh), bits)
 }
 
-/// The tree of a mesh alone; for one place alone, where it is over the mesh's triangles as they are there.
+/// The tree of a mesh alone; with `is_for_one_place`, of its triangles as they are placed there.
 fn mesh_tree(world: World<'_>, is_for_one_place: bool) -> Arc<MeshTree> {
     let accel = build_world(world, DEPTH_LIMIT - TOP_DEPTH);
     Arc::new(MeshTree {
@@ -151,10 +150,10 @@ fn mesh_tree(world: World<'_>, is_for_one_place: bool) -> Arc<MeshTree> {
     })
 }
 
-/// Builds over a scene, taking over the trees that the one before has. With `quick`, `None` where it would take
+/// Builds the structure over a scene, reusing the trees of the one before. With `quick`, `None` where it would take
 /// long.
 ///
-/// The origin stays that of the tree before: moving an object moves no corner of another one.
+/// The origin stays that of the structure before, so that moving an object changes no other's corners.
 pub(super) fn build(
     scene: &Scene,
     before: Option<&Accel>,
@@ -214,7 +213,7 @@ pub(super) fn build(
         };
     };
     let (top, root) = top_level(&mut roots(&all, most_roots));
-    // Those of the top-level tree are wider where objects are opened.
+    // From the instances: the roots of the top-level tree are wider where instances were opened.
     let bounds = all.iter().map(|instance| instance.placed.bounds);
     let tree = Tree {
         nodes: Vec::new(),
@@ -233,7 +232,7 @@ pub(super) fn build(
     }))
 }
 
-/// How many objects have each mesh.
+/// The number of objects that have each mesh.
 fn uses(keys: &[Key]) -> HashMap<usize, usize> {
     let mut uses = HashMap::new();
     for (address, _) in keys {
@@ -242,14 +241,14 @@ fn uses(keys: &[Key]) -> HashMap<usize, usize> {
     uses
 }
 
-/// Brings meshes' trees into places that no tree is known in.
+/// Places meshes' trees where no placed tree is known.
 struct Placer<'a> {
     world: &'a World<'a>,
     known: &'a Known,
-    /// In the meshes' own spaces.
+    /// Trees in the meshes' own spaces.
     trees: &'a HashMap<usize, Arc<MeshTree>>,
     uses: &'a HashMap<usize, usize>,
-    /// Whether objects are put into the scene rather than moved in it.
+    /// Whether objects were loaded with the scene, and not moved in it.
     is_loaded: bool,
     /// Whether all corners may be placed: see [`PLACED_TRIANGLES`].
     is_small: bool,
@@ -257,7 +256,7 @@ struct Placer<'a> {
 }
 
 impl Placer<'_> {
-    /// Places what is missing. With `quick`, `None` where it would take long.
+    /// Places the missing keys. With `quick`, `None` where it would take long.
     fn place_all(
         &self,
         missing: HashMap<Key, usize>,
@@ -274,7 +273,8 @@ impl Placer<'_> {
         Some(())
     }
 
-    /// The tree of a key's mesh in the place of an object, by its number. With `quick`, `None` where it would take long.
+    /// The tree of a key's mesh, placed as the object of this number is. With `quick`, `None` where it would take
+    /// long.
     fn place(&self, key: Key, number: usize) -> Option<Placed> {
         let object = &self.world.objects[number];
         let tree = self.trees.get(&key.0)?;
@@ -282,7 +282,7 @@ impl Placer<'_> {
             if self.quick && tree.triangles.len() > QUICK_TRIANGLES {
                 return None;
             }
-            // Not all of it may be within reach: a tree of its own over what is.
+            // Some triangles may be out of range: builds a tree over the others.
             let tree = mesh_tree(World::alone(object.mesh, object.placement), true);
             Placed::new(tree, None)
         })?;
@@ -293,8 +293,8 @@ impl Placer<'_> {
         })
     }
 
-    /// Whether a mesh's corners are placed once. What is moved by hand goes on being moved: its corners are left to the
-    /// packets.
+    /// Whether a mesh's corners are placed once. An object that a person moves will be moved again, so its corners
+    /// are left to the packets.
     fn places_corners(&self, mesh: usize) -> bool {
         !self.quick
             && self.is_loaded
@@ -303,7 +303,7 @@ impl Placer<'_> {
     }
 }
 
-/// Removes the trees of meshes of one object that are the objects' own: they are not kept twice.
+/// Removes trees of meshes with one object where that object has a placed tree of its own.
 fn drop_doubles(
     trees: &mut HashMap<usize, Arc<MeshTree>>,
     placed: &HashMap<Key, Placed>,
@@ -320,7 +320,7 @@ fn drop_doubles(
     }
 }
 
-/// The meshes that are known or in a scene, and still exist.
+/// The meshes, known or of the scene, that still exist.
 fn living_meshes(scene: &Scene, known: &Known) -> HashMap<usize, Weak<Mesh>> {
     let mut meshes = known.meshes.clone();
     for object in &scene.objects {
@@ -333,9 +333,9 @@ fn living_meshes(scene: &Scene, known: &Known) -> HashMap<usize, Weak<Mesh>> {
     meshes
 }
 
-/// The instances of all visible objects, each with primitive indices of its own, behind those of the top-level tree; and
-/// how many triangles are out of range. `None` where there are more indices than there may be: one tree needs none but the
-/// triangles'.
+/// The instances of all visible objects, each with its primitive indices, which follow those of the top-level tree;
+/// and the number of triangles out of range. `None` where 32 bits do not hold the indices: one tree over all needs
+/// fewer, since it has no pages.
 fn instances(
     keys: &[Key],
     placed: &HashMap<Key, Placed>,
@@ -344,7 +344,7 @@ fn instances(
 ) -> Option<(Vec<Instance>, u32)> {
     let mut all = Vec::with_capacity(keys.len());
     let (mut next, mut out_of_range) = (pages_after(0, most_roots as u32), 0);
-    // Of objects that are one mesh in one place the first wins wherever rays hit them.
+    // Of objects with one mesh and one transform the first wins wherever rays hit them.
     let mut seen = HashSet::with_capacity(keys.len());
     for (object, key) in keys.iter().enumerate() {
         let Some(placed) = placed.get(key).filter(|_| world.objects[object].visible) else {
@@ -367,8 +367,7 @@ fn instances(
     Some((all, out_of_range))
 }
 
-/// The trees that are known, and those of some meshes. `None` where one would have to be built, and that is not
-/// `quick`.
+/// The known trees, and those of some meshes. With `quick`, `None` where one would have to be built.
 fn trees<'m>(
     meshes: impl Iterator<Item = &'m Arc<Mesh>>,
     known: &Known,
@@ -398,9 +397,9 @@ fn trees<'m>(
     Some(trees)
 }
 
-/// The subtrees that the top-level tree is built over: the objects' roots, and where there is room for more than
-/// those the largest ones opened, so that rays distinguish objects that overlap (Benthin, Woop, Wald, Áfra,
-/// "Improved Two-Level BVHs using Partial Re-Braiding", 2017).
+/// The subtrees that the top-level tree is built over: the objects' roots and, while there are fewer than `most`, the
+/// children of the largest ones, so that rays distinguish objects that overlap (Benthin, Woop, Wald, Áfra, "Improved
+/// Two-Level BVHs using Partial Re-Braiding", 2017).
 fn roots(all: &[Instance], most: usize) -> Vec<Root> {
     let roots = all.iter().filter_map(|instance| {
         let root = instance.placed.tree.tree.root?;
@@ -408,7 +407,7 @@ fn roots(all: &[Instance], most: usize) -> Vec<Root> {
     });
     let mut roots: BinaryHeap<SizedRoot<'_>> = roots.collect();
     let mut done = Vec::with_capacity(most);
-    // One object overlaps no other.
+    // A single object overlaps no other.
     while all.len() > 1 && roots.len() + done.len() < most {
         let Some(largest) = roots.pop() else { break };
         match largest.opened() {
@@ -422,7 +421,7 @@ fn roots(all: &[Instance], most: usize) -> Vec<Root> {
     done.into_iter().map(shifted).collect()
 }
 
-/// A subtree of an instance, by the area of its box.
+/// A subtree of an instance, ordered by the area of its box.
 struct SizedRoot<'i> {
     area: f64,
     instance: &'i Instance,
@@ -440,7 +439,7 @@ impl<'i> SizedRoot<'i> {
         }
     }
 
-    /// Its children, unless it is a leaf.
+    /// The children, unless it is a leaf.
     fn opened(&self) -> Option<[Self; 2]> {
         let Opened { boxes, children } = self.instance.placed.open(self.subtree.node()?);
         let [a, b] = children;

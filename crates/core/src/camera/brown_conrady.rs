@@ -2,19 +2,23 @@ use glam::DVec3;
 use std::fmt;
 use std::str::FromStr;
 
-/// Newton steps. Each doubles the digits that are right, from a start that is off by the distortion itself; five or six
-/// do for calibrated lenses. Where the distortion folds back, a step halves the error at worst.
+/// Newton steps. Each doubles the number of correct digits, from a start that is off by the distortion itself; five
+/// or six suffice for calibrated lenses. Where the distortion folds back, a step halves the error at worst; fewer
+/// steps than 12 would lose such directions, more would only repeat roundings.
 const STEPS: usize = 12;
 
-/// How far from the place, of its size or one, the last step may have arrived: where a thousand pixels are a
-/// radian, a millionth of a pixel. Places whose steps wander arrive nowhere near.
+/// Newton steps from near a direction: three more than a start that is off by a millionth needs.
+const NEAR_STEPS: usize = 4;
+
+/// The largest last step, relative to the place or to one, of an iteration that converged: with a thousand pixels a
+/// radian, a millionth of a pixel. Iterations that do not converge end far from that.
 const ARRIVED: f64 = 1e-9;
 
-/// The squared tangent up to which a distortion that never folds back is used: 89.9 degrees off the view axis.
+/// The squared tangent up to which a distortion that never folds back is used: to 89.9 degrees off the view axis.
 const WIDEST: f64 = 1e6;
 
-/// The distortion of a calibrated lens, in OpenCV's order k1, k2, p1, p2, k3: Brown, "Decentering Distortion of Lenses",
-/// 1966; Conrady, "Decentred Lens-Systems", 1919.
+/// The distortion of a calibrated lens, in OpenCV's order k1, k2, p1, p2, k3: Brown, "Decentering Distortion of
+/// Lenses", 1966; Conrady, "Decentred Lens-Systems", 1919.
 ///
 /// A point in direction (x, y, 1) to the right, down and forward, with r² = x² + y², is seen at
 ///
@@ -23,17 +27,17 @@ const WIDEST: f64 = 1e6;
 /// y (1 + k1 r² + k2 r⁴ + k3 r⁶) + p1 (r² + 2 y²) + 2 p2 x y
 /// ```
 ///
-/// to the right of and below the picture's middle, where a unit is a radian. A picture has the places of directions
-/// within the radius where r (1 + k1 r² + k2 r⁴ + k3 r⁶) rises; beyond it the lens would show everything twice.
+/// to the right of and below the picture's middle, in radians at the middle. The picture ends where r (1 + k1 r² + k2
+/// r⁴ + k3 r⁶) stops rising: beyond that radius the lens would show everything twice.
 #[derive(Clone, Copy, Debug)]
 pub struct BrownConrady {
     coefficients: [f64; 5],
-    /// r² where the radius begins to fall.
+    /// The squared radius at which the distorted radius stops rising.
     end: f64,
     well_behaved: WellBehaved,
 }
 
-/// Coefficients that are no numbers.
+/// A coefficient that is not finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("expected five finite numbers, k1,k2,p1,p2,k3")]
 pub struct LensError;
@@ -63,12 +67,13 @@ impl BrownConrady {
         self.coefficients
     }
 
-    /// The tangent of the angle from the view axis where the picture ends.
+    /// The tangent of the angle from the view axis at which the picture ends.
     pub fn end(&self) -> f64 {
         self.end.sqrt()
     }
 
-    /// Where a direction (x, y, 1) to the right, down and forward is seen; `None` beyond the lens's end.
+    /// The place at which a direction (x, y, 1), to the right, down and forward, is seen; `None` beyond the lens's
+    /// end.
     pub fn distort(&self, x: f64, y: f64) -> Option<(f64, f64)> {
         (x * x + y * y < self.end).then(|| {
             let at = self.at(x, y);
@@ -76,16 +81,27 @@ impl BrownConrady {
         })
     }
 
-    /// The directions (x, y, 1) that are seen at some places, by Newton's method, and which of them there are.
+    /// The directions (x, y, 1) that are seen at these places, and which of them exist.
     #[inline(always)]
-    pub(crate) fn undistort<const N: usize>(
+    fn undistort<const N: usize>(
         &self,
         to_x: &[f64; N],
         to_y: &[f64; N],
     ) -> ([[f64; N]; 2], [bool; N]) {
+        let [x, y] = self.steps_towards(to_x, to_y);
+        ([x, y], self.arrived([to_x, to_y], [&x, &y]))
+    }
+
+    /// Where Newton's steps towards some places lead from there.
+    #[inline(always)]
+    pub(super) fn steps_towards<const N: usize>(
+        &self,
+        to_x: &[f64; N],
+        to_y: &[f64; N],
+    ) -> [[f64; N]; 2] {
         let (mut x, mut y) = (*to_x, *to_y);
-        // Steps repeat themselves once they go back and forth between roundings of the root, or stay: then what the last
-        // one comes to is known.
+        // Once steps alternate between roundings of the root, or are zero, they repeat; the result after [`STEPS`]
+        // steps is then known.
         let mut before = [[0.0; N]; 2];
         for step in 0..STEPS {
             let last = [x, y];
@@ -104,39 +120,88 @@ impl BrownConrady {
             }
             before = last;
         }
+        [x, y]
+    }
+
+    /// Which of some directions are seen at these places, within the lens's end.
+    #[inline(always)]
+    pub(super) fn arrived<const N: usize>(
+        &self,
+        [to_x, to_y]: [&[f64; N]; 2],
+        [x, y]: [&[f64; N]; 2],
+    ) -> [bool; N] {
         let mut has = [false; N];
         for lane in 0..N {
             let at = self.at(x[lane], y[lane]);
             let size = 1.0 + to_x[lane].abs() + to_y[lane].abs();
             let off = (at.x - to_x[lane]).abs() + (at.y - to_y[lane]).abs();
             let is_inside = x[lane] * x[lane] + y[lane] * y[lane] < self.end;
-            // NaN is neither near nor inside.
+            // NaN fails these comparisons.
             has[lane] = (off <= ARRIVED * size) & is_inside & (at.determinant() > 0.0);
         }
-        ([x, y], has)
+        has
     }
 
-    /// Whether the picture has the place `a` to the right of and `b` above the middle.
+    /// The directions (x, y, 1) that are seen at well-behaved places, by Newton's method from near them: off by less than
+    /// 720ε, ε = 2⁻⁵³, as are those of [`BrownConrady::undistort`]. `None` where they are not near enough.
+    #[inline(always)]
+    pub(crate) fn undistort_from<const N: usize>(
+        &self,
+        [to_x, to_y]: [&[f64; N]; 2],
+        [mut x, mut y]: [[f64; N]; 2],
+    ) -> Option<[[f64; N]; 2]> {
+        let WellBehaved { reach, settled, .. } = self.well_behaved;
+        for _ in 0..NEAR_STEPS {
+            let (mut furthest, mut longest) = ([0.0; N], [0.0; N]);
+            for lane in 0..N {
+                let at = self.at(x[lane], y[lane]);
+                let (off_x, off_y) = (at.x - to_x[lane], at.y - to_y[lane]);
+                let inverse = 1.0 / at.determinant();
+                let by_x = (at.yy * off_x - at.xy * off_y) * inverse;
+                let by_y = (at.xx * off_y - at.xy * off_x) * inverse;
+                furthest[lane] = x[lane] * x[lane] + y[lane] * y[lane];
+                longest[lane] = by_x * by_x + by_y * by_y;
+                x[lane] -= by_x;
+                y[lane] -= by_y;
+            }
+            let (mut is_near, mut has_settled) = (true, true);
+            for lane in 0..N {
+                // NaN is neither.
+                is_near &= furthest[lane] <= reach * reach;
+                has_settled &= longest[lane] <= settled * settled;
+            }
+            if !is_near {
+                return None;
+            }
+            if has_settled {
+                return Some([x, y]);
+            }
+        }
+        None
+    }
+
+    /// Whether the picture has the place `a` to the right of and `b` above its middle.
     pub(super) fn has_place(&self, a: f64, b: f64) -> bool {
         self.is_well_behaved(a, b) || self.direction(a, b).is_some()
     }
 
-    /// The same of several, all as far above.
+    /// As [`Self::has_place`], for several places at one height.
     pub(super) fn has_places<const N: usize>(&self, a: [f64; N], b: f64) -> [bool; N] {
         self.undistort(&a, &[-b; N]).1
     }
 
-    /// Whether a place is so near to the middle that the picture has it and all that are nearer, whatever the steps.
+    /// Whether the picture surely has a place and all places closer to the middle, because Newton's method converges
+    /// there.
     #[inline(always)]
     pub(super) fn is_well_behaved(&self, a: f64, b: f64) -> bool {
         a * a + b * b <= self.well_behaved.radius * self.well_behaved.radius
     }
 
-    /// The least and the greatest tangents, to the right and up, of the rays through a rectangle of places; `None` where
-    /// it is not all well-behaved.
+    /// The least and the greatest tangents, to the right and up, of the rays through a rectangle of places; `None`
+    /// unless all of it is well-behaved.
     ///
-    /// With g the inverse of the distortion, J its derivative at the rectangle's middle and h from there to a place, g
-    /// is off from g(middle) + J h by at most ½ max ‖D²g‖ |h|².
+    /// With g the inverse of the distortion, J its derivative at the rectangle's middle and h from there to a place,
+    /// g differs from g(middle) + J h by at most ½ max ‖D²g‖ |h|².
     pub(super) fn window(
         &self,
         (left, right): (f64, f64),
@@ -153,20 +218,20 @@ impl BrownConrady {
         let bend = self.well_behaved.bend * (across * across + along * along);
         let reach = |by_a: f64, by_b: f64| {
             let reach = by_a.abs() * across + by_b.abs() * along + bend;
-            // Far more than the roundings of directions and derivatives.
+            // Far more than the rounding of directions and derivatives.
             reach * (1.0 + 1e-9) + 1e-9
         };
         let (x, y) = (reach(by_a.x, by_b.x), reach(by_a.y, by_b.y));
         Some([(middle.x - x, middle.x + x), (middle.y - y, middle.y + y)])
     }
 
-    /// Where (x, y) is seen, and how that changes.
+    /// The place where (x, y) is seen, and its derivatives.
     #[inline(always)]
     fn at(&self, x: f64, y: f64) -> Seen {
         let [k1, k2, p1, p2, k3] = self.coefficients;
         let squared = x * x + y * y;
         let radial = 1.0 + squared * (k1 + squared * (k2 + squared * k3));
-        // Twice the derivative of that by r².
+        // Twice the derivative of the scale by r².
         let slope = 2.0 * (k1 + squared * (2.0 * k2 + squared * (3.0 * k3)));
         Seen {
             x: x * radial + 2.0 * p1 * (x * y) + p2 * (squared + 2.0 * (x * x)),
@@ -177,13 +242,14 @@ impl BrownConrady {
         }
     }
 
-    /// The direction, to the right, up and forward, that is seen `a` to the right of and `b` above the middle.
+    /// The direction, to the right, up and forward, that is seen at the place `a` to the right of and `b` above the
+    /// middle.
     pub(super) fn direction(&self, a: f64, b: f64) -> Option<DVec3> {
         let ([[x], [y]], [has]) = self.undistort(&[a], &[-b]);
         has.then(|| DVec3::new(x, -y, 1.0))
     }
 
-    /// The derivatives of that along a and b.
+    /// The derivatives of [`Self::direction`] by a and b.
     pub(super) fn derivatives(&self, a: f64, b: f64) -> [DVec3; 2] {
         let Some(direction) = self.direction(a, b) else {
             return [DVec3::ZERO; 2];
@@ -196,7 +262,7 @@ impl BrownConrady {
         ]
     }
 
-    /// The place, to the right and up, where a direction is seen.
+    /// The place, to the right and up, at which a direction is seen.
     pub(super) fn place(&self, direction: DVec3) -> Option<(f64, f64)> {
         if direction.z <= 0.0 {
             return None;
@@ -206,7 +272,7 @@ impl BrownConrady {
     }
 }
 
-/// Where a point is seen, and the derivatives of that, a symmetric matrix.
+/// The place at which a point is seen, and its derivatives, a symmetric matrix.
 struct Seen {
     x: f64,
     y: f64,
@@ -232,7 +298,7 @@ fn are_same<const N: usize>(a: &[f64; N], b: &[f64; N]) -> bool {
     differ == 0
 }
 
-/// Within what radius of places Newton's steps are sure to arrive, at the one direction that is seen there.
+/// The radius of places within which Newton's method surely converges to the one direction that is seen there.
 ///
 /// With f the distortion, r the radius of directions, a = |k1|, b = |k2|, c = |k3| and p = |p1| + |p2|:
 ///
@@ -240,47 +306,63 @@ fn are_same<const N: usize>(a: &[f64; N], b: &[f64; N]) -> bool {
 /// * ‖Df − 1‖ ≤ e(r) = 3 a r² + 5 b r⁴ + 7 c r⁶ + 6 p r,
 /// * ‖D²f‖ ≤ l(r) = 6 a r + 20 b r³ + 42 c r⁵ + 6 p,
 ///
-/// since |x|²ᵏ x has second derivatives up to 2k (2k + 1) r²ᵏ⁻¹, and the tangential part is |x|² q + 2 (q·x) x with
-/// q = (p2, p1). Steps towards a place at radius R start there, and the first one is at most η = d(R)/(1 − e(R)) long.
-/// Where h = η · l(R + 2η)/(1 − e(R)) ≤ ½ they arrive at a root within 2η (Kantorovich, "Functional analysis and applied
-/// mathematics", 1948); with h ≤ ¼ each is at most half as long as the one before, squared: twelve do, but for
-/// rounding. Within R + 2η, where e < 1, f is one to one, and its derivative has no determinant of zero. There
-/// ‖Dg‖ ≤ 1/(1 − e) for the inverse g, and ‖D²g‖ ≤ l/(1 − e)³.
+/// since |x|²ᵏ x has second derivatives up to 2k (2k + 1) r²ᵏ⁻¹, and the tangential part is |x|² q + 2 (q·x) x with q
+/// = (p2, p1). Steps towards a place at radius R start there, and the first one is at most η = d(R)/(1 − e(R)) long.
+/// Where h = η · l(R + 2η)/(1 − e(R)) ≤ ½ they converge to a root within 2η (Kantorovich, "Functional analysis and
+/// applied mathematics", 1948); with h ≤ ¼ each is at most half as long as the one before, squared: twelve suffice,
+/// except for rounding. Within R + 2η, where e < 1, f is one to one, and its derivative has no determinant of zero.
+/// There ‖Dg‖ ≤ 1/(1 − e) for the inverse g, and ‖D²g‖ ≤ l/(1 − e)³.
+///
+/// From a start within R + 2η a step as long as L, towards a place in R, was off by (1 + e)/(1 − e)·L at most before, since
+/// ‖f(x) − f(y)‖ is between (1 − e)‖x − y‖ and (1 + e)‖x − y‖, and is off by ½ l/(1 − e) times that squared behind: below 64ε
+/// with L of ((1 − e)/(1 + e)) √(128ε (1 − e)/l).
+/// Where the steps end, rounding is left. With e ≤ 0.9 the radial factor differs from one by 0.3 at most, and what is
+/// added to it by 0.3·r: with r ≤ 2 each coordinate of f is rounded by less than 31ε, both by less than 45ε, and a step's
+/// end by that over 1 − e and by ε of itself: 460ε, and with the 64ε less than 720ε.
 #[derive(Clone, Copy, Debug)]
 struct WellBehaved {
-    /// R, the greatest such radius, or a little less.
+    /// R, the greatest such radius, or slightly less.
     radius: f64,
-    /// ½ max ‖D²g‖ over it.
+    /// ½ max ‖D²g‖ within the radius.
     bend: f64,
+    /// R + 2η.
+    reach: f64,
+    /// The longest step behind which the direction is known.
+    settled: f64,
 }
 
-/// The greatest e in use: far enough below one for the roundings of all that is worked out here.
+/// The greatest e in use: far enough below one to cover the rounding of all that is computed here.
 const GREATEST_SLOPE: f64 = 0.9;
 
 /// The greatest h in use.
 const GREATEST_CURVATURE: f64 = 0.25;
 
-/// The greatest tangent of a direction in use, on the plane that a lens's packets share: bounds of roundings there
-/// (`packet/places`) go by it.
+/// The greatest tangent of a direction on the plane that a lens's packets share; the rounding bounds in
+/// `packet/places` are proportional to it.
 pub(crate) const FLATTEST: f64 = 2.0;
 
 impl WellBehaved {
     fn new(coefficients: [f64; 5], end: f64) -> Self {
-        let (mut radius, mut beyond) = (0.0, FLATTEST);
-        let mut bend = 0.0;
-        // To a millionth of the greatest.
+        let mut found = Self {
+            radius: 0.0,
+            bend: 0.0,
+            reach: 0.0,
+            settled: 0.0,
+        };
+        let mut beyond = FLATTEST;
+        // Bisection, to a millionth of the greatest radius.
         for _ in 0..20 {
-            let middle = (radius + beyond) * 0.5;
-            match Self::bend(coefficients, end, middle) {
-                Some(found) => (radius, bend) = (middle, found),
+            let middle = (found.radius + beyond) * 0.5;
+            match Self::within(coefficients, end, middle) {
+                Some(all) => found = all,
                 None => beyond = middle,
             }
         }
-        Self { radius, bend }
+        found
     }
 
-    /// ½ max ‖D²g‖ for this radius, if it is not too large.
-    fn bend(coefficients: [f64; 5], end: f64, radius: f64) -> Option<f64> {
+    /// What holds within a radius; `None` where the bounds do not.
+    fn within(coefficients: [f64; 5], end: f64, radius: f64) -> Option<Self> {
         let [a, b, p1, p2, c] = coefficients.map(f64::abs);
         let p = p1 + p2;
         let off = |r: f64| r * r * (r * (a + r * r * (b + r * r * c)) + 3.0 * p);
@@ -295,25 +377,32 @@ impl WellBehaved {
             && reach * reach <= 0.999 * end
             && slope(reach) <= GREATEST_SLOPE
             && first * curvature(reach) <= GREATEST_CURVATURE * rest;
-        let steepest = 1.0 / (1.0 - slope(reach));
-        is_well_behaved.then(|| 0.5 * curvature(reach) * steepest * steepest * steepest)
+        let (least, most) = (1.0 - slope(reach), 1.0 + slope(reach));
+        // Without curvature any step ends at the direction.
+        let longest = (64.0 * f64::EPSILON * least / curvature(reach)).sqrt();
+        is_well_behaved.then(|| Self {
+            radius,
+            bend: 0.5 * curvature(reach) / (least * least * least),
+            reach,
+            settled: (longest * least / most).min(FLATTEST),
+        })
     }
 }
 
-/// The least r² where 1 + 3 k1 r² + 5 k2 r⁴ + 7 k3 r⁶, the derivative of the radius, is no more positive: between the
-/// extremes of the cubic it is found by halving.
+/// The least r² where 1 + 3 k1 r² + 5 k2 r⁴ + 7 k3 r⁶, the derivative of the distorted radius, stops being positive;
+/// by bisection between the extremes of the cubic.
 fn fold([k1, k2, _, _, k3]: [f64; 5]) -> f64 {
     let rise = |s: f64| 1.0 + s * (3.0 * k1 + s * (5.0 * k2 + s * (7.0 * k3)));
-    // Its derivative is c + 2 b s + a s².
+    // The derivative of the cubic is c + 2 b s + a s².
     let (a, b, c) = (21.0 * k3, 5.0 * k2, 3.0 * k1);
     let root = (b * b - a * c).max(0.0).sqrt();
-    // Without cancellation; those that are no numbers, or beyond the ends, are no extremes.
+    // The roots without cancellation; NaN roots, or roots beyond the ends, are no extremes.
     let sum = if b < 0.0 { root - b } else { -(b + root) };
     let mut ends = [sum / a, c / sum, WIDEST];
     ends.sort_unstable_by(f64::total_cmp);
     let mut low = 0.0;
     for end in ends.into_iter().filter(|&end| end > 0.0 && end <= WIDEST) {
-        // NaN does not rise.
+        // NaN counts as not rising.
         let rises = rise(end) > 0.0;
         if rises {
             low = end;
@@ -344,7 +433,7 @@ impl Eq for BrownConrady {}
 
 impl std::hash::Hash for BrownConrady {
     fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
-        // Zeros are equal, whatever their sign.
+        // Minus zero equals zero.
         self.coefficients
             .map(|number| (number + 0.0).to_bits())
             .hash(state);

@@ -3,7 +3,8 @@ use crate::camera::{Camera, ImagePlane, Panorama, Placement, Projection};
 use crate::math;
 use crate::random::Random;
 
-/// Lenses, and points (x, y) with the place where OpenCV shows (x, y, 1): printed by `tests/tools/opencv_lenses.py`.
+/// Lenses, and points (x, y) with the places where OpenCV shows (x, y, 1), as `tests/tools/opencv_lenses.py` prints
+/// them.
 type Shown = ([f64; 5], [[f64; 4]; 7]);
 
 #[rustfmt::skip]
@@ -89,7 +90,7 @@ fn points_are_seen_where_opencv_projects_them_and_rays_go_back_to_them() {
 #[test]
 fn a_picture_ends_where_the_lens_folds_back() {
     for (coefficients, end) in [
-        // 1 + 3 k1 r² = 0; 1 + 7 k3 r⁶ = 0; never.
+        // The roots: 1 + 3 k1 r² = 0; 1 + 7 k3 r⁶ = 0; none.
         ([-0.3, 0.0, 0.0, 0.0, 0.0], (1.0 / 0.9_f64).sqrt()),
         ([0.0, 0.0, 0.0, 0.0, -1.0 / 7.0], 1.0),
         ([0.1, 0.1, 0.0, 0.0, 0.1], 1000.0),
@@ -150,7 +151,7 @@ fn directions_and_places_are_each_others_inverse() {
     }
 }
 
-/// Lenses, calibrated and not.
+/// Calibrated and arbitrary lenses.
 fn many() -> impl Iterator<Item = BrownConrady> {
     let mut random = Random(44);
     let made = (0..200).map(move |_| {
@@ -163,7 +164,7 @@ fn many() -> impl Iterator<Item = BrownConrady> {
     made.chain(known).chain([[0.0; 5]]).map(lens)
 }
 
-/// The steps one by one, to the last.
+/// All of Newton's steps, one by one.
 fn by_all_steps(lens: &BrownConrady, to_x: f64, to_y: f64) -> [f64; 2] {
     let (mut x, mut y) = (to_x, to_y);
     for _ in 0..STEPS {
@@ -177,7 +178,7 @@ fn by_all_steps(lens: &BrownConrady, to_x: f64, to_y: f64) -> [f64; 2] {
 }
 
 #[test]
-fn steps_that_would_change_nothing_are_left_out() {
+fn stopping_early_gives_the_bits_of_all_newton_steps() {
     let mut random = Random(45);
     for lens in many() {
         for _ in 0..200 {
@@ -222,7 +223,7 @@ fn a_lens_is_well_behaved_where_it_is_said_to_be() {
         }
     }
     assert!(widest > 1.9 && count > 20_000, "{widest} {count}");
-    // A calibrated camera's whole picture but for its corners.
+    // The whole picture of a calibrated camera except its corners.
     let (calibrated, _) = SHOWN[0];
     assert!(lens(calibrated).well_behaved.radius > 0.5);
 }

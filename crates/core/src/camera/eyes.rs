@@ -7,16 +7,16 @@ use super::{
 use crate::math;
 use glam::DVec3;
 
-/// The furthest in pixels that frames move towards each other: as far as a shift can move the largest picture's. Places
-/// are still exact to 2⁻²⁴ there.
+/// The furthest in pixels that the frames of a pair are moved towards each other: as far as a shift can move the
+/// frame of the largest picture. Places are still exact to 2⁻²⁴ there.
 const FURTHEST: f64 = (1u64 << 28) as f64;
 
 impl Stereo {
-    /// Whether a camera can have such pictures: of any plane that is not known yet.
+    /// Whether a camera with this projection can make such pictures, given its plane if that is known.
     ///
     /// # Errors
-    /// Distances that are none; a projection without eyes, that is not equirectangular, or whose frames cannot
-    /// be moved; halves that are no whole pixels.
+    /// Distances out of range; a projection without an eye, or without all directions where these are needed, or
+    /// whose frame cannot be shifted; a picture whose halves are not whole pixels.
     pub fn check(
         &self,
         projection: Projection,
@@ -40,14 +40,14 @@ impl Stereo {
 }
 
 impl Camera {
-    /// The same camera with pictures for two eyes, or for its own: [`Stereo::check`] says whether it can.
+    /// The same camera with pictures for two eyes, or for one. [`Stereo::check`] says whether it can make them.
     pub fn in_stereo(self, stereo: Option<Stereo>) -> Self {
         let mut camera = self;
         camera.eyes = stereo.map_or(Eyes::One, Eyes::Two);
         camera
     }
 
-    /// How its pictures are for two eyes, if they are.
+    /// How its pictures serve two eyes, if they do.
     pub fn stereo(&self) -> Option<Stereo> {
         match self.eyes {
             Eyes::Two(stereo) => Some(stereo),
@@ -55,8 +55,8 @@ impl Camera {
         }
     }
 
-    /// Of a picture for two eyes the camera of each, the left eye's first, and its half. Pixels are counted in the whole
-    /// picture still. A half's camera goes on beyond it: a sample belongs to its pixel's eye.
+    /// For a picture for two eyes, the camera and the half of each eye, the left eye first. Pixels still count in the
+    /// whole picture. The camera of a half continues beyond it: a sample belongs to the eye of its pixel.
     pub fn halves(&self) -> Option<[(Self, Rect); 2]> {
         let stereo = self.stereo()?;
         let plane = self.plane();
@@ -68,7 +68,7 @@ impl Camera {
             let rect = Rect {
                 x,
                 y,
-                // Of an odd number the last half has one more.
+                // The last half of an odd number has one more.
                 width: if last { plane.columns - x } else { width },
                 height: if last { plane.rows - y } else { height },
             };
@@ -76,7 +76,7 @@ impl Camera {
         }))
     }
 
-    /// One eye's camera.
+    /// The camera of one eye.
     fn half(&self, stereo: &Stereo, is_right: bool) -> Self {
         let plane = self.plane();
         let (columns, rows) = (f64::from(plane.columns), f64::from(plane.rows));
@@ -93,7 +93,7 @@ impl Camera {
                     f64::INFINITY
                 };
                 let convergence = stereo.convergence.unwrap_or(usual);
-                // What is straight ahead of the middle at this distance is in the middle of both pictures.
+                // The point straight ahead of the middle at this distance is in the middle of both pictures.
                 let pixels = aside * (self.distance() / convergence) / plane.step;
                 let center = [
                     x + columns * 0.5 * side
@@ -108,7 +108,7 @@ impl Camera {
         }
     }
 
-    /// The same camera with its eye and target elsewhere, and its view axis through another place of the picture.
+    /// The same camera with eye and target translated, and the view axis through another place of the picture.
     fn moved(&self, by: DVec3, center: [f64; 2], eyes: Eyes) -> Self {
         let mut moved = *self;
         moved.placement.eye += by;
@@ -125,7 +125,7 @@ impl Camera {
             Eyes::One => *self,
             Eyes::Circle(radius) => {
                 let (a, _) = self.panoramic_place(x, y);
-                // A place beyond has no ray.
+                // A place beyond the panorama has no ray.
                 let a = if a.is_finite() { a } else { 0.0 };
                 let (sin, cos) = math::sin_cos(a);
                 let by = (self.right() * cos - self.forward() * sin) * radius;
@@ -135,7 +135,7 @@ impl Camera {
         }
     }
 
-    /// The camera of the half of the picture that a place is in; itself, where there is one.
+    /// The camera of the half that contains a place; the camera itself where there is one eye.
     pub fn of_half(&self, x: f64, y: f64) -> Self {
         let plane = self.plane();
         let is_right = |stereo: &Stereo| match stereo.kind {
@@ -148,7 +148,7 @@ impl Camera {
         }
     }
 
-    /// Whether rays start at one eye in each column.
+    /// Whether the rays of each column have an eye of their own.
     pub(crate) fn has_an_eye_a_column(&self) -> bool {
         matches!(self.eyes, Eyes::Circle(_))
     }
@@ -158,7 +158,7 @@ impl Camera {
         self.seen_at(x, y).ray(x, y)
     }
 
-    /// Where its own picture begins in the whole one, and how high it is, in rows.
+    /// The first row of its own picture in the whole one, and its height in rows.
     pub(crate) fn own_rows(&self) -> (f64, f64) {
         let rows = f64::from(self.plane().rows);
         match self.eyes {
@@ -167,7 +167,7 @@ impl Camera {
         }
     }
 
-    /// How many pictures are above one another.
+    /// How many pictures are stacked.
     pub(super) fn pictures_down(&self) -> f64 {
         match self.eyes {
             Eyes::One => 1.0,
@@ -178,11 +178,11 @@ impl Camera {
 }
 
 impl Lattice {
-    /// The rays of each eye's pixels, where the picture is for two, and the column and the row of the first: `None` of a
-    /// picture for one.
+    /// For a picture for two eyes, the rays of each eye's pixels, and the column and row of the first; `None`
+    /// otherwise.
     pub(crate) fn halves(&self) -> Option<[(Self, (u32, u32)); 2]> {
         let stride = self.stride.max(1);
-        // The first ray at or beyond a pixel.
+        // The index of the first ray at or beyond a pixel.
         let beyond = |pixel: u32, first: u32, count: u32| {
             pixel.saturating_sub(first).div_ceil(stride).min(count)
         };

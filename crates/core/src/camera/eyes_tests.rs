@@ -25,8 +25,8 @@ const ODS: Stereo = Stereo {
     convergence: None,
 };
 
-/// With eyes e apart that converge at C, a point at depth z is seen e · d/s · (1/z − 1/C) pixels further to the right by the
-/// left eye, and as high by both.
+/// With eyes e apart that converge at C, the left eye sees a point at depth z e · d/s · (1/z − 1/C) pixels further to
+/// the right than the right eye, at the same height.
 #[test]
 fn a_pairs_disparity_is_that_of_the_formula() {
     let plain = camera(Projection::Perspective, (640, 200), 0.01);
@@ -49,7 +49,7 @@ fn a_pairs_disparity_is_that_of_the_formula() {
             let found = p.0 - (q.0 - 320.0);
             assert!((found - expected).abs() < 1e-6, "{found} {expected}");
             assert!((p.1 - q.1).abs() < 1e-9);
-            // The picture's own ray at the place runs through the point, if that is in the half.
+            // The picture's own ray at the place runs through the point, if the place is in that half.
             for (x, y, eye) in [(p.0, p.1, a), (q.0, q.1, b)] {
                 if (x < 320.0) == (eye == a) {
                     let ray = camera.ray(x, y);
@@ -63,7 +63,7 @@ fn a_pairs_disparity_is_that_of_the_formula() {
 }
 
 /// Each ray starts where it touches the circle of the eyes, to the side of its eye, in the direction of the panorama
-/// without.
+/// for one eye.
 #[test]
 fn omni_directional_rays_touch_the_circle_of_the_eyes() {
     let projection = Projection::Panoramic(Panorama::Equirectangular);
@@ -94,7 +94,7 @@ fn omni_directional_rays_touch_the_circle_of_the_eyes() {
             assert!((from.length() - EYES * 0.5).abs() < 1e-15);
             assert!(from.dot(up).abs() < 1e-15);
             assert!(from.dot(ray.direction).abs() < 1e-15);
-            // Up, where it looks, and the right eye: a right-handed set.
+            // Up, the direction and the right eye are a right-handed set.
             let level = ray.direction - up * ray.direction.dot(up);
             if level.length() > 0.01 {
                 let aside = level.normalize().cross(up) * side;
@@ -109,7 +109,7 @@ fn omni_directional_rays_touch_the_circle_of_the_eyes() {
     assert!((behind + right * (EYES * 0.5)).length() < 1e-15);
     let right_way = camera.ray(150.0, 150.0);
     assert!((right_way.origin - eye + forward * (EYES * 0.5)).length() < 1e-15);
-    // At a pole all look up, from all around the circle.
+    // At a pole all rays go up, from all around the circle.
     for x in [0.5, 50.0, 120.0] {
         let pole = camera.ray(x, 1e-6);
         assert!(pole.direction.dot(up) > 1.0 - 1e-12);
@@ -118,7 +118,7 @@ fn omni_directional_rays_touch_the_circle_of_the_eyes() {
         let side = right * -cos + forward * sin;
         assert!((pole.origin - eye - side * (EYES * 0.5)).length() < 1e-12);
     }
-    // Beyond a pole there is no place in a half, though the other half is there.
+    // Beyond a pole a half has no place, although the other half continues there.
     assert!(!camera.of_half(50.0, 99.5).has_place(50.0, 100.5));
     assert_eq!(
         camera.seen_at(50.0, 20.0).ray(50.0, 20.0),
@@ -161,7 +161,7 @@ fn rays_of_a_lattice_are_those_of_their_pixels_eyes() {
 }
 
 #[test]
-fn what_no_camera_can_have_is_refused() {
+fn invalid_stereo_settings_are_refused() {
     let planar = Projection::Perspective;
     let all_around = Projection::Panoramic(Panorama::Equirectangular);
     let fisheye = Projection::Panoramic(Panorama::Equidistant);
@@ -209,6 +209,8 @@ fn what_no_camera_can_have_is_refused() {
             None,
             Err(StereoError::EyeDistance),
         ),
+        (far(1e18), planar, None, Ok(())),
+        (far(1.01e18), planar, None, Err(StereoError::EyeDistance)),
     ] {
         assert_eq!(stereo.check(projection, plane), expected, "{stereo:?}");
     }

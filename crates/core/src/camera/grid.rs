@@ -3,14 +3,14 @@ use super::{Camera, Rect, SubCamera};
 /// How a picture is split into tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grid {
-    /// So many columns and rows of sub-cameras, as equal as whole pixels allow.
+    /// This many columns and rows of sub-cameras, as equal as whole pixels allow.
     Count {
-        /// Sub-cameras side by side.
+        /// Number of columns.
         columns: u32,
-        /// Sub-cameras one above the other.
+        /// Number of rows.
         rows: u32,
     },
-    /// Squares of so many pixels; those at the right and bottom may be smaller.
+    /// Squares of this many pixels a side; those at the right and bottom may be smaller.
     Size(u32),
 }
 
@@ -45,7 +45,7 @@ impl Grid {
             .collect()
     }
 
-    /// The sub-camera of a column and row of the grid; `None` beyond the last.
+    /// The sub-camera of a column and row of the grid; `None` out of range.
     pub fn sub_camera(&self, camera: Camera, column: u32, row: u32) -> Option<SubCamera> {
         let plane = camera.plane();
         let (across, down) = self.counts(plane.columns, plane.rows);
@@ -54,7 +54,7 @@ impl Grid {
         (column < across && row < down).then(|| camera.sub_camera(tiles[index]))
     }
 
-    /// How many tiles lie side by side and one above the other.
+    /// The numbers of columns and rows of tiles.
     pub fn counts(&self, columns: u32, rows: u32) -> (u32, u32) {
         match *self {
             Self::Count {

@@ -1,27 +1,27 @@
 use super::{Camera, Ray};
 
-/// Rays of one camera at regular places: through every `stride`-th pixel of a rectangle, from its
-/// top left, all at the same place in their pixels.
+/// Rays of one camera at regular places: through every `stride`-th pixel of a rectangle, from its top left, all at
+/// the same offset within their pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
-    /// Whose rays.
+    /// The camera of the rays.
     pub camera: Camera,
     /// The first ray's column in the full picture.
     pub x: u32,
     /// The first ray's row in the full picture.
     pub y: u32,
-    /// From one ray's pixel to the next one's, along both sides; at least 1.
+    /// The distance between the pixels of neighbouring rays, in both directions; at least 1.
     pub stride: u32,
     /// Rays in a row.
     pub columns: u32,
     /// Rows of rays.
     pub rows: u32,
-    /// The rays' place in their pixels, from the top left: (½, ½) is the middle.
+    /// The offset of the rays within their pixels, from the top left: (½, ½) is the centre.
     pub offset: (f64, f64),
 }
 
 impl Lattice {
-    /// Where a ray of the lattice goes through the full picture, in pixels.
+    /// The place of a ray in the full picture, in pixels.
     pub fn place(&self, column: u32, row: u32) -> (f64, f64) {
         (
             f64::from(self.x + column * self.stride) + self.offset.0,
@@ -29,7 +29,8 @@ impl Lattice {
         )
     }
 
-    /// A ray of the lattice: the camera's at that place, or that of the eye whose pixel it is of.
+    /// A ray of the lattice: the camera's ray at that place; in a picture for two eyes, of the eye that the pixel
+    /// belongs to.
     pub fn ray(&self, column: u32, row: u32) -> Ray {
         let (x, y) = self.place(column, row);
         if self.camera.stereo().is_some() {
@@ -40,12 +41,12 @@ impl Lattice {
         self.camera.ray(x, y)
     }
 
-    /// How many rays it has.
+    /// The number of rays.
     pub fn len(&self) -> usize {
         self.columns as usize * self.rows as usize
     }
 
-    /// Whether it has none.
+    /// Whether it has no rays.
     pub fn is_empty(&self) -> bool {
         self.columns == 0 || self.rows == 0
     }

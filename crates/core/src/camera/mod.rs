@@ -1,6 +1,7 @@
-//! From a pixel to its ray: the image plane, the camera, its sub-cameras, and ways to move it.
+//! From a pixel to its ray: the image plane, the camera, its sub-cameras, and camera motion.
 
 mod brown_conrady;
+mod cube_face;
 mod eyes;
 mod grid;
 mod lattice;

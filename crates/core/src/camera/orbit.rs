@@ -2,7 +2,7 @@ use super::Placement;
 use crate::math;
 use glam::DVec3;
 
-/// A camera's way to move: about a pivot, at a distance, by two angles.
+/// A camera on an orbit: around a pivot, at a distance, by two angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orbit {
     /// The point in the middle of the picture.
@@ -11,7 +11,7 @@ pub struct Orbit {
     pub yaw: f64,
     /// Degrees above the horizon, −90 to 90.
     pub pitch: f64,
-    /// From pivot to eye, in scene units.
+    /// The distance from pivot to eye, in scene units.
     pub distance: f64,
 }
 
@@ -19,7 +19,7 @@ impl Orbit {
     /// The yaw and pitch from which a scene is first shown.
     pub const DEFAULT_ANGLES: (f64, f64) = (22.0, 16.0);
 
-    /// The orbit that a placement is on: its angles follow from eye and target, `up` aside.
+    /// The orbit of a placement: its angles follow from eye and target; `up` is ignored.
     pub fn from_placement(placement: &Placement) -> Self {
         let back = placement.eye - placement.target;
         let distance = back.length();
@@ -46,7 +46,7 @@ impl Orbit {
         DVec3::new(yaw_sin * pitch_cos, pitch_sin, yaw_cos * pitch_cos)
     }
 
-    /// The unit vector up in the picture: at the poles too, where +Y would not do.
+    /// The unit vector up in the picture; also defined at the poles, where +Y lies along the view axis.
     pub fn up(&self) -> DVec3 {
         let (yaw_sin, yaw_cos) = math::sin_cos(self.yaw.to_radians());
         let (pitch_sin, pitch_cos) = math::sin_cos(self.pitch.to_radians());
@@ -58,7 +58,7 @@ impl Orbit {
         self.up().cross(self.back())
     }
 
-    /// Where the eye is and what it looks at.
+    /// The placement of the camera.
     pub fn placement(&self) -> Placement {
         Placement {
             eye: self.pivot + self.back() * self.distance,
@@ -67,7 +67,7 @@ impl Orbit {
         }
     }
 
-    /// Turns by angles in degrees; the pitch stops at the poles.
+    /// Turns by angles in degrees; the pitch is clamped at the poles.
     pub fn turn(&mut self, yaw: f64, pitch: f64) {
         self.yaw = (self.yaw + yaw).rem_euclid(360.0);
         self.pitch = (self.pitch + pitch).clamp(-90.0, 90.0);
@@ -78,8 +78,8 @@ impl Orbit {
         self.pivot += self.right() * right + self.up() * up;
     }
 
-    /// Brings the eye nearer (a factor below one) or takes it away, keeping `anchor` where it is in
-    /// a perspective picture.
+    /// Moves the eye nearer (a factor below one) or away, such that `anchor` keeps its place in a perspective
+    /// picture.
     pub fn dolly(&mut self, factor: f64, anchor: DVec3) {
         let distance = self.distance * factor;
         if distance.is_normal() && distance < 1e30 {

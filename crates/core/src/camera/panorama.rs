@@ -3,34 +3,34 @@ use crate::math;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Pictures that are no plane: each says in which direction a place of the picture looks.
+/// Curved projections: each maps places of the picture to directions.
 ///
-/// A place is (a, b), to the right of and above the picture's middle; near the middle of the picture, or of a
-/// cube's face, a unit is a radian. Directions are (right, up, forward), of any length. A place that a kind of
-/// picture does not have looks nowhere, and is transparent.
+/// A place is (a, b), to the right of and above the picture's middle; near the middle of the picture, or of a cube's
+/// face, a unit is a radian. Directions are (right, up, forward), of any length. A place outside the projection has
+/// no direction, and its pixel is transparent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Panorama {
     /// a is longitude, b latitude: (sin a cos b, sin b, cos a cos b), where |a| ≤ π and |b| ≤ π/2.
     Equirectangular,
     /// A cylinder about the up axis, unrolled: (sin a, b, cos a), where |a| ≤ π.
     Cylindrical,
-    /// A fisheye by angle: with ρ = √(a² + b²) the angle from the view axis is θ = ρ ≤ π.
+    /// A fisheye with equal angles: with ρ = √(a² + b²) the angle from the view axis is θ = ρ ≤ π.
     Equidistant,
-    /// A fisheye true to area: ρ = 2 sin(θ/2) ≤ 2.
+    /// An equal-area fisheye: ρ = 2 sin(θ/2) ≤ 2.
     Equisolid,
-    /// A fisheye true to shape: ρ = 2 tan(θ/2).
+    /// A conformal fisheye: ρ = 2 tan(θ/2).
     Stereographic,
-    /// The six faces of a cube in a row: right, left, up, down, front, back, as OpenGL has them; each is two
-    /// units wide. A face holds (p, q), |p| ≤ 1 and |q| ≤ 1: front looks along (p, q, 1), up along
-    /// (p, 1, −q), so that up, front and down follow one another, as do left, front, right and back.
+    /// The six faces of a cube in a row: right, left, up, down, front, back, in OpenGL's order; each is two units
+    /// wide. With (p, q) on a face, |p| ≤ 1 and |q| ≤ 1: front looks along (p, q, 1), up along (p, 1, −q), so that
+    /// up, front and down follow one another, as do left, front, right and back.
     CubeStrip,
     /// The same faces as a cross: left, front, right and back in a row of four, up above and down below the front.
     CubeCross,
-    /// A planar picture through a calibrated lens.
+    /// A planar picture through a calibrated, distorting lens.
     Lens(BrownConrady),
 }
 
-/// Faces of a cube: right, up and forward of each.
+/// Right, up and forward of each face of a cube.
 const RIGHT: [DVec3; 3] = [DVec3::NEG_Z, DVec3::Y, DVec3::X];
 const LEFT: [DVec3; 3] = [DVec3::Z, DVec3::Y, DVec3::NEG_X];
 const UP: [DVec3; 3] = [DVec3::X, DVec3::NEG_Z, DVec3::Y];
@@ -38,10 +38,10 @@ const DOWN: [DVec3; 3] = [DVec3::X, DVec3::Z, DVec3::NEG_Y];
 const FRONT: [DVec3; 3] = [DVec3::X, DVec3::Y, DVec3::Z];
 const BACK: [DVec3; 3] = [DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z];
 
-/// Where the middle of a cube's face is, and the face's axes.
+/// The place of the middle of a cube's face, and the face's axes.
 pub(super) type Face = (f64, f64, [DVec3; 3]);
 
-/// Where the middles of a strip's faces are, and of a cross's.
+/// The places of the middles of a strip's faces; `CROSS` has a cross's.
 pub(super) const STRIP: [Face; 6] = [
     (-5.0, 0.0, RIGHT),
     (-3.0, 0.0, LEFT),
@@ -60,7 +60,7 @@ pub(super) const CROSS: [Face; 6] = [
 ];
 
 impl Panorama {
-    /// Every kind without numbers of its own, and its name.
+    /// Every projection without parameters, and its name.
     pub const ALL: [(&str, Self); 7] = [
         ("equirectangular", Self::Equirectangular),
         ("cylindrical", Self::Cylindrical),
@@ -71,7 +71,7 @@ impl Panorama {
         ("cubemap:cross", Self::CubeCross),
     ];
 
-    /// The direction in which a place looks, of any length; `None` where the picture has no such place.
+    /// The direction at a place, of any length; `None` outside the projection.
     pub fn direction(self, a: f64, b: f64) -> Option<DVec3> {
         let squared = a * a + b * b;
         match self {
@@ -103,7 +103,7 @@ impl Panorama {
         }
     }
 
-    /// Whether the picture has a place: whether [`Panorama::direction`] has a direction for it.
+    /// Whether a place is inside the projection: whether [`Panorama::direction`] is defined there.
     pub fn has_place(self, a: f64, b: f64) -> bool {
         let squared = a * a + b * b;
         match self {
@@ -117,8 +117,8 @@ impl Panorama {
         }
     }
 
-    /// Whether the picture surely has all places of a row between two that it has. Rows of any but a lens's are of one
-    /// piece.
+    /// Whether the picture surely has all places of a row between two that it has. Rows are contiguous in all
+    /// projections except a lens's.
     pub(super) fn has_all_between(self, (left, right): (f64, f64), b: f64) -> bool {
         match self {
             Self::Lens(lens) => lens.is_well_behaved(left, b) && lens.is_well_behaved(right, b),
@@ -126,15 +126,15 @@ impl Panorama {
         }
     }
 
-    /// The derivatives of [`Panorama::direction`] along a and b: infinite at the rim of an equisolid fisheye.
-    /// Zero where the picture has no such place.
+    /// The derivatives of [`Panorama::direction`] by a and b: infinite at the rim of an equisolid fisheye, zero
+    /// outside the projection.
     pub fn derivatives(self, a: f64, b: f64) -> [DVec3; 2] {
         if self.direction(a, b).is_none() {
             return [DVec3::ZERO; 2];
         }
         let squared = a * a + b * b;
-        // (a s, b s, c), where s and c depend on ρ² alone: `slope` is twice the derivative of s by ρ², `fall`
-        // that of c.
+        // (a s, b s, c), where s and c depend on ρ² alone: `slope` is twice the derivative of s by ρ², and `fall` is
+        // twice that of c.
         let round = |share: f64, slope: f64, fall: f64| {
             [
                 DVec3::new(share + a * a * slope, a * b * slope, a * fall),
@@ -156,7 +156,7 @@ impl Panorama {
             Self::Equidistant => {
                 let angle = squared.sqrt();
                 let (share, cos) = sine_over_angle(angle);
-                // (cos ρ − sin ρ / ρ) / ρ² cancels where ρ is small: there it is −1/3 + ρ²/30 − …
+                // (cos ρ − sin ρ / ρ) / ρ² cancels for small ρ; the series is −1/3 + ρ²/30 − …
                 let slope = if angle < 1e-3 {
                     squared / 30.0 - 1.0 / 3.0
                 } else {
@@ -176,7 +176,7 @@ impl Panorama {
         }
     }
 
-    /// The face of a cube map that a place is on.
+    /// The face of a cube map that contains a place.
     #[inline]
     pub(super) fn face(self, a: f64, b: f64) -> Option<Face> {
         match self {
@@ -186,8 +186,8 @@ impl Panorama {
         }
     }
 
-    /// The place that looks in a direction; `None` for no direction, for up and down on a cylinder, and for straight
-    /// back in a stereographic fisheye.
+    /// The place of a direction; `None` for a zero direction, for up and down on a cylinder, and for straight back in
+    /// a stereographic fisheye.
     pub fn place(self, direction: DVec3) -> Option<(f64, f64)> {
         let across = math::hypot(direction.x, direction.y);
         let length = math::hypot(across, direction.z);
@@ -224,12 +224,12 @@ impl Panorama {
             Self::Cylindrical | Self::Lens(_) => 2.0 * math::tan(angle * 0.5),
             Self::Equisolid => 4.0 * math::sin(angle * 0.25),
             Self::Stereographic => 4.0 * math::tan(angle * 0.25),
-            // As many faces as there are in a column.
+            // Times the number of faces in a column.
             Self::CubeStrip | Self::CubeCross => fov_degrees / 45.0,
         }
     }
 
-    /// The vertical field of view in degrees of a picture this high: of the most that there is, if it is higher.
+    /// The vertical field of view in degrees of a picture of this height; the largest one, if it is higher than that.
     pub fn fov_degrees(self, height: f64) -> f64 {
         let angle = match self {
             Self::Equirectangular | Self::Equidistant => height,
@@ -241,8 +241,8 @@ impl Panorama {
         angle.to_degrees().min(self.most_fov())
     }
 
-    /// The largest vertical field of view in degrees. A cylinder would need no end of rows for 180, and a stereographic
-    /// fisheye for 360: a degree less is some 200 and 900 units high.
+    /// The largest vertical field of view in degrees. A cylinder would need infinitely many rows for 180, and a
+    /// stereographic fisheye for 360; a degree less is some 200 and 900 units high.
     pub fn most_fov(self) -> f64 {
         match self {
             Self::Equirectangular => 180.0,
@@ -254,7 +254,7 @@ impl Panorama {
         }
     }
 
-    /// The vertical field of view in degrees where nobody says another: all of it, where that is not too much.
+    /// The default vertical field of view in degrees: all of it, where that is not too large.
     pub fn default_fov(self) -> f64 {
         match self {
             Self::Cylindrical | Self::Lens(_) => 90.0,
@@ -263,7 +263,7 @@ impl Panorama {
         }
     }
 
-    /// The size of a picture so many rows high that has all there is to its sides, and no more.
+    /// The size of a picture of this many rows that has the projection's full width, and no more.
     pub fn size(self, rows: u32) -> (u32, u32) {
         let aspect = match self {
             Self::Equirectangular => 2.0,
@@ -283,7 +283,7 @@ fn sine_over_angle(angle: f64) -> (f64, f64) {
     (if angle > 0.0 { sin / angle } else { 1.0 }, cos)
 }
 
-/// The face that a place is on. At an edge it is the first in the list.
+/// The face that contains a place; on an edge, the first in the list.
 fn face_at(faces: &[Face; 6], a: f64, b: f64) -> Option<Face> {
     let on = |(x, y, _): &&Face| (a - x).abs() <= 1.0 && (b - y).abs() <= 1.0;
     faces.iter().find(on).copied()
@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn every_direction_has_a_place_that_looks_there() {
+    fn every_direction_has_a_place_with_that_direction() {
         let mut random = Random(5);
         for panorama in all() {
             for _ in 0..2000 {
@@ -352,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn known_places_look_in_known_directions() {
+    fn known_places_have_known_directions() {
         let looks = |panorama: Panorama, a: f64, b: f64, expected: DVec3| {
             let found = panorama.direction(a, b).expect("a direction");
             let apart = angle(found, expected);
@@ -380,7 +380,7 @@ mod tests {
     }
 
     #[test]
-    fn places_that_there_are_not_look_nowhere() {
+    fn places_outside_the_projection_have_no_direction() {
         for (panorama, a, b) in [
             (Panorama::Equirectangular, 3.2, 0.0),
             (Panorama::Equirectangular, 0.0, 1.6),
@@ -403,7 +403,7 @@ mod tests {
 
     #[test]
     fn faces_of_a_cross_join_at_their_edges() {
-        // Just beside an edge, on both sides, the directions are nearly one.
+        // Close to an edge, on both sides, the directions are nearly equal.
         for (a, b, across) in [
             (-2.0, 0.3, true),
             (0.0, -0.4, true),

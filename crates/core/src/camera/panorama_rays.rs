@@ -151,26 +151,30 @@ impl PanoramaRays {
         lens.window(across, (bottom, top))
     }
 
-    /// Columns before which faces of a cube change, and rows. A border belongs to the first face in the list that it is
-    /// on, as in [`Panorama::direction`]: the face beside it in the picture may look the other way.
-    pub(crate) fn borders(&self) -> [Vec<u32>; 2] {
+    /// The face of a cube that a ray is on.
+    pub(super) fn face(&self, column: u32, row: u32) -> Option<Face> {
+        let at = |places: &Places, index: u32| places.at.get(index as usize).copied();
+        (self.panorama).face(at(&self.columns, column)?, at(&self.rows, row)?)
+    }
+
+    /// The rectangles of rays, row by row, whose rays are on one face of a cube, or all on none; `None` where the picture
+    /// is no cube map.
+    pub(crate) fn rects_of_faces(&self) -> Option<Vec<Rect>> {
         let faces = match self.panorama {
             Panorama::CubeStrip => &STRIP,
             Panorama::CubeCross => &CROSS,
-            _ => return [Vec::new(), Vec::new()],
+            _ => return None,
         };
-        let changes = |places: &[f64], middles: [f64; 6]| {
-            let face = |at: f64| middles.iter().position(|middle| (at - middle).abs() <= 1.0);
-            let pairs = places.windows(2).zip(1..);
-            pairs
-                .filter(|(pair, _)| face(pair[0]) != face(pair[1]))
-                .map(|(_, at)| at)
-                .collect()
+        let columns = spans_of_faces(&self.columns, faces.map(|(x, _, _)| x));
+        let rows = spans_of_faces(&self.rows, faces.map(|(_, y, _)| y));
+        let rect = |(y, height): (u32, u32), (x, width): (u32, u32)| Rect {
+            x,
+            y,
+            width,
+            height,
         };
-        [
-            changes(&self.columns.at, faces.map(|(x, _, _)| x)),
-            changes(&self.rows.at, faces.map(|(_, y, _)| y)),
-        ]
+        let row_by_row = |&row: &(u32, u32)| columns.iter().map(move |&column| rect(row, column));
+        Some(rows.iter().flat_map(row_by_row).collect())
     }
 
     /// Directions in the world of eight rays of a row from a column on, as [`Camera::ray`](super::Camera::ray) gives
@@ -230,8 +234,14 @@ impl PanoramaRays {
         match self.panorama {
             Panorama::Equirectangular | Panorama::Cylindrical => self.around(column, row, out),
             Panorama::Lens(lens) => {
-                let ([x, y], has) = lens.undistort(&a, &[-b; LANES]);
-                *out = [x, y.map(|down| -down), [1.0; LANES]];
+                let down = [-b; LANES];
+                let [x, y] = lens.steps_towards(&a, &down);
+                *out = [x, negated(&y), [1.0; LANES]];
+                // The others lie between.
+                if lens.is_well_behaved(a[0], b) & lens.is_well_behaved(a[LANES - 1], b) {
+                    return (1 << LANES) - 1;
+                }
+                let has = lens.arrived([&a, &down], [&x, &y]);
                 (0..LANES).fold(0, |bits, lane| bits | u32::from(has[lane]) << lane)
             }
             _ => {
@@ -284,6 +294,23 @@ impl PanoramaRays {
         }
     }
 
+    /// Directions of eight rays of a row through a lens, from near those: as [`PanoramaRays::nearly_eight`], but off by
+    /// 1440ε from the rays' own. `None` where they are not near enough, or there is no lens.
+    #[inline(always)]
+    pub(crate) fn eight_through_lens(
+        &self,
+        column: u32,
+        row: u32,
+        [x, y]: [[f64; LANES]; 2],
+    ) -> Option<[[f64; LANES]; 2]> {
+        let Panorama::Lens(lens) = self.panorama else {
+            return None;
+        };
+        let (a, b) = self.places(column, row);
+        let [x, down] = lens.undistort_from([&a, &[-b; LANES]], [x, negated(&y)])?;
+        Some([x, negated(&down)])
+    }
+
     #[inline(always)]
     fn places(&self, column: u32, row: u32) -> ([f64; LANES], f64) {
         (
@@ -332,6 +359,22 @@ impl PanoramaRays {
     }
 }
 
+/// Where spans of places begin that lie beside the same faces, and how many places they have. At a border a place lies
+/// beside two, and belongs to the first in the list, as in [`Panorama::direction`]: the one beside it in the picture may look
+/// the other way.
+fn spans_of_faces(places: &Places, middles: [f64; 6]) -> Vec<(u32, u32)> {
+    let beside = |at: f64| middles.map(|middle| (at - middle).abs() <= 1.0);
+    let at = &places.at[..places.at.len() - LANES];
+    let spans = at.chunk_by(|&one, &next| beside(one) == beside(next));
+    let mut first = 0;
+    let span = |span: &[f64]| {
+        let count = span.len() as u32;
+        first += count;
+        (first - count, count)
+    };
+    spans.map(span).collect()
+}
+
 /// Those of one face.
 #[inline(always)]
 fn on_face((x, y, [right, up, forward]): Face, a: &[f64; LANES], b: f64, out: &mut Vectors) -> u32 {
@@ -341,6 +384,15 @@ fn on_face((x, y, [right, up, forward]): Face, a: &[f64; LANES], b: f64, out: &m
         }
     }
     (1 << LANES) - 1
+}
+
+#[inline(always)]
+fn negated(numbers: &[f64; LANES]) -> [f64; LANES] {
+    let mut out = [0.0; LANES];
+    for lane in 0..LANES {
+        out[lane] = -numbers[lane];
+    }
+    out
 }
 
 /// Which of eight numbers are no greater than another, as bits.
@@ -353,8 +405,8 @@ fn at_most(numbers: &[f64; LANES], most: f64) -> u32 {
     all
 }
 
-/// Terms of the series below: π²⁸/28!, the first one left out, is below 3ε.
-const TERMS: usize = 14;
+/// Terms of the series below: (π/4)¹⁸/18!, the first one left out, is below ε/16.
+const TERMS: usize = 9;
 
 /// Coefficients of cos √s and of sin √s / √s as series of s: (−1)ᵏ/(2k)! and (−1)ᵏ/(2k + 1)!.
 const COSINE: [f64; TERMS] = series(0);
@@ -372,10 +424,12 @@ const fn series(first: usize) -> [f64; TERMS] {
     all
 }
 
-/// Directions of an equidistant fisheye, by series of ρ² ≤ π².
+/// Directions of an equidistant fisheye, by series for a quarter of the angle, which is doubled twice.
 ///
-/// Horner's scheme rounds each term 27 times at most, and coefficients by as many: the terms' magnitudes add up to
-/// cosh π < 11.6, or sinh π / π < 3.7, which is multiplied by at most π. With what is left out: off by less than 320ε.
+/// Horner's scheme and its coefficients round the k-th term 4k + 1 times at most: of terms below 1, 0.31, 0.02, … that is
+/// less than 3ε for cos ρ/4, and 2ε for sin ρ/4 over ρ/4, with what is left out. cos 2x = 2 cos² x − 1 is off by four times
+/// what cos x is and 3ε, 15ε and then 63ε; sin 2x / 2x = (sin x / x) cos x by the sum and ε, 6ε and then 22ε, which is multiplied
+/// by at most π: all less than 320ε.
 #[inline(always)]
 fn equidistant(a: &[f64; LANES], b: f64, squared: &[f64; LANES], out: &mut Vectors) -> u32 {
     let [mut share, mut cosine] = [[0.0; LANES]; 2];
@@ -386,14 +440,17 @@ fn equidistant(a: &[f64; LANES], b: f64, squared: &[f64; LANES], out: &mut Vecto
             } else {
                 PI * PI
             };
+            let s = s * (1.0 / 16.0);
             cosine[lane] = cosine[lane] * s + COSINE[k];
             share[lane] = share[lane] * s + SINE_SHARE[k];
         }
     }
     for lane in 0..LANES {
-        out[0][lane] = a[lane] * share[lane];
-        out[1][lane] = b * share[lane];
-        out[2][lane] = cosine[lane];
+        let half = 2.0 * (cosine[lane] * cosine[lane]) - 1.0;
+        let share = share[lane] * cosine[lane] * half;
+        out[0][lane] = a[lane] * share;
+        out[1][lane] = b * share;
+        out[2][lane] = 2.0 * (half * half) - 1.0;
     }
     at_most(squared, PI * PI)
 }
@@ -434,8 +491,9 @@ mod tests {
     }
 
     #[test]
-    fn eight_directions_are_those_of_single_rays() {
-        let mut count = 0;
+    fn eight_directions_have_the_bits_of_single_rays() {
+        let (mut count, mut through_lens) = (0, 0);
+        let mut random = Random(96);
         for lattice in lattices() {
             let camera = &lattice.camera;
             let panorama = camera.projection().panorama().expect("a panorama");
@@ -446,6 +504,9 @@ mod tests {
                     let has = rays.eight(first, row, &mut exact);
                     let in_world = rays.eight_in_world(first, row);
                     let nearly_has = rays.nearly_eight(first, row, &mut near);
+                    // From a start beside them: of a lens, where it is well-behaved.
+                    let start = [0, 1].map(|axis| near[axis].map(|at| at + 1e-5 * random.signed()));
+                    let from_there = rays.eight_through_lens(first, row, start);
                     for lane in 0..LANES {
                         let column = first + lane as u32;
                         if column >= lattice.columns {
@@ -464,10 +525,23 @@ mod tests {
                         let bound = 160.0 * f64::EPSILON * expected.length();
                         assert!(off <= bound, "{panorama:?} {a} {b}: {off:e}");
                         count += 1;
+                        let rect = Rect {
+                            x: first,
+                            y: row,
+                            width: LANES as u32,
+                            height: 1,
+                        };
+                        if let Some([x, y]) = from_there.filter(|_| rays.window(rect).is_some()) {
+                            let off = DVec3::new(x[lane], y[lane], 1.0).distance(expected);
+                            let bound = 720.0 * f64::EPSILON;
+                            assert!(off <= bound, "{panorama:?} {a} {b}: {off:e}");
+                            through_lens += 1;
+                        }
                     }
                 }
             }
         }
         assert!(count > 50_000, "{count}");
+        assert!(through_lens > 1000, "{through_lens}");
     }
 }

@@ -1,40 +1,40 @@
 use super::{Orbit, Placement};
 use glam::DVec3;
 
-/// Where a camera is at one frame of an animation.
+/// A camera at one frame of an animation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Keyframe {
     /// The frame's number.
     pub frame: u32,
     /// Eye, target, up.
     pub placement: Placement,
-    /// Vertical field of view in degrees, or the orthographic frame's height in scene units; `None` for
-    /// the camera's own.
+    /// Vertical field of view in degrees, or the orthographic frame's height in scene units; `None` for the camera's
+    /// own.
     pub view: Option<f64>,
 }
 
-/// What lies between keyframes.
+/// How keyframes are interpolated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Curve {
     /// Straight lines.
     Linear,
-    /// Cubic curves that pass each keyframe along the line between its neighbours (Catmull and Rom, "A class
-    /// of local interpolating splines", 1974), as fast as the frames between these say.
+    /// Cubic curves through the keyframes, with the slope of the line between each keyframe's neighbours (Catmull and
+    /// Rom, "A class of local interpolating splines", 1974), measured a frame.
     #[default]
     CatmullRom,
 }
 
-/// How fast a camera goes from a keyframe to the next.
+/// The speed of a camera between keyframes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Ease {
-    /// As the curve has it.
+    /// As the curve gives it.
     #[default]
     None,
-    /// From rest to rest: by 3 s² − 2 s³ of the way at the share s of the frames.
+    /// From rest to rest: a fraction s of the frames covers 3 s² − 2 s³ of the way.
     Smooth,
 }
 
-/// A camera's way through an animation: keyframes in the order of their frames.
+/// A camera's path through an animation: keyframes in the order of their frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraPath {
     keys: Vec<Keyframe>,
@@ -43,20 +43,20 @@ pub struct CameraPath {
 }
 
 impl CameraPath {
-    /// The path through keyframes; `None` of none, or where frames do not rise from one to the next.
+    /// The path through keyframes; `None` if there are none, or if frame numbers do not ascend.
     pub fn new(keys: Vec<Keyframe>, curve: Curve, ease: Ease) -> Option<Self> {
         let rises = keys.windows(2).all(|pair| pair[0].frame < pair[1].frame);
         (!keys.is_empty() && rises).then_some(Self { keys, curve, ease })
     }
 
-    /// Once around what a placement looks at, about +Y and from left to right, in so many frames from 0: the
-    /// one after the last would be the first again.
+    /// A turntable: once around a placement's target, about +Y from left to right, in `frames` frames from 0; frame
+    /// `frames` would be the first again.
     pub fn turntable(placement: &Placement, frames: u32, frame: u32) -> Placement {
         let from = Orbit::from_placement(placement);
         let mut orbit = from;
         orbit.turn(360.0 * f64::from(frame) / f64::from(frames.max(1)), 0.0);
         match frame % frames.max(1) {
-            // As it stands, to the last bit.
+            // Unchanged, to the last bit.
             0 => *placement,
             _ => Placement {
                 up: turned(placement.up, orbit.yaw - from.yaw),
@@ -70,25 +70,25 @@ impl CameraPath {
         &self.keys
     }
 
-    /// What lies between them.
+    /// How keyframes are interpolated.
     pub fn curve(&self) -> Curve {
         self.curve
     }
 
-    /// How fast the camera goes.
+    /// The speed of the camera between keyframes.
     pub fn ease(&self) -> Ease {
         self.ease
     }
 
-    /// The first frame and the last.
+    /// The first and the last frame.
     pub fn frames(&self) -> (u32, u32) {
-        // There is one at least.
+        // There is at least one keyframe.
         let at = |index: usize| self.keys.get(index).map_or(0, |key| key.frame);
         (at(0), at(self.keys.len() - 1))
     }
 
-    /// Where the camera is at a frame, before the first keyframe there, and after the last at that. A view that
-    /// is set at one end of a stretch alone is that all along it.
+    /// The camera at a frame. Before the first keyframe it stays there, and after the last one as well. A view that
+    /// is set at only one end of a segment holds along all of it.
     pub fn at(&self, frame: u32) -> Keyframe {
         let after = self.keys.partition_point(|key| key.frame <= frame);
         let (Some(&from), Some(&to)) = (
@@ -133,17 +133,17 @@ impl CameraPath {
         }
     }
 
-    /// How much a value changes a frame at a keyframe: as on the line between its neighbours, or at an end to
-    /// the only one.
+    /// The change of a value a frame at a keyframe: as on the line between its neighbours; at an end, to its only
+    /// neighbour.
     fn slope(&self, index: usize, of: fn(&Keyframe) -> DVec3) -> DVec3 {
         let before = &self.keys[index.saturating_sub(1)];
         let after = &self.keys[(index + 1).min(self.keys.len() - 1)];
-        // Frames rise, and this is asked for where there are two keyframes at least.
+        // Frames ascend, and there are at least two keyframes here.
         (of(after) - of(before)) / f64::from((after.frame - before.frame).max(1))
     }
 }
 
-/// A cubic from one value to another with these slopes at its ends (Hermite).
+/// The cubic between two values with these slopes at its ends (Hermite).
 fn hermite([from, to]: [DVec3; 2], [leave, arrive]: [DVec3; 2], s: f64) -> DVec3 {
     let (s2, s3) = (s * s, s * s * s);
     from * (2.0 * s3 - 3.0 * s2 + 1.0)
@@ -152,7 +152,7 @@ fn hermite([from, to]: [DVec3; 2], [leave, arrive]: [DVec3; 2], s: f64) -> DVec3
         + arrive * (s3 - s2)
 }
 
-/// A vector turned about +Y by degrees.
+/// A vector rotated about +Y by degrees.
 fn turned(vector: DVec3, degrees: f64) -> DVec3 {
     let (sin, cos) = crate::math::sin_cos(degrees.to_radians());
     let DVec3 { x, y, z } = vector;
@@ -205,12 +205,12 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_between_is_a_line_or_a_curve_without_a_kink() {
+    fn keyframes_are_joined_by_lines_or_smooth_curves() {
         let eye = |curve, ease, frame| path(curve, ease).at(frame).placement.eye;
         assert_eq!(eye(Curve::Linear, Ease::None, 3), DVec3::new(1.0, 4.0, 5.0));
-        // A quarter of the way by frames is 10/64 of it.
+        // After a quarter of the frames it is at 10/64 of the way.
         assert_eq!(eye(Curve::Linear, Ease::Smooth, 3).x, 4.0 * 10.0 / 64.0);
-        // x is linear in the frame, which a Catmull-Rom curve keeps.
+        // x is linear in the frame, which a Catmull-Rom curve preserves.
         for frame in 2..=7 {
             let x = eye(Curve::CatmullRom, Ease::None, frame).x;
             assert!((x - f64::from(frame - 2)).abs() < 1e-12, "{frame}: {x}");
@@ -228,7 +228,7 @@ mod tests {
         assert_eq!(CameraPath::turntable(&from, 12, 0), from);
         assert_eq!(CameraPath::turntable(&from, 12, 12), from);
         let quarter = CameraPath::turntable(&from, 12, 3);
-        // By +90 degrees about +Y, (x, y, z) goes to (z, y, -x).
+        // A rotation by +90 degrees about +Y takes (x, y, z) to (z, y, -x).
         let expected = from.target + DVec3::new(3.0, 3.0, -0.5);
         assert!(quarter.eye.distance(expected) < 1e-12, "{quarter:?}");
         assert!(quarter.up.distance(DVec3::new(0.0, 1.0, -0.1)) < 1e-12);

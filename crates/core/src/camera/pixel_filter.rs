@@ -3,19 +3,21 @@ use std::f64::consts::{FRAC_PI_2, SQRT_2};
 use std::fmt;
 use std::str::FromStr;
 
-/// How a pixel weighs the light around its centre: a reconstruction filter, the product of one function across and the
-/// same one down (Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, 2023, section 8.8).
+/// How a pixel weighs the light around its centre: a separable reconstruction filter, the product of one function of
+/// x and the same function of y (Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, 2023, section
+/// 8.8).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PixelFilter {
-    /// The pixel's square, all of it alike.
+    /// Constant over the pixel's square.
     #[default]
     Box,
-    /// 1 − |x| as far as the neighbours' centres.
+    /// 1 − |x|, as far as the neighbouring pixels' centres.
     Tent,
-    /// The cubic with B = C = ⅓, two pixels far, negative beyond 8/7: sharp edges with little ringing (Mitchell and
-    /// Netravali, "Reconstruction Filters in Computer Graphics", 1988).
+    /// The cubic with B = C = ⅓, of radius two pixels, negative beyond 8/7: sharp edges with little ringing (Mitchell
+    /// and Netravali, "Reconstruction Filters in Computer Graphics", 1988).
     Mitchell,
-    /// e^(−2x²), a deviation of half a pixel, less its value at its end, a pixel and a half from the centre.
+    /// e^(−2x²), a standard deviation of half a pixel, minus its value at the end, a pixel and a half from the
+    /// centre.
     Gaussian,
 }
 
@@ -28,7 +30,7 @@ impl PixelFilter {
         ("gaussian", Self::Gaussian),
     ];
 
-    /// How far it reaches from a pixel's centre, in pixels.
+    /// The radius, in pixels.
     pub fn radius(self) -> f64 {
         match self {
             Self::Box => 0.5,
@@ -38,17 +40,18 @@ impl PixelFilter {
         }
     }
 
-    /// Whether it weighs light negatively `distance` pixels from the centre.
+    /// Whether the weight is negative `distance` pixels from the centre.
     pub fn is_negative(self, distance: f64) -> bool {
         self == Self::Mitchell && distance.abs() > MITCHELL_ZERO
     }
 
-    /// The distance from the centre, signed, before which lies a `share` (0 to 1) of the filter's magnitude: places of
-    /// evenly spread shares are importance sampled (Ernst, Stamminger and Greiner, "Filter Importance Sampling", 2006).
+    /// The signed distance from the centre up to which a `share` (0 to 1) of the filter's absolute weight lies.
+    /// Uniform shares map to importance-sampled places (Ernst, Stamminger and Greiner, "Filter Importance Sampling",
+    /// 2006).
     pub fn place(self, share: f64) -> f64 {
         let (mut near, mut far) = (0.0, self.radius());
         let wanted = (2.0 * share - 1.0).abs() * self.magnitude(far);
-        // Each halves what is left: more than the bits of a double.
+        // Bisection: more steps than a double has bits.
         for _ in 0..64 {
             let middle = (near + far) * 0.5;
             if self.magnitude(middle) < wanted {
@@ -60,7 +63,7 @@ impl PixelFilter {
         if share < 0.5 { -far } else { far }
     }
 
-    /// The integral of the magnitude from the centre to `x`, from 0 to the radius.
+    /// The integral of the absolute weight from the centre to `x`, from 0 to the radius.
     fn magnitude(self, x: f64) -> f64 {
         match self {
             Self::Box => x,
@@ -119,7 +122,7 @@ impl FromStr for PixelFilter {
 mod tests {
     use super::*;
 
-    /// The filters as their authors write them, of a distance.
+    /// The filters in their authors' formulas, as functions of a distance.
     fn height(filter: PixelFilter, x: f64) -> f64 {
         let x = x.abs();
         let (b, c) = (1.0 / 3.0, 1.0 / 3.0);

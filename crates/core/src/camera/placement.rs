@@ -1,6 +1,6 @@
 use glam::DVec3;
 
-/// Where a camera stands and what it looks at, in world space.
+/// The position and orientation of a camera, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
     /// The eye.
@@ -11,7 +11,7 @@ pub struct Placement {
     pub up: DVec3,
 }
 
-/// Why a placement says no direction to look in, or none that is up.
+/// Why a placement defines no view direction, or no up direction.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PlacementError {
     /// A coordinate that is not finite, or points so far apart that their distance is not.
@@ -26,7 +26,7 @@ pub enum PlacementError {
         /// The target.
         target: DVec3,
     },
-    /// An eye in its target.
+    /// An eye that equals the target.
     #[error(
         "a camera cannot look from {:?} at the same point: expected a target away from the eye",
         .eye.to_array()
@@ -35,13 +35,13 @@ pub enum PlacementError {
         /// Eye and target.
         eye: DVec3,
     },
-    /// An up that is zero, or not finite.
+    /// An up vector that is zero or not finite.
     #[error("an up of {:?} cannot be used: expected a direction", .up.to_array())]
     NoUp {
-        /// The up.
+        /// The up vector.
         up: DVec3,
     },
-    /// An up along the view axis.
+    /// An up vector along the view axis.
     #[error(
         "an up of {:?} cannot be used: it lies along the view, from {:?} to {:?}",
         .up.to_array(),
@@ -49,7 +49,7 @@ pub enum PlacementError {
         .target.to_array()
     )]
     UpAlongView {
-        /// The up.
+        /// The up vector.
         up: DVec3,
         /// The eye.
         eye: DVec3,
@@ -59,9 +59,8 @@ pub enum PlacementError {
 }
 
 impl Placement {
-    /// The sine of the angle between up and the view axis below which there is no telling them
-    /// apart: a unit vector's coordinates are rounded by some 1e-16, so that of what lies across the
-    /// axis a tenth of a millionth is rounding.
+    /// The least sine of the angle between up and the view axis. Coordinates of unit vectors are rounded by some
+    /// 1e-16, so that at this limit a ten-millionth of the component across the axis is rounding.
     pub(super) const LEAST_SINE: f64 = 1e-9;
 
     /// A camera at `eye` with +Y up, or −Z up where it looks along that.
@@ -80,13 +79,12 @@ impl Placement {
         }
     }
 
-    /// Whether the placement says where to look and what is up.
+    /// Whether the placement defines a view direction and an up direction.
     ///
-    /// [`super::Camera::new`] makes something of any placement; this is for telling a person that
-    /// theirs is not what they will get.
+    /// [`super::Camera::new`] accepts any placement; this tells a person that theirs would be replaced.
     ///
     /// # Errors
-    /// What is wrong with it, in one line.
+    /// What is wrong, in one line.
     pub fn check(&self) -> Result<(), PlacementError> {
         let Self { eye, target, up } = *self;
         let sight = target - eye;
@@ -113,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn says_what_is_wrong() {
+    fn faults_of_placements_are_named() {
         let check = |eye: DVec3, target: DVec3, up: DVec3| {
             let error = Placement { eye, target, up }.check().err();
             error.map(|error| error.to_string())
@@ -139,12 +137,12 @@ mod tests {
         assert!(check(eye, DVec3::NAN, DVec3::Z).is_some());
         assert!(check(eye, zero, DVec3::NAN).is_some());
         assert!(check(DVec3::splat(1e308), DVec3::splat(-1e308), DVec3::Z).is_some());
-        // Tiny and far directions are directions.
+        // Tiny and huge vectors have directions, too.
         assert_eq!(check(eye, eye + DVec3::X * 1e-12, DVec3::Y * 1e-100), None);
     }
 
     #[test]
-    fn what_nobody_said_gives_way() {
+    fn up_is_y_or_minus_z_by_default() {
         let down = Placement::towards(DVec3::Y, DVec3::ZERO);
         assert_eq!(down.up, DVec3::NEG_Z);
         assert_eq!(down.check(), Ok(()));

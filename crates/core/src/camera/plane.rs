@@ -1,5 +1,5 @@
-/// The lattice of rays that makes a picture: `columns × rows` of them, `step` apart in scene units
-/// at the camera's target, centred on the view axis.
+/// The grid of rays that makes a picture: `columns × rows` of them, `step` apart in scene units at the camera's
+/// target, centred on the view axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImagePlane {
     /// Rays in a row.
@@ -10,20 +10,20 @@ pub struct ImagePlane {
     pub step: f64,
 }
 
-/// Which of size and frame stays when the step changes.
+/// What stays when the step changes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FrameLock {
-    /// The frame stays: half the step, double the resolution.
+    /// The frame stays: half the step doubles the resolution.
     #[default]
     KeepFrame,
-    /// The resolution stays: half the step, half the frame.
+    /// The resolution stays: half the step halves the frame.
     KeepResolution,
 }
 
 /// The most columns or rows of a picture.
 pub const SIDE_LIMIT: u32 = 65_536;
 
-/// What a person asked for: two of size, step and frame decide the plane.
+/// A request for an image plane: two of size, step and frame decide it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlaneRequest {
     /// Columns and rows.
@@ -34,43 +34,43 @@ pub struct PlaneRequest {
     pub frame_height: Option<f64>,
 }
 
-/// Why a plane cannot be made.
+/// Why an image plane is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PlaneError {
-    /// A side of no pixels, or of more than the limit.
+    /// A side of zero pixels, or of more than the limit.
     #[error("a picture of {columns}x{rows} cannot be made: each side must have 1 to 65536 pixels")]
     BadSize {
-        /// The columns asked for.
+        /// The requested columns.
         columns: u64,
-        /// The rows asked for.
+        /// The requested rows.
         rows: u64,
     },
-    /// A step that is no positive normal number.
+    /// A step that is not a positive normal number.
     #[error("a step of {step:e} cannot be used: expected a positive number of at least 2.3e-308")]
     BadStep {
-        /// The step asked for.
+        /// The requested step.
         step: f64,
     },
-    /// A frame that is not a positive number.
+    /// A frame height that is not a positive number.
     #[error(
         "a frame {height} high cannot be used: expected a positive number (a field of view above 0 and below 180 degrees)"
     )]
     BadFrame {
-        /// The height asked for.
+        /// The requested height.
         height: f64,
     },
-    /// All three given, and at odds.
+    /// All three given, and inconsistent.
     #[error(
         "size, step and field of view (frame) are at odds: {rows} rows {step} apart make a frame {made} high, not {height}; give two of the three"
     )]
     AtOdds {
-        /// Rows asked for.
+        /// The requested rows.
         rows: u32,
-        /// Step asked for.
+        /// The requested step.
         step: f64,
-        /// The frame that these make.
+        /// The frame height that these make.
         made: f64,
-        /// The frame asked for.
+        /// The requested frame height.
         height: f64,
     },
 }
@@ -100,7 +100,7 @@ impl ImagePlane {
         f64::from(self.rows) * self.step
     }
 
-    /// The same view with another step: `lock` says whether the frame or the resolution stays.
+    /// The same view with another step; `lock` says whether the frame or the resolution stays.
     ///
     /// # Errors
     /// As [`ImagePlane::new`].
@@ -117,8 +117,8 @@ impl ImagePlane {
     }
 }
 
-/// Whether a step can be used: a positive normal number of double precision. Smaller ones have fewer
-/// digits, down to none, and rays made of them would not be where they are said to be.
+/// Checks a step: a positive normal number of double precision. Subnormal numbers have fewer bits, and rays made of
+/// them would be far from their exact places.
 ///
 /// # Errors
 /// Any other number.
@@ -131,11 +131,11 @@ pub fn check_step(step: f64) -> Result<(), PlaneError> {
 }
 
 impl PlaneRequest {
-    /// The plane that the request makes: two of three decide it; `default_size` and
-    /// `default_frame` stand in for what was not given.
+    /// The plane of a request: two of the three decide it; `default_size` and `default_frame` replace what is
+    /// missing.
     ///
-    /// With a step and a frame the rows are the nearest whole number, the step is kept, and the
-    /// default size lends its aspect.
+    /// With a step and a frame, the number of rows is rounded to an integer, the step is kept, and the default size
+    /// gives the aspect ratio.
     ///
     /// # Errors
     /// A number out of range, or three that disagree by more than half a row.

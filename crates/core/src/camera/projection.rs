@@ -149,11 +149,11 @@ impl FromStr for Projection {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     pub(super) placement: Placement,
-    projection: Projection,
-    plane: ImagePlane,
-    right: DVec3,
-    up: DVec3,
-    forward: DVec3,
+    pub(super) projection: Projection,
+    pub(super) plane: ImagePlane,
+    pub(super) right: DVec3,
+    pub(super) up: DVec3,
+    pub(super) forward: DVec3,
     distance: f64,
     shift: [f64; 2],
     /// Where the view axis goes through the picture, in pixels.
@@ -283,7 +283,7 @@ impl Camera {
     }
 
     /// A vector given to the right, up and forward.
-    fn in_world(&self, vector: DVec3) -> DVec3 {
+    pub(super) fn in_world(&self, vector: DVec3) -> DVec3 {
         self.right * vector.x + self.up * vector.y + self.forward * vector.z
     }
 

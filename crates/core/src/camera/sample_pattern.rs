@@ -1,28 +1,28 @@
 use super::PixelFilter;
 
-/// The scrambles of the two dimensions: of 700 pairs drawn at random, the one by whose sets of 2 to 64 samples the area
-/// of half planes in a pixel is resolved best.
+/// The seeds of scrambling the two dimensions: of 700 random pairs, the one whose sets of 2 to 64 samples estimate
+/// the areas of half planes in a pixel best.
 const SCRAMBLES: [u32; 2] = [0xb9fc_02ec, 0xe02c_211e];
 
-/// Offsets are whole numbers of these shares of a pixel: places in a picture have them without rounding.
+/// Offsets are multiples of this fraction of a pixel, 2⁻²⁴, so that adding them to pixel numbers rounds nothing.
 const GRID: f64 = 16_777_216.0;
 
-/// How far samples are moved for the sake of their mean, in pixels: few samples of which one counts negatively would
-/// be moved too far.
+/// The most, in pixels, that samples are shifted to make their mean the pixel's centre. With few samples, one of
+/// which has a negative weight, the exact shift may be much larger and would leave the filter.
 const MOST_SHIFT: f64 = 0.5;
 
-/// Where the samples of each pixel are, the same for all of them, so that every sample is a lattice of rays and is cast
-/// in packets.
+/// The positions of the samples of a pixel, the same for all pixels, so that every sample is a lattice of rays and is
+/// cast in packets.
 ///
-/// The first sample is the pixel's centre. Shares of the unit square are the Sobol sequence's first two dimensions
-/// (Sobol 1967), Owen-scrambled (Owen, "Randomly Permuted (t,m,s)-Nets and (t,s)-Sequences", 1995) by hashing (Burley,
-/// "Practical Hash-based Owen Scrambling", 2020); the one next to the square's middle is moved there and comes first. The
-/// filter takes shares to places, and all but the first are moved alike so that their mean is the pixel's centre: an edge
-/// in the picture is then where it is with one sample. Two samples cannot be so: the second of a box is a quarter of a
-/// pixel from the first along both sides.
+/// The first sample is the pixel's centre. Points of the unit square are the first two dimensions of the Sobol
+/// sequence (Sobol 1967), Owen-scrambled (Owen, "Randomly Permuted (t,m,s)-Nets and (t,s)-Sequences", 1995) by
+/// hashing (Burley, "Practical Hash-based Owen Scrambling", 2020); the one closest to the square's centre is moved
+/// there and comes first. The filter maps points to offsets, and all but the first are shifted alike so that their
+/// mean is the pixel's centre: edges in the picture then stay where they are with one sample. With two samples that
+/// is impossible: the second sample of a box is a quarter of a pixel from the first in both directions.
 ///
-/// With n samples the error falls about as n^−¾ at edges. A scrambling of each pixel's own would be as
-/// far off, give coarser grain at few samples (its FLIP with four is a fifth higher), and no lattices.
+/// With n samples the error at edges falls about as n^−¾. Scrambling each pixel differently would have the same
+/// error, coarser noise at few samples (its FLIP with four is a fifth higher), and no lattices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SamplePattern {
     samples: Vec<Sample>,
@@ -32,14 +32,15 @@ pub struct SamplePattern {
 /// One sample of every pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Its place, in pixels from the pixel's top left corner: with a filter wider than a pixel it may lie in others.
+    /// The offset in pixels from the pixel's top left corner; with a filter wider than a pixel it may lie in another
+    /// pixel.
     pub offset: (f64, f64),
     /// 1, or −1 where the filter is negative.
     pub weight: f32,
 }
 
 impl SamplePattern {
-    /// So many samples a pixel; none count as one.
+    /// A pattern of `count` samples a pixel; zero counts as one.
     pub fn new(count: u32, filter: PixelFilter) -> Self {
         let on_grid = |distance: f64| (distance * GRID).round_ties_even() / GRID;
         let mut places: Vec<[f64; 2]> = shares(count.max(1))
@@ -59,7 +60,7 @@ impl SamplePattern {
         if count > 2 && others >= 1.0 {
             let radius = filter.radius();
             for axis in 0..2 {
-                // Whole numbers of the grid's: sums of them are exact.
+                // Multiples of the grid: sums of them are exact.
                 let terms = places.iter().zip(&weights);
                 let sum: f64 = terms
                     .map(|(place, &weight)| place[axis] * f64::from(weight))
@@ -86,20 +87,21 @@ impl SamplePattern {
         &self.samples
     }
 
-    /// Whether any weight is negative: then sums may leave the range of light.
+    /// Whether any weight is negative: sums may then leave the range from 0 to 1.
     pub fn has_negative(&self) -> bool {
         self.has_negative
     }
 
-    /// By what the sum of the first `count` weighted samples is multiplied to be their mean.
+    /// The factor that turns the sum of the first `count` weighted samples into their mean.
     pub fn share(&self, count: usize) -> f32 {
         let sum: f32 = self.samples.iter().take(count).map(|it| it.weight).sum();
-        // Whole patterns weigh two fifths of their count at least; the first few of one may weigh nothing.
+        // The weights of a whole pattern sum to at least two fifths of its count; those of its first few may sum to
+        // zero.
         1.0 / sum.max(1.0)
     }
 }
 
-/// Points of the unit square, the middle first.
+/// Points of the unit square, the centre first.
 fn shares(count: u32) -> Vec<[f64; 2]> {
     const MIDDLE: f64 = 0.5;
     if count == 2 {
@@ -133,9 +135,9 @@ fn point(index: u32) -> [f64; 2] {
     ]
 }
 
-/// A permutation of binary fractions under which a bit changes by those above it alone: Laine and Karras, "Stratified
-/// Sampling for Stochastic Transparency", 2011, on the bits in reverse, with the constants that Vegdahl found ("Building
-/// a Better LK Hash", 2021).
+/// A permutation of binary fractions in which each bit depends on the bits above it only: Laine and Karras,
+/// "Stratified Sampling for Stochastic Transparency", 2011, on reversed bits, with the constants that Vegdahl found
+/// ("Building a Better LK Hash", 2021).
 fn scramble(bits: u32, seed: u32) -> u32 {
     let mut hash = bits.reverse_bits();
     hash ^= hash.wrapping_mul(0x3d20_adea);
@@ -200,7 +202,7 @@ mod tests {
                 assert!(weight >= 0.4 * count as f32, "{name} {count}: {weight}");
                 assert_eq!(pattern.share(count as usize), 1.0 / weight);
                 let off = mean.0.abs().max(mean.1.abs()) / f64::from(weight);
-                // Points that were kept within the filter move the mean a little.
+                // Points that were clamped to the filter move the mean a little.
                 let most = match filter {
                     _ if count == 2 => 0.25,
                     PixelFilter::Mitchell if count < 16 => 0.25,

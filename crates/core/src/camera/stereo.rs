@@ -3,53 +3,56 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// How a picture for two eyes is made.
+/// The furthest that eyes are apart: as far as a scene's coordinates go. Much further, rays would start where no double is.
+const WIDEST: f64 = 1e18;
+
+/// The layout of a picture for two eyes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StereoKind {
-    /// Two pictures side by side, the left eye's on the left: one of each eye.
+    /// Two pictures side by side, the left eye's on the left.
     Pair,
-    /// An omni-directional panorama, the left eye's above the right eye's: each column is seen from where the eyes of
-    /// somebody are who turns to look at it (Ishiguro, Yamamoto, Tsuji, "Omni-Directional Stereo", 1992; Peleg,
-    /// Ben-Ezra, Pritch, "Omnistereo: Panoramic Stereo Imaging", 2001).
+    /// An omni-directional panorama, the left eye's above the right eye's: each column is seen from where the eyes
+    /// would be of somebody who turns to look at it (Ishiguro, Yamamoto, Tsuji, "Omni-Directional Stereo", 1992;
+    /// Peleg, Ben-Ezra, Pritch, "Omnistereo: Panoramic Stereo Imaging", 2001).
     Ods,
 }
 
-/// A picture for two eyes: of each half of it another eye.
+/// A picture for two eyes: each half of it is seen from another eye.
 ///
-/// The camera's own eye is in the middle between the two.
+/// The camera's own eye is halfway between the two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stereo {
-    /// What its halves are.
+    /// The layout of its halves.
     pub kind: StereoKind,
-    /// From eye to eye, in scene units.
+    /// The distance between the eyes, in scene units.
     pub eye_distance: f64,
-    /// The distance along the view axis at which a point is at the same place of both pictures of a pair; infinite for
-    /// view axes side by side. Where nobody says, a planar pair's is that of the target, and others' is infinite.
+    /// The distance along the view axis at which a point is at the same place in both pictures of a pair; infinite
+    /// for parallel view axes. By default that of the target for a planar pair, and infinite for others.
     pub convergence: Option<f64>,
 }
 
-/// Why there is no such picture.
+/// Why a camera cannot make such a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StereoError {
-    /// A distance between the eyes that is none.
-    #[error("expected a distance between the eyes above 0, and finite")]
+    /// A distance between the eyes that is not positive, or too large.
+    #[error("expected a distance between the eyes above 0 and at most {WIDEST:e}")]
     EyeDistance,
-    /// A distance of convergence that is none.
+    /// A distance of convergence that is not positive.
     #[error("expected a distance of convergence above 0, or inf")]
     Convergence,
-    /// A pair without eyes.
+    /// A projection whose rays share no eye.
     #[error("a pair of orthographic pictures has no eyes")]
     Orthographic,
-    /// Something else than a panorama of all around.
+    /// A layout that needs an equirectangular panorama.
     #[error("an omni-directional stereo picture is equirectangular")]
     NotEquirectangular,
-    /// Frames that cannot be moved towards each other.
+    /// A finite convergence with a projection whose frame cannot be shifted.
     #[error("eyes converge in perspective pictures alone")]
     CannotConverge,
-    /// Halves of half a pixel.
+    /// A pair with an odd number of columns.
     #[error("a pair has an even number of columns")]
     OddColumns,
-    /// The same.
+    /// Stacked pictures with an odd number of rows.
     #[error("an omni-directional stereo picture has an even number of rows")]
     OddRows,
 }
@@ -79,7 +82,7 @@ impl FromStr for StereoKind {
 }
 
 impl Stereo {
-    /// How many of its pictures are side by side, and how many above one another.
+    /// How many pictures are side by side, and how many are stacked.
     pub fn pictures(&self) -> (u32, u32) {
         match self.kind {
             StereoKind::Pair => (2, 1),
@@ -87,15 +90,15 @@ impl Stereo {
         }
     }
 
-    /// Whether its distances are some.
+    /// Checks the distances.
     ///
     /// # Errors
-    /// Distances that are none.
+    /// A distance out of range.
     pub fn check_distances(&self) -> Result<(), StereoError> {
-        if !(self.eye_distance > 0.0 && self.eye_distance.is_finite()) {
+        if !(self.eye_distance > 0.0 && self.eye_distance <= WIDEST) {
             return Err(StereoError::EyeDistance);
         }
-        // NaN is not above zero.
+        // NaN fails this comparison.
         match self.convergence.is_none_or(|distance| distance > 0.0) {
             true => Ok(()),
             false => Err(StereoError::Convergence),
@@ -106,11 +109,11 @@ impl Stereo {
 /// Where a camera's rays start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Eyes {
-    /// At its eye, or on its image plane.
+    /// At the camera's eye, or on its image plane.
     One,
-    /// On a horizontal circle around its eye of this radius, at a right angle to the right of where each ray looks (to the
-    /// left, if it is negative).
+    /// On a horizontal circle of this radius around the eye, at a right angle to the right of each ray's direction
+    /// (to the left, if the radius is negative).
     Circle(f64),
-    /// In each half of the picture at another eye.
+    /// In each half of the picture, at another eye.
     Two(Stereo),
 }

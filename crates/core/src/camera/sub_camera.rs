@@ -1,12 +1,12 @@
 use super::{Camera, Lattice, Rect};
 
-/// A camera over one rectangle of the full camera's image plane: same eye, same orientation, same
-/// focal length, and a field of view of its own, off the axis.
+/// A camera over one rectangle of the full camera's image plane: the same eye, orientation and focal length, with an
+/// off-axis field of view of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SubCamera {
     /// The full camera.
     pub camera: Camera,
-    /// Its rectangle of the full picture.
+    /// Its rectangle in the full picture.
     pub rect: Rect,
 }
 
@@ -29,7 +29,7 @@ impl Camera {
 }
 
 impl SubCamera {
-    /// A part of it, by the part's rectangle of its own pixels: the full camera's rays still.
+    /// A part of it, given by a rectangle of its own pixels; the rays remain the full camera's.
     pub fn part(&self, rect: Rect) -> Self {
         let rect = Rect {
             x: self.rect.x + rect.x,
@@ -39,13 +39,13 @@ impl SubCamera {
         Self { rect, ..*self }
     }
 
-    /// The rays through the middles of its pixels.
+    /// The rays through the centres of its pixels.
     pub fn lattice(&self) -> Lattice {
         self.sparse_lattice(1, (0, 0))
     }
 
-    /// The rays through the middles of every `stride`-th pixel along both sides, beginning `phase` pixels
-    /// from its top left corner. A stride of zero counts as one.
+    /// The rays through the centres of every `stride`-th pixel in both directions, starting `phase` pixels from its
+    /// top left corner. A stride of zero counts as one.
     pub fn sparse_lattice(&self, stride: u32, phase: (u32, u32)) -> Lattice {
         let stride = stride.max(1);
         let count = |length: u32, phase: u32| length.saturating_sub(phase).div_ceil(stride);

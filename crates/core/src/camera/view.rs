@@ -2,15 +2,15 @@ use super::{Camera, DEFAULT_FOV, ImagePlane, Orbit, PlaneError, Projection, fov_
 use crate::math;
 use crate::scene::Bounds;
 
-/// Room left around a scene that fits the picture, as a share of the frame.
+/// The frame's size relative to a scene that fits the picture: 6 % leave a visible border without making the scene
+/// small.
 const MARGIN: f64 = 1.06;
 
-/// How far from its pivot an orbit must be for all of `bounds` to be in view, and the frame's
-/// height there.
+/// The distance from the pivot at which an orbiting camera has all of `bounds` in view, and the frame's height there.
 ///
-/// `fov_degrees` is the vertical field of view (an orthographic frame follows from the distance by
-/// the same formula, so that switching the projection keeps the picture), `aspect` columns by rows. In a panorama
-/// the scene fills no more than what [`Projection::fitting_fov`] sees of it. An empty scene, or a point, is looked at from one unit away.
+/// `fov_degrees` is the vertical field of view (an orthographic frame follows from the distance by the same formula,
+/// so that switching the projection keeps the picture), `aspect` is columns by rows. In a panorama the scene fills at
+/// most [`Projection::fitting_fov`]. An empty scene, or a point, is seen from one unit away.
 pub fn fit_distance(
     bounds: &Bounds,
     orbit: &Orbit,
@@ -26,7 +26,7 @@ pub fn fit_distance(
         let reach = (relative.dot(up).abs()).max(relative.dot(right).abs() / aspect) / slope;
         match projection {
             Projection::Perspective | Projection::Panoramic(_) => reach + relative.dot(back),
-            // The image plane through the eye must have the scene in front of it.
+            // The whole scene must be in front of the image plane, which goes through the eye.
             Projection::Orthographic => reach.max(relative.dot(back) * MARGIN),
         }
     };
@@ -43,11 +43,11 @@ pub fn fit_distance(
 }
 
 impl Camera {
-    /// A perspective camera with a vertical field of view of [`DEFAULT_FOV`] that has all of `bounds` in view, from
+    /// A perspective camera with the vertical field of view [`DEFAULT_FOV`] that has all of `bounds` in view, at
     /// `yaw` and `pitch` degrees around their centre (see [`Orbit`]), over `columns × rows` pixels.
     ///
     /// # Errors
-    /// A size that no picture can have.
+    /// A size out of range.
     pub fn fitting(
         bounds: &Bounds,
         (yaw, pitch): (f64, f64),

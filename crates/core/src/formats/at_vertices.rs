@@ -1,7 +1,7 @@
 use crate::scene::Attribute;
 
-/// Values that share the positions' indices. Triangles with a corner whose value is not usable have
-/// none; `None` where no triangle has any.
+/// Values that share the positions' indices. A triangle with a corner whose value is invalid has no values; `None`
+/// where no triangle has any.
 pub(super) fn at_vertices<T>(
     values: Vec<T>,
     triangles: &[[u32; 3]],

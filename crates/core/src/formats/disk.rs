@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 
-/// The file system, for one reading of a scene.
+/// The file system, as the files of one scene are read from it.
 pub(super) struct Disk<'b> {
     budget: &'b Budget,
     opened: Opened,
@@ -18,6 +18,53 @@ impl<'b> Disk<'b> {
             budget,
             opened: Opened::default(),
         }
+    }
+
+    /// A regular file that a person named, to be read where it is wanted, if its first bytes are of the right kind; `None`
+    /// of any other, and of what cannot be opened.
+    pub(super) fn open_if(
+        &self,
+        path: &Path,
+        is_right: impl Fn(&[u8]) -> bool,
+    ) -> Option<OpenFile> {
+        // What a pipe gives is gone once it is looked at.
+        if !std::fs::metadata(path).ok()?.is_file() {
+            return None;
+        }
+        let file = open(path, false).ok()?;
+        let length = file.metadata().ok()?.len();
+        let file = OpenFile { file, length };
+        let mut first = [0; 16];
+        file.read_at(0, &mut first).ok()?;
+        is_right(&first).then(|| {
+            self.opened.add(self.source(path));
+            file
+        })
+    }
+}
+
+/// A file that is read here and there.
+pub(super) struct OpenFile {
+    file: File,
+    /// Bytes that it had when it was opened.
+    pub(super) length: u64,
+}
+
+impl OpenFile {
+    /// Fills a slice from a place of the file on.
+    #[cfg(unix)]
+    pub(super) fn read_at(&self, at: u64, to: &mut [u8]) -> io::Result<()> {
+        let read = std::os::unix::fs::FileExt::read_exact_at(&self.file, to, at);
+        read.map_err(|error| match error.kind() {
+            io::ErrorKind::UnexpectedEof => io::Error::other("it was cut short while it was read"),
+            _ => error,
+        })
+    }
+
+    /// Elsewhere files are read from their beginning.
+    #[cfg(not(unix))]
+    pub(super) fn read_at(&self, _: u64, _: &mut [u8]) -> io::Result<()> {
+        Err(io::ErrorKind::Unsupported.into())
     }
 }
 
@@ -53,6 +100,12 @@ impl Files for Disk<'_> {
         Ok(filling.into_contents())
     }
 
+    fn name(&self, path: &Path) {
+        if path.is_file() {
+            self.opened.add(self.source(path));
+        }
+    }
+
     fn source(&self, path: &Path) -> PathBuf {
         absolute(path)
     }
@@ -66,9 +119,8 @@ impl Files for Disk<'_> {
     }
 }
 
-/// Opens a regular file, without waiting for the other end of a pipe; a pipe too where `pipes` are
-/// welcome, and then as patiently as it takes. Devices have no end, and are not even opened: for
-/// some that does something.
+/// Opens a regular file without blocking; with `pipes`, also a pipe, waiting for its other end. Devices are not
+/// opened: they have no end, and opening some has side effects.
 fn open(path: &Path, pipes: bool) -> io::Result<File> {
     let check = |metadata: std::fs::Metadata| {
         let what = match metadata.file_type() {
@@ -86,7 +138,7 @@ fn open(path: &Path, pipes: bool) -> io::Result<File> {
     check(std::fs::metadata(path)?)?;
     let mut options = File::options();
     options.read(true);
-    // What the name stands for may have changed since: a pipe must not hold us up.
+    // The name may stand for another file since the check: opening a pipe must not block.
     #[cfg(unix)]
     if !pipes {
         use std::os::unix::fs::OpenOptionsExt;
@@ -108,9 +160,9 @@ fn is_device(_: std::fs::FileType) -> bool {
     false
 }
 
-/// Whether a path lies in the folder of `mesh`, beside that, or in what is there; both as they are
-/// written and where links lead. Only a mesh's own folder counts if the one above is the root of
-/// all: everything lies there.
+/// Whether a path lies in the folder of `mesh` or in the one above, with all their subfolders, both as written and
+/// after following links. If the folder above is the file system's root, only the mesh's own folder counts, since
+/// everything lies in the root.
 fn lies_beside(path: &Path, mesh: &Path) -> io::Result<bool> {
     let within = |path: &Path, mesh: &Path| {
         let folder = mesh.parent().unwrap_or(mesh);
@@ -124,8 +176,7 @@ fn lies_beside(path: &Path, mesh: &Path) -> io::Result<bool> {
     if !within(&as_written(path), &as_written(mesh)) {
         return Ok(false);
     }
-    // A link of the mesh's own leads where its person put it: its neighbours are those of the link
-    // and those of the file.
+    // If the mesh itself is a link, the neighbours of the link and those of its target are allowed.
     let real = std::fs::canonicalize(path)?;
     let folder = mesh.parent().filter(|folder| *folder != Path::new(""));
     let beside_link = std::fs::canonicalize(folder.unwrap_or(Path::new(".")))?.join("mesh");
@@ -133,7 +184,7 @@ fn lies_beside(path: &Path, mesh: &Path) -> io::Result<bool> {
     Ok(within(&real, &beside_link) || within(&real, &beside_file))
 }
 
-/// An absolute path without `..`.
+/// The absolute path without `..`.
 fn plain(path: &Path) -> PathBuf {
     let mut plain = PathBuf::new();
     for part in path.components() {
@@ -234,6 +285,28 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
+    fn a_file_that_is_cut_while_it_is_open_says_so() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a");
+        std::fs::write(&path, [7; 5000]).expect("a file");
+        let budget = limited(5000);
+        let disk = Disk::new(&budget);
+        assert!(disk.open_if(&path, |first| first[0] == 8).is_none());
+        assert!(disk.opened().is_empty());
+        let file = disk
+            .open_if(&path, |first| first == [7; 16])
+            .expect("it is right");
+        assert_eq!((disk.opened(), file.length), (vec![path.clone()], 5000));
+        let mut to = [0; 100];
+        file.read_at(4900, &mut to).expect("they are there");
+        assert_eq!(to, [7; 100]);
+        std::fs::write(&path, [7; 4950]).expect("a file");
+        let told = file.read_at(4900, &mut to).expect_err("they are gone");
+        assert!(told.to_string().contains("cut short"), "{told}");
+    }
+
+    #[cfg(unix)]
+    #[test]
     fn links_are_followed_no_further_than_names() {
         use std::os::unix::fs::symlink;
         let folder = tempfile::tempdir().expect("a folder");
@@ -247,7 +320,7 @@ mod tests {
         let mesh = root.join("a/b/mesh.obj");
         let named = disk.read(&beside(&mesh, "link/x"), By::Mesh(&mesh), &|_| ());
         assert!(named.is_err_and(|error| error.to_string().contains("follow-anywhere")));
-        // Through a link of its own a mesh has the neighbours of the file too.
+        // A mesh that is a link may also use the neighbours of its target.
         std::fs::write(root.join("elsewhere/mesh.obj"), "x").expect("a file");
         symlink("../../elsewhere/mesh.obj", &mesh).expect("a link");
         assert!(
@@ -284,7 +357,7 @@ mod tests {
             std::thread::spawn(move || {
                 use std::io::Write;
                 let mut file = File::options().write(true).open(pipe).expect("a pipe");
-                // The reader may go away early.
+                // The reader may close its end early.
                 let _ = file.write_all(&vec![7; count]);
             })
         };

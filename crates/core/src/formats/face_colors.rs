@@ -1,10 +1,10 @@
-//! Colours that a file gives its faces: a material each.
+//! Face colours, as a material for each colour.
 
 use crate::scene::{Color, Material, MeshData};
 use std::collections::HashMap;
 
-/// Gives a mesh's triangles, in their order, these colours; a material is named after its colour, and
-/// materials are in the order in which they come.
+/// Gives a mesh's triangles these colours, in order. A material is named after its colour, and materials are in order
+/// of first use.
 pub(super) fn set(mesh: &mut MeshData, colors: impl IntoIterator<Item = Option<Color>>) {
     let mut numbers: HashMap<Color, u32> = HashMap::new();
     let materials = &mut mesh.materials;
@@ -15,7 +15,7 @@ pub(super) fn set(mesh: &mut MeshData, colors: impl IntoIterator<Item = Option<C
             materials.len() as u32 - 1
         })
     };
-    // Neighbours often have one colour.
+    // Neighbouring faces often have the same colour.
     let mut last: Option<(Color, u32)> = None;
     mesh.material_of_triangle = colors
         .into_iter()
@@ -31,8 +31,8 @@ pub(super) fn set(mesh: &mut MeshData, colors: impl IntoIterator<Item = Option<C
         .collect();
 }
 
-/// A channel from 0 to 1 as eight bits; what is out of range is clamped, and what is no number is 0.
+/// A channel from 0 to 1 as eight bits; clamped, and 0 for NaN.
 pub(super) fn byte(share: f64) -> u8 {
-    // A cast to an integer saturates.
+    // A cast from float to integer saturates.
     (share * 255.0).round() as u8
 }

@@ -7,24 +7,23 @@ use std::io;
 use std::ops::Deref;
 use std::path::{Component, Path, PathBuf};
 
-/// Who names a file that is to be read: that decides what may be followed.
+/// Who named a file: that decides which files may be opened.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum By<'a> {
-    /// A person, or a program: anything that can be read to its end, pipes too.
+    /// A person or a program: anything that can be read to its end, including pipes.
     Person,
     /// A scene file: any regular file.
     Scene,
-    /// A mesh, or its material library: a regular file in the mesh's folder or the one above.
+    /// A mesh or its material library: a regular file in the mesh's folder or the one above.
     Mesh(&'a Path),
 }
 
-/// Where named files come from.
+/// A store of files.
 pub(super) trait Files {
-    /// All bytes of a file.
+    /// Reads a file completely.
     ///
     /// # Errors
-    /// In the file's own name: one that cannot be read or may not be followed, or is larger than
-    /// the budget allows.
+    /// Under the file's own name: it cannot be read, may not be opened, or is larger than the budget allows.
     fn read(
         &self,
         path: &Path,
@@ -32,17 +31,20 @@ pub(super) trait Files {
         progress: Progress<'_>,
     ) -> Result<Contents<'_>, FormatError>;
 
-    /// The path under which an object remembers its file.
+    /// Remembers a file that a mesh names and that nothing shown here needs: if it is there, it counts as opened.
+    fn name(&self, path: &Path);
+
+    /// The path by which an object refers to its file.
     fn source(&self, path: &Path) -> PathBuf;
 
-    /// The files that were opened so far, each once, by the paths that [`Files::source`] gives.
+    /// The files that were opened or named so far, each once, as paths that [`Files::source`] gives.
     fn opened(&self) -> Vec<PathBuf>;
 
-    /// What reading may take.
+    /// The budget of reading.
     fn budget(&self) -> &Budget;
 }
 
-/// A file's bytes, counted.
+/// A file's bytes, counted against the budget.
 #[derive(Debug)]
 pub(super) struct Contents<'b> {
     bytes: Vec<u8>,
@@ -50,7 +52,7 @@ pub(super) struct Contents<'b> {
 }
 
 impl<'b> Contents<'b> {
-    /// Bytes for which there is a share.
+    /// Bytes that `share` counts already.
     pub(super) fn new(bytes: Vec<u8>, share: Share<'b>) -> Self {
         Self {
             bytes,
@@ -67,17 +69,17 @@ impl Deref for Contents<'_> {
     }
 }
 
-/// Bytes that come from somewhere, counted before there is room for them.
+/// A buffer for bytes of unknown length, counted against the budget before it grows.
 pub(super) struct Filling<'b> {
     path: PathBuf,
     bytes: Vec<u8>,
     share: Share<'b>,
-    /// How many are expected.
+    /// The expected number of bytes.
     length: usize,
 }
 
 impl<'b> Filling<'b> {
-    /// None yet, and nobody knows how many there will be.
+    /// Empty, for an unknown number of bytes.
     pub(super) fn new(path: &Path, budget: &'b Budget) -> Result<Self, FormatError> {
         Self::with_length(path, budget, 0)
     }
@@ -101,11 +103,11 @@ impl<'b> Filling<'b> {
         })
     }
 
-    /// Reads to the end of a source: `more` puts at most so many more bytes behind those that there
-    /// are, and says how many; none at the end. Within, the source's own failure.
+    /// Reads a source to its end. `more` appends at most the given number of bytes and returns how many; zero at the
+    /// end. The inner error is the source's own.
     ///
     /// # Errors
-    /// More than the budget has left.
+    /// The budget is exhausted.
     pub(super) fn read(
         &mut self,
         more: &mut dyn FnMut(&mut Vec<u8>, u64) -> io::Result<usize>,
@@ -115,7 +117,7 @@ impl<'b> Filling<'b> {
             let bytes = &mut self.bytes;
             let mut step = self.length.saturating_sub(bytes.len()).min(STEP);
             if step == 0 {
-                // Is this the end? A byte tells, in room that is small.
+                // A small buffer finds out whether this is the end.
                 let mut byte = Vec::new();
                 match more(&mut byte, 1) {
                     Err(error) => return Ok(Err(error)),
@@ -123,7 +125,7 @@ impl<'b> Filling<'b> {
                     Ok(_) => {}
                 }
                 if bytes.len() + STEP > bytes.capacity() {
-                    // The old buffer is there until the new one is filled.
+                    // The old buffer exists until the new one is filled.
                     let capacity = (bytes.len() + STEP).max(2 * bytes.capacity());
                     let both = (bytes.capacity() + capacity) as u64;
                     self.share.grow(&self.path, "the file", both)?;
@@ -148,7 +150,7 @@ impl<'b> Filling<'b> {
     }
 }
 
-/// The files that were opened, each once, in their order.
+/// The files that were opened or named, each once, in order.
 #[derive(Default)]
 pub(super) struct Opened(RefCell<(Vec<PathBuf>, HashSet<PathBuf>)>);
 
@@ -169,8 +171,7 @@ pub(super) fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
-/// A path that a file names, relative to the file that names it. Backslashes count as separators:
-/// many files were written on Windows.
+/// A path that a file names, relative to that file. Backslashes count as separators, as in files written on Windows.
 pub(super) fn beside(file: &Path, named: &str) -> PathBuf {
     let named = named.replace('\\', "/");
     match file.parent() {
@@ -179,8 +180,8 @@ pub(super) fn beside(file: &Path, named: &str) -> PathBuf {
     }
 }
 
-/// The path to `file` from `folder`, with `/` between its parts; `file` itself where the two have no
-/// folder in common. `None` where it is not Unicode.
+/// The path to `file` relative to `folder`, with `/` between its parts; `file` itself where they have no folder in
+/// common. `None` where it is not Unicode.
 pub(super) fn relative(file: &Path, folder: &Path) -> Option<String> {
     let slashed = |path: &Path| path.to_str().map(|text| text.replace('\\', "/"));
     if file.is_relative() {

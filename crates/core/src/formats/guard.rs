@@ -1,4 +1,4 @@
-//! Where a library that reads files panics: there the panic becomes an error with the file's name.
+//! Guarding against panics of parsing libraries: a panic becomes an error with the file's name.
 
 use super::error::{FormatError, shorten};
 use std::cell::Cell;
@@ -9,19 +9,18 @@ thread_local! {
     static GUARDS: Cell<u32> = const { Cell::new(0) };
 }
 
-/// Whether a panic on this thread, now, will be caught by a reader and become its error.
+/// Whether a panic on this thread would now be caught by a reader and become its error.
 ///
-/// A program's panic hook runs before anything is caught. It alone can keep quiet about panics that
-/// are no news; this tells it which, without the core installing a hook of its own, which would be
-/// every thread's and every caller's.
+/// A program's panic hook runs before a panic is caught. This tells the hook which panics it need not report. The
+/// core installs no hook of its own, because hooks are global.
 pub fn panic_is_caught() -> bool {
     GUARDS.get() > 0
 }
 
-/// What `read` makes of a file's bytes; an error where it panics.
+/// Runs `read` on a file's bytes; an error where it panics.
 pub(super) fn guarded<T>(file: &Path, read: impl FnOnce() -> T) -> Result<T, FormatError> {
     GUARDS.set(GUARDS.get() + 1);
-    // What `read` may have left half done is dropped with it: nothing of it is looked at again.
+    // What `read` left half done is dropped with it and never used.
     let done = catch_unwind(AssertUnwindSafe(read));
     GUARDS.set(GUARDS.get() - 1);
     done.map_err(|payload| {

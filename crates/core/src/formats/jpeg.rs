@@ -1,9 +1,9 @@
-//! Decoding JPEG strictly. The decoder fills what is missing with grey, or with what zeros decode to; here a file
-//! that ends early, that claims more pixels than its bytes can hold, or whose coded data end early, is refused.
+//! Strict decoding of JPEG. The decoder fills missing data with grey, or decodes zeros; here a file that ends early,
+//! claims more pixels than its bytes can hold, or whose coded data end early, is refused.
 //!
-//! Not found: bytes that are missing within a scan with others behind it, where what is left still is a sequence of
-//! valid codes, and a progressive file that ends after a whole scan. No decoder can tell these from a picture that
-//! is meant: there is no checksum.
+//! Undetected: bytes missing within a scan that is followed by others, where the rest still is a sequence of valid
+//! codes; and a progressive file that ends after a complete scan. JPEG has no checksum, so no decoder can tell these
+//! from an intended picture.
 
 use image::{DynamicImage, GrayAlphaImage, GrayImage, RgbImage, RgbaImage};
 use zune_jpeg::JpegDecoder;
@@ -12,18 +12,18 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-/// What a JPEG file's markers tell (ITU-T T.81, "Digital compression and coding of continuous-tone still images",
-/// 1992, annex B).
+/// The structure of a JPEG file, by its markers (ITU-T T.81, "Digital compression and coding of continuous-tone still
+/// images", 1992, annex B).
 #[derive(Debug)]
 pub(super) struct Outline {
-    /// Where the end of the image is marked.
+    /// The offset of the end-of-image marker.
     end: usize,
     scans: usize,
     is_progressive: bool,
 }
 
-/// Follows the markers from the first to the end of the image, without decoding. `None` for a file that is no JPEG
-/// at all, or has no frame header that is known: it is left to the decoder's own words.
+/// Follows the markers from the first to the end of the image, without decoding. `None` for a file that is no JPEG,
+/// or has no known frame header; the decoder reports those.
 ///
 /// # Errors
 /// Why the file cannot hold the picture that it claims.
@@ -53,7 +53,7 @@ pub(super) fn outline(bytes: &[u8]) -> Result<Option<Outline>, String> {
                 let length = usize::from(u16::from_be_bytes([high, low])).max(2);
                 let (segment, behind) = after.split_at_checked(length).ok_or_else(cut)?;
                 match marker {
-                    // Baseline, extended and progressive frames with Huffman codes.
+                    // Baseline, extended and progressive frames with Huffman coding.
                     0xc0..=PROGRESSIVE => {
                         least_bits = least_bits.or(frame_bits(&segment[2..]));
                         outline.is_progressive |= marker == PROGRESSIVE;
@@ -78,22 +78,23 @@ pub(super) fn outline(bytes: &[u8]) -> Result<Option<Outline>, String> {
             bytes.len()
         ));
     }
-    // Before its two bytes, of which the second was taken off.
+    // The marker has two bytes, of which the second was consumed.
     outline.end = bytes.len() - rest.len() - 1;
     Ok(Some(outline))
 }
 
-/// Sixteen one bits are no Huffman code (T.81, annex C: no code is all ones), and up to fifteen bits may be left of
-/// the value before them: these bytes, stuffed, are read as an error by whoever needs more than the file's own data.
+/// Sixteen one bits are no Huffman code (T.81, annex C: no code is all ones), and up to fifteen bits may belong to
+/// the value before them. A decoder that needs more than the file's own data reads these stuffed bytes and reports an
+/// error.
 const ONES: [u8; 10] = [0xff, 0, 0xff, 0, 0xff, 0, 0xff, 0, 0xff, 0];
 
 /// Decodes the picture.
 ///
 /// # Errors
-/// As the decoder tells it; data that end before the picture does.
+/// The decoder's errors; data that end before the picture does.
 pub(super) fn decode(bytes: &[u8], outline: &Outline) -> Result<DynamicImage, DecodeErrors> {
     match decode_closed(bytes, outline, &ONES) {
-        // After a progressive file's first scan the decoder wants the marker at once: that scan is whole.
+        // After a progressive file's first scan the decoder expects the marker immediately: that scan is complete.
         Err(DecodeErrors::FormatStatic("Marker missing where expected"))
             if outline.is_progressive && outline.scans == 1 =>
         {
@@ -103,7 +104,7 @@ pub(super) fn decode(bytes: &[u8], outline: &Outline) -> Result<DynamicImage, De
     }
 }
 
-/// Decodes the picture with `more` data before its end.
+/// Decodes the picture with `more` data inserted before its end.
 fn decode_closed(
     bytes: &[u8],
     outline: &Outline,
@@ -141,8 +142,8 @@ const PROGRESSIVE: u8 = 0xc2;
 const END_OF_IMAGE: u8 = 0xd9;
 const START_OF_SCAN: u8 = 0xda;
 
-/// Columns, rows, and the fewest bits that they take: each 8 × 8 block of each component has a DC
-/// coefficient, whose code has one bit at least.
+/// Columns, rows, and the fewest bits that they take: each 8 × 8 block of each component has a DC coefficient of at
+/// least one bit.
 fn frame_bits(header: &[u8]) -> Option<(u16, u16, u64)> {
     let &[_precision, h1, h2, w1, w2, components] = header.first_chunk()?;
     let (height, width) = (u16::from_be_bytes([h1, h2]), u16::from_be_bytes([w1, w2]));
@@ -202,12 +203,12 @@ mod tests {
         decode(bytes, &outline).map_err(|error| error.to_string())
     }
 
-    /// `bytes` up to `at`, and the end of an image.
+    /// `bytes` truncated at `at`, with an end-of-image marker.
     fn closed_at(bytes: &[u8], at: usize) -> Vec<u8> {
         [&bytes[..at], &[0xff, END_OF_IMAGE]].concat()
     }
 
-    /// Where the data of each scan begin.
+    /// The start of each scan's data.
     fn scan_data(bytes: &[u8]) -> Vec<usize> {
         let is_scan = |&at: &usize| bytes[at..at + 2] == [0xff, START_OF_SCAN];
         let header = |at: usize| 2 + usize::from(bytes[at + 3]);
@@ -250,7 +251,7 @@ mod tests {
         for at in first..end {
             assert!(decoded(&closed_at(&whole, at)).is_err(), "{at} of {end}");
         }
-        // A scan that is whole is a picture, if a coarse one.
+        // A complete scan is a picture, although a coarse one.
         assert!(decoded(&closed_at(&whole, end)).is_ok());
     }
 
@@ -284,7 +285,7 @@ mod tests {
             let message = fault_of(&bytes).expect("a fault");
             assert!(message.contains("claims 16000x16000 pixels"), "{message}");
         }
-        // One grey block of one colour is as small as blocks get.
+        // One grey block of a single colour is the smallest possible.
         let mut flat = Vec::new();
         image::codecs::jpeg::JpegEncoder::new_with_quality(&mut flat, 1)
             .encode(&[128; 256 * 256], 256, 256, image::ExtendedColorType::L8)
@@ -293,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_jpeg_is_left_to_others() {
+    fn files_without_jpeg_markers_are_left_to_the_decoder() {
         assert_eq!(fault_of(b"\x89PNG"), None);
         assert_eq!(fault_of(b""), None);
         assert!(fault_of(b"\xff\xd8").is_some());

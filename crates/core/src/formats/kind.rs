@@ -2,7 +2,7 @@ use super::error::FormatError;
 use super::{gltf, off, ply, prepared, stl};
 use std::path::Path;
 
-/// A kind of file that holds a mesh.
+/// The format of a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MeshKind {
     Obj,
@@ -15,18 +15,18 @@ pub(super) enum MeshKind {
     TriangleText,
 }
 
-/// What a mesh file may be, for messages.
+/// The supported mesh formats, for messages.
 const MESHES: &str = "a mesh (OBJ, glTF, PLY, STL, OFF, 3MF, triangle text, or prepared)";
 
-/// How many lines, empty ones aside, are looked at for a word that tells the kind.
+/// The number of lines, not counting empty ones, that are searched for a word that identifies the format.
 const LINES: usize = 200;
 
-/// Words that open a line of an OBJ file.
+/// Words that start a line of an OBJ file.
 const OBJ_WORDS: [&str; 14] = [
     "v", "vt", "vn", "vp", "f", "l", "p", "o", "g", "s", "mtllib", "usemtl", "cstype", "mg",
 ];
 
-/// Whether a file is a scene: by its name, or by the version or table that it opens with.
+/// Whether a file is a scene file: by its name, or by the version or table that it starts with.
 pub(super) fn is_scene(path: &Path, bytes: &[u8]) -> bool {
     has_extension(path, "toml")
         || first_lines(bytes).next().is_some_and(|line| {
@@ -36,16 +36,16 @@ pub(super) fn is_scene(path: &Path, bytes: &[u8]) -> bool {
         })
 }
 
-/// The kind of mesh in a file: from the content where it can be, else from the extension.
+/// The format of a mesh file: from the content where possible, else from the extension.
 ///
 /// # Errors
-/// A file that holds no mesh of a kind we know; the message says what it looks like.
+/// A file in no known mesh format; the message says what it looks like.
 pub(super) fn mesh_kind(path: &Path, bytes: &[u8]) -> Result<MeshKind, FormatError> {
     let found = |what: &str| Err(FormatError::unexpected(path, None, MESHES, what));
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return found("an empty file");
     }
-    if let Some(kind) = told_by_content(bytes) {
+    if let Some(kind) = kind_by_content(bytes) {
         return Ok(kind);
     }
     if is_gltf(path, bytes) {
@@ -55,7 +55,7 @@ pub(super) fn mesh_kind(path: &Path, bytes: &[u8]) -> Result<MeshKind, FormatErr
         return Ok(MeshKind::Threemf);
     }
     if let Some(kind) = foreign_kind(bytes) {
-        // A binary STL begins with anything, and a damaged one is not known by its length.
+        // A binary STL starts with anything, and a damaged one cannot be recognised by its length.
         if kind == BINARY && has_extension(path, "stl") {
             return Ok(MeshKind::Stl);
         }
@@ -86,7 +86,7 @@ pub(super) fn mesh_kind(path: &Path, bytes: &[u8]) -> Result<MeshKind, FormatErr
     }
 }
 
-/// Whether a file is a glTF: a GLB, or JSON that names glTF's one table that must be there.
+/// Whether a file is a glTF: a GLB, or JSON with glTF's one required table.
 fn is_gltf(path: &Path, bytes: &[u8]) -> bool {
     let text = without_mark(bytes).trim_ascii_start();
     bytes.starts_with(gltf::MAGIC)
@@ -94,14 +94,14 @@ fn is_gltf(path: &Path, bytes: &[u8]) -> bool {
             && (has_extension(path, "gltf") || memchr::memmem::find(text, b"\"asset\"").is_some()))
 }
 
-/// Whether a file is a 3MF: an archive that has a model, whose name is not compressed.
+/// Whether a file is a 3MF: a ZIP archive with a model part, whose name is not compressed.
 fn is_threemf(path: &Path, bytes: &[u8]) -> bool {
     bytes.starts_with(b"PK\x03\x04")
         && (has_extension(path, "3mf") || memchr::memmem::find(bytes, b".model").is_some())
 }
 
-/// The kind of mesh whose first bytes, or whose length, are like no other's.
-fn told_by_content(bytes: &[u8]) -> Option<MeshKind> {
+/// The mesh format whose first bytes, or whose length, are unique.
+fn kind_by_content(bytes: &[u8]) -> Option<MeshKind> {
     if prepared::is_prepared(bytes) {
         Some(MeshKind::Prepared)
     } else if ply::is_ply(bytes) {
@@ -115,10 +115,10 @@ fn told_by_content(bytes: &[u8]) -> Option<MeshKind> {
     }
 }
 
-/// What looks like nothing else.
+/// The description of an unknown binary file.
 const BINARY: &str = "binary data";
 
-/// What a file that holds no mesh of a kind we know looks like; `None` where nothing gives it away.
+/// What a file in no known mesh format looks like; `None` where nothing identifies it.
 pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
     const SIGNATURES: [(&[u8], &str); 15] = [
         (b"\x89PNG", "a PNG image"),
@@ -149,7 +149,7 @@ pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
     {
         return Some("a PNM image");
     }
-    match told_by_content(bytes) {
+    match kind_by_content(bytes) {
         Some(MeshKind::Prepared) => return Some("a prepared mesh"),
         Some(MeshKind::Ply) => return Some("a PLY mesh"),
         Some(MeshKind::Stl) => return Some("an STL mesh"),
@@ -164,11 +164,11 @@ pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
     head.contains(&0).then_some(BINARY)
 }
 
-/// The first lines that are neither empty nor comments, without the space around them.
+/// The first lines that are neither empty nor comments, trimmed.
 fn first_lines(bytes: &[u8]) -> impl Iterator<Item = String> {
     without_mark(bytes)
         .split(|&b| b == b'\n' || b == b'\r')
-        // Windows' lines have an empty one between them, which must not count.
+        // Splitting at both bytes of Windows' line ends gives empty lines, which must not count.
         .filter(|line| !line.is_empty())
         .take(LINES)
         .map(|line| {
@@ -179,12 +179,12 @@ fn first_lines(bytes: &[u8]) -> impl Iterator<Item = String> {
         .filter(|line| !line.is_empty() && !line.starts_with('#'))
 }
 
-/// The bytes without UTF-8's byte order mark.
+/// The bytes without a UTF-8 byte order mark.
 pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
-/// Whether a file's name ends in this extension, in any case.
+/// Whether a file's name has this extension, in any case.
 fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension()
         .is_some_and(|found| found.eq_ignore_ascii_case(extension))
@@ -229,7 +229,7 @@ mod tests {
         );
         assert_eq!(kind("a.zip", archive), None);
         assert_eq!(kind("a.md", "nothing of note"), None);
-        // However lines end, as many of them are looked at.
+        // The same number of lines is searched for all line ends.
         for line in ["# c\n", "# c\r\n", "# c\r"] {
             let after = |lines| kind("a.obj", &(line.repeat(lines) + "(0,0,0);(1,0,0);(0,1,0)"));
             assert_eq!((after(LINES - 1), after(LINES)), (text, obj), "{line:?}");
@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn names_what_is_no_mesh() {
+    fn files_in_other_formats_are_named_in_the_error() {
         let check = |bytes: &[u8], expected: &str| {
             let error = mesh_kind(Path::new("a.obj"), bytes).expect_err("no mesh");
             let message = error.to_string();

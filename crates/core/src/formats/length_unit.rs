@@ -1,9 +1,9 @@
-//! Units of length that files say their coordinates are in.
+//! Units of length of mesh files.
 
 /// A unit of length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LengthUnit {
-    /// A millionth of a metre; 3MF calls it micron.
+    /// A millionth of a metre; "micron" in 3MF.
     Micrometre,
     /// A thousandth of a metre.
     Millimetre,
@@ -28,7 +28,7 @@ impl LengthUnit {
         Self::Foot,
     ];
 
-    /// The unit that 3MF calls so (3MF Core Specification 1.3, 3.4, `ST_Unit`); `None` for any other word.
+    /// The unit of a 3MF word (3MF Core Specification 1.3, 3.4, `ST_Unit`); `None` for any other word.
     pub fn from_threemf(word: &str) -> Option<Self> {
         Some(match word {
             "micron" => Self::Micrometre,
@@ -41,7 +41,7 @@ impl LengthUnit {
         })
     }
 
-    /// How many micrometres it is: each is a whole number of them.
+    /// The unit in micrometres: an integer for each.
     pub fn micrometres(self) -> f64 {
         match self {
             Self::Micrometre => 1.0,

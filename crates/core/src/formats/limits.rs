@@ -5,8 +5,8 @@ use std::cell::Cell;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// How much reading may take, and what it does where files do not say. What a file claims is compared with these before anything is
-/// allocated for it, so that a small file cannot ask for all memory.
+/// How much reading may take, and what it does where files do not say. What a file claims is compared with these
+/// before anything is allocated for it, so that a small file cannot ask for all memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Bytes held at one time while reading and by what was read: the contents of files, images on
@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn memory_that_is_not_there_is_not_taken() {
+    fn reading_beyond_the_available_memory_is_an_error() {
         let budget = Budget::default().within_memory(100, "the machine");
         let file = Path::new("a.png");
         assert_eq!(budget.bytes_left(), 100);
@@ -337,7 +337,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cancelled_reading_counts_nothing_more() {
+    fn a_cancelled_reading_stops_counting() {
         let cancel = Cancel::default();
         let budget = Budget::default().cancelled_by(cancel.clone());
         let allowance = budget.allowance();

@@ -1,24 +1,24 @@
-//! Lines of a text, however they end.
+//! Lines of a text, with any line ends.
 
 use super::kind::without_mark;
 use std::borrow::Cow;
 
-/// A file's text without its byte order mark; what is no UTF-8 is replaced.
+/// A file's text without its byte order mark; invalid UTF-8 is replaced.
 pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
     decode(without_mark(bytes))
 }
 
-/// A piece of a file's text; what is no UTF-8 is replaced.
+/// A piece of a file's text; invalid UTF-8 is replaced.
 pub(super) fn decode(bytes: &[u8]) -> Cow<'_, str> {
-    // Where it is whole UTF-8, checking that is several times as fast as going through it sequence by sequence.
+    // Validating the whole is several times as fast as decoding it sequence by sequence.
     match std::str::from_utf8(bytes) {
         Ok(text) => Cow::Borrowed(text),
         Err(_) => String::from_utf8_lossy(bytes),
     }
 }
 
-/// The lines of a text: each ends in a line feed, in a carriage return, as on old Macintoshes, or in
-/// both, as on Windows, and all three may stand in one file.
+/// The lines of a text. Each ends in a line feed, a carriage return (old Macintosh), or both (Windows); one file may
+/// mix them.
 #[derive(Clone, Debug)]
 pub(super) struct Lines<'t> {
     rest: &'t str,
@@ -29,9 +29,9 @@ pub(super) struct Lines<'t> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Line<'t> {
     pub(super) text: &'t str,
-    /// From 1.
+    /// The line's number, from 1.
     pub(super) number: usize,
-    /// Whether the text ends in it, with no line end behind.
+    /// Whether the text ends with the line, without a line end.
     pub(super) is_cut: bool,
 }
 
@@ -43,7 +43,7 @@ impl<'t> Lines<'t> {
         }
     }
 
-    /// How many bytes are left.
+    /// The number of bytes left.
     pub(super) fn left(&self) -> usize {
         self.rest.len()
     }

@@ -15,51 +15,51 @@ use std::mem::size_of;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The most warnings of one file that are listed one by one.
+/// The most warnings of one file that are listed individually.
 const WARNING_LIMIT: usize = 32;
 
-/// How much of reading a compressed file's bytes is unpacking them.
+/// The fraction of reading a compressed file that is decompression, for progress.
 const UNPACKING: f32 = 0.5;
 
-/// What a mesh file holds.
+/// The contents of a mesh file.
 #[derive(Debug)]
 pub(super) struct MeshFile {
     pub(super) kind: FileKind,
-    /// The unit that it says it is in.
+    /// The unit that the file states.
     pub(super) unit: Option<LengthUnit>,
-    /// One or more, in the order of their numbers.
+    /// One or more objects, in the order of their numbers.
     pub(super) objects: Vec<MeshObject>,
     pub(super) warnings: Vec<String>,
-    /// What the file says of itself, and holds that is not used.
+    /// The file's metadata, and its contents that are not used.
     pub(super) notes: Vec<String>,
 }
 
-/// A mesh where its file places it.
+/// A mesh with the transform that its file gives it.
 #[derive(Clone, Debug)]
 pub(super) struct MeshObject {
     pub(super) name: String,
-    /// One for all objects that the file gives the same mesh.
+    /// Shared by all objects of the file that have the same mesh.
     pub(super) mesh: Arc<Mesh>,
-    /// Which of the file's mesh nodes it is; `None` in files that have no nodes.
+    /// The index of its mesh node in the file; `None` in formats without nodes.
     pub(super) node: Option<u32>,
     pub(super) world_from_object: DAffine3,
-    /// What was taken to be up in the file: its mesh was turned. Y where its place was turned instead.
+    /// The axis that pointed up in the file; the mesh was rotated. Y where its transform was rotated instead.
     pub(super) up_axis: UpAxis,
-    /// The image that its materials name for all of it.
+    /// The image that its materials give the whole mesh.
     pub(super) texture: Option<MeshTexture>,
 }
 
-/// The image on all of a mesh.
+/// An image for the whole mesh.
 #[derive(Clone, Debug)]
 pub(super) enum MeshTexture {
-    /// By a file, which is yet to be read.
+    /// A file that is not read yet.
     Named(PathBuf),
-    /// By the mesh's file itself, with the file that it once was.
+    /// An image stored in the mesh's file, with the file that it came from.
     Held(Arc<Texture>, Option<PathBuf>),
 }
 
 impl MeshObject {
-    /// The only object of a file, named after it.
+    /// The only object of a file, named after the file.
     fn whole(path: &Path, mesh: Arc<Mesh>, up_axis: UpAxis, texture: Option<PathBuf>) -> Self {
         let texture = texture.map(MeshTexture::Named);
         Self {
@@ -72,7 +72,7 @@ impl MeshObject {
         }
     }
 
-    /// What came from no file.
+    /// A mesh that came from no file.
     pub(super) fn made(name: &str, mesh: Arc<Mesh>) -> Self {
         Self {
             name: name.to_owned(),
@@ -80,7 +80,7 @@ impl MeshObject {
         }
     }
 
-    /// The object in a scene; its texture is another file, and the caller's.
+    /// The object in a scene; its texture file is the caller's to read.
     pub(super) fn placed(&self, source: Option<PathBuf>) -> Object {
         Object {
             transform: Transform::from_matrix(self.world_from_object),
@@ -92,8 +92,8 @@ impl MeshObject {
     }
 }
 
-/// Reads the bytes of a mesh file of any kind, and through `files` what it names; `up_axis` is what
-/// is up where the file does not say.
+/// Reads a mesh file of any format, and through `files` the files that it names; `up_axis` is the axis that points up
+/// where the file does not say.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
@@ -190,7 +190,18 @@ pub(super) fn read(
     })
 }
 
-/// Checks and stores what a file of several objects gives.
+/// Reads a prepared mesh of so many bytes from where they are.
+pub(super) fn read_prepared(
+    path: &Path,
+    from: (prepared::ReadAt<'_>, u64),
+    files: &dyn Files,
+    progress: Progress<'_>,
+) -> Result<MeshFile, FormatError> {
+    let prepared = prepared::read_from(path, from, files.budget(), progress)?;
+    Ok(of_prepared(path, prepared, None, files))
+}
+
+/// Checks and stores the meshes of a file of several objects.
 fn several(
     path: &Path,
     kind: FileKind,
@@ -230,7 +241,7 @@ fn several(
     })
 }
 
-/// What a prepared file holds is stored by now.
+/// The objects of a prepared file, whose meshes are stored already.
 fn of_prepared(
     path: &Path,
     prepared: prepared::Prepared,
@@ -263,7 +274,7 @@ fn of_prepared(
     }
 }
 
-/// Checks and stores a mesh, counted.
+/// Checks and stores a mesh, counted against the budget.
 pub(super) fn store(
     path: &Path,
     data: MeshData,
@@ -278,13 +289,13 @@ pub(super) fn store(
     Ok(Arc::new(mesh))
 }
 
-/// Counts objects of a scene, and all their triangles, those of a shared mesh each time.
+/// Counts a scene's objects and all their triangles, those of a shared mesh each time.
 pub(super) fn count_objects(
     path: &Path,
     objects: &[MeshObject],
     budget: &Budget,
 ) -> Result<(), FormatError> {
-    // The object, its transforms by matrix, and the names, twice while they are made.
+    // The object, its transform as a matrix, and its name; twice while they are made.
     let names: usize = objects.iter().map(|object| object.name.len()).sum();
     let bytes = 2 * (objects.len() * (size_of::<Object>() + size_of::<DAffine3>()) + names);
     let share = budget.share(path, "the list of objects", bytes as u64)?;
@@ -304,7 +315,7 @@ pub(super) fn limit_warnings(path: &Path, warnings: &mut Vec<String>) {
     }
 }
 
-/// A warning where single precision moved corners by more than a small part of an edge.
+/// A warning where rounding to single precision moved corners by more than a small fraction of an edge.
 fn rounding(path: &Path, mesh: &Mesh) -> Option<String> {
     let rounding = mesh.rounding();
     (rounding.bent > 0).then(|| {
@@ -319,7 +330,7 @@ fn rounding(path: &Path, mesh: &Mesh) -> Option<String> {
     })
 }
 
-/// What an object is called that is named after its file.
+/// The name of an object that is named after its file.
 pub(super) fn name(path: &Path) -> String {
     inner_name(path).file_stem().map_or_else(
         || "object".to_owned(),

@@ -1,4 +1,4 @@
-//! Reading files: meshes, textures, scene files. The one place in the core that touches a disk.
+//! Reading and writing scenes and meshes. The only place in the core that accesses files.
 
 mod at_vertices;
 mod disk;
@@ -64,28 +64,33 @@ use mesh_file::MeshTexture;
 use std::path::Path;
 use std::sync::Arc;
 
-/// A step of loading, for whoever shows progress: a share of the whole, 0 to 1.
+/// Called with the fraction of loading that is done, 0 to 1.
 pub type Progress<'a> = &'a (dyn Fn(f32) + Sync);
 
-/// How much of loading a mesh file is reading its bytes.
+/// The fraction of loading a mesh file that is reading its bytes, for progress.
 const READING: f32 = 0.2;
 
-/// Reads a mesh file; its kind is known from the content where it can be, else from the extension.
+/// Reads a mesh file; the format is recognised by the content where possible, else by the extension.
 ///
-/// What [`read_scene`] would warn of (materials that cannot be read) is passed over. The mesh of a
-/// glTF or 3MF file is in its own space: where its node places it is not said.
+/// Warnings of [`read_scene`] (about materials that cannot be read) are dropped. The mesh of a glTF or 3MF file is in
+/// its own space, without the transform of its node.
 ///
 /// # Errors
-/// A file that cannot be read, or is not a mesh of a kind we know: with file, line and what was
-/// expected; more than the default [`Limits`]; more objects than one.
+/// A file that cannot be read, or is in no known mesh format: with file, line and what was expected; more than the
+/// default [`Limits`]; more than one object.
 pub fn read_mesh(path: &Path, progress: Progress<'_>) -> Result<Mesh, FormatError> {
     let budget = Budget::default();
     let disk = Disk::new(&budget);
-    let contents = disk.read(path, By::Person, &|share| progress(share * READING))?;
-    let up_axis = budget.limits().up_axis;
-    let read = mesh_file::read(path, &contents, &disk, up_axis, &|share| {
-        progress(READING + share * (1.0 - READING));
-    })?;
+    let read = match read_prepared(path, &disk, progress) {
+        Some(read) => read?,
+        None => {
+            let contents = disk.read(path, By::Person, &|share| progress(share * READING))?;
+            let up_axis = budget.limits().up_axis;
+            mesh_file::read(path, &contents, &disk, up_axis, &|share| {
+                progress(READING + share * (1.0 - READING));
+            })?
+        }
+    };
     let count = read.objects.len();
     let mut objects = read.objects.into_iter();
     match (objects.next(), count) {
@@ -97,51 +102,66 @@ pub fn read_mesh(path: &Path, progress: Progress<'_>) -> Result<Mesh, FormatErro
     }
 }
 
-/// Reads an image file as a texture: PNG, JPEG or PNM, known by its content.
+/// Reads a prepared mesh straight from its file; `None` of any other file.
+fn read_prepared(
+    path: &Path,
+    disk: &Disk<'_>,
+    progress: Progress<'_>,
+) -> Option<Result<mesh_file::MeshFile, FormatError>> {
+    let file = disk.open_if(path, prepared::is_prepared)?;
+    let read_at = |at: u64, to: &mut [u8]| file.read_at(at, to);
+    let from: (prepared::ReadAt<'_>, u64) = (&read_at, file.length);
+    Some(mesh_file::read_prepared(path, from, disk, progress))
+}
+
+/// Reads an image file as a texture: PNG, JPEG or PNM, recognised by its content.
 ///
 /// # Errors
-/// A file that cannot be read, is not an image of a kind we know, is damaged or ends early, has a
-/// side longer than 32768 texels, or needs more than the default [`Limits`].
+/// A file that cannot be read, is in no known image format, is damaged or ends early, has a side longer than 32768
+/// texels, or needs more than the default [`Limits`].
 pub fn read_texture(path: &Path) -> Result<Texture, FormatError> {
     read_texture_within(path, &Budget::default())
 }
 
-/// [`read_texture`] within a budget of the caller's.
+/// As [`read_texture`], within a budget of the caller's.
 ///
 /// # Errors
-/// As [`read_texture`]; more than the budget has left.
+/// As [`read_texture`]; an exhausted budget.
 pub fn read_texture_within(path: &Path, budget: &Budget) -> Result<Texture, FormatError> {
     decode_texture(&Disk::new(budget), path, By::Person)
 }
 
-/// Reads a scene file (`.raycast.toml`) and every mesh and texture that it names, or a mesh file as
-/// a scene of the objects that it places: a glTF or 3MF file's mesh nodes, depth first, those of a prepared file; else one,
-/// named after the file, with the texture that its materials name for all of it.
+/// Reads a scene file (`.raycast.toml`) and every mesh and texture that it names, or a mesh file as a scene of its
+/// objects. These are the mesh nodes of a glTF or 3MF file, depth first; those of a prepared file; else one object,
+/// named after the file, with the texture that its materials give all of it.
 ///
 /// # Errors
-/// As [`read_mesh`]; a scene file that does not parse, with its line.
+/// As [`read_mesh`]; a scene file with a syntax error, with its line.
 pub fn read_scene(path: &Path, progress: Progress<'_>) -> Result<SceneFile, FormatError> {
     read_scene_within(path, &Budget::default(), progress)
 }
 
-/// [`read_scene`] within a budget of the caller's, which may be that of other files too.
+/// As [`read_scene`], within a budget of the caller's, which several files may share.
 ///
 /// # Errors
-/// As [`read_scene`]; more than the budget has left.
+/// As [`read_scene`]; an exhausted budget.
 pub fn read_scene_within(
     path: &Path,
     budget: &Budget,
     progress: Progress<'_>,
 ) -> Result<SceneFile, FormatError> {
     let disk = Disk::new(budget);
-    let contents = disk.read(path, By::Person, &|share| progress(share * READING))?;
-    let rest = |share: f32| progress(READING + share * (1.0 - READING));
-    if kind::is_scene(path, &contents) {
-        return scene_read::read(path, &contents, &disk, &rest);
-    }
-    let up_axis = budget.limits().up_axis;
-    let read = mesh_file::read(path, &contents, &disk, up_axis, &rest)?;
-    drop(contents);
+    let read = match read_prepared(path, &disk, progress) {
+        Some(read) => read?,
+        None => {
+            let contents = disk.read(path, By::Person, &|share| progress(share * READING))?;
+            let rest = |share: f32| progress(READING + share * (1.0 - READING));
+            if kind::is_scene(path, &contents) {
+                return scene_read::read(path, &contents, &disk, &rest);
+            }
+            mesh_file::read(path, &contents, &disk, budget.limits().up_axis, &rest)?
+        }
+    };
     mesh_file::count_objects(path, &read.objects, budget)?;
     let mut warnings = read.warnings;
     let source = disk.source(path);
@@ -177,10 +197,10 @@ pub fn read_scene_within(
     })
 }
 
-/// Reads a scene file's text, and what it names from a store of the caller's: `resolve` gives the
-/// bytes of a file by its path relative to the scene, `/` between its parts. No disk is touched.
+/// Reads a scene file's text, and the files that it names from a store of the caller's: `resolve` gives the bytes of
+/// a file by its path relative to the scene, with `/` between its parts. No disk is accessed.
 ///
-/// Errors name the text itself `scene`. The objects' sources are the relative paths.
+/// Errors call the text itself `scene`. The objects' sources are the relative paths.
 ///
 /// # Errors
 /// As [`read_scene`]; a file that `resolve` does not have.
@@ -207,7 +227,7 @@ mod tests {
     use std::path::PathBuf;
     use std::sync::Mutex;
 
-    /// A folder that is gone when the test is.
+    /// A temporary folder that is removed after the test.
     struct Folder(PathBuf);
 
     impl Folder {
@@ -227,7 +247,7 @@ mod tests {
 
     impl Drop for Folder {
         fn drop(&mut self) {
-            // What is left behind does not change what was tested.
+            // A folder that cannot be removed does not change the result.
             let _ = std::fs::remove_dir_all(&self.0);
         }
     }
@@ -254,7 +274,7 @@ mod tests {
         assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)));
         assert_eq!(shares.last(), Some(&1.0));
 
-        // Saved elsewhere, it still finds its files.
+        // Saved elsewhere, the scene still finds its files.
         let text = file
             .to_toml(&folder.0.join("deep"))
             .expect("it can be saved");
@@ -280,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_is_named() {
+    fn files_that_cannot_be_read_are_named_in_the_error() {
         let folder = Folder::new("faults");
         let check = |path: &Path| {
             let errors = [

@@ -14,7 +14,7 @@ use glam::{DVec3, Vec2, Vec3};
 use std::mem::size_of;
 use std::path::Path;
 
-/// What a vertex may have beside its position.
+/// What a vertex may have besides its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Normal,
@@ -22,13 +22,13 @@ enum Kind {
     Uv,
 }
 
-/// What an OFF says of its vertices in its first word: `[ST][C][N][4][n]OFF`.
+/// The first word of an OFF, which declares what vertices have: `[ST][C][N][4][n]OFF`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Keyword {
-    /// In the order in which the numbers stand: from the word's end to its start. Geomview's words have
-    /// normals first; MeshLab writes `NCOFF`, with colours first.
+    /// In the order of the numbers, which is from the word's end to its start. Geomview's words have normals first;
+    /// MeshLab writes `NCOFF`, with colours first.
     kinds: Vec<Kind>,
-    /// Four numbers a vertex, or as many as the file says: no space of three dimensions.
+    /// Four coordinates a vertex, or a number of them that the file gives: not a three-dimensional space.
     other_space: bool,
 }
 
@@ -74,11 +74,11 @@ pub(super) fn is_off(bytes: &[u8]) -> bool {
     words(head).next().and_then(Keyword::of).is_some()
 }
 
-/// Colours as the file has them, each with the vertex or triangle that it begins at.
+/// Colours as the file has them, each with the first vertex or triangle that has it.
 #[derive(Default)]
 struct RawColors {
     colors: Vec<(u32, [f32; 3])>,
-    /// The largest of all their channels.
+    /// The largest channel of all of them.
     largest: f32,
 }
 
@@ -89,8 +89,8 @@ impl RawColors {
         self.colors.push((at as u32, channels));
     }
 
-    /// The colours as bytes. Some programs write 0 to 255, others 0 to 1: where no channel of the file
-    /// is above 1 it is the latter.
+    /// The colours as bytes. Some programs write 0 to 255, others 0 to 1: the latter if no channel of the file is
+    /// above 1.
     fn bytes(&self) -> impl Iterator<Item = (u32, Color)> {
         let scale = if self.largest > 1.0 { 1.0 / 255.0 } else { 1.0 };
         self.colors.iter().map(move |(at, channels)| {
@@ -126,7 +126,7 @@ pub(super) fn read(
             }
             keyword
         }
-        // A file may go without; then the counts are the first.
+        // The first word is optional; without it the file starts with the counts.
         None => {
             words = self::words(bytes);
             Keyword::default()
@@ -139,7 +139,7 @@ pub(super) fn read(
         count.ok_or_else(|| words.fault(path, expected, &Found::next(word)))
     };
     let (vertices, faces) = (count()?, count()?);
-    // A digit, and what parts it from the next: three in each vertex, one in each face.
+    // A digit and a separator: three in each vertex, one in each face.
     let least = vertices
         .saturating_mul(6)
         .saturating_add(faces.saturating_mul(2));
@@ -153,7 +153,7 @@ pub(super) fn read(
         let expected = format!("fewer than {} vertices", u32::MAX);
         return Err(words.fault(path, &expected, &Found::Word(vertices.to_string())));
     }
-    // How many edges there are, where the file says so.
+    // The number of edges, if the file has one.
     words.rest_of_line();
     let mut reader = Reader {
         path,
@@ -190,9 +190,9 @@ struct Reader<'a> {
     triangle_colors: RawColors,
     /// Faces of fewer than three corners.
     small: usize,
-    /// Faces whose colour is a number in a list that is elsewhere.
+    /// Faces whose colour is an index into a list outside the file.
     color_numbers: usize,
-    /// Vertices and faces with more numbers than they have a use for.
+    /// Vertices and faces with superfluous numbers.
     extra: usize,
 }
 
@@ -229,7 +229,7 @@ impl Reader<'_> {
                 Kind::Color,
                 size_of::<(u32, [f32; 3])>() + size_of::<Option<Color>>(),
             );
-        // What is read is counted again as a mesh once all is there.
+        // Counted again as a mesh once all is read.
         drop(
             self.budget
                 .share(self.path, "the mesh", (count * vertex) as u64)?,
@@ -256,7 +256,7 @@ impl Reader<'_> {
                     }
                     Kind::Color => {
                         self.vertex_colors.add(index, three(at));
-                        // Perhaps with opacity.
+                        // Colours may have an opacity.
                         at += if numbers.len() > least { 4 } else { 3 };
                     }
                     Kind::Uv => {
@@ -342,7 +342,7 @@ impl Reader<'_> {
                 let held = self.parsed.mesh.triangles.len() * size_of::<[u32; 3]>()
                     + self.polygons.len() * size_of::<Polygon>()
                     + self.triangle_colors.colors.len() * size_of::<(u32, [f32; 3])>();
-                // A list that is full doubles, and the old one stays until the new one is filled.
+                // A full list doubles, and the old one exists until the new one is filled.
                 share.grow(self.path, "the mesh", 3 * held as u64)?;
                 progress(0.9 * self.words.at() as f32 / length as f32);
             }
@@ -368,7 +368,7 @@ impl Reader<'_> {
             .map(|(_, color)| Some(color))
             .collect();
         if !self.triangle_colors.colors.is_empty() {
-            // A face's colour is that of all its triangles.
+            // All triangles of a face have its colour.
             let mut colors = vec![None; mesh.triangles.len()];
             for (first, color) in self.triangle_colors.bytes() {
                 colors[first as usize] = Some(color);
@@ -478,7 +478,7 @@ mod tests {
     }
 
     #[test]
-    fn what_vertices_have_is_in_the_order_of_the_keyword() {
+    fn vertex_values_follow_the_order_of_the_keyword() {
         let vertices = "0 0 0 1 0 0 1 0 3 0\n1 0 0 1 0 0 1 0 3 0\n0 1 0 1 0 0 1 0 3 0\n";
         let mesh = parse(&format!("NCOFF\n3 1 0\n{vertices}3 0 1 2\n")).expect("a good file");
         assert_eq!(mesh.mesh.colors[0], Some(Color([255, 0, 0])));

@@ -1,4 +1,4 @@
-//! What a file of several objects gives: meshes, and where its mesh nodes place them.
+//! The contents of a file of several objects: meshes, and the nodes that place them.
 
 use super::length_unit::LengthUnit;
 use crate::scene::MeshData;
@@ -7,15 +7,15 @@ use glam::DAffine3;
 /// Meshes and the nodes that place them.
 #[derive(Debug, Default)]
 pub(super) struct Placed {
-    /// Each mesh that a node has, once.
+    /// Each mesh that a node uses, once.
     pub(super) meshes: Vec<MeshData>,
     /// The mesh nodes, depth first.
     pub(super) nodes: Vec<PlacedMesh>,
-    /// The unit that the file says it is in.
+    /// The unit that the file states.
     pub(super) unit: Option<LengthUnit>,
-    /// What is not shown, or not as the file has it.
+    /// Contents that are not shown, or not as the file has them.
     pub(super) warnings: Vec<String>,
-    /// What the file says of itself, and holds that is not used: a line each, without the file.
+    /// The file's metadata, and its contents that are not used: a line each, without the file.
     pub(super) notes: Vec<String>,
 }
 
@@ -28,5 +28,5 @@ pub(super) struct PlacedMesh {
     pub(super) world_from_object: DAffine3,
 }
 
-/// The most mesh nodes of one file: each is an object, with a name and a place of its own.
+/// The most mesh nodes of one file. Each becomes an object with a name and a transform.
 pub(super) const NODE_LIMIT: usize = 1 << 20;

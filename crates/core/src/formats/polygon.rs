@@ -1,35 +1,33 @@
-//! Faces of more than three corners, cut into triangles: fans where a fan is right, ears elsewhere.
+//! Triangulation of faces with more than three corners: fans where a fan is correct, ear clipping elsewhere.
 
+mod cutter;
 mod tree;
 
 use crate::quote;
 use crate::scene::{Diagonals, MeshData, is_storable};
-use glam::{DVec3, Vec3};
-use robust::{Coord, orient2d};
-use std::cmp::Ordering;
+use cutter::{Cut, Cutter};
 use std::path::Path;
-use tree::{Box2, Tree};
 
-/// A face of more than three corners, by the fan that stands for it in a mesh until it is cut.
+/// A face of more than three corners, given by the fan that represents it in a mesh until it is triangulated.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Polygon {
-    /// Number of its first triangle.
+    /// The number of its first triangle.
     pub(super) first: u32,
-    /// How many triangles it has: its corners less two.
+    /// The number of its triangles: its corners less two.
     pub(super) triangles: u32,
 }
 
-/// Faces that could not be cut as they should be, and stay fans.
+/// Counts of faces that could not be triangulated properly, and stay fans.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Uncut {
-    /// Those that cross themselves.
+    /// Faces that cross themselves.
     pub(super) crossing: usize,
-    /// Those that would take longer than there is time for.
+    /// Faces that would take too long.
     pub(super) intricate: usize,
 }
 
 impl Uncut {
-    /// A warning for each kind.
+    /// A warning for each reason.
     pub(super) fn warnings(self, path: &Path) -> Vec<String> {
         let path = quote::path(path);
         let kinds = [
@@ -49,13 +47,12 @@ impl Uncut {
     }
 }
 
-/// Cuts the polygons of a mesh whose faces are all fans. Each keeps its numbers; positions, texture
-/// coordinates and normals are cut alike. The mesh keeps where they were cut.
+/// Triangulates the polygons of a mesh whose faces are all fans. Each polygon keeps its triangle numbers; positions,
+/// texture coordinates and normals are triangulated alike, and the mesh records the diagonals.
 ///
-/// The corners are judged as they will be stored, in single precision relative to the mesh's
-/// offset, and in the plane of two axes that shows the most of the face. A fan stays where all its
-/// triangles have one exact orientation there and go round its first corner once. A face with a
-/// corner that cannot be stored stays a fan too.
+/// Corners are tested as they will be stored, in single precision relative to the mesh's offset, projected along an
+/// axis to the coordinate plane that shows the face largest. A face stays a fan where all triangles of the fan have
+/// one exact orientation there and turn around the first corner at most once, or where a corner cannot be stored.
 pub(super) fn cut(mesh: &mut MeshData, polygons: &[Polygon]) -> Uncut {
     if polygons.is_empty() {
         return Uncut::default();
@@ -112,439 +109,17 @@ pub(super) fn cut(mesh: &mut MeshData, polygons: &[Polygon]) -> Uncut {
     uncut
 }
 
-/// Whether two corners of a face of so many follow one another.
+/// Whether two corners of a face with `count` corners are neighbours.
 fn are_neighbours(a: u32, b: u32, count: usize) -> bool {
     let apart = a.abs_diff(b) as usize;
     apart == 1 || apart + 1 == count
 }
 
-/// The corners of a fan, in their order.
+/// The corners of a fan, in order.
 fn corners(fan: &[[u32; 3]], corners: &mut Vec<u32>) {
     corners.clear();
     corners.extend(fan.first().iter().flat_map(|first| &first[..2]));
     corners.extend(fan.iter().map(|triangle| triangle[2]));
-}
-
-/// How a face is to be cut.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Cut {
-    /// As a fan.
-    Fan,
-    /// Into the ears that the cutter holds.
-    Ears,
-    /// As a fan, for want of better: it crosses itself.
-    Crossing,
-    /// As a fan, for want of better: it would take too long.
-    Intricate,
-}
-
-/// Steps (boxes looked at, of some nanoseconds each) that a face may take a corner. Faces as they
-/// are drawn take some 100; one that is made to take long, of which every edge lies in every other
-/// one's box, stops after as long as loading ten triangles a corner takes.
-const STEPS_A_CORNER: usize = 512;
-
-type Point = Coord<f64>;
-
-/// One of three ways that a corner may turn, decided exactly.
-///
-/// Coordinates are single precision: no product of their differences overflows or underflows.
-fn turn(a: Point, b: Point, c: Point) -> Ordering {
-    sign(orient2d(a, b, c))
-}
-
-/// By x, then by y: along a line, the order of what is on it.
-fn order(a: Point, b: Point) -> Ordering {
-    let by = |a: f64, b: f64| sign(a - b);
-    by(a.x, b.x).then(by(a.y, b.y))
-}
-
-/// Both zeros are equal to zero.
-fn sign(number: f64) -> Ordering {
-    number.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
-}
-
-#[derive(Debug, Default)]
-struct Cutter {
-    points: Vec<Point>,
-    /// The way round that the face goes.
-    inside: Option<Ordering>,
-    tree: Tree,
-    next: Vec<u32>,
-    previous: Vec<u32>,
-    is_cut: Vec<bool>,
-    /// How many corners are not cut off.
-    left: usize,
-    /// Corners to be looked at.
-    candidates: Vec<u32>,
-    /// Corners that may be spikes.
-    suspects: Vec<u32>,
-    /// Whether a corner is among them.
-    is_candidate: Vec<bool>,
-    /// For each corner, those whose ears it lay in when they were looked at.
-    waiting: Vec<Vec<u32>>,
-    /// For each corner, the one that it was last found waiting for.
-    waits_for: Vec<u32>,
-    ears: Vec<[u32; 3]>,
-    steps_left: usize,
-}
-
-/// No corner.
-const NOBODY: u32 = u32::MAX;
-
-/// The way on was too long.
-struct OutOfSteps;
-
-impl Cutter {
-    /// Decides how to cut a face of four or more corners.
-    fn cut(&mut self, corners: &[Vec3]) -> Cut {
-        self.project(corners);
-        if self.is_fan() {
-            return Cut::Fan;
-        }
-        self.steps_left = STEPS_A_CORNER * corners.len();
-        match self.crosses() {
-            Err(OutOfSteps) => return Cut::Intricate,
-            Ok(true) => return Cut::Crossing,
-            Ok(false) => {}
-        }
-        match self.clip() {
-            Ok(true) => Cut::Ears,
-            Ok(false) => Cut::Crossing,
-            Err(OutOfSteps) => Cut::Intricate,
-        }
-    }
-
-    /// Drops the axis along which the face's normal is longest. The normal is Newell's, the sum of
-    /// the fan's (Sutherland, Sproull, Schumacker, "A characterization of ten hidden-surface
-    /// algorithms", 1974); rounded, it may choose the second best of two planes that are alike. Of a
-    /// face whose parts cancel, in which rounding is all that is left of it, the parts decide.
-    fn project(&mut self, corners: &[Vec3]) {
-        let first = corners[0].as_dvec3();
-        let mut normal = DVec3::ZERO;
-        let mut parts = DVec3::ZERO;
-        for pair in corners.windows(2) {
-            let part = (pair[0].as_dvec3() - first).cross(pair[1].as_dvec3() - first);
-            normal += part;
-            parts += part.abs();
-        }
-        let normal = normal.abs();
-        // Of products of differences, each within some units in the last place of the parts' sum.
-        let rounding = corners.len() as f64 * 2f64.powi(-50);
-        let longest = if normal.max_element() <= rounding * parts.max_element() {
-            parts
-        } else {
-            normal
-        };
-        let dropped = longest.max_position();
-        let (x, y) = ((dropped + 1) % 3, (dropped + 2) % 3);
-        self.points.clear();
-        let flat = |corner: &Vec3| Point {
-            x: f64::from(corner[x]),
-            y: f64::from(corner[y]),
-        };
-        self.points.extend(corners.iter().map(flat));
-    }
-
-    /// Whether all triangles of the fan turn one way, and once round at most.
-    fn is_fan(&self) -> bool {
-        let [apex, first, ref rest @ ..] = self.points[..] else {
-            return true;
-        };
-        let way = turn(apex, first, rest[0]);
-        if way == Ordering::Equal {
-            return false;
-        }
-        let mut last = first;
-        // Each triangle turns by less than half a circle: what comes back to the near side of the
-        // first edge after it was beyond has gone all the way round.
-        let mut beyond_half = false;
-        for &point in rest {
-            if turn(apex, last, point) != way {
-                return false;
-            }
-            let side = turn(apex, first, point);
-            if beyond_half && side != way.reverse() {
-                return false;
-            }
-            beyond_half |= side != way;
-            last = point;
-        }
-        true
-    }
-
-    /// The way round that a face goes that does not cross itself: that of its lowest corner, which is
-    /// neither in its neighbour's place nor a spike. `None` where all that is left is on a line.
-    fn way_round(&self) -> Option<Ordering> {
-        let uncut = (0..self.points.len() as u32).filter(|&i| !self.is_cut[i as usize]);
-        let lowest =
-            uncut.min_by(|&a, &b| order(self.points[a as usize], self.points[b as usize]))?;
-        let [before, here, after] = self.ear_points(lowest);
-        let way = turn(before, here, after);
-        (way != Ordering::Equal).then_some(way)
-    }
-
-    /// Whether two edges cross, each with its ends on both sides of the other.
-    fn crosses(&mut self) -> Result<bool, OutOfSteps> {
-        let points = &self.points;
-        let edge = |index: usize| [points[index], points[(index + 1) % points.len()]];
-        self.tree.build(points.len(), |index| {
-            let [a, b] = edge(index);
-            Some(Box2::around(a).with(b))
-        });
-        let cross = |a: usize, b: usize| {
-            let ([a, b], [c, d]) = (edge(a), edge(b));
-            let apart =
-                |one: Ordering, other: Ordering| one != Ordering::Equal && one == other.reverse();
-            apart(turn(a, b, c), turn(a, b, d)) && apart(turn(c, d, a), turn(c, d, b))
-        };
-        let tree = &self.tree;
-        let mut pairs = vec![(1, 1)];
-        while let Some((one, other)) = pairs.pop() {
-            self.steps_left = self.steps_left.checked_sub(1).ok_or(OutOfSteps)?;
-            if !tree.boxes[one].meets(&tree.boxes[other]) {
-                continue;
-            }
-            match (tree.leaf(one), tree.leaf(other)) {
-                (Some(a), Some(b)) if a != b && cross(a, b) => return Ok(true),
-                (Some(_), Some(_)) => {}
-                _ if one == other => {
-                    let (left, right) = (2 * one, 2 * one + 1);
-                    pairs.extend([(left, left), (right, right), (left, right)]);
-                }
-                // All leaves are equally deep.
-                _ => {
-                    for one in [2 * one, 2 * one + 1] {
-                        pairs.extend([(one, 2 * other), (one, 2 * other + 1)]);
-                    }
-                }
-            }
-        }
-        Ok(false)
-    }
-
-    /// Cuts ears off until nothing is left (Meisters, "Polygons have ears", 1975); whether that went
-    /// well. A corner is an ear where it turns inwards and none that does not lies in its triangle,
-    /// which are all that could. One that is no ear is looked at again when that corner is gone or
-    /// turns inwards, or when a neighbour changes.
-    fn clip(&mut self) -> Result<bool, OutOfSteps> {
-        let count = self.points.len();
-        let index = |i: usize| i as u32;
-        self.next.clear();
-        self.next.extend((0..count).map(|i| index((i + 1) % count)));
-        self.previous.clear();
-        self.previous
-            .extend((0..count).map(|i| index((i + count - 1) % count)));
-        self.is_cut.clear();
-        self.is_cut.resize(count, false);
-        self.waiting.iter_mut().for_each(Vec::clear);
-        self.waiting
-            .resize(count.max(self.waiting.len()), Vec::new());
-        self.ears.clear();
-        self.tree.build(0, |_| None);
-        self.left = count;
-        self.inside = None;
-        let all = (0..index(count)).rev();
-        self.is_candidate.clear();
-        self.suspects.clear();
-        self.suspects.extend(all.clone());
-        self.cut_spikes();
-        self.inside = self.way_round();
-        if self.inside.is_none() {
-            // On a line, where the tips of spikes are cut off until three corners are left.
-            self.close();
-            return Ok(true);
-        }
-        let is_uncut = |i: u32| !self.is_cut[i as usize];
-        let blocks: Vec<bool> = (0..index(count))
-            .map(|i| is_uncut(i) && !self.turns_inwards(i))
-            .collect();
-        self.candidates.clear();
-        self.candidates.extend(all.clone());
-        self.is_candidate.clear();
-        self.is_candidate.resize(count, true);
-        self.waits_for.clear();
-        self.waits_for.resize(count, NOBODY);
-        let points = &self.points;
-        self.tree
-            .build(count, |i| blocks[i].then(|| Box2::around(points[i])));
-
-        // What is allowed where nothing else is left: ears with a corner on their border, then
-        // corners on a straight edge.
-        let mut touching = false;
-        let mut looked_at = 0;
-        while self.left > 3 {
-            let Some(corner) = self.candidates.pop() else {
-                if touching {
-                    let Some(corner) = self.flat_corner(looked_at)? else {
-                        return Ok(false);
-                    };
-                    looked_at = corner;
-                    self.cut_off(corner);
-                } else {
-                    touching = true;
-                    self.candidates.extend(all.clone());
-                    self.is_candidate.fill(true);
-                }
-                continue;
-            };
-            self.is_candidate[corner as usize] = false;
-            if self.is_cut[corner as usize] || !self.turns_inwards(corner) {
-                continue;
-            }
-            match self.blocker(corner, touching)? {
-                Some(blocker) => {
-                    let waits_for = &mut self.waits_for[corner as usize];
-                    if *waits_for != blocker {
-                        *waits_for = blocker;
-                        self.waiting[blocker as usize].push(corner);
-                    }
-                }
-                None => {
-                    self.cut_off(corner);
-                    self.cut_spikes();
-                }
-            }
-        }
-        self.close();
-        Ok(true)
-    }
-
-    /// Cuts off corners in the place of a neighbour, and tips at which the face turns back upon
-    /// itself: triangles without area, which would make ears of what lies outside.
-    fn cut_spikes(&mut self) {
-        while let Some(corner) = self.suspects.pop() {
-            if self.left > 3 && !self.is_cut[corner as usize] && self.is_spike(corner) {
-                self.cut_off(corner);
-            }
-        }
-    }
-
-    fn is_spike(&self, corner: u32) -> bool {
-        let [before, here, after] = self.ear_points(corner);
-        let (to_before, to_after) = (order(here, before), order(here, after));
-        let turns_back = to_before == to_after && turn(before, here, after) == Ordering::Equal;
-        turns_back || to_before == Ordering::Equal || to_after == Ordering::Equal
-    }
-
-    /// The last triangle.
-    fn close(&mut self) {
-        let last = (0..self.points.len() as u32).find(|&i| !self.is_cut[i as usize]);
-        self.ears.extend(last.map(|corner| self.ear(corner)));
-    }
-
-    /// A corner and its neighbours, in the face's order.
-    fn ear(&self, corner: u32) -> [u32; 3] {
-        let at = corner as usize;
-        [self.previous[at], corner, self.next[at]]
-    }
-
-    fn ear_points(&self, corner: u32) -> [Point; 3] {
-        self.ear(corner).map(|i| self.points[i as usize])
-    }
-
-    fn turns_inwards(&self, corner: u32) -> bool {
-        let [a, b, c] = self.ear_points(corner);
-        Some(turn(a, b, c)) == self.inside
-    }
-
-    /// A corner that neither turns inwards nor outwards, from that of this index on.
-    fn flat_corner(&mut self, first: u32) -> Result<Option<u32>, OutOfSteps> {
-        let count = self.points.len() as u32;
-        for corner in (first..count).chain(0..first) {
-            self.steps_left = self.steps_left.checked_sub(1).ok_or(OutOfSteps)?;
-            let [a, b, c] = self.ear_points(corner);
-            if !self.is_cut[corner as usize] && turn(a, b, c) == Ordering::Equal {
-                return Ok(Some(corner));
-            }
-        }
-        Ok(None)
-    }
-
-    fn cut_off(&mut self, corner: u32) {
-        let ear = self.ear(corner);
-        let [before, _, after] = ear;
-        self.ears.push(ear);
-        self.next[before as usize] = after;
-        self.previous[after as usize] = before;
-        self.is_cut[corner as usize] = true;
-        self.left -= 1;
-        self.stops_blocking(corner);
-        for neighbour in [after, before] {
-            self.suspects.push(neighbour);
-            if self.turns_inwards(neighbour) {
-                self.stops_blocking(neighbour);
-                self.look_at(neighbour);
-            }
-        }
-    }
-
-    fn stops_blocking(&mut self, corner: u32) {
-        self.tree.remove(corner as usize);
-        for waiting in std::mem::take(&mut self.waiting[corner as usize]) {
-            // It may wait for another by now.
-            if self.waits_for[waiting as usize] == corner {
-                self.waits_for[waiting as usize] = NOBODY;
-                self.look_at(waiting);
-            }
-        }
-    }
-
-    fn look_at(&mut self, corner: u32) {
-        if let Some(is_candidate) = self.is_candidate.get_mut(corner as usize)
-            && !std::mem::replace(is_candidate, true)
-        {
-            self.candidates.push(corner);
-        }
-    }
-
-    /// A corner in an ear that keeps it from being one; where `touching` is allowed, not on its
-    /// border. One in the place of an ear's own corner does not count: the two parts of the face
-    /// that meet there lie side by side.
-    fn blocker(&mut self, corner: u32, touching: bool) -> Result<Option<u32>, OutOfSteps> {
-        let [a, b, c] = self.ear_points(corner);
-        let inside = self.inside.unwrap_or(Ordering::Greater);
-        let around = Box2::around(a).with(b).with(c);
-        let tree = &self.tree;
-        // A box beyond an edge has all its corners there: the one furthest inwards decides.
-        let beyond = |box2: &Box2, from: Point, to: Point| {
-            let inwards = (inside == Ordering::Greater) == (to.y > from.y);
-            let rightwards = (inside == Ordering::Greater) == (to.x > from.x);
-            let furthest = Point {
-                x: if inwards { box2.min.x } else { box2.max.x },
-                y: if rightwards { box2.max.y } else { box2.min.y },
-            };
-            turn(from, to, furthest) == inside.reverse()
-        };
-        let mut nodes = vec![1];
-        while let Some(node) = nodes.pop() {
-            self.steps_left = self.steps_left.checked_sub(1).ok_or(OutOfSteps)?;
-            let box2 = &tree.boxes[node];
-            if tree.counts[node] == 0 || !box2.meets(&around) {
-                continue;
-            }
-            let Some(other) = tree.leaf(node) else {
-                let outside = beyond(box2, a, b) || beyond(box2, b, c) || beyond(box2, c, a);
-                if !outside {
-                    nodes.extend([2 * node + 1, 2 * node]);
-                }
-                continue;
-            };
-            let point = self.points[other];
-            if point == a || point == b || point == c {
-                continue;
-            }
-            let turns = [turn(a, b, point), turn(b, c, point), turn(c, a, point)];
-            let blocks = if touching {
-                turns.iter().all(|turn| *turn == inside)
-            } else {
-                turns.iter().all(|turn| *turn != inside.reverse())
-            };
-            if blocks {
-                return Ok(Some(other as u32));
-            }
-        }
-        Ok(None)
-    }
 }
 
 #[cfg(test)]

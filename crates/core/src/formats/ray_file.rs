@@ -10,8 +10,7 @@ pub const RAY_BYTES: usize = 32;
 /// little-endian.
 pub const HIT_BYTES: usize = 20;
 
-/// A ray as a ray file holds it. Whatever the bits are they make a ray; whether it can meet anything
-/// is for [`Ray::is_valid`] to say.
+/// Decodes a ray of a ray file. Any bits decode to a ray; [`Ray::is_valid`] says whether it can hit anything.
 pub fn decode_ray(bytes: &[u8; RAY_BYTES]) -> Ray {
     let [ox, oy, oz, t_min, dx, dy, dz, t_max] =
         bytemuck::cast::<_, [[u8; 4]; 8]>(*bytes).map(|word| f64::from(f32::from_le_bytes(word)));
@@ -23,8 +22,8 @@ pub fn decode_ray(bytes: &[u8; RAY_BYTES]) -> Ray {
     }
 }
 
-/// A hit as a hit file holds it, rounded to single precision; a miss has infinity as its `t` and
-/// `u32::MAX` as its numbers.
+/// Encodes a hit for a hit file, rounded to single precision. A miss has infinity as `t` and `u32::MAX` as its
+/// numbers.
 pub fn encode_hit(hit: Option<&Hit>) -> [u8; HIT_BYTES] {
     let words = match hit {
         Some(hit) => [

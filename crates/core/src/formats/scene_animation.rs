@@ -4,7 +4,7 @@ use super::scene_toml::{AnimationToml, KeyToml};
 use crate::camera::{CameraPath, Keyframe, Projection};
 use toml::Spanned;
 
-/// The table of a camera's path; `projection` says what its keys' views are.
+/// The table of a camera's path; `projection` decides the meaning of its keyframes' views.
 pub(super) fn table(path: &CameraPath, projection: Projection) -> AnimationToml {
     let spanned = |values: glam::DVec3| Spanned::new(0..0, values.to_array());
     let key = |key: &Keyframe| {

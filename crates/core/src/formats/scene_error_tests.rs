@@ -1,4 +1,4 @@
-//! What is wrong with scene files, in words.
+//! Error messages of faulty scene files.
 
 use super::scene_objects::ANCESTOR_LIMIT;
 use super::scene_read_tests::{WHOLE, files, parse};
@@ -106,7 +106,7 @@ fn says_where_and_what() {
 }
 
 #[test]
-fn objects_that_nobody_will_see_are_told() {
+fn invisible_objects_give_a_warning() {
     let object = |more: &str| format!("[[object]]\nmesh = \"b.txt\"\n{more}\n");
     for (place, why) in [
         ("scale = [0, 0, 0]", "scaled to nothing"),
@@ -125,7 +125,7 @@ fn objects_that_nobody_will_see_are_told() {
 }
 
 #[test]
-fn a_shape_that_is_no_table_is_told_what_one_is() {
+fn a_shape_that_is_no_table_gives_an_error_with_the_expected_form() {
     let error = read_scene_from("[[object]]\nshape = \"cube\"\n", &files).expect_err("no table");
     assert_eq!(
         error.to_string(),
@@ -134,7 +134,7 @@ fn a_shape_that_is_no_table_is_told_what_one_is() {
 }
 
 #[test]
-fn messages_show_no_more_of_a_file_than_they_should() {
+fn messages_quote_a_bounded_part_of_a_file() {
     let long = "x".repeat(100_000);
     for text in [
         format!("[camera]\n{long} = 1\n"),
@@ -185,7 +185,7 @@ fn a_file_of_a_newer_version_is_refused_as_that_whatever_else_it_holds() {
 }
 
 #[test]
-fn chains_of_parents_have_an_end() {
+fn chains_of_parents_are_limited() {
     let chain = |count: usize| {
         let object = |i: usize| {
             let parent = format!("parent = \"{}\"\n", i + 1);

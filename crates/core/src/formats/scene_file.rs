@@ -6,7 +6,7 @@ use crate::shade::Shading;
 use std::collections::HashSet;
 use std::path::PathBuf;
 
-/// What kind of file a scene was read from.
+/// The format of the file that a scene was read from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FileKind {
     /// A scene file, `.raycast.toml`.
@@ -16,7 +16,7 @@ pub enum FileKind {
     Obj,
     /// A glTF 2.0, as JSON or as a GLB: in metres, Y up.
     Gltf,
-    /// A 3MF, Z up.
+    /// A 3MF, with Z up.
     Threemf,
     /// The triangle text of the original RayCast.
     TriangleText,
@@ -24,7 +24,7 @@ pub enum FileKind {
     Off,
     /// PLY, ASCII or binary.
     Ply,
-    /// What `write_prepared` wrote of files of other kinds.
+    /// A prepared file, as `write_prepared` writes it.
     Prepared,
     /// STL, ASCII or binary.
     Stl,
@@ -46,14 +46,14 @@ impl std::fmt::Display for FileKind {
     }
 }
 
-/// A scene as a `.raycast.toml` holds it, read with everything that it names. What the file leaves
-/// out is `None`: the caller's defaults stand.
+/// The contents of a `.raycast.toml`, with everything that it names. What the file leaves out is `None`: the caller's
+/// defaults apply.
 #[derive(Clone, Debug, Default)]
 pub struct SceneFile {
-    /// What kind of file it was read from; of several, the first.
+    /// The format of the file that it was read from; of several, the first.
     pub kind: FileKind,
-    /// The unit that the mesh file says its coordinates are in; `None` of scene files, and of several files that are not
-    /// in one unit.
+    /// The unit that the mesh file says its coordinates are in; `None` of scene files, and of several files that are
+    /// not in one unit.
     pub unit: Option<LengthUnit>,
     /// The objects.
     pub scene: Scene,
@@ -65,49 +65,48 @@ pub struct SceneFile {
     pub image: ImageSettings,
     /// `[shading]`, with the background of `[image]`.
     pub shading: Option<ShadingFile>,
-    /// `[[clip]]`: what is cut away.
+    /// `[[clip]]`: the clipping planes.
     pub clip: ClippingPlanes,
-    /// What was not as it should be, and did not matter enough to stop: a line each. Never saved.
+    /// Faults too small to refuse the file: a line each. Never saved.
     pub warnings: Vec<String>,
-    /// What the files are, say of themselves, and hold that is not used: a line each. Never saved.
+    /// The files' metadata, and contents that are not used: a line each. Never saved.
     pub notes: Vec<String>,
-    /// Every file that was opened on the way, each once: the scene file itself, meshes, their
-    /// material libraries, textures, and those that could be opened and then not be read. Nothing
-    /// should be written over them. Absolute, or relative where they came from a caller's own store
-    /// of files. Never saved.
+    /// Every file that was opened, each once: the scene file itself, meshes, their material libraries, textures, files
+    /// that could be opened but not read, and files that a mesh names but that are not shown. Nothing should be written
+    /// over them. Absolute, or relative where they came from a caller's own store of files. Never saved.
     pub opened: Vec<PathBuf>,
 }
 
 /// A scene file's camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraFile {
-    /// Eye, target, up.
+    /// Eye, target and up.
     pub placement: Placement,
-    /// How rays leave it.
+    /// The projection.
     pub projection: Projection,
     /// Vertical field of view in degrees, or the orthographic frame's height in scene units.
     pub frame: f64,
 }
 
-/// A scene file's picture.
+/// The image settings of a scene file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ImageSettings {
     /// Columns and rows.
     pub size: Option<(u32, u32)>,
-    /// Rays a pixel.
+    /// Samples a pixel.
     pub samples: Option<u32>,
-    /// How they are weighed by their place.
+    /// The filter that weighs them.
     pub pixel_filter: Option<PixelFilter>,
-    /// Distance between neighbouring rays at the camera's target, in scene units, for pictures of `size`: the bits
-    /// that a field of view would round.
+    /// The distance between neighbouring rays at the camera's target, in scene units, for pictures of `size`; kept
+    /// because a field of view would round it.
     pub step: Option<f64>,
-    /// How far the frame is off the view axis, to the right and up, in heights of the frame.
+    /// The shift of the frame off the view axis, to the right and up, in heights of the frame.
     pub shift: Option<[f64; 2]>,
-    /// How it is for two eyes.
+    /// The layout of a picture for two eyes.
     pub stereo: Option<Stereo>,
-    /// Which faces rays pass through.
+    /// Which faces rays hit.
     pub cull: Option<Cull>,
-    /// How sure the triangles are.
+    /// Exact or rounded casting.
     pub precision: Option<Precision>,
 }
 
@@ -115,10 +114,9 @@ pub struct ImageSettings {
 pub type ShadingFile = Shading;
 
 impl SceneFile {
-    /// Adds another file's objects behind these, and takes from it the settings that this one does
-    /// not have.
+    /// Appends another file's objects, and takes from it the settings that this one lacks.
     pub fn append(&mut self, other: Self) {
-        // What is there first has nothing to differ from.
+        // The first file's unit and format apply as they are.
         let is_first = self.scene.objects.is_empty();
         self.unit = other
             .unit
@@ -131,7 +129,7 @@ impl SceneFile {
         self.scene.objects.extend(moved);
         self.camera = self.camera.or(other.camera);
         self.animation = self.animation.take().or(other.animation);
-        // A step is of its own file's size.
+        // A step belongs to the size in its own file.
         if self.image.size.is_none() && self.image.step.is_none() {
             self.image.step = other.image.step;
         }

@@ -1,4 +1,4 @@
-//! The objects of a scene file, and the meshes, shapes and textures that they name.
+//! The objects of a scene file, with the meshes, shapes and textures that they name.
 
 use super::error::FormatError;
 use super::files::beside;
@@ -19,20 +19,20 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use toml::Spanned;
 
-/// The most ancestors of an object: each is looked at for each object below it.
+/// The most ancestors of an object: each costs time for each of its descendants.
 pub(super) const ANCESTOR_LIMIT: usize = 1000;
 
-/// The textures that objects share: an image is read once, and each part of it made once.
+/// The textures that objects share: each image is read once, and each part of it made once.
 #[derive(Default)]
 struct Textures {
     images: HashMap<PathBuf, Arc<Texture>>,
     parts: HashMap<Part, Arc<Texture>>,
 }
 
-/// An image's file, its crop and what is beyond.
+/// An image's file, its crop and its wrapping.
 type Part = (PathBuf, Option<[u32; 4]>, [Wrap; 2]);
 
-/// A transform of all that a file places, for an object that the file places by a map of its own.
+/// Composes an object table's transform with the transform that the mesh file gives the object.
 fn within(transform: &Transform, world_from_object: DAffine3) -> Transform {
     let matrix = if transform.matrix == DAffine3::IDENTITY {
         world_from_object
@@ -48,7 +48,7 @@ fn within(transform: &Transform, world_from_object: DAffine3) -> Transform {
 }
 
 impl Reader<'_> {
-    /// The objects of the tables, in their order, read and placed.
+    /// Reads the objects of the tables, in order.
     pub(super) fn objects(
         &self,
         tables: &[Spanned<ObjectToml>],
@@ -56,10 +56,10 @@ impl Reader<'_> {
         warnings: &mut Vec<String>,
         notes: &mut Vec<String>,
     ) -> Result<Vec<Object>, FormatError> {
-        // Parents first: they cost nothing, and a fault in them is known before anything is read.
+        // Parents first: they are fast to check, and a fault in them is found before any file is read.
         let parents = self.parents(tables)?;
         let mut meshes: HashMap<(PathBuf, UpAxis), Vec<MeshObject>> = HashMap::new();
-        // By what they are displayed as.
+        // By their displayed parameters.
         let mut shapes: HashMap<String, [MeshObject; 1]> = HashMap::new();
         let mut textures = Textures::default();
         let mut objects: Vec<Object> = Vec::with_capacity(tables.len());
@@ -119,7 +119,7 @@ impl Reader<'_> {
                     };
                 }
                 object.transform = match &table.node {
-                    // What names its node has all of its place in its table.
+                    // A table that names a node has the node's whole transform.
                     Some(_) => transform,
                     None => within(&transform, placed.world_from_object),
                 };
@@ -166,7 +166,7 @@ impl Reader<'_> {
         Ok(objects)
     }
 
-    /// What is named in a place of the file is a scalar of the mesh.
+    /// Checks that a scalar that the file names exists in the mesh.
     fn check_scalar<T>(
         &self,
         place: &Spanned<T>,
@@ -185,7 +185,7 @@ impl Reader<'_> {
         Err(self.fault(place, &expected, &quote(name)))
     }
 
-    /// Those of a file's objects that a table stands for: the one that it names, else all.
+    /// The objects of a mesh file that a table stands for: the node that it names, or all.
     fn named_nodes<'o>(
         &self,
         table: &ObjectToml,
@@ -195,7 +195,7 @@ impl Reader<'_> {
             return Ok(read);
         };
         let number = *node.get_ref();
-        // A file without nodes has none to name.
+        // A file without nodes has no node to name.
         let nodes = read.iter().filter(|object| object.node.is_some()).count();
         match read.get(number as usize).filter(|_| nodes > 0) {
             Some(object) => Ok(std::slice::from_ref(object)),
@@ -207,7 +207,7 @@ impl Reader<'_> {
         }
     }
 
-    /// A shape's mesh, counted before it is made.
+    /// A shape's mesh; its memory is counted before it is made.
     fn shape(
         &self,
         shape: &Spanned<ShapeToml>,
@@ -291,8 +291,7 @@ impl Reader<'_> {
         Ok(Some((part, source)))
     }
 
-    /// Where an object's texture stands, if the file says anything of it; the rest is as about the mesh's
-    /// box.
+    /// The projector of an object's texture, if the file sets any part of it; the rest is as for the mesh's bounds.
     fn projector(
         &self,
         table: &ObjectToml,
@@ -331,7 +330,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The camera that a texture was taken with: read as the scene's own is.
+    /// The camera that took a texture, with the checks of the scene's own camera.
     fn photograph(&self, table: &Spanned<PhotographToml>) -> Result<Photograph, FormatError> {
         let PhotographToml {
             eye,
@@ -381,7 +380,7 @@ impl Reader<'_> {
         })
     }
 
-    /// An affine map: three rows of four finite numbers, and perhaps a fourth, 0 0 0 1.
+    /// An affine map: three rows of four finite numbers, and optionally a fourth, 0 0 0 1.
     fn matrix(&self, value: &Spanned<Vec<f64>>) -> Result<DAffine3, FormatError> {
         let numbers = value.get_ref();
         if numbers.len() != 12 && numbers.len() != 16 {
@@ -403,7 +402,7 @@ impl Reader<'_> {
         })
     }
 
-    /// Each object's parent, by index: one that exists, has its name alone, and is no descendant.
+    /// The index of each object's parent, which must exist, have a unique name, and be no descendant.
     fn parents(&self, tables: &[Spanned<ObjectToml>]) -> Result<Vec<Option<usize>>, FormatError> {
         let mut named: HashMap<&str, Vec<usize>> = HashMap::new();
         for (index, table) in tables.iter().enumerate() {

@@ -23,7 +23,7 @@ use glam::DVec3;
 use std::path::Path;
 use toml::Spanned;
 
-/// Reads a scene file's text, and through `files` what it names.
+/// Reads a scene file's text, and through `files` the files that it names.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
@@ -37,7 +37,7 @@ pub(super) fn read(
     })?;
     let reader = Reader { path, text, files };
     let parsed: SceneToml = guarded(path, || toml::from_str(text))?.map_err(|error| {
-        // What a newer version holds this one need not know.
+        // A newer version may contain tables that are unknown here, so its number is read first.
         let newer = guarded(path, || toml::from_str::<VersionToml>(text));
         let newer = newer.ok().and_then(Result::ok);
         if let Some(fault) = newer.and_then(|newer| reader.version(newer.version.as_ref()).err()) {
@@ -80,7 +80,8 @@ pub(super) fn read(
     })
 }
 
-/// A warning for each object of which its place leaves nothing to see, and for a scene without any.
+/// A warning for each object that is placed so that nothing of it is visible, and for a scene without visible
+/// objects.
 fn unseen(path: &Path, scene: &Scene) -> Vec<String> {
     let path = quote::path(path);
     if scene.objects.is_empty() {
@@ -102,7 +103,7 @@ fn unseen(path: &Path, scene: &Scene) -> Vec<String> {
             .corners()
             .map(|corner| world_from_object.transform_point3(corner));
         let placed = Bounds::around(corners);
-        // Of a box beyond the limit along an axis, or one that is a line, nothing can be hit.
+        // A box that is out of range along an axis, or degenerate to a line, contains nothing that rays can hit.
         let nearest = DVec3::ZERO.clamp(placed.min, placed.max);
         let is_far = nearest.abs().max_element() > COORDINATE_LIMIT;
         let [x, y, z] = world_from_object
@@ -124,7 +125,7 @@ fn unseen(path: &Path, scene: &Scene) -> Vec<String> {
 }
 
 impl Reader<'_> {
-    /// Whether this program knows a file of this version.
+    /// Checks that this program supports the file's version.
     fn version(&self, version: Option<&Spanned<i64>>) -> Result<(), FormatError> {
         match version {
             Some(version) if !(1..=VERSION).contains(version.get_ref()) => {
@@ -137,7 +138,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Keyframes, each a camera with the projection of the scene's.
+    /// Keyframes, each checked as a camera with the scene's projection.
     fn animation(
         &self,
         animation: &Spanned<AnimationToml>,
@@ -155,7 +156,7 @@ impl Reader<'_> {
             }
             let projection = projection.unwrap_or_default();
             let is_orthographic = projection == Projection::Orthographic;
-            // Without a view of its own a keyframe has the camera's: any will do to be checked.
+            // A keyframe without a view has the camera's: any value will do for the check.
             let any = || Spanned::new(spanned.span(), 1.0);
             let frame = key.frame.clone().or_else(|| is_orthographic.then(any));
             let camera = CameraToml {
@@ -310,7 +311,7 @@ impl Reader<'_> {
         Ok(planes)
     }
 
-    /// How numbers become colours, where the file says any of it.
+    /// The colour scale, if the file sets any part of it.
     fn scale(&self, file: &ShadingToml) -> Result<Option<ColorScale>, FormatError> {
         if file.color_map.is_none() && file.color_range.is_none() && file.legend.is_none() {
             return Ok(None);
@@ -328,7 +329,7 @@ impl Reader<'_> {
         }))
     }
 
-    /// `[shading]` and the background; `None` where the file has neither.
+    /// `[shading]` and the background; `None` if the file has neither.
     fn shading(
         &self,
         shading: Option<&ShadingToml>,

@@ -1,4 +1,4 @@
-//! What scene files say.
+//! Reading scene files.
 
 use super::scene_file::SceneFile;
 use super::*;
@@ -142,7 +142,7 @@ fn x_ray_and_backs_are_read_and_written() {
 }
 
 #[test]
-fn an_object_says_what_is_up_in_its_file() {
+fn an_object_declares_the_up_axis_of_its_file() {
     let text = "[[object]]\nmesh = \"b.txt\"\n[[object]]\nmesh = \"b.txt\"\nup-axis = \"z\"\n";
     let file = parse(text);
     let corner = |index: usize| file.scene.objects[index].mesh.corners(0).expect("corners")[2];
@@ -163,7 +163,7 @@ fn an_object_says_what_is_up_in_its_file() {
 }
 
 #[test]
-fn what_is_left_out_is_left_to_the_caller() {
+fn missing_settings_are_left_to_the_caller() {
     let file = parse("");
     let nothing = "scene: the scene has no objects: there is nothing to see";
     assert_eq!(file.warnings, [nothing]);
@@ -177,7 +177,7 @@ fn what_is_left_out_is_left_to_the_caller() {
     assert_eq!(file.shading, Some(shading));
 }
 
-/// Two objects with parts of one image, placed each in its own way.
+/// Two objects with parts of one image, each mapped differently.
 pub(super) const MAPPED: &str = r##"[[object]]
 mesh = "b.txt"
 texture = "wide.ppm"
@@ -219,7 +219,7 @@ fn a_scalar_that_blends_is_one_of_the_meshes() {
 }
 
 #[test]
-fn a_texture_is_cropped_wrapped_and_placed() {
+fn textures_have_their_own_crop_wrap_and_projector() {
     let file = parse(MAPPED);
     let [first, second] = &file.scene.objects[..] else {
         panic!("two objects");

@@ -1,4 +1,4 @@
-//! A scene file's text, the place of each value in it, and the files that it names.
+//! A scene file's text, the line of each value, and the files that it names.
 
 use super::Progress;
 use super::error::FormatError;
@@ -13,7 +13,7 @@ pub(super) fn line_at(bytes: &[u8], offset: usize) -> usize {
     1 + before.iter().filter(|&&b| b == b'\n').count()
 }
 
-/// What reads a scene file: its text, and the store of the files that it names.
+/// The text of a scene file, and the store of the files that it names.
 pub(super) struct Reader<'a> {
     pub(super) path: &'a Path,
     pub(super) text: &'a str,
@@ -29,7 +29,7 @@ impl Reader<'_> {
         FormatError::unexpected(self.path, self.line(value), expected, found)
     }
 
-    /// A number that was compared with its range.
+    /// A number after its range check; an error names the line.
     pub(super) fn in_range<T, N>(
         &self,
         place: &Spanned<T>,

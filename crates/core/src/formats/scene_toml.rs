@@ -7,11 +7,11 @@ use crate::shade::{Filter, LightSet, Mode};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 use toml::Spanned;
 
-/// The version of scene files that is written, and the newest that is read: one that says none is of it. It counts
-/// changes after which a program that does not know them would show something else.
+/// The version of scene files that is written, and the newest that is read; a file without a version has this one. It
+/// increases with changes after which a program that does not know them would show a different picture.
 pub(super) const VERSION: i64 = 1;
 
-/// What a scene file of any version says.
+/// The version of a scene file, whatever else it contains.
 #[derive(Debug, Deserialize)]
 pub(super) struct VersionToml {
     pub(super) version: Option<Spanned<i64>>,
@@ -64,7 +64,7 @@ pub(super) struct StereoToml {
     pub(super) convergence: Option<f64>,
 }
 
-/// Keyframes of the camera.
+/// The camera's keyframes.
 #[derive(Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct AnimationToml {
@@ -78,7 +78,7 @@ pub(super) struct AnimationToml {
 #[derive(Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct KeyToml {
-    /// The frame.
+    /// The frame's number.
     pub(super) at: u32,
     pub(super) eye: Spanned<[f64; 3]>,
     pub(super) target: Spanned<[f64; 3]>,
@@ -165,7 +165,7 @@ pub(super) struct ShadingToml {
     pub(super) wireframe_width: Option<Spanned<f32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) wireframe_color: Option<ColorToml>,
-    /// Kinds of edges, with commas between.
+    /// Types of edges, separated by commas.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) wireframe_edges: Option<Spanned<String>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -176,7 +176,7 @@ pub(super) struct ShadingToml {
     pub(super) filter: Option<FilterToml>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) texture_projection: Option<TextureProjectionToml>,
-    /// Below which angle, in degrees, edges are smooth.
+    /// The angle in degrees below which edges are smooth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) crease: Option<Spanned<f32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -185,7 +185,7 @@ pub(super) struct ShadingToml {
     pub(super) plain_color: Option<ColorToml>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) color_map: Option<ColorMapToml>,
-    /// The numbers at the map's ends.
+    /// The numbers at the colour map's ends.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) color_range: Option<Spanned<[f64; 2]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -215,12 +215,12 @@ pub(super) struct ClipToml {
 pub(super) struct ObjectToml {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) name: Option<String>,
-    /// A file; else there is a shape.
+    /// A file; otherwise a shape is given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) mesh: Option<Spanned<String>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) shape: Option<Spanned<ShapeToml>>,
-    /// Of a file of several mesh nodes the one meant, from 0.
+    /// The index of the mesh node to use, in a file with several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) node: Option<Spanned<u32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -231,10 +231,10 @@ pub(super) struct ObjectToml {
     pub(super) seed: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) texture: Option<Spanned<String>>,
-    /// The part of the texture's image to use: left, top, width and height in its pixels.
+    /// The rectangle of the texture's image to use: left, top, width and height in its pixels.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) crop: Option<Spanned<[u32; 4]>>,
-    /// What the texture shows beyond its image, along u and v.
+    /// The texture's wrapping, along u and v.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) wrap: Option<[WrapToml; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -247,7 +247,7 @@ pub(super) struct ObjectToml {
     pub(super) texture_up: Option<Spanned<[f64; 3]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) texture_size: Option<Spanned<[f64; 2]>>,
-    /// Where the texture was taken.
+    /// The camera that took the texture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) texture_camera: Option<Spanned<PhotographToml>>,
     /// The scalar that says how much of the texture shows.
@@ -284,7 +284,7 @@ pub(super) struct PhotographToml {
     pub(super) lens: Option<Spanned<[f64; 5]>>,
 }
 
-/// A shape by its numbers; those left out are one unit, and as many parts as look round.
+/// A shape by its parameters; defaults are one unit, and enough parts to look round.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(
     tag = "kind",
@@ -363,7 +363,7 @@ fn rings() -> u32 {
     32
 }
 
-/// The same variants, number by number, both ways.
+/// Conversions between the same variants, field by field, in both directions.
 macro_rules! shapes {
     ($($kind:ident { $($number:ident),+ }),+) => {
         impl From<ShapeToml> for Shape {
@@ -398,7 +398,7 @@ shapes! {
     Disc { radius, segments }
 }
 
-/// A value whose word in the file is the one that it is displayed as.
+/// A value whose word in the file is its displayed text.
 macro_rules! displayed {
     ($(#[$about:meta])* $name:ident($of:ident)) => {
         $(#[$about])*
@@ -421,7 +421,7 @@ macro_rules! displayed {
 }
 
 displayed! {
-    /// How rays leave the camera.
+    /// The camera's projection.
     #[derive(Default)]
     ProjectionToml(Projection)
 }
@@ -431,13 +431,13 @@ displayed! {
     ColorToml(Color)
 }
 displayed! {
-    /// What a texture shows beyond its image.
+    /// A texture's wrapping.
     #[derive(Copy)]
     WrapToml(Wrap)
 }
 
 displayed! {
-    /// An object's colour rule; the seed stands beside it.
+    /// An object's colour rule; the seed is a key of its own.
     ColorRuleToml(ColorRule)
 }
 
@@ -449,7 +449,7 @@ impl ColorRuleToml {
         }
     }
 
-    /// The rule and the seed as the file has them.
+    /// The rule and the seed as the file stores them.
     pub(super) fn from_rule(rule: &ColorRule) -> (Self, Option<u32>) {
         match rule {
             ColorRule::PerTriangle { seed } => {
@@ -460,7 +460,7 @@ impl ColorRuleToml {
     }
 }
 
-/// An enum whose words in the file are the kebab-case names of another's variants.
+/// An enum whose words in the file are the kebab-case names of another enum's variants.
 macro_rules! words {
     ($name:ident for $target:ident { $($variant:ident),+ }) => {
         #[derive(Clone, Copy, Debug, Deserialize, Serialize)]

@@ -35,10 +35,10 @@ pub enum SaveError {
         /// The object's name.
         object: String,
     },
-    /// Parents that do not exist, or go round in a circle, or a transform that is not finite.
+    /// Parents that do not exist or form a cycle, or a transform that is not finite.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The encoder's own words.
+    /// An error of the TOML encoder.
     #[error("the scene cannot be written: {0}")]
     Encode(String),
 }
@@ -46,14 +46,13 @@ pub enum SaveError {
 impl SceneFile {
     /// The text of a scene file in the folder `base_dir`, which need not exist yet.
     ///
-    /// Paths are relative to that folder; a source that is relative already (a file from the store
-    /// that [`super::read_scene_from`] was given) is written as it is, and is the caller's to put
-    /// there. Parents that share their name with others get one of their own. Reading it again
-    /// gives the same scene.
+    /// Paths are relative to that folder. A source that is relative already (a file from the store that
+    /// [`super::read_scene_from`] was given) is written as it is; the caller must provide it there. Parents whose
+    /// names are not unique are renamed. Reading the text gives the same scene.
     ///
     /// # Errors
-    /// An object whose mesh or texture came from no file, or from one whose name is not Unicode;
-    /// parents or transforms that are not valid.
+    /// An object whose mesh or texture came from no file, or from one whose name is not Unicode; invalid parents or
+    /// transforms.
     pub fn to_toml(&self, base_dir: &Path) -> Result<String, SaveError> {
         self.scene.world_from_objects()?;
         let names = names(&self.scene);
@@ -102,7 +101,7 @@ impl SceneFile {
     }
 }
 
-/// A value with no place yet.
+/// A value without a position in a text.
 fn spanned<T>(value: T) -> Spanned<T> {
     Spanned::new(0..0, value)
 }
@@ -148,7 +147,8 @@ fn shading_table(shading: &Shading) -> ShadingToml {
         blend: Some(spanned(shading.blend)),
         filter: Some(shading.filter.into()),
         texture_projection: Some(shading.projection.into()),
-        // Files that use none of these stay readable for programs that do not know them.
+        // Written only where they differ from the defaults, so that other files stay readable for programs that do
+        // not know these keys.
         crease: (shading.crease != usual.crease).then(|| spanned(shading.crease)),
         lights: (shading.lights != usual.lights).then(|| shading.lights.into()),
         plain_color: (shading.plain_color != usual.plain_color)
@@ -163,7 +163,7 @@ fn shading_table(shading: &Shading) -> ShadingToml {
     }
 }
 
-/// Every object's name in the file: its own, but that a parent's is no other's.
+/// Every object's name in the file: its own, unless it is a parent whose name is not unique.
 fn names(scene: &Scene) -> Vec<String> {
     let mut names: Vec<String> = scene.objects.iter().map(|o| o.name.clone()).collect();
     let mut parents: Vec<usize> = scene.objects.iter().filter_map(|o| o.parent).collect();
@@ -281,7 +281,7 @@ fn photograph_toml(photograph: &Photograph) -> PhotographToml {
     }
 }
 
-/// A matrix row by row; `None` for the one that changes nothing, to the last bit.
+/// A matrix row by row; `None` for the identity, to the last bit.
 fn rows(matrix: DAffine3) -> Option<Vec<f64>> {
     let bits = |map: DAffine3| map.to_cols_array().map(f64::to_bits);
     if bits(matrix) == bits(DAffine3::IDENTITY) {

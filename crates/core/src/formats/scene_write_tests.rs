@@ -1,4 +1,4 @@
-//! What is saved in scene files, and read again.
+//! Writing scene files and reading them again.
 
 use super::scene_read_tests::{MAPPED, WHOLE, files, parse};
 use super::*;

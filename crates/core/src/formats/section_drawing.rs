@@ -1,7 +1,7 @@
 //! Outlines of sections as drawings: SVG and DXF.
 //!
-//! Both have the plane's own axes ([`SectionAxes`]) and the scene's units, with all digits of the numbers. A DXF is of
-//! release 12 (AutoCAD, "DXF Reference", 1992): polylines without a header, which every reader takes.
+//! Both use the plane's own axes ([`SectionAxes`]) and the scene's units, with all digits of the numbers. DXF is
+//! written as release 12 (AutoCAD, "DXF Reference", 1992): polylines without a header, which every reader supports.
 
 use crate::section::{SectionAxes, SectionLine};
 use glam::DVec2;
@@ -10,14 +10,14 @@ use std::io::{self, Write};
 /// A format of drawings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DrawingFormat {
-    /// SVG: a path for each object, filled by the even-odd rule; y grows downwards there, and is negated.
+    /// SVG: a path for each object, filled by the even-odd rule; y is negated, since it points down there.
     Svg,
-    /// DXF, release 12, as text: a polyline for each line, a layer for each object.
+    /// DXF, release 12, as text: a polyline for each line of the outline, a layer for each object.
     Dxf,
 }
 
 impl DrawingFormat {
-    /// The format that a file's name asks for, by its extension in any case.
+    /// The format of a file name, by its extension in any case.
     pub fn from_name(name: &str) -> Option<Self> {
         let (_, extension) = name.rsplit_once('.')?;
         match extension.to_ascii_lowercase().as_str() {
@@ -28,7 +28,7 @@ impl DrawingFormat {
     }
 }
 
-/// Writes the outline of a section, in the axes of its plane; the same lines give the same bytes.
+/// Writes the outline of a section, in the axes of its plane; equal outlines give equal bytes.
 ///
 /// # Errors
 /// Those of `out`.
@@ -43,7 +43,7 @@ pub fn write_section(
     order.sort_by_key(|line| line.object);
     for line in order {
         let drawn = Drawn {
-            // Without the sign of a zero.
+            // Without minus zeros.
             places: line
                 .points
                 .iter()
@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_makes_an_empty_drawing() {
+    fn a_section_without_lines_makes_an_empty_drawing() {
         let axes = SectionAxes {
             right: DVec3::X,
             up: DVec3::Y,

@@ -16,17 +16,16 @@ use std::mem::size_of;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Bytes of a binary file before its first facet: 80 of anything, and a count.
+/// The length of a binary file's header: 80 arbitrary bytes, and a count.
 const HEADER: usize = 84;
 
-/// Bytes of a binary facet: a normal and three corners of three floats each, and two of anything.
+/// The length of a binary facet: a normal and three corners of three floats each, and two arbitrary bytes.
 const FACET: usize = 50;
 
 type Facet = [u8; FACET];
 
-/// Whether these are the bytes of a binary STL: what its count says is as long as they are. A binary
-/// file may begin as an ASCII one does; an ASCII one has no such count, which would be of millions of
-/// facets.
+/// Whether these are the bytes of a binary STL: its count agrees with its length. A binary file may start like an
+/// ASCII one; the text of an ASCII file at the count's offset would mean billions of facets.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
     let count = bytes.first_chunk::<HEADER>().map(count);
     count.is_some_and(|count| bytes.len() as u64 == length_of(count))
@@ -54,7 +53,7 @@ fn length_of(count: u32) -> u64 {
     HEADER as u64 + FACET as u64 * u64::from(count)
 }
 
-/// Reads an STL: corners in one place become one vertex, and normals are the geometry's.
+/// Reads an STL. Corners at one position become one vertex, and normals are computed from the corners.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
@@ -120,8 +119,8 @@ fn binary(
         ));
     }
 
-    // As many vertices as a closed mesh has; more are counted once they are there, and are no more
-    // than the file's own bytes allow.
+    // The number of vertices of a closed mesh. More are counted once they exist, and are limited by the file's
+    // length.
     let of = |vertices: usize| {
         let vertex = size_of::<DVec3>() + 3 * size_of::<u32>();
         (facets.len() * size_of::<[u32; 3]>() + vertices * vertex) as u64
@@ -148,7 +147,7 @@ fn binary(
 fn corners(facet: &Facet) -> [DVec3; 3] {
     let (floats, _) = facet.as_chunks::<4>();
     let float = |index: usize| f32::from_le_bytes(floats[index]);
-    // The normal comes first.
+    // After the normal.
     [3, 6, 9].map(|first| Vec3::new(float(first), float(first + 1), float(first + 2)).as_dvec3())
 }
 
@@ -156,8 +155,8 @@ fn attribute(facet: &Facet) -> u16 {
     u16::from_le_bytes([facet[48], facet[49]])
 }
 
-/// Gives the mesh the colours that are in its facets' last two bytes, as one of two programs puts
-/// them there: five bits a channel, and one that says whether there is a colour.
+/// Gives the mesh the colours in its facets' last two bytes, by the conventions of two programs: five bits a channel,
+/// and one that says whether there is a colour.
 fn color(header: &[u8; HEADER], facets: &[Facet], parsed: &mut Parsed) {
     const VALID: u16 = 1 << 15;
     let five = |bits: u16| {
@@ -166,7 +165,7 @@ fn color(header: &[u8; HEADER], facets: &[Facet], parsed: &mut Parsed) {
     };
     let attributes = facets.iter().map(attribute);
     if let Some(at) = memchr::memmem::find(&header[..80 - 4], b"COLOR=") {
-        // Magics: red lowest, the bit says that the facet has the object's colour.
+        // Magics: red in the lowest bits; the flag means that the facet has the object's colour.
         let object = match header.get(at + 6..at + 9) {
             Some(&[r, g, b]) => Color([r, g, b]),
             _ => Color::DEFAULT,
@@ -185,7 +184,7 @@ fn color(header: &[u8; HEADER], facets: &[Facet], parsed: &mut Parsed) {
         .par_iter()
         .all(|facet| attribute(facet) == 0 || attribute(facet) & VALID != 0)
     {
-        // VisCAM and SolidView: blue lowest, the bit says that the facet has a colour.
+        // VisCAM and SolidView: blue in the lowest bits; the flag means that the facet has a colour of its own.
         let colors = attributes.map(|bits| {
             let color = Color([five(bits >> 10), five(bits >> 5), five(bits)]);
             (bits & VALID != 0).then_some(color)
@@ -255,7 +254,7 @@ fn ascii(
             } else if !(is("outer") || is("loop") || is("endloop")) {
                 return fault(&words, "`vertex`, `endloop` or `endfacet`");
             }
-            // A list that is full doubles, and the old one stays until the new one is filled.
+            // A full list doubles, and the old one exists until the new one is filled.
             let held = 3
                 * (vertices.len() * (size_of::<DVec3>() + 3 * size_of::<u32>())
                     + triangles.len() * size_of::<[u32; 3]>());
@@ -265,7 +264,7 @@ fn ascii(
         } else if is("facet") && in_solid {
             in_facet = true;
             facet.clear();
-            // Its normal: the geometry has one of its own.
+            // Skips the normal, which is computed from the corners.
             words.rest_of_line();
         } else if is("endsolid") && in_solid {
             in_solid = false;
@@ -351,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn colours_are_those_of_two_programs() {
+    fn colors_follow_the_conventions_of_two_programs() {
         let red = 31 | 8 << 5;
         let colors = |header: &str, attributes: [u16; 2]| {
             let bytes = file(header, &[facet(A, attributes[0]), facet(B, attributes[1])]);
@@ -372,7 +371,7 @@ mod tests {
     }
 
     #[test]
-    fn solids_are_parts_of_one_object() {
+    fn several_solids_make_one_object() {
         let text = "solid a b\r\nFACET normal nan nan nan\nouter loop\nvertex 0 0 0\n\
             vertex 1 0 0\nvertex 0 1 0\nendloop endfacet endsolid a b\nsolid\nendsolid\n\
             solid c\n facet normal 0 0 1\n outer loop\n vertex -0 0.0 0\n vertex 0 1 0\n\

@@ -8,17 +8,20 @@ use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Li
 use std::io::Cursor;
 use std::path::Path;
 
-/// The most columns or rows of a texture.
+/// The most columns or rows of a texture. Graphics hardware has the same limit or half of it.
 const SIDE_LIMIT: u32 = 32_768;
 
-/// Bytes that a JPEG decoder holds a pixel beside the picture, at most: coefficients of 16 bits, of
-/// up to four components, where they come in several scans.
+/// The most bytes that a decoder holds beside the picture: a row, colour profiles, texts. A packed profile may be a thousand
+/// times as large as its file; one that is larger than this is passed over.
+const PROFILE_LIMIT: u64 = 16 << 20;
+
+/// An upper bound of the bytes a pixel that a JPEG decoder needs beside the picture: 16-bit coefficients of up to
+/// four components, in files of several scans.
 const JPEG_COEFFICIENTS: u64 = 8;
 
-/// Decodes an image file: PNG, JPEG or PNM, known by its content.
+/// Decodes an image file: PNG, JPEG or PNM, recognised by its content.
 ///
-/// Nothing is allocated for its pixels before they are counted against the budget, with every copy
-/// that is made of them on the way.
+/// Memory for pixels, and for every copy of them, is counted against the budget before it is allocated.
 pub(super) fn decode(path: &Path, bytes: &[u8], budget: &Budget) -> Result<Texture, FormatError> {
     guarded(path, || decode_within(path, bytes, budget))?
 }
@@ -47,8 +50,8 @@ fn decode_within(path: &Path, bytes: &[u8], budget: &Budget) -> Result<Texture, 
         return Err(unknown());
     };
     let mut limits = Limits::no_limits();
-    // What the decoder holds beside the picture: profiles, texts.
-    limits.max_alloc = Some(budget.bytes_left());
+    // The limit of what the decoder allocates beside the picture: colour profiles, texts.
+    limits.max_alloc = Some(budget.bytes_left().min(PROFILE_LIMIT));
     reader.limits(limits);
     let decoder = reader.into_decoder().map_err(fault)?;
 
@@ -69,12 +72,11 @@ fn decode_within(path: &Path, bytes: &[u8], budget: &Budget) -> Result<Texture, 
     let texels = 4 * pixels;
     let decoded = decoder.total_bytes();
     let beside = match format {
-        // It keeps a copy of the file too.
+        // The decoder also keeps a copy of the file.
         ImageFormat::Jpeg => JPEG_COEFFICIENTS * pixels + bytes.len() as u64,
         _ => 0,
     };
-    // The picture as the file has it is there together with the decoder's own and then with the
-    // texels.
+    // The picture in the file's format coexists first with the decoder's memory and then with the texels.
     let peak = decoded.saturating_add(beside.max(texels));
     let share = budget.share(path, "the image", peak)?;
     let picture = match outline {
@@ -85,7 +87,7 @@ fn decode_within(path: &Path, bytes: &[u8], budget: &Budget) -> Result<Texture, 
     share.keep(texels);
     let texels = match bytemuck::try_cast_vec(pixels) {
         Ok(texels) => texels,
-        // A buffer with room to spare, of a length that is no multiple of a texel.
+        // A buffer with spare capacity that is not a multiple of a texel must be copied.
         Err((_, pixels)) => bytemuck::cast_slice(&pixels).to_vec(),
     };
     Texture::new(width, height, texels)
@@ -109,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_what_is_no_image() {
+    fn files_that_are_no_image_are_refused() {
         let check = |bytes: &[u8], expected: &str| {
             let message = read("a.png", bytes).expect_err("no image").to_string();
             assert!(message.starts_with("a.png: "), "{message}");
@@ -151,7 +153,7 @@ mod tests {
             "bomb.png: an image of 32768x32768 has 1073741824 pixels; at most 268435456 are \
              allowed (limit `pixels`)"
         );
-        // A grey byte and a texel each.
+        // A grey byte and a texel a pixel.
         let within = |bytes: u64| {
             let limits = limits::Limits {
                 bytes,

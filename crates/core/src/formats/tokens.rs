@@ -1,16 +1,16 @@
-//! Words and numbers of a text, as bytes: no copy is made of them.
+//! Words and numbers of a text, as byte slices without copies.
 
 use super::error::{FormatError, quote};
 use std::path::Path;
 
-/// A place in a text, and what stands there.
+/// A position in a text.
 #[derive(Clone, Debug)]
 pub(super) struct Tokens<'t> {
     bytes: &'t [u8],
     at: usize,
-    /// Where the word begins that was given last.
+    /// The start of the last word.
     start: usize,
-    /// Begins what is passed over to the end of its line.
+    /// The character that starts a comment, which reaches to the end of its line.
     comment: Option<u8>,
 }
 
@@ -25,12 +25,12 @@ impl<'t> Tokens<'t> {
         }
     }
 
-    /// How many bytes are behind the last word.
+    /// The offset after the last word.
     pub(super) fn at(&self) -> usize {
         self.at
     }
 
-    /// The next word, on whatever line.
+    /// The next word, on any line.
     #[inline]
     pub(super) fn next(&mut self) -> Option<&'t [u8]> {
         loop {
@@ -43,7 +43,7 @@ impl<'t> Tokens<'t> {
         }
     }
 
-    /// The next word on this line.
+    /// The next word on the current line.
     #[inline]
     pub(super) fn next_in_line(&mut self) -> Option<&'t [u8]> {
         let rest = &self.bytes[self.at..];
@@ -63,7 +63,7 @@ impl<'t> Tokens<'t> {
         (end > 0).then(|| &rest[..end])
     }
 
-    /// Goes to the next line; whether there is one.
+    /// Moves to the next line; returns whether there is one.
     pub(super) fn next_line(&mut self) -> bool {
         let rest = &self.bytes[self.at..];
         let Some(end) = memchr::memchr2(b'\n', b'\r', rest) else {
@@ -77,7 +77,7 @@ impl<'t> Tokens<'t> {
         self.at < self.bytes.len()
     }
 
-    /// The rest of this line, without the blanks around it.
+    /// The rest of the current line, trimmed.
     pub(super) fn rest_of_line(&mut self) -> &'t [u8] {
         let rest = &self.bytes[self.at..];
         let end = memchr::memchr2(b'\n', b'\r', rest).unwrap_or(rest.len());
@@ -85,10 +85,10 @@ impl<'t> Tokens<'t> {
         rest[..end].trim_ascii()
     }
 
-    /// The line, from 1, on which the last word stands; at the end, the last line that has one.
+    /// The line, from 1, of the last word; at the end, the last line that has a word.
     pub(super) fn line(&self) -> usize {
         let before = self.bytes[..self.start].trim_ascii_end();
-        // The line ends between the last word before this one and this one count too.
+        // Line ends between the last word and the one before it count as well.
         let before = if self.start < self.bytes.len() {
             &self.bytes[..self.start]
         } else {
@@ -100,10 +100,10 @@ impl<'t> Tokens<'t> {
         1 + returns + memchr::memchr_iter(b'\n', before).count()
     }
 
-    /// The number that a word is.
+    /// The next word as a number.
     ///
     /// # Errors
-    /// What was found in its place, for [`Tokens::fault`].
+    /// What was found instead, for [`Tokens::fault`].
     #[inline]
     pub(super) fn number(&mut self) -> Result<f64, Found> {
         let word = self.next().ok_or(Found::End)?;
@@ -123,19 +123,19 @@ impl<'t> Tokens<'t> {
         ))
     }
 
-    /// The error that something else than `expected` stands where the last word does.
+    /// The error that the last word is something other than `expected`.
     #[cold]
     pub(super) fn fault(&self, path: &Path, expected: &str, found: &Found) -> FormatError {
         FormatError::unexpected(path, Some(self.line()), expected, found.to_string())
     }
 }
 
-/// What stands where something else should.
+/// What was found instead of an expected word.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Found {
     /// A word, quoted.
     Word(String),
-    /// Nothing more.
+    /// The end of the text.
     End,
 }
 
@@ -146,7 +146,7 @@ impl Found {
         Self::Word(quote(&String::from_utf8_lossy(word)))
     }
 
-    /// A word, or the end where there is none.
+    /// A word, or the end for `None`.
     pub(super) fn next(word: Option<&[u8]>) -> Self {
         word.map_or(Self::End, Self::word)
     }
@@ -161,7 +161,7 @@ impl std::fmt::Display for Found {
     }
 }
 
-/// The number that a whole word is, rounded to nearest.
+/// The number that a whole word represents, rounded to nearest.
 #[inline]
 pub(super) fn parse(word: &[u8]) -> Option<f64> {
     fast_float2::parse(word).ok()

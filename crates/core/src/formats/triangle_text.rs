@@ -11,17 +11,15 @@ use std::collections::HashMap;
 use std::mem::size_of;
 use std::path::Path;
 
-/// Reads triangle text: three or more vertices a line. Space may stand around every number and
-/// vertex; blank lines and lines that start with `#` are passed over. Equal vertices become one.
-/// With it, what is to be warned of.
+/// Reads triangle text: three or more vertices a line. White space may surround every number and vertex; blank lines
+/// and lines that start with `#` are skipped. Equal vertices become one. Also returns warnings.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
     budget: &Budget,
     progress: Progress<'_>,
 ) -> Result<(MeshData, Vec<String>), FormatError> {
-    // A vertex, and its place in the map, whose entries are a third of its room at worst; all
-    // doubled when they grow.
+    // A vertex and its entry in the hash map, which is at least a third full; all doubled as lists grow.
     const VERTEX: usize = 3 * (size_of::<DVec3>() + 3 * size_of::<([u64; 3], u32)>());
     let text = text(bytes);
     let mut mesh = MeshData::default();
@@ -57,7 +55,7 @@ pub(super) fn read(
             budget.add_triangles(path, sum)?;
         }
         let mut corners = face.iter().map(|&position| {
-            // Adding zero makes one zero of the two.
+            // Adding zero makes minus zero positive.
             let key = (position + DVec3::ZERO).to_array().map(f64::to_bits);
             *index_of.entry(key).or_insert_with(|| {
                 mesh.positions.push(position);
@@ -89,7 +87,7 @@ pub(super) fn read(
     Ok((mesh, uncut.warnings(path)))
 }
 
-/// Reads the vertices of one line; what was expected and what was found where it is not one.
+/// Parses the vertices of one line; the error says what was expected and what was found.
 fn read_face(line: &str, face: &mut Vec<DVec3>) -> Result<(), (&'static str, String)> {
     let mut rest = line;
     loop {

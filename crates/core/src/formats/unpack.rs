@@ -12,10 +12,10 @@ use ruzstd::decoding::errors::{FrameDecoderError, ReadFrameHeaderError};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-/// The extensions of compressed files.
+/// Extensions of compressed files.
 const EXTENSIONS: [&str; 2] = ["gz", "zst"];
 
-/// A file's name without what compressing it has put behind it.
+/// A file's name without the extension of its compression.
 pub(super) fn inner_name(path: &Path) -> PathBuf {
     let is_compressed = path.extension().is_some_and(|extension| {
         EXTENSIONS
@@ -29,18 +29,18 @@ pub(super) fn inner_name(path: &Path) -> PathBuf {
     }
 }
 
-/// What a packed file holds, and how it was packed; `None` for any other file. Text of UTF-16 becomes
-/// UTF-8, and what is no character of it is replaced.
+/// The contents of a compressed file, and the name of the compression; `None` for any other file. UTF-16 text becomes
+/// UTF-8, with invalid characters replaced.
 ///
 /// # Errors
-/// Damaged data; more than the budget has left.
+/// Damaged data; an exhausted budget.
 pub(super) fn unpack<'b>(
     path: &Path,
     bytes: &[u8],
     budget: &'b Budget,
     progress: Progress<'_>,
 ) -> Result<Option<(Contents<'b>, &'static str)>, FormatError> {
-    // Which may begin with anything.
+    // A binary STL may start with any bytes.
     if stl::is_binary(bytes) {
         return Ok(None);
     }
@@ -108,7 +108,7 @@ fn utf_16<'b>(
     budget: &'b Budget,
 ) -> Result<(Contents<'b>, &'static str), FormatError> {
     let (pairs, _) = text.as_chunks::<2>();
-    // Three bytes a unit at most.
+    // At most three bytes a UTF-16 unit.
     let share = budget.share(path, "the file", 3 * pairs.len() as u64)?;
     let mut bytes = String::with_capacity(3 * pairs.len());
     let units = pairs.iter().map(|pair| unit(*pair));
@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_packed_is_unpacked() {
+    fn compressed_files_are_decompressed() {
         let text: Vec<u8> = (0..3_000_000u32)
             .flat_map(|n| (n / 7).to_le_bytes())
             .collect();
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn bombs_are_refused_as_the_limits_say() {
+    fn compression_bombs_are_refused_at_the_limits() {
         let zeros = vec![0; 64 << 20];
         for bytes in [gzip(&zeros), zstd(&zeros)] {
             assert!(bytes.len() < 1 << 20);
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn text_of_two_bytes_a_character_is_read() {
+    fn utf_16_text_is_read() {
         let text = "v 0 0 0\u{e9}\u{1d11e}";
         for (mark, bytes) in [
             ([0xff, 0xfe], u16::to_le_bytes as fn(u16) -> [u8; 2]),
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn names_lose_what_packing_put_behind() {
+    fn inner_names_lose_the_extension_of_compression() {
         for (name, inner) in [
             ("a.obj.gz", "a.obj"),
             ("b/a.ZST", "b/a"),

@@ -1,35 +1,33 @@
-//! Equal corners made one vertex, numbered in the order in which they come.
+//! Welding: equal corners become one vertex, numbered by first occurrence.
 
 use glam::DVec3;
 use rayon::prelude::*;
 use std::hash::{BuildHasher, RandomState};
 
-/// Vertices, each once.
+/// A set of distinct vertices.
 #[derive(Debug)]
 pub(super) struct Vertices {
     positions: Vec<DVec3>,
-    /// A hash above a vertex's number, in the slot that the hash's upper bits name or in one behind it
-    /// (linear probing: Knuth, "The Art of Computer Programming", volume 3, 1973); [`EMPTY`] where
-    /// there is none. A power of two of them.
+    /// A hash table with linear probing (Knuth, "The Art of Computer Programming", volume 3, 1973): the upper half of
+    /// a vertex's hash, and its number; [`EMPTY`] where there is none. The length is a power of two.
     slots: Vec<u64>,
-    /// Recent vertices, by their hashes' lower bits: most corners are at one of them, and a few
-    /// pages of memory are nearer than a table of many.
+    /// Recently used vertices, indexed by their hashes' lower bits: most corners are found here, in a few pages of
+    /// memory that stay in the cache.
     recent: Vec<u32>,
-    /// Drawn for each table, so that no file can be made whose corners all share a slot. What is
-    /// found does not depend on it.
+    /// Random for each table, so that no file can be made whose corners all collide. Results do not depend on it.
     seeds: [u64; 3],
 }
 
 const EMPTY: u64 = u64::MAX;
 
-/// Twice the vertices of two rows of a mesh of some millions of triangles. A power of two.
+/// The length of `recent`: twice the vertices of two rows of a mesh of some millions of triangles. A power of two.
 const RECENT: usize = 1 << 13;
 
-/// Vertices that are looked up together.
+/// Vertices that are looked up together. More fill the first-level cache, fewer leave memory idle.
 const BLOCK: usize = 96;
 
 impl Vertices {
-    /// None, with room for so many.
+    /// An empty set with room for `vertices` vertices.
     pub(super) fn with_capacity(vertices: usize) -> Self {
         let random = RandomState::new();
         Self {
@@ -40,14 +38,14 @@ impl Vertices {
         }
     }
 
-    /// The number of the vertex at a position, both zeros being one; a new one if there is none.
+    /// The number of the vertex at a position, minus zero being zero; a new vertex if there is none.
     #[inline]
     pub(super) fn number(&mut self, position: DVec3) -> u32 {
         let (position, hash) = self.hashed(position);
         self.number_of(position, hash)
     }
 
-    /// The numbers of many vertices, in their order.
+    /// The numbers of many vertices, in order.
     fn numbers(&mut self, positions: &[DVec3], numbers: &mut Vec<u32>) {
         numbers.clear();
         let mut hashed = [(DVec3::ZERO, 0); BLOCK];
@@ -55,7 +53,7 @@ impl Vertices {
             let mut all = 0;
             for (hashed, position) in hashed.iter_mut().zip(block) {
                 *hashed = self.hashed(*position);
-                // Slots are far apart in memory: asked for together, they come together.
+                // Slots are far apart in memory: touching them together overlaps their cache misses.
                 all ^= self.slots[first_slot(hashed.1, self.slots.len())];
             }
             std::hint::black_box(all);
@@ -68,10 +66,10 @@ impl Vertices {
         }
     }
 
-    /// A position, and its hash.
+    /// A position without minus zeros, and its hash.
     #[inline]
     fn hashed(&self, position: DVec3) -> (DVec3, u64) {
-        // Adding zero makes one zero of the two.
+        // Adding zero makes minus zero positive.
         let position = position + DVec3::ZERO;
         (position, self.hash(bits(position)))
     }
@@ -100,7 +98,7 @@ impl Vertices {
             if entry == EMPTY {
                 break;
             }
-            // Only what has the hash is looked at: it lies elsewhere in memory.
+            // Compares positions only where hashes are equal, since positions lie elsewhere in memory.
             let number = entry as u32;
             if (entry ^ hash) >> 32 == 0 && bits(self.positions[number as usize]) == key {
                 return number;
@@ -121,7 +119,7 @@ impl Vertices {
         self.positions
     }
 
-    /// How many there are.
+    /// The number of vertices.
     pub(super) fn len(&self) -> usize {
         self.positions.len()
     }
@@ -152,7 +150,7 @@ impl Vertices {
     }
 }
 
-/// The slot that the upper half of a hash names, of up to 2³² slots.
+/// The first slot to probe, by the upper half of a hash; at most 2³² slots.
 #[inline]
 fn first_slot(hash: u64, slots: usize) -> usize {
     ((hash >> 32) as usize) >> (32 - slots.trailing_zeros())
@@ -167,14 +165,14 @@ fn bits(position: DVec3) -> [u64; 3] {
     position.to_array().map(f64::to_bits)
 }
 
-/// Fewer triangles than these are not worth a task of their own.
+/// The least number of triangles in one parallel task.
 const FEWEST: usize = 1 << 12;
 
-/// The vertices and triangles that `count` triangles of these corners have. `progress` is given the share of
-/// triangles that are done, from any thread.
+/// Welds `count` triangles of these corners; returns vertices and triangles. `progress` is called, from any thread,
+/// with the number of triangles that are done.
 ///
-/// Halves are welded side by side, and the second's vertices looked up among the first's: the order
-/// of vertices is that of welding one corner after the other.
+/// Halves are welded in parallel, and the second half's vertices are then looked up among the first's: the order of
+/// vertices is that of welding sequentially.
 pub(super) fn weld(
     count: usize,
     corners: &(impl Fn(usize) -> [DVec3; 3] + Sync),
@@ -200,7 +198,7 @@ struct Part<'a, C, P> {
 impl<C: Fn(usize) -> [DVec3; 3] + Sync, P: Fn(usize) + Sync> Part<'_, C, P> {
     fn weld(&self, first: usize, triangles: &mut [[u32; 3]]) -> Vertices {
         if triangles.len() <= self.leaf {
-            // A closed mesh has half as many vertices as triangles, and a part of one some more.
+            // A closed mesh has half as many vertices as triangles, and a part of one has some more.
             let mut vertices = Vertices::with_capacity(triangles.len() / 8 * 5 + 2);
             let (mut corners, mut numbers) = (Vec::new(), Vec::new());
             let mut first = first;
@@ -236,9 +234,9 @@ mod tests {
     use std::collections::HashMap;
 
     #[test]
-    fn the_order_is_that_of_one_corner_after_the_other() {
+    fn vertices_are_in_the_order_of_sequential_welding() {
         let mut random = Random(7);
-        // Few places, so that most corners meet others.
+        // Few positions, so that most corners coincide with others.
         let mut coordinate = || (random.unit() * 40.0).floor() * 0.5 - 10.0;
         let corners: Vec<[DVec3; 3]> = (0..3 * FEWEST)
             .map(|_| [0; 3].map(|_| DVec3::new(coordinate(), coordinate(), -0.0)))
@@ -260,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_equal_to_itself() {
+    fn nan_corners_equal_themselves() {
         let mut vertices = Vertices::with_capacity(0);
         let nan = DVec3::NAN;
         assert_eq!([nan, DVec3::X, nan].map(|p| vertices.number(p)), [0, 1, 0]);

@@ -4,8 +4,8 @@ use super::edges::{by_edge, sides};
 use super::report::faces;
 use crate::scene::{Across, Adjacency, Mesh, weld};
 
-/// What lies across each edge of a mesh's triangles, by the faces that [`check`](super::check) counts. Worked out
-/// when it is first asked for, with some 100 bytes a triangle; the mesh keeps twelve.
+/// What lies across each edge of a mesh's triangles, by the faces that [`check`](super::check) counts. Computed on
+/// first use, with some 100 bytes of memory a triangle; the mesh keeps twelve of them.
 pub(crate) fn adjacency(mesh: &Mesh) -> &Adjacency {
     mesh.adjacency(|| {
         let (faces, _) = faces(mesh, &weld(mesh.positions()));
@@ -44,8 +44,8 @@ mod tests {
 
     #[test]
     fn each_edge_knows_what_lies_across() {
-        // Two triangles of a square, of which the second has its corners anew, one of them at minus zero; a fin
-        // and another on the edge from 1 to 2; the first once more; and one with two corners in one place.
+        // A square of two triangles, the second with vertices of its own, one of them at minus zero; two fins on the
+        // edge from 1 to 2; a duplicate of the first triangle; and one with two corners at one position.
         let positions = [
             [0., 0., 0.],
             [1., 0., 0.],

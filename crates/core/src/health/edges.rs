@@ -1,21 +1,21 @@
-//! Edges, and the faces that have them.
+//! Edges, and the faces that share them.
 
 use rayon::prelude::*;
 
-/// A face: its triangle's number, and the places of its corners, all different.
+/// A face: its triangle's number, and the welded vertices of its corners, all different.
 pub(super) type Face = (u32, [u32; 3]);
 
-/// One face at an edge: the edge's lower place first.
+/// A face at an edge. The edge's lower vertex comes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Side {
     pub(super) edge: [u32; 2],
     /// The face's index in the list of faces.
     pub(super) face: u32,
-    /// Whether the face goes along it from the lower place to the higher.
+    /// Whether the face runs along the edge from the lower vertex to the higher.
     pub(super) is_forward: bool,
 }
 
-/// All sides of all faces, those of one edge beside one another.
+/// All sides of all faces, those of one edge next to one another.
 pub(super) fn sides(faces: &[Face]) -> Vec<Side> {
     let mut sides: Vec<Side> = faces
         .par_iter()
@@ -32,7 +32,7 @@ pub(super) fn sides(faces: &[Face]) -> Vec<Side> {
     sides
 }
 
-/// The sides of one edge after another.
+/// The sides grouped by edge.
 pub(super) fn by_edge(sides: &[Side]) -> impl Iterator<Item = &[Side]> {
     sides.chunk_by(|a, b| a.edge == b.edge)
 }

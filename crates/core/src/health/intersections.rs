@@ -1,4 +1,4 @@
-//! Where a mesh passes through itself.
+//! Self-intersections of a mesh.
 
 use super::GoOn;
 use super::box_tree::BoxTree;
@@ -7,28 +7,28 @@ use super::triangle_pair::{Corner, meet};
 use crate::scene::{Mesh, weld};
 use rayon::prelude::*;
 
-/// The most pairs that are listed: more than anybody reads, and 1 MiB.
+/// The most pairs that are listed: more than anybody reads, in 1 MiB.
 const MOST_PAIRS: usize = 1 << 17;
-/// The most of one triangle.
+/// The most pairs that are listed for one triangle.
 const MOST_OF_ONE: usize = 1 << 10;
-/// Triangles between two questions whether to go on: some milliseconds.
+/// Triangles between two calls of `go_on`: some milliseconds of work.
 const BATCH: usize = 1 << 12;
 
-/// Pairs of triangles that meet elsewhere than at a corner or an edge that both have.
+/// Pairs of triangles that intersect elsewhere than at a shared corner or edge.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Intersections {
     /// The triangles' numbers, the lower first, in ascending order; each pair once.
     pub pairs: Vec<[u32; 2]>,
-    /// Whether there are more pairs than these.
+    /// Whether pairs were left out because there are too many.
     pub has_more: bool,
 }
 
-/// Looks for triangles of a mesh that meet: pass through one another, lie on one another in part, or touch. `None` if
-/// cancelled. It takes some 100 bytes a triangle while it looks.
+/// Finds the triangles of a mesh that intersect: pass through one another, overlap in a plane, or touch. `None` if
+/// cancelled. It takes some 100 bytes of memory a triangle.
 ///
-/// Decided exactly on the coordinates as they are stored. Corners at one place are one. Triangles without area, or at
-/// the same three places as one of a lower number, are left out: [`check`](super::check) tells of them. At most
-/// 131,072 pairs are listed, and 1,024 of a triangle with higher numbers.
+/// Decided exactly on the stored coordinates. Vertices at one position count as one. Degenerate triangles, and
+/// duplicates of a triangle with a lower number, are left out; [`check`](super::check) lists them. At most 131,072
+/// pairs are listed, and at most 1,024 of one triangle with triangles of higher numbers.
 pub fn self_intersections(mesh: &Mesh, go_on: GoOn<'_>) -> Option<Intersections> {
     let place = weld(mesh.positions());
     let mut is_kept = vec![false; mesh.triangles().len()];
@@ -63,7 +63,7 @@ pub fn self_intersections(mesh: &Mesh, go_on: GoOn<'_>) -> Option<Intersections>
                     crossed.push(other);
                 }
             });
-            // The tree has an order of its own.
+            // The tree visits boxes in an order of its own.
             crossed.sort_unstable();
             crossed
         });
@@ -105,7 +105,7 @@ mod tests {
         (data.positions, data.triangles)
     }
 
-    /// A ball beside another, in one mesh.
+    /// Two balls in one mesh, their centres so far apart.
     fn two_balls(apart: f64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
         let (one, sides) = shape(Shape::Sphere {
             radius: 1.0,
@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn closed_shapes_do_not_meet_themselves() {
+    fn closed_shapes_do_not_intersect_themselves() {
         for each in [
             Shape::Sphere {
                 radius: 1.0,
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn balls_meet_where_they_pass_through_one_another_and_not_beside() {
+    fn balls_intersect_where_they_overlap_and_not_where_they_are_apart() {
         let (positions, triangles) = two_balls(3.0);
         assert_eq!(found(positions, triangles), Intersections::default());
         let (positions, triangles) = two_balls(1.0);
@@ -154,10 +154,10 @@ mod tests {
     }
 
     #[test]
-    fn the_tree_leaves_no_pair_out() {
+    fn the_tree_finds_the_pairs_that_brute_force_finds() {
         let mut random = Random(5);
         for count in [1, 2, 9, 64, 65, 500] {
-            // Some far, some near, some sharing corners.
+            // Far and near triangles, some of which share corners.
             let places: Vec<_> = (0..count).map(|_| random.point() * 4.0).collect();
             let triangles: Vec<[u32; 3]> = (0..count)
                 .map(|_| [0; 3].map(|_| (random.unit() * f64::from(count)) as u32))
@@ -194,8 +194,8 @@ mod tests {
     }
 
     #[test]
-    fn of_very_many_some_are_told_and_an_end_is_heeded() {
-        // A fan of walls through one line: all meet all.
+    fn the_list_is_cut_at_its_limit_and_cancelling_gives_nothing() {
+        // A fan of walls around one line: all of them intersect.
         let walls = 2000;
         let positions = (0..walls).flat_map(|i| {
             let (sin, cos) = crate::math::sin_cos(f64::from(i) * 1e-3);

@@ -1,11 +1,11 @@
-//! What is wrong with a mesh, and how much there is of it.
+//! What is wrong with a mesh, and its area and volume.
 //!
-//! [`check`] looks at how triangles join: open and non-manifold edges, flipped, degenerate and duplicate
-//! triangles, unused vertices, shells. Vertices at exactly one place are one, however often a file has them: a
-//! seam of texture coordinates is no hole. [`size`] is area, volume and bounding box.
-//! [`self_intersections`] are pairs of triangles that pass through one another.
+//! [`check`] examines how triangles join: open and non-manifold edges, flipped, degenerate and duplicate triangles,
+//! unused vertices, shells. Vertices at exactly the same position count as one, however often a file lists them: a
+//! seam of texture coordinates is no hole. [`size`] gives area, volume and bounding box. [`self_intersections`] lists
+//! pairs of triangles that pass through one another.
 //!
-//! All look at triangles one after another, and ask their caller whether to go on.
+//! All of them take a [`GoOn`] callback for progress and cancelling.
 
 mod adjacency;
 mod box_tree;
@@ -21,5 +21,5 @@ pub use intersections::{Intersections, self_intersections};
 pub use report::{Health, check};
 pub use size::{Size, size};
 
-/// Takes the share that is done, from 0 to 1, and says whether to go on.
+/// Called with the fraction done, from 0 to 1; returns whether to go on.
 pub type GoOn<'a> = &'a (dyn Fn(f32) -> bool + Sync);

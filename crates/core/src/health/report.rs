@@ -10,51 +10,52 @@ use std::collections::HashSet;
 
 /// How the triangles of a mesh join.
 ///
-/// A *face* is a triangle whose corners are at three different places, each set of places counted once; it may
-/// still have no area. Places, edges and shells are those of faces.
+/// A *face* is a triangle whose corners are at three different positions; triangles at the same three positions are
+/// one face. A face may still have no area. Places, edges and shells are those of faces.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Health {
-    /// Places that faces use.
+    /// Distinct positions of faces' corners.
     pub places: usize,
-    /// Edges of faces.
+    /// Distinct edges of faces.
     pub edges: usize,
-    /// Faces.
+    /// Number of faces.
     pub faces: usize,
-    /// Sets of faces that hang together by edges.
+    /// Sets of faces connected by edges.
     pub shells: usize,
-    /// Edges that one face has, by the numbers of two vertices: a boundary, or a hole.
+    /// Edges of exactly one face, as pairs of vertex numbers: boundaries of the surface, such as rims and holes.
     pub open_edges: Vec<[u32; 2]>,
-    /// Edges that more than two faces have.
+    /// Edges of more than two faces.
     pub non_manifold_edges: Vec<[u32; 2]>,
-    /// Triangles that turn the other way than most of those that they hang together with by edges of two faces.
-    /// Of two halves those are meant that differ from the lowest number.
+    /// Triangles oriented against the majority of their part, a part being faces connected by edges of exactly two
+    /// faces. Where the two orientations are equally frequent, that of the lowest number counts as right.
     pub flipped: Vec<u32>,
-    /// Triangles that no ray can meet: without area, with a coordinate that is not finite or too large, or with a
-    /// vertex that is not there.
+    /// Triangles that no ray can hit: without area, with a coordinate that is not finite or too large, or with a
+    /// vertex index out of range.
     pub degenerate: Vec<u32>,
-    /// Triangles at the same three places as one of a lower number, whichever way round.
+    /// Triangles at the same three positions as a triangle of a lower number, in either orientation.
     pub duplicates: Vec<u32>,
-    /// Vertices that no triangle names.
+    /// Vertices that no triangle uses.
     pub unused_vertices: Vec<u32>,
-    /// Parts that have one side alone, as a Möbius band has: nothing in them counts as flipped.
+    /// Parts that have one side only, as a Möbius band: nothing in them counts as flipped.
     pub one_sided: usize,
-    /// Closed shells that turn inside out: their triangles turn right as seen from outside. A shell whose volume
-    /// is within its own rounding of zero is not counted.
+    /// Closed shells whose triangles run clockwise as seen from outside. A shell whose volume is zero within rounding
+    /// is not counted.
     pub inside_out: usize,
 }
 
 impl Health {
-    /// The Euler characteristic: places − edges + faces. Of a closed surface it is 2 a shell, less 2 a handle.
+    /// The Euler characteristic: places − edges + faces. For a closed surface it is 2 − 2g a shell, g its genus
+    /// (number of handles).
     pub fn euler_characteristic(&self) -> i64 {
         self.places as i64 - self.edges as i64 + self.faces as i64
     }
 
-    /// Whether it encloses a space: it has faces, and each edge has two.
+    /// Whether the mesh is watertight: it has faces, and each edge has exactly two.
     pub fn is_closed(&self) -> bool {
         self.faces > 0 && self.open_edges.is_empty() && self.non_manifold_edges.is_empty()
     }
 
-    /// Whether nothing at all is wrong: a closed surface, of one orientation, with nothing left over.
+    /// Whether nothing is wrong: a closed, consistently oriented surface without leftovers.
     pub fn is_sound(&self) -> bool {
         self.is_closed()
             && self.flipped.is_empty()
@@ -66,10 +67,10 @@ impl Health {
     }
 }
 
-/// Examines a mesh; `None` if cancelled. It takes some 100 bytes a triangle while it looks.
+/// Examines a mesh; `None` if cancelled. It takes some 100 bytes of memory a triangle.
 ///
-/// Everything but `inside_out` is decided by numbers of vertices and by equality of coordinates, so exactly. A
-/// mesh without triangles has no face and is not closed.
+/// All but `inside_out` is decided exactly, by vertex numbers and equality of coordinates. A mesh without triangles
+/// has no face and is not closed.
 pub fn check(mesh: &Mesh, go_on: GoOn<'_>) -> Option<Health> {
     let triangles = mesh.triangles();
     let place = weld(mesh.positions());
@@ -111,7 +112,7 @@ pub fn check(mesh: &Mesh, go_on: GoOn<'_>) -> Option<Health> {
     go_on(1.0).then_some(health)
 }
 
-/// The faces, and the triangles that are one of them once more.
+/// The faces, and the numbers of the triangles that duplicate one.
 pub(super) fn faces(mesh: &Mesh, place: &[u32]) -> (Vec<Face>, Vec<u32>) {
     let position = |vertex: u32| mesh.positions().get(vertex as usize);
     let is_there = |vertex: &u32| position(*vertex).is_some_and(|position| position.is_finite());
@@ -144,10 +145,10 @@ pub(super) fn faces(mesh: &Mesh, place: &[u32]) -> (Vec<Face>, Vec<u32>) {
     (faces, duplicates)
 }
 
-/// Joins faces by their edges, which are counted. The number of shells; and for each face the root of its part,
-/// where that is a closed shell of one orientation.
+/// Joins faces across edges, and counts the edges. Returns the number of shells, and for each face the root of its
+/// part where that is a closed, consistently oriented shell.
 fn join(sides: &[Side], faces: &[Face], health: &mut Health) -> (usize, Vec<Option<u32>>) {
-    // Shells hang together by any edge; turns are handed on where there is no doubt to whom.
+    // Any edge connects shells; orientation is carried across edges of exactly two faces only.
     let (mut shells, mut parts) = (Sets::new(faces.len()), Sets::new(faces.len()));
     let mut twisted = Vec::new();
     let mut bounded = Vec::new();
@@ -163,7 +164,7 @@ fn join(sides: &[Side], faces: &[Face], health: &mut Health) -> (usize, Vec<Opti
                 bounded.push(one.face);
             }
             [one, other] => {
-                // Neighbours that turn alike go along their edge in opposite directions.
+                // Two faces of one orientation traverse their common edge in opposite directions.
                 let turned = one.is_forward == other.is_forward;
                 if !parts.join(one.face, other.face, turned) {
                     twisted.push(one.face);
@@ -185,7 +186,7 @@ fn join(sides: &[Side], faces: &[Face], health: &mut Health) -> (usize, Vec<Opti
     let found: Vec<(u32, bool)> = (0..faces.len() as u32)
         .map(|face| parts.find(face))
         .collect();
-    // Of each part: how many turn as its root, how many do not, and which the lowest does.
+    // For each part: how many faces are oriented as the root, how many are not, and whether the lowest face is not.
     let mut counts = vec![(0_u32, 0_u32, None); faces.len()];
     for &(root, turned) in &found {
         let (same, other, lowest) = &mut counts[root as usize];
@@ -219,7 +220,8 @@ fn join(sides: &[Side], faces: &[Face], health: &mut Health) -> (usize, Vec<Opti
 
 /// How many of the closed shells enclose a negative volume.
 fn inside_out(mesh: &Mesh, faces: &[Face], whole: &[Option<u32>]) -> usize {
-    // Sixfold volume and the sum of its products' magnitudes, for each shell by its root.
+    // For each shell, at its root: six times the volume, the sum of the products' magnitudes, and the number of
+    // triangles.
     let mut sums = vec![(0.0_f64, 0.0_f64, 0_u32); faces.len()];
     for (&(number, _), &root) in faces.iter().zip(whole) {
         let (Some(root), Some(corners)) = (root, mesh.corners(number)) else {
@@ -233,10 +235,10 @@ fn inside_out(mesh: &Mesh, faces: &[Face], whole: &[Option<u32>]) -> usize {
         *count += 1;
     }
     let is_negative = |(volume, magnitude, count): &(f64, f64, u32)| {
-        // Corners have 24 digits: b and c's products are exact, their difference, the product with a and the
-        // two sums round once each, and each addition of the n triangles once more: gamma(n + 4) of the sum of
-        // magnitudes (Higham, "Accuracy and Stability of Numerical Algorithms", 2002, chapter 3), doubled for
-        // the rounding of that sum itself.
+        // Corners have 24 bits, so the products of b and c are exact. Their difference, the product with a and two
+        // sums round once each, and each of the n additions rounds once more: gamma(n + 4) of the sum of magnitudes
+        // (Higham, "Accuracy and Stability of Numerical Algorithms", 2002, chapter 3), doubled for the rounding of
+        // that sum itself.
         let bound = 2.0 * f64::from(count + 4) * 2f64.powi(-53) * magnitude;
         *count > 0 && *volume < -bound
     };
@@ -278,7 +280,7 @@ mod tests {
     }
 
     const CORNERS: [[f64; 3]; 4] = [[0.; 3], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
-    /// A tetrahedron that turns left as seen from outside.
+    /// A tetrahedron whose triangles run counter-clockwise as seen from outside.
     const SIDES: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 
     #[test]
@@ -290,22 +292,22 @@ mod tests {
     }
 
     #[test]
-    fn each_fault_is_found_where_it_is() {
-        // A side is missing.
+    fn each_fault_lists_its_edges_or_triangles() {
+        // One side missing.
         let open = healthy(&mesh(&CORNERS, &SIDES[..3]));
         assert_eq!(open.open_edges, [[0, 2], [0, 3], [2, 3]]);
         assert!(!open.is_closed() && open.euler_characteristic() == 1);
-        // A side turns the other way.
+        // One side flipped.
         let mut sides = SIDES;
         sides[2] = [2, 1, 3];
         let turned = healthy(&mesh(&CORNERS, &sides));
         assert!(turned.is_closed() && turned.flipped == [2] && turned.inside_out == 0);
-        // All do: nothing is flipped against the others.
+        // All sides flipped: none differs from the others.
         let inverse = SIDES.map(|[a, b, c]| [c, b, a]);
         let inverse = healthy(&mesh(&CORNERS, &inverse));
         assert!(inverse.flipped.is_empty() && inverse.inside_out == 1);
-        // A side twice, one of them turned; a triangle of two corners; one of a vertex that is not there; and
-        // a fin on an edge.
+        // A duplicate of a side, flipped; a triangle of two corners; one with a vertex that does not exist; and a fin
+        // on an edge.
         let corners = [&CORNERS[..], &[[5., 5., 5.], [-1., -1., 0.]]].concat();
         let more = [[3, 1, 0], [1, 1, 2], [0, 1, 99], [0, 3, 5]];
         let sides = [&SIDES[..], &more].concat();
@@ -319,8 +321,8 @@ mod tests {
     }
 
     #[test]
-    fn vertices_at_one_place_are_one_and_shells_are_counted() {
-        // Each side with corners of its own, one of them at minus zero; then all of it once more, elsewhere.
+    fn vertices_at_one_position_are_welded_and_shells_are_counted() {
+        // Each side with vertices of its own, one of them at minus zero; then all of it once more, elsewhere.
         let soup = |shift: f64| {
             let corners = SIDES
                 .iter()
@@ -336,8 +338,8 @@ mod tests {
     }
 
     #[test]
-    fn a_band_with_one_side_is_told() {
-        // Five quads around, the last joined upside down.
+    fn a_moebius_band_is_one_sided() {
+        // A strip of five quads closed to a ring, the last joined with a half twist.
         let positions: Vec<_> = (0..5)
             .flat_map(|i| {
                 let (sin, cos) = crate::math::sin_cos(f64::from(i) * std::f64::consts::TAU / 5.0);
@@ -380,7 +382,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_has_no_fault_and_an_end_is_heeded() {
+    fn an_empty_mesh_has_no_fault_and_cancelling_gives_nothing() {
         let nothing = healthy(&mesh(&[], &[]));
         assert_eq!(nothing, Health::default());
         assert!(!nothing.is_closed());

@@ -1,10 +1,10 @@
-//! Faces that hang together, and which way round they turn.
+//! Connected faces, and their relative orientation.
 
-/// Sets of faces (Tarjan, "Efficiency of a good but not linear set union algorithm", 1975). Each face knows
-/// whether it turns as its set's root does.
+/// Disjoint sets of faces (Tarjan, "Efficiency of a good but not linear set union algorithm", 1975), with each face's
+/// orientation relative to the root of its set.
 pub(super) struct Sets {
     root: Vec<u32>,
-    /// Whether a face turns the other way than the one that it points at.
+    /// Whether a face is oriented against the face that it points to.
     turned: Vec<bool>,
     size: Vec<u32>,
 }
@@ -18,14 +18,14 @@ impl Sets {
         }
     }
 
-    /// The root of a face's set, and whether the face turns the other way than it.
+    /// The root of a face's set, and whether the face is oriented against it.
     pub(super) fn find(&mut self, face: u32) -> (u32, bool) {
         let (mut root, mut turned) = (face, false);
         while self.root[root as usize] != root {
             turned ^= self.turned[root as usize];
             root = self.root[root as usize];
         }
-        // All on the way point at the root from now on.
+        // Path compression: all faces on the way point to the root from now on.
         let (mut at, mut left) = (face, turned);
         while at != root {
             let i = at as usize;
@@ -38,8 +38,8 @@ impl Sets {
         (root, turned)
     }
 
-    /// Joins two faces, of which one turns the other way if `turned`. `false` where they are joined already,
-    /// and differ the other way round.
+    /// Joins the sets of two faces that are oriented against one another if `turned`. Returns `false` where they are
+    /// in one set already, with the other relative orientation.
     pub(super) fn join(&mut self, a: u32, b: u32, turned: bool) -> bool {
         let ((a, a_turned), (b, b_turned)) = (self.find(a), self.find(b));
         let between = a_turned ^ b_turned ^ turned;
@@ -62,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn turns_add_up_along_a_chain_and_a_twist_is_told() {
+    fn orientations_compose_along_a_chain_and_a_twist_is_rejected() {
         let mut sets = Sets::new(6);
         assert!(sets.join(0, 1, true));
         assert!(sets.join(2, 3, true));

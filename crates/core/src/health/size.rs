@@ -5,24 +5,26 @@ use crate::scene::{Bounds, Mesh};
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 
-/// How much there is of a mesh, in the units of the space that it was asked for in.
+/// Area, volume and bounding box of a mesh, in the units of the space that they were computed in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Size {
-    /// The sum of its triangles' areas.
+    /// The sum of the triangles' areas.
     pub area: f64,
-    /// What its triangles enclose where it is closed: positive where they turn left as seen from outside.
-    /// Where it is open it is what they enclose with the centre of the box, which means little.
+    /// The volume that the triangles enclose where the mesh is closed: positive where they run counter-clockwise as
+    /// seen from outside. Of an open mesh it is the volume that they span with the centre of the box, which means
+    /// little.
     pub volume: f64,
-    /// The box around it, along the axes.
+    /// The axis-aligned bounding box.
     pub bounds: Bounds,
 }
 
-/// Triangles that are summed up as one; so the sums do not depend on the number of threads.
+/// Triangles that are summed in one task. The chunks are fixed so that the sums do not depend on the number of
+/// threads.
 const CHUNK: usize = 1 << 14;
 
-/// The size of the kept triangles of a mesh in its place; `None` if cancelled. Double precision: of n
-/// triangles, area and volume are right to some n · 2⁻⁵³ of the sum of all triangles' shares, and mostly to far
-/// less. A mesh without triangles has neither area, volume nor box.
+/// The size of the kept triangles of a mesh under a transform; `None` if cancelled. In double precision: with n
+/// triangles the error of area and volume is at most about n · 2⁻⁵³ of the sum of the magnitudes of all triangles'
+/// contributions, and mostly far less. A mesh without triangles has zero area and volume and an empty box.
 pub fn size(mesh: &Mesh, world_from_object: &DAffine3, go_on: GoOn<'_>) -> Option<Size> {
     let corners =
         |number: &u32| {
@@ -38,7 +40,7 @@ pub fn size(mesh: &Mesh, world_from_object: &DAffine3, go_on: GoOn<'_>) -> Optio
     if !go_on(0.4) {
         return None;
     }
-    // From the middle, so that little cancels.
+    // Relative to the centre, so that less cancels.
     let middle = if bounds.is_empty() {
         DVec3::ZERO
     } else {
@@ -79,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cube_has_the_area_and_the_volume_of_its_sides() {
+    fn a_cube_has_its_area_and_volume_and_a_mirrored_one_a_negative_volume() {
         let cube = mesh(Shape::Cube {
             size: DVec3::new(1.0, 2.0, 4.0),
         });
@@ -90,7 +92,7 @@ mod tests {
             "{here:?}"
         );
         assert_eq!(here.bounds.size(), DVec3::new(1.0, 2.0, 4.0));
-        // Far away, twice as large along x, and mirrored: inside out.
+        // Far from the origin, twice as large along x, and mirrored: inside out.
         let there = DAffine3::from_translation(DVec3::splat(1e6))
             * DAffine3::from_scale(DVec3::new(-2.0, 1.0, 1.0));
         let there = size(&cube, &there, &|_| true).expect("it goes on");
@@ -99,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fine_sphere_comes_near_the_sphere() {
+    fn a_fine_sphere_mesh_has_nearly_the_area_and_volume_of_a_sphere() {
         let sphere = mesh(Shape::Sphere {
             radius: 1.0,
             segments: 256,

@@ -1,18 +1,18 @@
-//! Whether two triangles of a mesh meet elsewhere than they are joined.
+//! Whether two triangles of a mesh intersect elsewhere than where they are joined.
 //!
-//! Decided by signs alone, each of which is exact (Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast
-//! Robust Geometric Predicates", 1997): an edge meets a triangle where its ends are not on one side of the plane and
-//! its line goes around all three edges one way (Guigue, Devillers, "Fast and Robust Triangle-Triangle Overlap Test
-//! Using Orientation Predicates", 2003, ask for the same signs in an order that needs fewer).
+//! Decided by exact signs alone (Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
+//! Predicates", 1997): an edge intersects a triangle where its ends are not strictly on one side of the plane and its
+//! line passes all three edges with the same orientation (Guigue, Devillers, "Fast and Robust Triangle-Triangle
+//! Overlap Test Using Orientation Predicates", 2003, use the same signs in an order that needs fewer).
 
 use glam::Vec3;
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
-/// A corner: its place by number, equal where two corners are at one place, and its coordinates.
+/// A corner: its welded vertex, equal where two corners are at one position, and its coordinates.
 pub(super) type Corner = (u32, Vec3);
 
-/// Whether two triangles share a point that is not on what joins them: a corner or an edge that both have. Touching
-/// counts. Two that have all three corners in common do not meet otherwise.
+/// Whether two triangles intersect elsewhere than at the corner or edge that both have. Touching counts. Two
+/// triangles with all three corners in common do not intersect otherwise.
 ///
 /// Both must have area. The order of triangles and of corners does not matter.
 pub(super) fn meet(a: &[Corner; 3], b: &[Corner; 3]) -> bool {
@@ -38,7 +38,7 @@ fn disjoint(a: &[Vec3; 3], b: &[Vec3; 3]) -> bool {
     if is_apart(&sides_of_b) || is_apart(&sides_of_a) {
         return false;
     }
-    // Where they meet at all, the common part has a corner: an edge of one there meets the other.
+    // If they intersect, some edge of one intersects the other: an extreme point of the intersection lies on an edge.
     let edges = |of: &[Vec3; 3], sides: &[i8; 3], other: &[Vec3; 3]| {
         [(0, 1), (1, 2), (2, 0)]
             .iter()
@@ -47,10 +47,11 @@ fn disjoint(a: &[Vec3; 3], b: &[Vec3; 3]) -> bool {
     edges(b, &sides_of_b, a) || edges(a, &sides_of_a, b)
 }
 
-/// Two triangles that have their first corner in common.
+/// Two triangles with their first corner in common.
 ///
-/// A ray from there through another common point leaves one of them no later than the other, through the edge across
-/// from the corner: that edge meets the other triangle. It does not hold the corner, so the reverse is true as well.
+/// A ray from the corner through another common point leaves one of the triangles no later than the other, through
+/// its edge opposite to the corner: that edge intersects the other triangle. The edge does not contain the corner, so
+/// the converse holds as well.
 fn joined_at_corner(a: &[Vec3; 3], b: &[Vec3; 3]) -> bool {
     let sides_of_b = [side(a, b[1]), side(a, b[2])];
     let sides_of_a = [side(b, a[1]), side(b, a[2])];
@@ -60,7 +61,8 @@ fn joined_at_corner(a: &[Vec3; 3], b: &[Vec3; 3]) -> bool {
         && (edge_meets([b[1], b[2]], sides_of_b, a) || edge_meets([a[1], a[2]], sides_of_a, b))
 }
 
-/// Two triangles that have all but their first corner in common: planes that differ meet along the edge alone.
+/// Two triangles with all but their first corner in common. If their planes differ, they intersect along the common
+/// edge alone.
 fn joined_at_edge(a: &[Vec3; 3], b: &[Vec3; 3]) -> bool {
     side(a, b[0]) == 0 && {
         let flat = flatten(a);
@@ -72,7 +74,7 @@ fn is_apart(sides: &[i8; 3]) -> bool {
     sides.iter().all(|side| *side > 0) || sides.iter().all(|side| *side < 0)
 }
 
-/// Whether an edge whose ends lie on these sides of a triangle's plane has a point of the triangle.
+/// Whether an edge, whose ends lie on these sides of a triangle's plane, intersects the triangle.
 fn edge_meets([p, q]: [Vec3; 2], sides: [i8; 2], triangle: &[Vec3; 3]) -> bool {
     match sides {
         [0, 0] => edge_meets_in_plane([p, q], triangle),
@@ -104,7 +106,8 @@ fn edge_meets_in_plane([p, q]: [Vec3; 2], triangle: &[Vec3; 3]) -> bool {
         })
 }
 
-/// Edges that each have their ends on both sides of the other, or on it, meet, but on one line they may lie apart.
+/// Whether the bounding boxes of two edges of one plane overlap. Two edges whose ends are not strictly on one side of
+/// the other may still lie apart if all four ends are on one line.
 fn boxes_overlap([p, q]: [[f32; 2]; 2], [a, b]: [[f32; 2]; 2]) -> bool {
     let overlaps = |axis: usize| {
         let (p, q, a, b) = (p[axis], q[axis], a[axis], b[axis]);
@@ -123,7 +126,7 @@ fn side(&[a, b, c]: &[Vec3; 3], point: Vec3) -> i8 {
     sign(orient3d(coord(a), coord(b), coord(c), coord(point)))
 }
 
-/// Which way three points of a plane turn.
+/// The orientation of three points of the plane.
 fn turn(a: [f32; 2], b: [f32; 2], c: [f32; 2]) -> i8 {
     let coord = |[x, y]: [f32; 2]| Coord {
         x: f64::from(x),
@@ -136,7 +139,8 @@ fn sign(value: f64) -> i8 {
     i8::from(value > 0.0) - i8::from(value < 0.0)
 }
 
-/// Along an axis onto a plane, such that the triangle keeps area: of points in its plane no two become one.
+/// The projection along an axis onto a plane in which the triangle keeps area, so that no two points of its plane
+/// coincide.
 fn flatten(&[a, b, c]: &[Vec3; 3]) -> impl Fn(Vec3) -> [f32; 2] + Copy {
     let along = |axis: usize| move |p: Vec3| [p[(axis + 1) % 3], p[(axis + 2) % 3]];
     let keeps_area = |axis: &usize| {
@@ -152,7 +156,7 @@ mod tests {
     use crate::random::Random;
     use glam::I64Vec3;
 
-    /// Whether a direction separates two sets of points: whole numbers, so exactly.
+    /// Whether an axis separates two sets of points; exact, since coordinates are integers.
     fn separates(axis: I64Vec3, a: &[I64Vec3], b: &[I64Vec3]) -> bool {
         let range = |of: &[I64Vec3]| {
             let along = of.iter().map(|p| p.dot(axis));
@@ -162,8 +166,8 @@ mod tests {
         a_max < b_min || b_max < a_min
     }
 
-    /// Whether the convex hulls of up to three points each meet, by the separating axis theorem (Gottschalk, Lin,
-    /// Manocha, "OBBTree", 1996): no sign of an orientation is asked for.
+    /// Whether the convex hulls of at most three points each intersect, by the separating axis theorem (Gottschalk,
+    /// Lin, Manocha, "OBBTree", 1996). It uses no orientation, so it is independent of the code under test.
     fn hulls_meet(a: &[I64Vec3], b: &[I64Vec3]) -> bool {
         let edges = |of: &[I64Vec3]| -> Vec<I64Vec3> {
             (0..of.len())
@@ -182,8 +186,8 @@ mod tests {
         !axes.any(|axis| separates(axis, a, b))
     }
 
-    /// The same as [`meet`]. A triangle that has a corner in common is taken as far larger than all coordinates, and
-    /// only the far edge of the other is asked about.
+    /// [`meet`] by separating axes. A triangle that shares a corner is scaled far beyond all coordinates, and tested
+    /// against the opposite edge of the other alone.
     fn meet_by_axes(a: &[(u32, I64Vec3); 3], b: &[(u32, I64Vec3); 3]) -> bool {
         let is_shared = |of: &[(u32, I64Vec3); 3], corner: &(u32, I64Vec3)| {
             of.iter().any(|other| other.0 == corner.0)
@@ -214,10 +218,10 @@ mod tests {
     }
 
     #[test]
-    fn triangles_on_a_small_grid_meet_where_no_axis_separates_them() {
+    fn triangles_on_a_small_grid_intersect_where_no_axis_separates_them() {
         let mut random = Random(17);
         let mut counts = [[0_u32; 2]; 3];
-        // Few places, so that corners and edges are shared, lines touch, and planes are one.
+        // A small grid, so that corners and edges are shared, lines touch, and planes coincide.
         for size in [2, 3, 4, 6] {
             let mut corner = |flat: bool| {
                 let mut axis = || (random.unit() * f64::from(size)) as i64;
@@ -244,12 +248,12 @@ mod tests {
                 assert_eq!(meet(&turned, &b), expected, "{turned:?} {b:?}");
             }
         }
-        // Each kind of pair, of either answer, was there.
+        // Each type of pair occurred with either answer.
         assert!(counts.iter().flatten().all(|n| *n > 500), "{counts:?}");
     }
 
     #[test]
-    fn a_gap_of_the_least_number_is_told_from_a_touch() {
+    fn a_gap_of_the_least_positive_number_is_no_touch() {
         let flat = [(0, Vec3::ZERO), (1, Vec3::X), (2, Vec3::Y)];
         let above = |z: f32| {
             [

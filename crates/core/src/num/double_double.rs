@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn sums_and_products_are_off_by_what_is_said() {
+    fn sums_and_products_are_within_their_error_bounds() {
         let mut random = Random(41);
         for _ in 0..20_000 {
             let mut double = || random.signed() * crate::math::pow(2.0, 40.0 * random.signed());

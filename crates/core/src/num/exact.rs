@@ -10,8 +10,8 @@ use super::wide::Wide;
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
 
-/// What corners of 24 digits within a factor of a million, and rays of 53 digits, need; and what all
-/// the range of single precision does.
+/// Long enough for corners of 24 bits whose magnitudes differ by a factor of a million at most, and rays of 53 bits.
+/// [`Long`] holds what the whole range of single precision needs.
 pub(crate) type Short = Wide<10>;
 pub(crate) type Long = Wide<32>;
 
@@ -36,8 +36,7 @@ pub(crate) fn decompose(x: f64) -> (i64, i32) {
     )
 }
 
-/// Numbers over a common power of two: all are below 2^(exponent + bits), and integers times
-/// 2^exponent.
+/// A common power of two for a set of numbers: each is an integer times 2^exponent, and below 2^(exponent + bits).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Scale {
     pub(crate) exponent: i32,
@@ -102,11 +101,10 @@ pub(crate) fn dot<I: Integer>(a: &Vector<I>, b: &Vector<I>) -> I {
 
 /// Runs a function with integers long enough for its intermediate results.
 ///
-/// With corners and eye below 2^L over their power of two, relative corners are below 2^(L+2), their
-/// cross products below 2^(2L+5), det(A, B, C) below 2^(3L+9), and with directions below 2^D weights
-/// are below 2^(2L+D+7) and their sum 2^(2L+D+9). The longest are products of a numerator and a
-/// denominator, and of a denominator and a mantissa of 53 digits; two limbs more hold each factor's
-/// last one, and what a shift to the same length takes.
+/// With corners and eye below 2^L over their power of two, relative corners are below 2^(L+2), their cross products
+/// below 2^(2L+5), det(A, B, C) below 2^(3L+9), and with directions below 2^D weights are below 2^(2L+D+7) and their
+/// sum 2^(2L+D+9). The longest are products of a numerator and a denominator, and of a denominator and a mantissa of
+/// 53 digits; two limbs more hold each factor's last limb, and the shift to a common length.
 macro_rules! sized {
     ($lengths:expr, $directions:expr, $work:ident($($argument:expr),*)) => {{
         let (lengths, directions): (Scale, Scale) = ($lengths, $directions);
@@ -126,7 +124,7 @@ pub(crate) use sized;
 
 /// `a · 2^i` against `b · 2^j`.
 pub(crate) fn compare_scaled<I: Integer>(a: &I, i: i32, b: &I, j: i32) -> Ordering {
-    // Signs and lengths decide most numbers without shifts by thousands of bits.
+    // Sign and length decide most comparisons; shifts by thousands of bits are slow.
     let by_sign = a.sign().cmp(&b.sign());
     if by_sign != Ordering::Equal || a.sign() == Ordering::Equal {
         return by_sign;
@@ -142,14 +140,14 @@ pub(crate) fn compare_scaled<I: Integer>(a: &I, i: i32, b: &I, j: i32) -> Orderi
 
 /// `numerator / denominator · 2^exponent`, rounded; the denominator is not zero.
 ///
-/// Either's highest 64 digits are within 2^-63 of it, the whole part of the quotient has 64 digits or one
-/// more, and is rounded to a double: off by less than (1 + 2^-8) · 2^-53, and right where the quotient is
-/// a double.
+/// The highest 64 bits of each are within a relative error of 2^-63. The integer part of the quotient has 64 or 65
+/// bits and is rounded to a double: the relative error is below (1 + 2^-8) · 2^-53, and zero where the quotient is a
+/// double.
 pub(crate) fn ratio<I: Integer>(numerator: &I, denominator: &I, exponent: i32) -> f64 {
     if numerator.sign() == Ordering::Equal {
         return 0.0;
     }
-    // As fractions of 2^64, one half at least.
+    // Both as fractions of 2^64, at least one half.
     let [n, d] = [numerator, denominator].map(|x| {
         let highest = x.highest();
         u128::from(highest << highest.leading_zeros())
@@ -185,7 +183,7 @@ fn scale(mut x: f64, mut exponent: i64) -> f64 {
     x
 }
 
-/// Whether three finite points lie exactly on a line, or in one place.
+/// Whether three finite points lie exactly on a line (or coincide).
 pub(crate) fn is_collinear(a: Vec3, b: Vec3, c: Vec3) -> bool {
     let (ab, ac) = (b.as_dvec3() - a.as_dvec3(), c.as_dvec3() - a.as_dvec3());
     let normal = ab.cross(ac);
@@ -273,7 +271,7 @@ mod tests {
         let nudged = Vec3::new(0.75, -1.5, f32::from_bits(3f32.to_bits() + 1));
         assert!(!is_collinear(Vec3::ZERO, d, nudged));
         assert!(is_collinear(a, a, d));
-        // Differences are rounded, each coordinate its own way.
+        // Differences are rounded, each coordinate differently.
         let few = Vec3::new(3.0, 5.0, 11.0);
         assert!(is_collinear(few, few * (1u64 << 51) as f32, few * -3.0));
         assert!(!is_collinear(

@@ -1,10 +1,10 @@
-//! What exact decisions need of whole numbers.
+//! The integer operations that exact decisions use.
 
 use num_bigint::{BigInt, Sign};
 use num_traits::Zero;
 use std::cmp::Ordering;
 
-/// A whole number with a sign, of any length that its kind can hold.
+/// A signed integer, of any length that the implementation can hold.
 pub(crate) trait Integer: Clone {
     /// `mantissa · 2^shift`.
     fn shifted(mantissa: i64, shift: u32) -> Self;
@@ -14,17 +14,17 @@ pub(crate) trait Integer: Clone {
     fn minus(&self, other: &Self) -> Self;
     /// `self · other`.
     fn times(&self, other: &Self) -> Self;
-    /// Against zero.
+    /// Compares with zero.
     fn sign(&self) -> Ordering;
-    /// How many binary digits its magnitude has; none for zero.
+    /// The number of binary digits of the magnitude; 0 for zero.
     fn bits(&self) -> u32;
-    /// `self · 2^shift` against `other`.
+    /// Compares `self · 2^shift` with `other`.
     fn compare_shifted(&self, shift: u32, other: &Self) -> Ordering;
-    /// The magnitude's highest 64 digits, those below cut off; all of them where there are fewer.
+    /// The highest 64 bits of the magnitude, truncated; all of them where there are fewer.
     fn highest(&self) -> u64;
 }
 
-/// Callers see to it that nothing overflows.
+/// Callers ensure that nothing overflows.
 impl Integer for i128 {
     fn shifted(mantissa: i64, shift: u32) -> Self {
         Self::from(mantissa) << shift

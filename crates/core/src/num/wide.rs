@@ -1,4 +1,4 @@
-//! Whole numbers of a length that is known beforehand, without asking for memory.
+//! Integers of bounded length, without heap allocation.
 
 use super::integer::Integer;
 use std::cmp::Ordering;
@@ -6,16 +6,16 @@ use std::cmp::Ordering;
 /// Binary digits of a limb.
 const LIMB: u32 = u64::BITS;
 
-/// A whole number of at most `N` limbs, kept by sign and magnitude. Work is done on the limbs that
-/// are in use: short numbers are quick in long ones' room.
+/// An integer of at most `N` limbs, as sign and magnitude. Operations touch only the limbs in use, so that short
+/// numbers are fast whatever `N` is.
 ///
-/// What does not fit panics (an index out of range); callers bound the length beforehand.
+/// Overflow panics (an index out of range); callers bound the length beforehand.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wide<const N: usize> {
     is_negative: bool,
-    /// Limbs in use: the highest is not zero.
+    /// Limbs in use; the highest of them is not zero.
     len: usize,
-    /// The lowest first; those not in use are zero.
+    /// The lowest limb first; limbs not in use are zero.
     limbs: [u64; N],
 }
 
@@ -39,7 +39,7 @@ impl<const N: usize> Wide<N> {
         })
     }
 
-    /// `self + other`, where `other` is taken to be negative or not.
+    /// `self + other`, with the sign of `other` given by `other_is_negative`.
     #[allow(
         clippy::needless_range_loop,
         reason = "a limb is an index into all the numbers at once"
@@ -167,7 +167,7 @@ mod tests {
     use crate::random::Random;
     use num_bigint::BigInt;
 
-    /// The truth is what num-bigint makes of the same.
+    /// The truth is num-bigint's result.
     #[test]
     fn agrees_with_integers_of_any_length() {
         let mut random = Random(1);

@@ -1,4 +1,4 @@
-//! Packets of panoramas against single rays: of random meshes, of hostile ones, from anywhere.
+//! Packets of panoramas against single rays, on random and hostile meshes, from eyes anywhere.
 
 use super::clip_tests::planes;
 use crate::bvh::Accel;
@@ -30,7 +30,7 @@ pub(super) fn accel(corners: Vec<[DVec3; 3]>) -> Accel {
     Accel::build(&scene(corners)).expect("a valid scene")
 }
 
-/// Triangles of a size, all around.
+/// Triangles of one size, in all directions.
 fn soup(random: &mut Random, count: usize, size: f64) -> Vec<[DVec3; 3]> {
     let one = |_| {
         let middle = random.point();
@@ -62,7 +62,8 @@ fn room(side: usize, half: f64) -> Vec<[DVec3; 3]> {
     all
 }
 
-/// A camera at an eye; its picture so high sees so far, and some of it lies outside.
+/// A panorama's camera at an eye; `fov` is the angle that the picture's height covers. Some pixels lie outside the
+/// projection.
 fn camera(panorama: Panorama, eye: DVec3, way: DVec3, rows: u32, fov: f64) -> Camera {
     let placement = Placement::towards(eye, eye + way);
     let projection = Projection::Panoramic(panorama);
@@ -77,7 +78,8 @@ fn all() -> impl Iterator<Item = Panorama> {
     Panorama::ALL.into_iter().map(|(_, panorama)| panorama)
 }
 
-/// Lattices of a camera that begin and end within packets: all of its pixels, and every third at a sample's place.
+/// Lattices of a camera that begin and end within packets: all of its pixels, and every third pixel at a sample's
+/// position.
 fn lattices(camera: Camera) -> [Lattice; 2] {
     let plane = camera.plane();
     let rect = Rect {
@@ -91,7 +93,7 @@ fn lattices(camera: Camera) -> [Lattice; 2] {
     [camera.sub_camera(rect).lattice(), sparse]
 }
 
-/// How many rays hit something, of how many, and what it took.
+/// Counts of rays, hits and the work they took.
 #[derive(Default)]
 pub(super) struct Sum {
     pub(super) rays: usize,
@@ -153,13 +155,13 @@ fn packets_of_panoramas_answer_as_single_rays_do() {
             check_views(&accel, eye, way, &mut sum);
         }
         assert!(sum.hits > sum.rays / 2, "{} {}", sum.hits, sum.rays);
-        // They are packets, and not single rays.
+        // Most rays must be decided by packets, or the test would compare single rays with themselves.
         let (undecided, rays) = (sum.undecided(), sum.rays as u64);
         assert!(undecided < rays / 20, "{undecided} of {rays}");
     }
 }
 
-/// Calibrated, strong, and folding back within the picture; from a packet's worth of pixels to many.
+/// A calibrated lens, a strong one, and one that folds back within the picture; pictures of one packet to many.
 #[test]
 fn packets_through_lenses_answer_as_single_rays_do() {
     let mut random = Random(74);
@@ -190,7 +192,7 @@ fn packets_through_lenses_answer_as_single_rays_do() {
     }
 }
 
-/// Each ray tests every triangle.
+/// The truth is brute force: each ray tests every triangle.
 #[test]
 fn packets_of_panoramas_answer_as_brute_force_does() {
     let mut random = Random(72);
@@ -216,7 +218,8 @@ fn packets_of_panoramas_answer_as_brute_force_does() {
     }
 }
 
-/// Slivers, layers that coincide or nearly do, an eye at a corner, on an edge and in a plane, all tiny, huge, or far.
+/// Slivers, layers that coincide or nearly do, an eye at a corner, on an edge and in a plane, all of them tiny, huge,
+/// or far.
 #[test]
 fn hostile_meshes_are_seen_as_single_rays_see_them() {
     let mut random = Random(73);
@@ -247,7 +250,7 @@ fn hostile_meshes_are_seen_as_single_rays_see_them() {
                 (a + b + c) / 3.0,
                 DVec3::new(0.1, 0.3, 0.4),
             ] {
-                // A corner as it is stored.
+                // The corner as it is stored.
                 let eye =
                     accel.origin() + ((eye * size + place) - accel.origin()).as_vec3().as_dvec3();
                 let panorama = Panorama::ALL[(random.unit() * 7.0) as usize % 7].1;
@@ -261,7 +264,7 @@ fn hostile_meshes_are_seen_as_single_rays_see_them() {
     }
 }
 
-/// Through a long lens, thin beside the distance: depths are relative to a reference.
+/// Through a long lens, at a scene that is thin compared with its distance: depth keys are relative to a reference.
 #[test]
 fn distant_meshes_are_seen_as_single_rays_see_them() {
     let mut random = Random(74);
@@ -280,9 +283,10 @@ fn distant_meshes_are_seen_as_single_rays_see_them() {
     }
 }
 
-/// Pixels so small, or so large, that few rays of a rectangle share a plane, or that all are one ray but for roundings.
+/// Pixels so large that few rays of a rectangle share a plane, and so small that all rays of a packet are one except
+/// for roundings.
 #[test]
-fn steps_of_any_size_are_answered_as_single_rays_are() {
+fn packets_of_any_pixel_size_answer_as_single_rays_do() {
     let mut random = Random(75);
     let accel = accel([soup(&mut random, 100, 0.4), room(1, 1.5)].concat());
     for panorama in all() {
@@ -299,7 +303,7 @@ fn steps_of_any_size_are_answered_as_single_rays_are() {
 
 /// Planes through corners, edges, triangles and the eye.
 #[test]
-fn clipped_panoramas_are_what_clipped_single_rays_see() {
+fn clipped_panoramas_equal_clipped_single_rays() {
     let mut random = Random(77);
     let (mut kept, mut rays) = (0, 0);
     for triangles in [8, 300] {
@@ -330,7 +334,7 @@ fn clipped_panoramas_are_what_clipped_single_rays_see() {
     assert!(kept > rays / 4, "{kept} of {rays}");
 }
 
-/// One tree and instances have one answer.
+/// One tree and instances give the same answers.
 #[test]
 fn instances_are_seen_as_one_tree_is() {
     let mut random = Random(76);
@@ -360,16 +364,17 @@ fn instances_are_seen_as_one_tree_is() {
     assert!(sum.hits > 4000, "{}", sum.hits);
 }
 
-/// A packet of one ray is no wider than roundings are: a triangle that the ray runs along, but for those, is in it.
+/// A packet of one ray is no wider than roundings are: it must still contain a triangle that the ray runs along
+/// except for roundings.
 #[test]
-fn a_packet_of_one_ray_holds_what_the_ray_runs_along() {
+fn a_packet_of_one_ray_contains_triangles_along_the_ray() {
     let triangle = [(-1.0, -2.0), (1.0, -2.0), (0.0, 2.0)].map(|(y, z)| DVec3::new(0.0, y, z));
     let accel = accel(vec![triangle]);
     let mut random = Random(98);
     let mut sum = Sum::default();
     for round in 0..4000 {
         let panorama = Panorama::ALL[round % Panorama::ALL.len()].1;
-        // Of a binade in which the eye's place below is not rounded when it is added.
+        // Of a binade in which the eye's position below is not rounded when it is added.
         let sine = (0.26 + 0.23 * random.unit()) * [-1.0, 1.0][(random.unit() * 2.0) as usize % 2];
         let camera = |x: f64| {
             let eye = DVec3::new(x, 0.0, -3.0);
@@ -377,7 +382,7 @@ fn a_packet_of_one_ray_holds_what_the_ray_runs_along() {
             let plane = ImagePlane::new(1, 1, 1e-3).expect("a good plane");
             Camera::new(placement, Projection::Panoramic(panorama), plane)
         };
-        // The pixel lies where the picture looks along +Z.
+        // The pixel that looks along +Z.
         let first = camera(0.0);
         let axes = [first.right(), first.up(), first.forward()];
         let Some((a, b)) = panorama.place(DVec3::from_array(axes.map(|axis| axis.z))) else {
@@ -389,7 +394,7 @@ fn a_packet_of_one_ray_holds_what_the_ray_runs_along() {
             lattice.offset = (0.5 + a * pixels, 0.5 - b * pixels);
             lattice
         };
-        // It comes to the triangle's plane some two units on.
+        // The ray reaches the triangle's plane some two units on.
         let slope = lattice(0.0).ray(0, 0).direction.x;
         let unit = f64::EPSILON / 4.0;
         let lattice = lattice(-(slope * 2.0 / unit).round() * unit);

@@ -1,4 +1,4 @@
-//! Lattices of rays through the tree. Rays that a packet leaves undecided go to the single ray.
+//! Casting lattices of rays. Rays that a packet leaves undecided are cast as single rays.
 
 mod around;
 mod evaluate;
@@ -10,7 +10,7 @@ use super::params::{LARGE_SIDE, SIDE};
 use super::ray_rect::RayRect;
 use super::traversal::Traversal;
 use crate::bvh::Accel;
-use crate::camera::Lattice;
+use crate::camera::{Camera, Lattice};
 use crate::hit::{Cull, Detail, MISS, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::num::simd::{Lanes, Work, dispatch};
@@ -70,53 +70,33 @@ impl Accel {
             return self.find_each(clip, lattice, cull, precision, primitives);
         }
         let mut counts = CastCounts::default();
-        if lattice.camera.projection().panorama().is_some() {
-            let find = Find {
-                accel: self,
-                clip,
-                lattice,
-                cull,
-                precision,
-                primitives,
-                counts: &mut counts,
-            };
-            dispatch(self.simd, FindAround(find));
-        } else if self.tree.root.is_some() {
-            if self.has_instances() {
-                self.find_in::<true>(clip, lattice, cull, precision, primitives, &mut counts);
-            } else {
-                self.find_in::<false>(clip, lattice, cull, precision, primitives, &mut counts);
+        if self.tree.root.is_none() {
+            return counts;
+        }
+        let mut find = Find {
+            accel: self,
+            clip,
+            lattice,
+            cull,
+            precision,
+            primitives,
+            counts: &mut counts,
+        };
+        if lattice.camera.projection().panorama().is_none() {
+            find.find_on(RayRect::all(lattice), None);
+        } else if let Some(faces) = lattice.faces() {
+            for (rect, camera) in faces {
+                find.find_on(RayRect::of(rect), Some(camera));
             }
+        } else {
+            dispatch(self.simd, FindAround(find));
         }
         counts
-    }
-
-    fn find_in<const INSTANCES: bool>(
-        &self,
-        clip: &Clip,
-        lattice: &Lattice,
-        cull: Cull,
-        precision: Precision,
-        primitives: &mut [u32],
-        counts: &mut CastCounts,
-    ) {
-        dispatch(
-            self.simd,
-            Find::<INSTANCES> {
-                accel: self,
-                clip,
-                lattice,
-                cull,
-                precision,
-                primitives,
-                counts,
-            },
-        );
     }
 }
 
 impl Clipped<'_> {
-    /// Casts every ray of a lattice into `hits`, else as [`Accel::cast_lattice`].
+    /// As [`Accel::cast_lattice`], for the closest hits that are kept.
     pub fn cast_lattice(
         &self,
         lattice: &Lattice,
@@ -134,8 +114,7 @@ impl Clipped<'_> {
         hits.extend(found.iter());
     }
 
-    /// Finds the closest triangle that each ray of a lattice hits at a point that is kept, else as
-    /// [`Accel::find`]; [`Accel::evaluate`] finds where.
+    /// As [`Accel::find`], for the closest hits whose points are kept; [`Accel::evaluate`] interpolates t, u and v.
     pub fn find(
         &self,
         lattice: &Lattice,
@@ -149,9 +128,11 @@ impl Clipped<'_> {
     }
 }
 
-pub(super) struct Find<'a, const INSTANCES: bool> {
+/// What is found of a lattice's rays.
+pub(super) struct Find<'a> {
     pub(super) accel: &'a Accel,
     pub(super) clip: &'a Clip,
+    /// The rays are this lattice's.
     pub(super) lattice: &'a Lattice,
     pub(super) cull: Cull,
     pub(super) precision: Precision,
@@ -159,40 +140,68 @@ pub(super) struct Find<'a, const INSTANCES: bool> {
     pub(super) counts: &'a mut CastCounts,
 }
 
-impl<const INSTANCES: bool> Work for Find<'_, INSTANCES> {
+impl Find<'_> {
+    /// Casts a rectangle's rays, which lie on a plane: the lattice's own, or that of a cube's face.
+    fn find_on(&mut self, part: RayRect, face: Option<Camera>) {
+        let simd = self.accel.simd;
+        let find = self;
+        if find.accel.has_instances() {
+            dispatch(simd, FindOnPlane::<true> { find, part, face });
+        } else {
+            dispatch(simd, FindOnPlane::<false> { find, part, face });
+        }
+    }
+}
+
+/// [`Find`] for a rectangle of rays that lie on a plane.
+struct FindOnPlane<'f, 'a, const INSTANCES: bool> {
+    find: &'f mut Find<'a>,
+    part: RayRect,
+    /// A perspective camera whose rays these are but for rounding, where the lattice's is no plane.
+    face: Option<Camera>,
+}
+
+impl<const INSTANCES: bool> Work for FindOnPlane<'_, '_, INSTANCES> {
     #[inline(always)]
-    fn run(mut self, lanes: impl Lanes) {
-        let whole = RayRect::all(self.lattice);
+    fn run(self, lanes: impl Lanes) {
+        let Self {
+            find,
+            part: whole,
+            face,
+        } = self;
+        let plane = Lattice {
+            camera: face.unwrap_or(find.lattice.camera),
+            ..*find.lattice
+        };
         let mut traversal =
-            Traversal::<INSTANCES>::new(self.accel, self.clip, self.lattice, self.precision);
+            Traversal::<INSTANCES>::new(find.accel, find.clip, &plane, find.precision);
+        traversal.is_beside = face.is_some();
         let mut zbuffer = IntervalZBuffer::new();
         for large in whole.split(LARGE_SIDE) {
             traversal.list(lanes, &large);
             if traversal.list.is_empty() {
                 continue;
             }
-            // Fast casting goes by packets: they may be right where single rays are not.
-            let is_exact = self.precision == Precision::Exact;
-            if is_exact && traversal.is_sparse(lanes, self.lattice, &large) {
-                self.cast_each(&large);
+            // Fast casting keeps the packet's answers, which may be right where the single ray in double precision is
+            // not.
+            let is_exact = find.precision == Precision::Exact;
+            if is_exact && traversal.is_sparse(lanes, &plane, &large) {
+                find.cast_each(&large);
                 continue;
             }
             for part in large.split(SIDE as u32) {
-                if traversal.cast(lanes, &part, self.cull, &mut zbuffer, &mut ()) {
-                    self.keep(&part, &mut zbuffer);
+                if traversal.cast(lanes, &part, find.cull, &mut zbuffer, &mut ()) {
+                    find.keep(&part, &mut zbuffer);
                 }
             }
         }
-        *self.counts = CastCounts {
-            nodes: traversal.counts.nodes,
-            triangles: traversal.counts.triangles,
-            ..*self.counts
-        };
+        find.counts.nodes += traversal.counts.nodes;
+        find.counts.triangles += traversal.counts.triangles;
     }
 }
 
-impl<const INSTANCES: bool> Find<'_, INSTANCES> {
-    /// Keeps what a packet found, and casts its undecided rays.
+impl Find<'_> {
+    /// Stores what a packet found, and casts its undecided rays.
     #[inline(always)]
     pub(super) fn keep(&mut self, part: &RayRect, zbuffer: &mut IntervalZBuffer) {
         let columns = part.columns as usize;
@@ -215,7 +224,7 @@ impl<const INSTANCES: bool> Find<'_, INSTANCES> {
         }
     }
 
-    /// Casts the undecided rays of a packet; `rows` (as bits) hold some.
+    /// Casts the undecided rays of a packet; `rows` (as bits) are those that have any.
     #[inline(never)]
     fn decide(&mut self, part: &RayRect, zbuffer: &mut IntervalZBuffer, rows: u32) {
         zbuffer.sort_rivals();
@@ -228,13 +237,13 @@ impl<const INSTANCES: bool> Find<'_, INSTANCES> {
                 let (column, row) = (part.column + column, part.row + row);
                 let primitive = self.cast_one(column, row, rivals);
                 self.primitives[(row * self.lattice.columns + column) as usize] = primitive;
-                // It was counted as a hit.
+                // The ray was counted as a hit.
                 self.counts.hits -= u64::from(primitive == MISS);
             }
         }
     }
 
-    /// What [`Accel::cast_primitive`] answers for a ray whose closest hit is one of its rivals.
+    /// The answer of [`Accel::cast_primitive`] for a ray whose closest hit, if any, is one of its rivals.
     fn cast_one(&mut self, column: u32, row: u32, rivals: Option<&[(u32, u32)]>) -> u32 {
         let ray = self.lattice.ray(column, row);
         let ray = PreparedRay::new(&ray, self.accel.origin, self.cull, self.precision);
@@ -248,7 +257,8 @@ impl<const INSTANCES: bool> Find<'_, INSTANCES> {
                 }
                 nearest
             }
-            // Double precision, which fast casting trusts, may see a triangle that no ray hits.
+            // In double precision, which fast casting trusts, the ray may hit a triangle that it exactly misses and
+            // that is therefore no rival: it traverses the tree.
             _ => single::nearest(self.accel, self.clip, &ray),
         };
         let primitive = nearest.primitive;

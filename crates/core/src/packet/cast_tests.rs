@@ -1,8 +1,9 @@
-//! Tiles against single rays, brute force and each other.
+//! Packets against single rays, brute force and each other.
 
 use crate::bvh::Accel;
 use crate::camera::{Camera, ImagePlane, Lattice, Orbit, Projection, Rect};
-use crate::hit::{Cull, Detail, Precision};
+use crate::hit::{Cull, Detail, HitNumbers, Precision, PrimitiveHit};
+use crate::hits::Hits;
 use crate::math;
 use crate::num::simd::Simd;
 use crate::random::Random;
@@ -10,7 +11,7 @@ use crate::scene::{Mesh, MeshData, Object, Scene};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Waves of triangles over a square, `side²` quads of them.
+/// A wavy surface over a square, of `side²` quads.
 pub(super) fn waves(side: u32, size: f64, offset: DVec3) -> Accel {
     build([waves_mesh(side, size, offset)])
 }
@@ -32,7 +33,7 @@ pub(super) fn waves_mesh(side: u32, size: f64, offset: DVec3) -> Mesh {
     })
 }
 
-/// `side²` quads of two triangles each, their corners at whole places.
+/// `side²` quads of two triangles each, with corners at integer positions.
 fn grid(side: u32, place: impl Fn(f64, f64) -> DVec3) -> Mesh {
     let corners = (0..=side).flat_map(|y| (0..=side).map(move |x| (f64::from(x), f64::from(y))));
     let row = side + 1;
@@ -53,7 +54,7 @@ fn mesh(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Mesh {
     })
 }
 
-/// Every ray of a camera.
+/// All rays of a camera.
 fn whole(camera: Camera) -> Lattice {
     let plane = camera.plane();
     let rect = Rect {
@@ -99,9 +100,31 @@ fn assert_tiles_equal_rays(accel: &Accel, camera: Camera) -> usize {
                 assert_eq!(*hit, expected, "{column} {row} {camera:?}");
                 hits_found += usize::from(!hit.is_miss());
             }
+            assert_numbers_alone_are_the_same(accel, &lattice, cull, &hits);
         }
     }
     hits_found
+}
+
+/// Where t alone is asked for, or u and v alone, they have the bits that they have among all.
+fn assert_numbers_alone_are_the_same(
+    accel: &Accel,
+    lattice: &Lattice,
+    cull: Cull,
+    all: &[PrimitiveHit],
+) {
+    let all: Hits = all.iter().copied().collect();
+    let alone = |numbers| {
+        let mut hits = Hits {
+            primitives: all.primitives.clone(),
+            ..Hits::default()
+        };
+        accel.evaluate_numbers(lattice, cull, Precision::Exact, numbers, &mut hits);
+        hits
+    };
+    assert_eq!(alone(HitNumbers::T).t, all.t);
+    let weights = alone(HitNumbers::Weights);
+    assert_eq!((weights.u, weights.v), (all.u, all.v));
 }
 
 pub(super) fn cameras(size: f64, offset: DVec3) -> Vec<Camera> {
@@ -127,7 +150,7 @@ pub(super) fn cameras(size: f64, offset: DVec3) -> Vec<Camera> {
     cameras
 }
 
-/// Every view of what lies about `offset`.
+/// Compares packets with single rays from every camera at the scene around `offset`.
 fn assert_views_equal_rays(accel: &Accel, size: f64, offset: DVec3) {
     let hits_found: usize = cameras(size, offset)
         .into_iter()
@@ -136,7 +159,7 @@ fn assert_views_equal_rays(accel: &Accel, size: f64, offset: DVec3) {
     assert!(hits_found > 50_000, "{hits_found}");
 }
 
-/// A picture of 32k + 1 columns and rows ends in packets of one column, one row, one ray.
+/// A picture of 32k + 1 columns and rows ends in packets of one column, one row and one ray.
 #[test]
 fn the_last_column_and_row_are_cast() {
     let accel = waves(12, 2.0, DVec3::ZERO);
@@ -201,9 +224,8 @@ fn a_tree_of_one_leaf_is_cast_from_beyond_the_range_of_single_precision() {
 
 #[test]
 fn small_triangles_are_hit_as_single_rays_hit_them() {
-    // From many rays a triangle to many triangles a ray; one layer, layers so close that the depths of
-    // their nearest and furthest corners do not order them, or nothing in single precision does, and layers that
-    // intersect.
+    // From many rays a triangle to many triangles a ray; one layer, layers so close that the depths of their nearest
+    // and furthest corners do not order them, or that nothing in single precision does, and layers that intersect.
     let apart = |gap: f64| DVec3::new(0.0, gap, 0.0);
     for layers in [
         vec![(0.0, 0)],
@@ -224,8 +246,8 @@ fn small_triangles_are_hit_as_single_rays_hit_them() {
 
 #[test]
 fn small_triangles_with_corners_on_rays_are_hit_as_single_rays_hit_them() {
-    // Corners as near to rays as single precision can place them, or so much further; three of a row make slivers. Every
-    // second triangle lies in the last one's plane but for rounding.
+    // Corners as close to rays as single precision allows, or a little further away; three corners of one row make
+    // slivers. Every second triangle lies in the plane of the one before except for rounding.
     let mut random = Random(3);
     for aside in [0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2] {
         for camera in cameras(1.0, DVec3::ZERO) {
@@ -258,7 +280,7 @@ fn fast_pictures_that_avoid_vertices_are_the_exact_ones() {
     let slanted = |camera: &Camera| camera.forward().abs().min_element() > 0.01;
     for camera in cameras(1.0, DVec3::ZERO).into_iter().filter(slanted) {
         let mut lattice = whole(camera);
-        // The middle ray would go through a vertex, as rays of ordinary pictures do not.
+        // Moved so that the middle ray does not go through a vertex, as in ordinary pictures.
         lattice.offset = (0.3, 0.6);
         let cast = |precision| {
             let mut hits = Vec::new();
@@ -309,14 +331,14 @@ fn lattices_aimed_at_vertices_are_decided_exactly() {
 
 #[test]
 fn occluded_triangles_need_not_be_ordered() {
-    // Two triangles a rounding apart, and a third in front of both, in every order. The two lean
-    // towards the eye, so that they come first.
+    // Two triangles a rounding apart, and a third in front of both, in every order. The two are tilted towards the
+    // eye, so that their near corners come first.
     let far = [
         DVec3::new(-4.0, -4.0, -2.0),
         DVec3::new(4.0, -4.0, -2.5),
         DVec3::new(0.25, 30.0, 14.0),
     ];
-    // The same plane from another corner, so that rounding orders nothing.
+    // The same plane from another corner, so that rounded depths do not order them.
     let in_plane = far[0] + (far[0] - far[1]);
     let next = f64::from((in_plane.z as f32).next_up());
     let other = [in_plane.with_z(next), far[1], far[2]];
@@ -347,7 +369,7 @@ fn occluded_triangles_need_not_be_ordered() {
         assert!(open(&without) > 500, "{order:?}");
         assert!(open(&order) < 10, "{order:?}");
     }
-    // What lies in exactly one plane is ordered once, not once a ray.
+    // Triangles in exactly one plane are ordered once, not once a ray.
     assert!(open(&[0, 3]) < 10);
 }
 

@@ -1,4 +1,4 @@
-//! Clipped tiles against clipped single rays, brute force and each other.
+//! Clipped packets against clipped single rays, brute force and each other.
 
 use super::cast_tests::{cameras, waves, waves_mesh};
 use crate::bvh::Accel;
@@ -16,7 +16,7 @@ fn corners(accel: &Accel, primitive: u32) -> [DVec3; 3] {
         .map(|corner| accel.origin() + corner.as_dvec3())
 }
 
-/// A plane of a kind that goes wrong: through a corner, an edge, a triangle, an eye, or any.
+/// A plane that is likely to go wrong: through a corner, an edge, a triangle or an eye; or any plane.
 fn plane(random: &mut Random, accel: &Accel, eye: DVec3) -> ClippingPlane {
     let any = (random.unit() * accel.len() as f64) as u32;
     let [a, b, c] = corners(accel, any.min(accel.len() as u32 - 1));
@@ -44,7 +44,7 @@ pub(super) fn planes(
 }
 
 #[test]
-fn clipped_tiles_give_what_clipped_single_rays_give() {
+fn clipped_packets_equal_clipped_single_rays() {
     let mut random = Random(17);
     let (mut kept, mut cut) = (0, 0);
     for (side, size, offset) in [
@@ -171,13 +171,14 @@ fn clipped_instances_answer_as_a_clipped_tree_does() {
     assert!(kept > 10_000 && cut > 10_000, "{kept} {cut}");
 }
 
-/// A cube of whole coordinates, its face in the plane: what lies on a plane is kept, whichever way that faces.
+/// A cube of integer coordinates with a face in the plane: points on a plane are kept, whichever way the face is
+/// oriented.
 #[test]
-fn what_lies_on_a_plane_is_kept_and_what_lies_next_to_it_is_not() {
+fn hits_on_a_plane_are_kept_and_hits_next_to_it_are_not() {
     let accel = waves(4, 1.0, DVec3::ZERO);
     let ray = crate::Ray::new(DVec3::new(0.125, 5.0, 0.0625), DVec3::NEG_Y);
     let hit = accel.cast(&ray, Cull::None).expect("a hit");
-    // The ray's own x: exact, whatever its t is rounded to.
+    // The ray's own x is exact, however its t is rounded.
     for (offset, is_kept) in [
         (0.125, true),
         (0.125f64.next_down(), true),

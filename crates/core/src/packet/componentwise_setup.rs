@@ -1,6 +1,6 @@
 //! Set-up of one triangle with componentwise error bounds, for the few that [`setup`](super::setup) leaves undecided
-//! because its bounds go by the greatest coordinate: a corner next to the eye, coordinates of very different sizes,
-//! triangles whose distance is many times their size.
+//! because its bounds are proportional to the greatest coordinate: triangles with a corner close to the eye, with
+//! coordinates of very different magnitudes, or whose distance is many times their size.
 //!
 //! Nothing is mapped to packet space. With P and Q two corners relative to the eye, in world space, and
 //! d(i, j) = d + i·a + j·b the direction of a ray, its edge function is d(i, j)·(P×Q), and the inverse depth is
@@ -16,11 +16,12 @@
 //!   component is that of the three whose bound is least: off by 4ε of |P|×|Q|, |P|×|u| or |Q|×|u|, and by the
 //!   origin's error times the sum of the two components of |u|, with second orders 1.01η. Its product with a vector is
 //!   rounded eight times more at most (below), by ε each of what is no more than these: 12ε bounds both.
-//! * **Functions.** With R the greatest |d(i, j)| up to [`REACH`], by component, the constant term takes three roundings
-//!   for a product and a sum of three, two for moving to another place, and three for its scale and its greatest value
-//!   over the triangle's bounds; a step takes three, one for its product with the place, and five of the same. A ray's
-//!   direction is off by 6εB a component, d by 5εB, and i·a + j·b by εB: ε_d = 20εB times |m₁| + |m₂| + |m₃| is taken,
-//!   where R ≤ B: it has room for a step's ninth rounding, as the origin's error of 16ε·2R has for orthographic packets.
+//! * **Functions.** With R the greatest |d(i, j)| up to [`REACH`], by component, the constant term takes three
+//!   roundings for a product and a sum of three, two for moving to another place, and three for its scale and its
+//!   greatest value over the triangle's bounds; a step takes three, one for its product with the place, and five of
+//!   the same. A ray's direction is off by 6εB a component, d by 5εB, and i·a + j·b by εB: ε_d = 20εB times |m₁| +
+//!   |m₂| + |m₃| is taken, where R ≤ B: it has room for a step's ninth rounding, as the origin's error of 16ε·2R has
+//!   for orthographic packets.
 //! * **Depth.** The product of a corner and a vector is off by the vector's error by |P| + η, where four of the eight
 //!   roundings are used, and by η times the vector. A·n is taken at the corner where that is least; where it is not
 //!   clear, A·(B×C) is tried too. The key's numerator is a function as above, of n; a quotient whose denominator is off
@@ -41,10 +42,10 @@ use glam::{DVec3, Vec3, Vec3Swizzles};
 /// The unit roundoff of double precision.
 const EPSILON: f64 = f64::EPSILON / 2.0;
 
-/// The greatest magnitude of a number, and the inverse of the least but zero.
+/// The greatest magnitude of a number, and the reciprocal of the least one other than zero.
 const RANGE: f64 = f64::from_bits((1023 + 200) << 52);
 
-/// A vector, and for each component a bound on its error and on the roundings of what it is multiplied with.
+/// A vector, and for each component a bound on its error and on the roundings of products with it.
 #[derive(Clone, Copy)]
 struct Bounded {
     value: DVec3,
@@ -61,7 +62,8 @@ impl Bounded {
         }
     }
 
-    /// The cross product of two corners, `way` from the first to the second: P×Q, P×u or Q×u, by component.
+    /// The cross product of two corners, `way` from the first to the second: of P×Q, P×u and Q×u, in each component,
+    /// the one with the least bound.
     #[inline(always)]
     fn cross(from: DVec3, to: DVec3, way: DVec3) -> Self {
         let direct = Self::cross_of(from, to);
@@ -78,7 +80,7 @@ impl Bounded {
         }
     }
 
-    /// What an origin off by `origin_error` adds: the way from corner to corner is not off.
+    /// Adds the effect of an origin that is off by `origin_error`; the difference of the corners is not affected.
     #[inline(always)]
     fn moved(self, way: DVec3, origin_error: f64) -> Self {
         let way = way.abs();
@@ -88,19 +90,19 @@ impl Bounded {
         }
     }
 
-    /// What the errors come to by these weights.
+    /// The sum of the components' errors, weighted.
     #[inline(always)]
     fn error_by(&self, weights: DVec3) -> f64 {
         weights.dot(self.error) * 1.001
     }
 
-    /// What one error of all weights comes to.
+    /// The effect of one error in all components, weighted.
     #[inline(always)]
     fn error_of_weights(&self, error: f64) -> f64 {
         (self.value.abs() + self.error).element_sum() * (error * 1.001)
     }
 
-    /// Its product with a corner, and the bound on the product's error.
+    /// The product with a corner, and the bound on its error.
     #[inline(always)]
     fn dot(&self, corner: DVec3, origin_error: f64) -> (f64, f64) {
         let off = corner.abs() + origin_error;
@@ -109,23 +111,23 @@ impl Bounded {
     }
 }
 
-/// The one with the lesser bound.
+/// The value with the lesser bound.
 #[inline(always)]
 fn better(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     if b.1 < a.1 { b } else { a }
 }
 
-/// Whether a number is so far beyond its bound that its sign is sure, and its inverse off by a third at most.
+/// Whether a number exceeds its bound by so much that its sign is sure and its reciprocal is off by a third at most.
 #[inline(always)]
 fn is_clear((value, error): (f64, f64)) -> bool {
     value.abs() > 4.0 * error
 }
 
-/// Triangles that are set up again.
+/// Triangles that are set up again with componentwise bounds.
 pub(super) struct ComponentwiseSetup<'a> {
     pub(super) space: &'a PacketSpace,
     pub(super) corners: &'a CornerLanes,
-    /// Which of the eight, as bits.
+    /// Lanes of the eight triangles, as bits.
     pub(super) which: u32,
     pub(super) out: &'a mut TriangleSetup,
 }
@@ -143,7 +145,7 @@ impl Work for ComponentwiseSetup<'_> {
 }
 
 impl PacketSpace {
-    /// Sets up lane `l` again. Its bounds of rays are emptied if none hits it.
+    /// Sets up lane `l` again. If no ray hits the triangle its ray bounds are emptied.
     #[inline(always)]
     fn set_up_componentwise(&self, corners: &CornerLanes, l: usize, out: &mut TriangleSetup) {
         let [ax, ay, az, bx, by, bz, cx, cy, cz] = corners;
@@ -158,7 +160,7 @@ impl PacketSpace {
             let within = size.cmpge(DVec3::splat(1.0 / RANGE)) & size.cmple(DVec3::splat(RANGE));
             in_range &= (within | size.cmpeq(DVec3::ZERO)).all();
         }
-        // NaN, too, is out of range.
+        // NaN counts as out of range.
         if !in_range {
             return;
         }
@@ -221,7 +223,7 @@ impl PacketSpace {
         out.ill_conditioned[l] = !(clear & is_sound);
     }
 
-    /// By how much i·a + j·b moves a place or a direction at most.
+    /// Upper bounds of the components of i·a + j·b.
     #[inline(always)]
     fn reach(&self) -> DVec3 {
         let [a, b] = self.rays.steps;
@@ -229,7 +231,7 @@ impl PacketSpace {
     }
 
     /// An edge function of the place in the packet, and a bound on its error: `product` is the cross product of two
-    /// corners, `way` goes from the first to the second.
+    /// corners, `way` is the second less the first.
     #[inline(always)]
     fn edge_function(&self, product: &Bounded, way: DVec3) -> (Linear, f64) {
         let (d, [a, b]) = (self.rays.direction, self.rays.steps);
@@ -262,8 +264,8 @@ impl PacketSpace {
             + vector.error_of_weights(20.0 * EPSILON * self.rays.greatest)
     }
 
-    /// The depth key's numerator as a function of the place; its denominator but for D, which is negative where the
-    /// front faces the eye, with its error; and the numerator's error.
+    /// The numerator of the depth key as a function of the place; the denominator without D, which is negative where
+    /// the front faces the eye, with its error; and the numerator's error.
     #[inline(always)]
     fn depth_function(
         &self,
@@ -279,7 +281,7 @@ impl PacketSpace {
         product = better(product, normal.dot(r, origin_error));
         if self.perspective {
             if !is_clear(product) {
-                // Each corner and the edge across from it have the same product.
+                // A corner and the edge opposite to it have the same product.
                 for (corner, (from, to, way)) in [p, q, r].into_iter().zip(*edges) {
                     let across = Bounded::cross(from, to, way).moved(way, origin_error);
                     product = better(product, across.dot(corner, origin_error));

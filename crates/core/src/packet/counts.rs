@@ -5,8 +5,8 @@ pub struct CastCounts {
     pub hits: u64,
     /// Nodes whose children's boxes were tested.
     pub nodes: u64,
-    /// Triangles tested against a packet's rays, counted once a packet: those set up, and small ones merged
-    /// without set-up.
+    /// Triangles tested against a packet's rays, counted once a packet: those set up, and small ones merged without
+    /// set-up.
     pub triangles: u64,
     /// Rays that single precision left undecided and double precision decided.
     pub double_rays: u64,

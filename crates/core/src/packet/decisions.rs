@@ -1,4 +1,4 @@
-//! Exact decisions that hold for all rays of a lattice, made once.
+//! Exact decisions about triangles that hold for all rays of a lattice, each made once.
 
 use crate::bvh::Accel;
 use crate::camera::Camera;
@@ -15,7 +15,7 @@ pub(crate) struct Decisions<'a> {
     clip: &'a Clip,
     edge_on: EdgeOn,
     coplanar: Coplanar,
-    /// Fast casting orders triangles of one plane by their rounded distances.
+    /// With fast casting, triangles of one plane are ordered by their rounded distances.
     precision: Precision,
 }
 
@@ -35,7 +35,7 @@ impl<'a> Decisions<'a> {
         }
     }
 
-    /// The instruction set that work goes by.
+    /// The instruction set to compute with.
     pub(super) fn simd(&self) -> Simd {
         self.accel.simd
     }
@@ -46,25 +46,25 @@ impl<'a> Decisions<'a> {
         self.clip
     }
 
-    /// The clipping planes that cut a triangle.
+    /// The functions of the clipping planes that cut a triangle.
     pub(super) fn clipped(&self, primitive: u32) -> impl Iterator<Item = AtCorners> {
         self.clip.through(self.accel.corners(primitive))
     }
 
-    /// Whether casting is exact. Fast casting interpolates t, u and v in double precision alone, and would get them wrong
-    /// at triangles that only exact arithmetic decides.
+    /// Whether casting is exact. Fast casting interpolates t, u and v in double precision alone, which would give
+    /// wrong values at triangles that only exact arithmetic decides.
     pub(super) fn are_exact(&self) -> bool {
         self.precision == Precision::Exact
     }
 
-    /// Whether no ray hits a triangle because all begin in its plane, or run along it, or begin behind it.
+    /// Whether no ray hits a triangle because all rays start in its plane, are parallel to it, or start behind it.
     #[inline(never)]
     pub(super) fn is_never_hit(&mut self, primitive: u32) -> bool {
         self.edge_on.is(primitive, self.accel.corners(primitive))
     }
 
-    /// Which of two triangles every ray that hits both hits first because they lie in one plane: the one with the
-    /// lower primitive id.
+    /// For two triangles of one plane, the one that every ray hitting both hits first: that with the lower primitive
+    /// id. `None` if they do not lie in one plane.
     #[inline(never)]
     pub(super) fn first_in_one_plane(&mut self, a: u32, b: u32) -> Option<u32> {
         let is_one_plane = self.precision == Precision::Exact

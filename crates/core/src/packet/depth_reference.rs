@@ -1,25 +1,26 @@
-//! The number that depth keys are relative to, so that single precision distinguishes depths that are far away and close together.
+//! The reference of depth keys: a number that keys are relative to, so that single precision distinguishes depths
+//! that are far away and close together.
 //!
-//! A depth key has 24 digits. Where a scene is thin beside its distance, as a distant mesh through a long lens is, all
-//! its triangles have the same ones. So set-up subtracts a number close to all keys from each, in double precision, and
-//! the interval z-buffer orders the differences. All rays of a packet have one reference: subtracting a constant from
-//! two keys keeps their order.
+//! A depth key has 24 bits. Where a scene is thin compared with its distance, as a distant mesh seen through a long
+//! lens, the keys of all its triangles round to a few numbers. So set-up subtracts a number close to all keys from
+//! each, in double precision, and the interval z-buffer orders the differences. All rays of a packet have one
+//! reference: subtracting a constant from two keys keeps their order.
 
 use crate::bvh::tree::Box32;
 use crate::camera::{Camera, Projection};
 use glam::DVec3;
 
-/// The greatest thickness, as a share of the distance, of what has a reference: 2⁻¹⁴.
+/// The thickness of the scene, relative to its distance, below which depth keys have a reference: 2⁻¹⁴.
 ///
-/// Above it single precision distinguishes depths well enough, and small triangles, whose keys are worked out in single
-/// precision from the start, are merged without set-up. Below it their keys, good to 2⁻¹⁹, decide little: with a smaller
-/// share many of them would be tested twice, with a greater one ordinary distant meshes would be set up triangle by
+/// Above it single precision distinguishes depths well enough, and small triangles, whose keys are computed in single
+/// precision, are merged without set-up. Below it those keys, good to 2⁻¹⁹, decide little. With a smaller limit many
+/// small triangles would be tested twice; with a greater one ordinary distant meshes would be set up triangle by
 /// triangle.
 const THIN: f64 = 1.0 / (1 << 14) as f64;
 
-/// How much further than hi-z a box must begin to be skipped, as a factor. The inverse of hi-z and the box's distance
-/// are each rounded a few times by 2⁻²⁴, below 10⁻⁶ together; a greater factor makes packets visit boxes that are
-/// occluded, one that is less than the rounding loses hits.
+/// The factor by which a box must begin beyond hi-z to be skipped. The reciprocal of hi-z and the box's distance are
+/// each rounded a few times by 2⁻²⁴, below 10⁻⁶ together. With a greater factor packets visit boxes that are
+/// occluded; with one below the rounding hits are lost.
 const BEYOND: f32 = 1.0 + 1e-5;
 
 /// The depth key that others are relative to; zero where keys are absolute.
@@ -27,8 +28,8 @@ const BEYOND: f32 = 1.0 + 1e-5;
 pub(super) struct DepthReference(f32);
 
 impl DepthReference {
-    /// The reference for triangles within boxes that are relative to the same point as `eye`. Any number is correct: only
-    /// precision depends on it.
+    /// The reference for triangles within boxes; boxes and `eye` are relative to the same point. Any number is
+    /// correct: only accuracy depends on it.
     pub(super) fn of(boxes: impl Iterator<Item = Box32>, camera: &Camera, eye: DVec3) -> Self {
         let forward = camera.forward();
         let (mut near, mut far) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -40,7 +41,7 @@ impl DepthReference {
             far = far.max(middle + half);
         }
         let middle = (near + far) * 0.5;
-        // NaN, too, has no reference.
+        // NaN has no reference either.
         if !(near > 0.0 && far - near < THIN * middle) {
             return Self::default();
         }
@@ -63,13 +64,14 @@ impl DepthReference {
         self.0
     }
 
-    /// The absolute key of a relative one: one rounding.
+    /// The absolute key of a relative one, rounded once.
     #[inline(always)]
     pub(super) fn absolute(self, key: f32) -> f32 {
         key + self.0
     }
 
-    /// An upper bound of a key, relative: the difference is off by half a unit in the last place, and moved up by four.
+    /// An upper bound of a relative key: the difference is off by half a unit in the last place, and is moved up by
+    /// four.
     #[inline(always)]
     pub(super) fn relative_above(self, key: f32) -> f32 {
         if self.is_zero() {
@@ -79,7 +81,7 @@ impl DepthReference {
         relative + relative.abs() * (4.0 * f32::EPSILON)
     }
 
-    /// Upper bound of the relative depth key of a box that begins here along the view axis.
+    /// An upper bound of the relative depth key of a box that begins at `near` along the view axis.
     #[inline(always)]
     pub(super) fn key_of_box(self, projection: Projection, near: f32) -> f32 {
         let key = match projection {
@@ -90,7 +92,7 @@ impl DepthReference {
         self.relative_above(key)
     }
 
-    /// How far along the view axis a box may begin and still hold something nearer than `hi_z`, a relative key.
+    /// How far along the view axis a box may begin and still contain something nearer than `hi_z`, a relative key.
     #[inline(always)]
     pub(super) fn furthest(self, projection: Projection, hi_z: f32) -> f32 {
         let hi_z = self.absolute(hi_z);
@@ -126,22 +128,22 @@ mod tests {
     }
 
     #[test]
-    fn what_is_thin_beside_its_distance_has_a_reference_next_to_its_keys() {
+    fn scenes_thin_compared_with_their_distance_have_a_reference_close_to_their_keys() {
         let eye = DVec3::new(0.0, 0.0, 8.0);
         let thin = |projection| reference(1e-5, eye, projection).key();
         assert_eq!(thin(Projection::Perspective), 0.125);
         assert_eq!(thin(Projection::Orthographic), -8.0);
         for projection in [Projection::Perspective, Projection::Orthographic] {
             assert!(reference(1e-2, eye, projection).is_zero());
-            // It holds the eye.
+            // The box contains the eye.
             assert!(reference(1e-5, DVec3::Z * 1e-6, projection).is_zero());
             assert!(reference(f32::NAN, eye, projection).is_zero());
-            // No number of single precision is that small, or that large.
+            // The key underflows, or overflows, single precision.
             assert!(reference(1.0, DVec3::Z * 1e40, projection).is_zero());
         }
     }
 
-    /// Where a box begins is off by some roundings itself. A box at the depth of hi-z, or nearer, is never skipped,
+    /// The start of a box is itself off by some roundings. A box at the depth of hi-z, or nearer, is never skipped,
     /// with or without a reference; without [`BEYOND`] this fails.
     #[test]
     fn boxes_as_near_as_hi_z_are_not_occluded() {

@@ -1,4 +1,4 @@
-//! Frusta against boxes: four sides, the plane of the eye, and how near a box begins.
+//! Frusta against boxes: four sides, the plane through the eye, and the nearest depth of a box.
 
 use super::params::CELLS;
 use crate::bvh::tree::{Box32, BoxPair};
@@ -6,23 +6,23 @@ use crate::camera::{Camera, Projection};
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use glam::DVec3;
 
-/// Index of the plane whose value is the nearest depth of a box, negated.
+/// The index of the plane whose value is the nearest depth of a box, negated.
 const NEAREST: usize = 5;
-/// Planes that cull boxes, as bits.
+/// The planes that cull boxes, as bits.
 const SIDES: u32 = 0b1_1111;
 
 /// A rectangle of the image plane, in scene units from the view axis at the target; [`Camera::direction`] is
 /// linear in it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Window {
-    /// Least and greatest place to the right.
+    /// Least and greatest coordinate to the right.
     pub(crate) across: (f64, f64),
-    /// Least and greatest place up.
+    /// Least and greatest coordinate upwards.
     pub(crate) along: (f64, f64),
 }
 
 impl Window {
-    /// The window that is larger by this on each side.
+    /// The window enlarged by this on each side.
     pub(super) fn grown(&self, by: f64) -> Self {
         let grown = |(least, most): (f64, f64)| (least - by, most + by);
         Self {
@@ -38,18 +38,18 @@ impl Window {
 /// is never below the true maximum: a negative value proves the box outside.
 #[derive(Clone, Debug)]
 struct Planes {
-    /// Positive parts of the normals by axis: they select a box's greatest corner.
+    /// Positive parts of the normals by axis; they multiply a box's greatest corner.
     positive: [[f32; LANES]; 3],
-    /// Negative parts: they select its least corner.
+    /// Negative parts of the normals; they multiply the box's least corner.
     negative: [[f32; LANES]; 3],
     offset: [f32; LANES],
 }
 
-/// Where planes are seen from.
+/// The point that planes are seen from.
 #[derive(Clone, Copy)]
 pub(super) struct Viewpoint<'a> {
     pub(super) camera: &'a Camera,
-    /// The camera's eye relative to what boxes are relative to.
+    /// The camera's eye, relative to the point that boxes are relative to.
     pub(super) eye: DVec3,
     /// Bound on the error of its coordinates.
     pub(super) eye_error: f64,
@@ -72,7 +72,7 @@ impl Planes {
             let at = from.eye + shift;
             let offset = -normal.dot(at);
             // Six products, six sums, and the rounding of normal and offset, each at most 2^-24 of the sum of
-            // magnitudes: below 16 of them, doubled. The eye's own error, doubled for rounding, comes on top.
+            // magnitudes: below 16 units, doubled. The eye's own error, doubled for rounding, is added.
             let magnitude = normal.abs().dot(reach) + normal.abs().dot(at.abs());
             let slack = magnitude * (32.0 / (1 << 24) as f64)
                 + normal.abs().element_sum() * 2.0 * from.eye_error;
@@ -86,7 +86,7 @@ impl Planes {
         all
     }
 
-    /// Values of the planes at one of two boxes.
+    /// The values of the planes at one of two boxes.
     #[inline(always)]
     fn values<L: Lanes>(&self, lanes: L, boxes: &BoxPair, which: usize) -> L::F32 {
         let mut values = lanes.load(&self.offset);
@@ -102,12 +102,14 @@ impl Planes {
 }
 
 impl Viewpoint<'_> {
-    /// Planes through the rays at a place to the right: of what lies right of it, and left of it.
+    /// The planes through the rays at a coordinate to the right: the one that bounds what lies right of it, and the
+    /// one for what lies left of it.
     fn beside(&self, across: f64) -> [Plane; 2] {
         self.through(self.camera.right(), across)
     }
 
-    /// Planes through the rays at a place up: of what lies above it, and below it.
+    /// The planes through the rays at a coordinate upwards: the one that bounds what lies above it, and the one for
+    /// what lies below it.
     fn above(&self, along: f64) -> [Plane; 2] {
         self.through(self.camera.up(), along)
     }
@@ -124,7 +126,7 @@ impl Viewpoint<'_> {
     }
 }
 
-/// All points in front of the camera on rays through a window.
+/// The points in front of the camera on rays through a window.
 #[derive(Clone, Debug)]
 pub(super) struct Frustum(Planes);
 
@@ -141,7 +143,7 @@ impl Frustum {
         ))
     }
 
-    /// For each of two boxes: where it begins along the view axis, and whether it may touch the frustum.
+    /// For each of two boxes: its nearest depth along the view axis, and whether it may touch the frustum.
     #[inline(always)]
     pub(super) fn enter(&self, lanes: impl Lanes, boxes: &BoxPair) -> [(f32, bool); 2] {
         [
@@ -160,7 +162,7 @@ impl Frustum {
     }
 }
 
-/// The frusta of a packet's four columns and four rows of cells.
+/// The frusta of a packet's four columns of cells, and of its four rows.
 #[derive(Clone, Debug)]
 pub(super) struct CellFrusta {
     columns: Planes,
@@ -168,7 +170,7 @@ pub(super) struct CellFrusta {
 }
 
 impl CellFrusta {
-    /// `diagonal` has the windows of the cells on the packet's diagonal.
+    /// `diagonal` are the windows of the cells on the packet's diagonal.
     pub(super) fn new(from: Viewpoint<'_>, diagonal: &[Window; CELLS]) -> Self {
         let mut columns = [(DVec3::ZERO, DVec3::ZERO); LANES];
         let mut rows = columns;
@@ -193,7 +195,7 @@ impl CellFrusta {
         let (columns, rows) = (columns.bits(), rows.bits());
         let columns = !(columns | columns >> CELLS) & 0xf;
         let rows = !(rows | rows >> CELLS) & 0xf;
-        // One bit at the start of each four cells, times the four columns.
+        // A row's bit at the start of its four cells, times the four columns.
         let spread = (rows & 1) | (rows & 2) << 3 | (rows & 4) << 6 | (rows & 8) << 9;
         columns * spread
     }
@@ -264,7 +266,8 @@ mod tests {
         }
     }
 
-    /// The eye that planes are made from may be off: what the rays of the true one go through is touched.
+    /// The eye that planes are made from may be off by its error: boxes that rays of the true eye go through are
+    /// touched.
     #[test]
     fn an_eye_that_is_off_loses_no_box() {
         let plane = ImagePlane::new(SIDE as u32, SIDE as u32, 0.05).expect("a good plane");

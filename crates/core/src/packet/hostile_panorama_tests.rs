@@ -1,6 +1,6 @@
-//! Panoramas' packets where they are most likely to go wrong: at the ends of the picture, at the borders of a cube's
-//! faces, with few rays, beside the eye. What few triangles there are leave most rays without a hit, so that a packet
-//! which skips too much is seen. The truth is the single ray, and brute force for some rays.
+//! Packets of panoramas where they are most likely to go wrong: at the ends of the picture, at the borders of a cube
+//! map's faces, with few rays, close to the eye. Scenes have few triangles, so that most rays miss and a packet that
+//! skips too much is noticed. The truth is the single ray, and brute force for some rays.
 
 use super::around_tests::{Sum, accel, check, scene};
 use crate::bvh::Accel;
@@ -15,12 +15,12 @@ fn any(random: &mut Random, count: usize) -> usize {
     (random.unit() * count as f64) as usize % count
 }
 
-/// A number of any size between two powers of ten.
+/// A number of a random magnitude between two powers of ten.
 fn decades(random: &mut Random, least: f64, most: f64) -> f64 {
     math::pow(10.0, least + (most - least) * random.unit())
 }
 
-/// A place where a picture ends, folds, or is stitched.
+/// A position where a picture ends, folds, or is stitched.
 fn odd_place(random: &mut Random, panorama: Panorama) -> (f64, f64) {
     let sign = [-1.0, 1.0][any(random, 2)];
     match panorama {
@@ -55,14 +55,14 @@ fn odd_place(random: &mut Random, panorama: Panorama) -> (f64, f64) {
     }
 }
 
-/// A lattice of few rays that holds a place, which is one of its rays' but for rounding, at times exactly.
+/// A lattice of few rays around a position; one of its rays goes through it, except for rounding, at times exactly.
 fn lattice(random: &mut Random, placement: Placement, panorama: Panorama) -> Lattice {
     let (a, b) = match any(random, 3) {
         0 => panorama.place(random.point()).unwrap_or((0.0, 0.0)),
         _ => odd_place(random, panorama),
     };
     let distance = placement.eye.distance(placement.target);
-    // Powers of two make places exact.
+    // Powers of two make positions exact.
     let step = match any(random, 2) {
         0 => math::pow(2.0, -1.0 - (random.unit() * 9.0).floor()),
         _ => decades(random, -7.0, -0.3),
@@ -97,7 +97,7 @@ fn lattice(random: &mut Random, placement: Placement, panorama: Panorama) -> Lat
     lattice
 }
 
-/// Triangles where a lattice's rays look, of the kinds that ray casters get wrong.
+/// Triangles where a lattice's rays look, of the shapes that ray casters get wrong.
 fn triangle(random: &mut Random, lattice: &Lattice) -> [DVec3; 3] {
     let camera = &lattice.camera;
     let eye = camera.placement().eye;
@@ -109,10 +109,10 @@ fn triangle(random: &mut Random, lattice: &Lattice) -> [DVec3; 3] {
     let size = depth * (pitch * decades(random, -1.0, 1.5)).min(1.0);
     let near = |random: &mut Random| at + random.point() * size;
     match any(random, 8) {
-        // About as large as a pixel, or a corner on a ray.
+        // About as large as a pixel, or with a corner on a ray.
         0 => [near(random), near(random), near(random)],
         1 => [at, near(random), near(random)],
-        // An edge through a ray.
+        // With an edge through a ray.
         2 => {
             let way = random.point() * size;
             [at - way, at + way * random.unit(), near(random)]
@@ -123,12 +123,12 @@ fn triangle(random: &mut Random, lattice: &Lattice) -> [DVec3; 3] {
             let aside = random.point() * (size * 1e-3);
             [at - way, at + way * random.unit(), at + way * 0.3 + aside]
         }
-        // All around the eye, or far beyond the scene.
+        // Around the eye, or far beyond the scene.
         4 => {
             let far = decades(random, 0.0, 6.0);
             [(); 3].map(|()| eye + random.point() * far)
         }
-        // In a plane through the eye but for rounding.
+        // In a plane through the eye except for rounding.
         5 => {
             let other = random.point() * depth;
             let mean = (at - eye) * random.signed() + other * random.signed();
@@ -139,12 +139,12 @@ fn triangle(random: &mut Random, lattice: &Lattice) -> [DVec3; 3] {
             let close = decades(random, -9.0, -1.0);
             [(); 3].map(|()| eye + random.point() * close)
         }
-        // Behind the eye and before it.
+        // From behind the eye to in front of it.
         _ => [at, eye - ray.direction * depth, near(random)],
     }
 }
 
-/// A camera somewhere, as a person may have put it or not.
+/// A camera, placed sensibly or not.
 fn placement(random: &mut Random) -> Placement {
     let frame = [DVec3::ZERO, random.point() * 1e6][any(random, 2)];
     let way = match any(random, 3) {
@@ -187,20 +187,21 @@ fn hostile_triangles_are_seen_as_single_rays_and_brute_force_see_them() {
 
 const ROUNDS: usize = 2400;
 
-/// A border between the faces of a cube map belongs to one of them, and in a strip that looks elsewhere than its neighbour
-/// in the picture: scenes that the rays of the border alone see, among triangles elsewhere, so that entry points leave
-/// some out. Where a border is taken with the face on its other side, this fails.
+/// A border between two faces of a cube map belongs to one of them; in a strip that face may look elsewhere than its
+/// neighbour in the picture. The scenes are visible to rays of the border alone, among triangles elsewhere, so that
+/// entry points leave some out. Where a border is assigned to the face on its other side, this fails.
 #[test]
-fn rays_at_the_borders_of_faces_hit_what_their_own_face_sees() {
+fn rays_at_the_borders_of_faces_belong_to_one_face() {
     let mut sum = Sum::default();
     for panorama in [Panorama::CubeStrip, Panorama::CubeCross] {
-        // With a pixel at each border; large packets are narrow enough to have a cone.
+        // A width with a pixel at each border; large packets are narrow enough to have a cone.
         let across = 128;
         let (columns, rows) = match panorama {
             Panorama::CubeStrip => (across * 12 + 1, across * 2 + 1),
             _ => (across * 8 + 1, across * 6 + 1),
         };
-        // Of whole lengths, so that borders are at pixels exactly. Seen along the second, a packet holds rays of two faces.
+        // With integer lengths, so that borders are exactly at pixels. Seen along the second direction, a packet
+        // contains rays of two faces.
         for (x, y, z, length) in [(0, 0, -1, 1), (-1, 4, 8, 9)] {
             let way = DVec3::from([x, y, z].map(f64::from));
             let step = f64::from(length) / f64::from(across);
@@ -213,12 +214,12 @@ fn rays_at_the_borders_of_faces_hit_what_their_own_face_sees() {
     assert!(sum.hits > 60, "{}", sum.hits);
 }
 
-/// Checks the rays at the borders of faces, so many pixels from their middles, each in a scene of its own.
+/// Checks the rays at the borders of faces, at some distance from the faces' middles, each in a scene of its own.
 fn check_borders(camera: &Camera, across: u32, sum: &mut Sum) {
     let ImagePlane { columns, rows, .. } = camera.plane();
     for x in (0..columns).step_by(across as usize * 2) {
         for y in (0..rows).step_by(across as usize / 2) {
-            // Packets of one row may hold rays of two faces: higher ones see too wide, and are split.
+            // Packets of one row may contain rays of two faces; higher ones see too wide and are split.
             for (left, top, height) in [(0, 0, 9), (5, 5, 9), (0, 0, 1)] {
                 let rect = Rect {
                     x: x.saturating_sub(left),
@@ -234,7 +235,7 @@ fn check_borders(camera: &Camera, across: u32, sum: &mut Sum) {
                 let side = ray.direction.any_orthonormal_vector() * 0.02;
                 let up = ray.direction.cross(side);
                 let around = [side, up - side, -up - side];
-                // More than a leaf holds: they have a subtree of their own.
+                // More than a leaf has, so that they have a subtree of their own.
                 let layers = (0..8).map(|layer| ray.direction * (5.0 + f64::from(layer)));
                 let elsewhere = DVec3::AXES
                     .into_iter()

@@ -1,4 +1,4 @@
-//! A tree a mesh against one tree over all: the same answers, bit for bit, by tiles and by single rays.
+//! Instances against one tree over all triangles: the same answers, bit for bit, from packets and from single rays.
 
 use super::cast_tests::{cameras, waves_mesh};
 use crate::bvh::Accel;
@@ -26,8 +26,8 @@ fn soup(random: &mut Random, count: u32, offset: DVec3) -> Arc<Mesh> {
     }))
 }
 
-/// Objects of few meshes in many places, about a point: some at rest, some in one place, some that move with others,
-/// some hidden.
+/// Objects that share few meshes, around a point: some without transform, some with the same transform, some with
+/// parents, some hidden.
 fn scene(random: &mut Random, offset: DVec3) -> Scene {
     let meshes = [
         soup(random, 1, offset),
@@ -43,7 +43,7 @@ fn scene(random: &mut Random, offset: DVec3) -> Scene {
         if number % 3 != 0 {
             object.transform.rotate = random.point() * 90.0;
             object.transform.scale = random.point() * 0.4 + 0.6;
-            // About the mesh's own place.
+            // Relative to the mesh's own position.
             let matrix = object.transform.parent_from_object();
             object.transform = Transform::from_matrix(
                 DAffine3::from_translation(offset + random.point() * 0.7)
@@ -68,7 +68,7 @@ fn scene(random: &mut Random, offset: DVec3) -> Scene {
     Scene { objects }
 }
 
-/// Holds both against each other; how many rays hit something.
+/// Compares both trees; returns how many rays hit something.
 fn assert_equal(one: &Accel, other: &Accel, offset: DVec3, random: &mut Random) -> usize {
     assert_eq!(one.origin(), other.origin());
     let mut hits = 0;
@@ -163,7 +163,7 @@ fn instances_answer_as_one_tree_does() {
         }
         let (a, b) = (one.bounds(), other.bounds());
         assert_eq!((a.min, a.max), (b.min, b.max));
-        // Corners that are placed by each packet: those of objects that have moved.
+        // Objects that have moved: their corners are placed by each packet.
         let mut elsewhere = scene.clone();
         for object in elsewhere.objects.iter_mut().filter(|o| !is_at_rest(o)) {
             object.transform.translate += DVec3::splat(0.01);
@@ -178,7 +178,7 @@ fn instances_answer_as_one_tree_does() {
 }
 
 #[test]
-fn changes_of_objects_answer_as_a_tree_built_anew() {
+fn updated_trees_answer_as_trees_built_from_scratch() {
     let mut random = Random(22);
     let mut scene = scene(&mut random, DVec3::ZERO);
     let mut accel = Accel::build_instances(&scene).expect("a valid scene");
@@ -204,7 +204,7 @@ fn changes_of_objects_answer_as_a_tree_built_anew() {
         assert_equal(&anew, &updated, DVec3::ZERO, &mut random);
         accel = updated;
     }
-    // A mesh that it has no tree for takes one; one that it has does not, wherever it was meanwhile.
+    // A mesh without a known tree needs one built; a mesh with one does not, wherever its objects were in between.
     let new = soup(&mut random, 50, DVec3::ZERO);
     scene.objects.push(Object::new("new", new));
     assert!(accel.updated_at_once(&scene).is_none());
@@ -245,7 +245,7 @@ fn moving_the_first_object_moves_no_corner_of_another() {
 fn equal_distances_go_to_the_lowest_object_then_the_lowest_triangle() {
     let mut random = Random(24);
     let mesh = Arc::new(waves_mesh(6, 1.0, DVec3::ZERO));
-    // The same triangles in another order and turning sense: no copies, and in one place.
+    // The same triangles in another order and orientation: no copies, at the same positions.
     let mut data = MeshData {
         positions: mesh.positions().iter().map(|p| p.as_dvec3()).collect(),
         triangles: mesh.triangles().to_vec(),
@@ -276,7 +276,7 @@ fn equal_distances_go_to_the_lowest_object_then_the_lowest_triangle() {
 }
 
 #[test]
-fn what_leaves_the_range_is_counted_and_the_rest_is_met() {
+fn triangles_out_of_range_are_counted_and_the_others_are_hit() {
     let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::ONE * 1e10];
     let mesh = Arc::new(Mesh::new(MeshData {
         positions: corners,
@@ -313,7 +313,7 @@ fn trees_that_are_kept_for_objects_to_come_count_as_memory() {
     scene.objects[2].transform.translate.x = 2.0;
     let shown = Accel::build_instances(&scene).expect("a valid scene");
     let tree = Accel::build(&Scene::from(Mesh::clone(&mesh))).expect("a valid scene");
-    // Corners of three objects in place, and the mesh's own.
+    // The placed corners of three objects, and the mesh's own.
     assert!(shown.retained_bytes() > 3 * tree.retained_bytes());
     let objects = std::mem::take(&mut scene.objects);
     let empty = shown.updated_at_once(&scene).expect("nothing at all");

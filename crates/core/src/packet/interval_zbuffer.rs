@@ -1,11 +1,10 @@
-//! The interval z-buffer of a packet: for each of its 32 × 32 rays the nearest triangle so far, and an
-//! interval that holds its depth, in single precision. A ray whose intervals overlap is marked undecided and
-//! left to the single-ray path.
+//! The interval z-buffer of a packet: for each of its 32 × 32 rays the nearest triangle so far, and an interval that
+//! contains its depth, in single precision. A ray whose intervals overlap is marked undecided and left to the
+//! single-ray path.
 //!
-//! A triangle with narrow bounds is rasterised row by row. A large one is tested against cells of 8 × 8 rays
-//! first: the extremes of its functions over a cell decide whether the cell is missed, covered, or occluded
-//! (Abrash, "Rasterization on Larrabee", 2009; Greene, Kass, Miller, "Hierarchical Z-Buffer Visibility",
-//! 1993).
+//! A triangle with narrow bounds is rasterised row by row. A large one is first tested against cells of 8 × 8 rays:
+//! the extremes of its functions over a cell decide whether the cell is missed, covered, or occluded (Abrash,
+//! "Rasterization on Larrabee", 2009; Greene, Kass, Miller, "Hierarchical Z-Buffer Visibility", 1993).
 
 mod at_places;
 mod cut_triangles;
@@ -36,13 +35,13 @@ const PROVISIONAL: u32 = !TRIANGLE_LIMIT;
 /// Stored in place of a primitive index where the nearest of several triangles is undecided. A triangle that is
 /// surely nearer than all of them replaces it.
 ///
-/// Invariant: the closest hit so far of such a ray, if it has one, is one of its [`Rivals`].
+/// Invariant: the closest hit so far of such a ray, if any, is one of its [`Rivals`].
 const UNDECIDED: u32 = MISS - 1;
 
-/// The nearest triangle of each ray so far; rows of rays one after another.
+/// For each ray, in row order, the nearest triangle so far.
 ///
-/// In this order, and aligned: eight rays that are read at once lie in one cache line. Where half of them lay in two,
-/// visibility took 4 to 7 % longer.
+/// The order of fields and the alignment make eight rays that are read together lie in one cache line. With half of
+/// them in two lines visibility took 4 to 7 % longer.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct IntervalZBuffer {
@@ -52,13 +51,13 @@ pub(crate) struct IntervalZBuffer {
     /// Upper bound of the depth key.
     high: [f32; RAYS],
     primitives: [u32; RAYS],
-    /// Hi-z: the least `low` of each cell. What is surely further is occluded there.
+    /// Hi-z: the least `low` of each cell. What is surely further is occluded in the cell.
     hi_z: [f32; CELLS * CELLS],
     /// Cells whose hi-z may be out of date, as bits.
     dirty: u32,
-    /// What undecided rays are undecided between.
+    /// For each undecided ray, the triangles that it is undecided between.
     rivals: Rivals,
-    /// Where orthographic rays begin: nothing is nearer. Infinite for perspective.
+    /// The depth key where orthographic rays start: no hit is nearer. Infinite for perspective packets.
     begin: f32,
 }
 
@@ -76,7 +75,7 @@ impl IntervalZBuffer {
     }
 
     /// Clears it for a packet of `columns × rows` rays, at most [`SIDE`] each. `begin` is the depth key where
-    /// orthographic rays begin, infinite for perspective.
+    /// orthographic rays start, infinite for perspective packets.
     #[inline(always)]
     pub(crate) fn clear(&mut self, lanes: impl Lanes, columns: u32, rows: u32, begin: f32) {
         self.low = [f32::NEG_INFINITY; RAYS];
@@ -88,7 +87,7 @@ impl IntervalZBuffer {
         self.begin = begin;
         let (columns, rows) = (columns as usize, rows as usize);
         if columns < SIDE || rows < SIDE {
-            // Rays outside the packet accept nothing: they are infinitely near.
+            // Entries outside the packet are infinitely near, so that no triangle wins them.
             for ray in (0..RAYS).filter(|ray| ray / SIDE >= rows || ray % SIDE >= columns) {
                 self.low[ray] = f32::INFINITY;
                 self.high[ray] = f32::INFINITY;
@@ -106,12 +105,12 @@ impl IntervalZBuffer {
         &self.primitives[first..first + SIDE]
     }
 
-    /// Brings rivals into the order that [`IntervalZBuffer::rivals`] needs.
+    /// Sorts rivals as [`IntervalZBuffer::rivals`] needs them.
     pub(crate) fn sort_rivals(&mut self) {
         self.rivals.sort();
     }
 
-    /// The rivals of an undecided ray, once they are sorted: see [`Rivals::of`].
+    /// The rivals of an undecided ray, after sorting: see [`Rivals::of`].
     pub(crate) fn rivals(&self, row: u32, column: u32) -> Option<&[(u32, u32)]> {
         self.rivals.of(row as usize * SIDE + column as usize)
     }
@@ -132,8 +131,8 @@ impl IntervalZBuffer {
         stored == UNDECIDED
     }
 
-    /// The least and the greatest hi-z of the cells. What is surely further than the least is occluded for
-    /// every ray; what is surely further than the greatest, for some cell.
+    /// The least and the greatest hi-z of the cells. What is surely further than the least is occluded for every ray;
+    /// what is surely further than the greatest, in at least one cell.
     #[inline(always)]
     pub(crate) fn hi_z(&self, lanes: impl Lanes) -> (f32, f32) {
         let (infinity, zero) = (lanes.splat(f32::INFINITY), lanes.splat(0.0));
@@ -149,7 +148,7 @@ impl IntervalZBuffer {
         (least.reduce_min(), -most_negated.reduce_min())
     }
 
-    /// Whether all rays of these cells (as bits) have a hit surely nearer than `nearest`.
+    /// Whether all rays of these cells (as bits) surely have a hit nearer than `nearest`.
     #[inline(always)]
     pub(crate) fn occludes_cells(&self, lanes: impl Lanes, cells: u32, nearest: f32) -> bool {
         let nearest = lanes.splat(nearest);
@@ -160,7 +159,7 @@ impl IntervalZBuffer {
         cells & !hidden == 0
     }
 
-    /// Whether all rays of a box have a hit surely nearer than `nearest`, judged by hi-z.
+    /// Whether all rays of a box surely have a hit nearer than `nearest`, by hi-z.
     #[inline(always)]
     pub(crate) fn occludes(&self, rays: &RayBox, nearest: f32) -> bool {
         let (left, right) = (rays.left as usize / ROW, rays.right as usize / ROW);
@@ -174,13 +173,13 @@ impl IntervalZBuffer {
             && (top..=bottom).all(|row| (left..=right).all(|column| nearest < hi_z(row, column)))
     }
 
-    /// Whether each ray of a box of at most eight columns has a hit surely nearer than `nearest`.
+    /// Whether each ray of a box of at most eight columns surely has a hit nearer than `nearest`, ray by ray.
     #[inline(always)]
     pub(crate) fn occludes_each(&self, lanes: impl Lanes, rays: &RayBox, nearest: f32) -> bool {
         let columns = (2u32 << (rays.right - rays.left)) - 1;
         let nearest = lanes.splat(nearest);
-        // A loop, not `all`: its closure may be compiled without the instruction set of its caller, and
-        // then each comparison is a call.
+        // A loop, not `all`: its closure may be compiled without the instruction set of its caller, and then each
+        // comparison is a call.
         for y in rays.top..=rays.bottom {
             let first = y as usize * SIDE + rays.left as usize;
             let Some(low) = self.low.get(first..).and_then(|low| low.first_chunk()) else {
@@ -206,7 +205,7 @@ impl IntervalZBuffer {
         ))
     }
 
-    /// Brings hi-z of the dirty cells up to date.
+    /// Recomputes hi-z of the dirty cells.
     #[inline(always)]
     pub(crate) fn update_hi_z(&mut self, lanes: impl Lanes) {
         let mut dirty = self.dirty & ((1 << (CELLS * CELLS)) - 1);

@@ -1,17 +1,17 @@
-//! Events of a packet's traversal, to be recorded.
+//! Observing a packet's traversal.
 
 use std::ops::Range;
 
-/// Observes a packet's traversal.
+/// Receives the events of a packet's traversal.
 pub(super) trait Observer {
-    /// It reached a leaf with these primitive indices.
+    /// A leaf with these primitive indices was reached.
     fn reached(&mut self, primitives: Range<u32>);
 
-    /// It set these triangles up, or merged them as small ones.
+    /// These triangles were set up, or merged as small ones.
     fn set_up(&mut self, primitives: &[u32]);
 }
 
-/// Observes nothing, and costs nothing.
+/// Ignores all events, at no cost.
 impl Observer for () {
     #[inline(always)]
     fn reached(&mut self, _: Range<u32>) {}

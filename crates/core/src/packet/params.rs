@@ -1,19 +1,19 @@
-//! The sizes that the kernel is built around.
+//! The sizes that the packet kernel is built around.
 
-/// Rays along the side of a large packet, which finds entry points for its packets. A larger one shares
-/// the upper levels of the tree among more rays; its wider frustum touches more subtrees.
+/// Rays along the side of a large packet, which finds entry points for its packets. A larger one shares the upper
+/// levels of the tree among more rays, but its wider frustum touches more subtrees.
 pub(crate) const LARGE_SIDE: u32 = 64;
 
-/// Rays along the side of a packet. A larger one sets each triangle up fewer times; its depth bounds and
+/// Rays along the side of a packet. A larger one sets each triangle up fewer times, but its depth bounds and
 /// primitive indices, 12 bytes a ray, must stay in the first-level cache.
 pub(crate) const SIDE: usize = 32;
 
-/// Rays along the side of a cell, and in a row that is tested side by side: one register of lanes.
+/// Rays along the side of a cell, and in a row that is tested at once: one vector register.
 pub(crate) const ROW: usize = 8;
 
 /// Cells along the side of a packet.
 pub(crate) const CELLS: usize = SIDE / ROW;
 
-/// The largest bounds, in columns or rows, of a small triangle, which is tested ray by ray without set-up:
-/// no more than 5 rays each way.
+/// The largest bounds, in columns or rows, of a small triangle, which is tested ray by ray without set-up: at most 5
+/// rays in each direction.
 pub(crate) const SMALL_SIDE: f32 = 4.75;

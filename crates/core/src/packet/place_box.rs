@@ -1,4 +1,4 @@
-/// Bounds of places in a packet: of a triangle, or of a cell or a row of rays.
+/// A box of places in a packet: the bounds of a triangle, of a cell or of a row of rays.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlaceBox {
     pub(super) left: f32,
@@ -8,7 +8,7 @@ pub(super) struct PlaceBox {
 }
 
 impl PlaceBox {
-    /// No place.
+    /// The box without places.
     pub(super) const EMPTY: Self = Self {
         left: f32::INFINITY,
         right: f32::NEG_INFINITY,

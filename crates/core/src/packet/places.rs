@@ -1,13 +1,13 @@
-//! Places of a panorama's rays in packet space.
+//! The places of a panorama's rays in packet space.
 //!
-//! The rays of a panorama share an eye, so a packet of them has a plane: the one square to its mean direction. There
-//! triangles are set up as for a perspective packet, but rays lie at places of their own and not on a lattice.
+//! The rays of a panorama share an eye, so a packet of them has a plane: the one perpendicular to its mean direction.
+//! There triangles are set up as for a perspective packet, but rays lie at irregular places and not on a lattice.
 //!
 //! # Error bound
 //! u = 2⁻²⁴, ε = 2⁻⁵³; K, B and D as in [`setup`](super::setup): the plane is at distance D = 1, and rays are s = B/K
 //! apart on it. With r, v and f the plane's right, up and forward and d a ray's direction in the camera's axes, its
-//! tangents are p = r·d/f·d and q = v·d/f·d, at most [`MOST_TANGENT`]; its place is (½ + (p − p₀)/s, ½ + (q₁ − q)/s), where
-//! p₀ is the least p of the packet and q₁ the greatest q.
+//! tangents are p = r·d/f·d and q = v·d/f·d, at most [`MOST_TANGENT`]; its place is (½ + (p − p₀)/s, ½ + (q₁ − q)/s),
+//! where p₀ is the least p of the packet and q₁ the greatest q.
 //!
 //! * **Directions.** d is off by 320ε|d| a coordinate ([`PanoramaRays`]): √3·320ε|d|.
 //! * **Products.** The coefficients of r, v and f in the camera's axes are products of unit vectors, off by 4ε, and each
@@ -22,9 +22,13 @@
 //!   first ray in the picture by 6εK: below 1400εK, times √2 where both coordinates move a direction. [`PLACE_ERROR`] is
 //!   above that.
 //! * **Lenses.** Packets of a picture through a lens share the camera's own image plane, on which directions (x, y, 1) are
-//!   places already: neither products nor the plane's axes move them, and rays are off by the nine roundings on their way
-//!   to the world alone. With x and y at most 2 ([`FLATTEST`]) |d| is at most 3, B at most 5, and tangents are off by less
-//!   than 9√3·3·(1 + 2)ε < 2⁸ε: below the bounds above.
+//!   places already: neither products nor the plane's axes move them. With x and y at most 2 ([`FLATTEST`]) |d| is at most 3,
+//!   B at most 5, and the nine roundings of rays on their way to the world move tangents by less than 9√3·3·(1 + 2)ε < 2⁸ε, in
+//!   both coordinates 363ε. A ray's own direction and the packet's, from Newton's steps, differ by 2·720ε: together 1803ε, and
+//!   with √2·90ε from rounding places as above below [`PLACE_ERROR`].
+//! * **Faces of a cube.** They are planes, and their packets lattices, with the picture's own rays beside the lattice's. Those
+//!   differ by less than 1100ε a tangent and rounding (`camera/cube_face`), K times as much in columns: 1560εK where both
+//!   coordinates move a direction.
 //! * **Single precision.** Rounding a place by u of itself moves a linear function by less than u of the sum of its
 //!   terms' magnitudes: one of the roundings counted where functions are evaluated
 //!   (`interval_zbuffer/at_places`).
@@ -50,44 +54,46 @@ pub(super) const ALL_CELLS: usize = CELLS * CELLS;
 /// The error of a place in double precision, in units of εK·B/D: see above.
 const PLACE_ERROR: f64 = 2048.0;
 
-/// The error of a packet's tangents, 2⁻⁴¹: 1182ε·2.5 is below 2¹²ε. The frusta of packets are wider by this. Planes make
-/// room for their own rounding alone, which is relative to a packet's width: of rays that are nearly one it is less.
-const TANGENT_ERROR: f64 = 1.0 / (1u64 << 41) as f64;
+/// The error of a packet's tangents, 2⁻⁴¹: 1182ε·2.5 is below 2¹²ε. The frusta of packets are enlarged by this. The
+/// frustum's own slack covers its rounding only, which is relative to a packet's width; where the rays are nearly one
+/// that is less.
+pub(super) const TANGENT_ERROR: f64 = 1.0 / (1u64 << 41) as f64;
 
-/// The greatest tangent of the angle between a packet's axis and its rays, to the right or up. Below one any is correct.
-/// With a greater one cells at the packet's rim see wider than those in its middle, and errors grow with B; with a lesser
-/// one more packets are split.
+/// The greatest tangent of the angle between a packet's axis and its rays, to the right or up. Any value below one is
+/// correct. With a greater one cells at the packet's rim see wider than those in its middle, and errors grow with B;
+/// with a lesser one more packets are split.
 const MOST_TANGENT: f64 = 0.75;
 
-/// Places run from this to as much before the last column or row that functions are evaluated for: roundings of a place
-/// leave it within 0 and [`SIDE`], where triangles are set up. With a wider margin cells are a little larger beside the
-/// places' errors.
+/// Places lie at least this far from the first and the last column and row that functions are evaluated for, so that
+/// rounding leaves them within 0 and [`SIDE`], where triangles are set up. With a wider margin cells are slightly
+/// larger compared with the places' errors.
 const MARGIN: f64 = 0.5;
 
-/// How far apart the first and the last place are: SIDE − 1 columns less both margins.
+/// The distance of the first and the last place: SIDE − 1 columns less both margins.
 const EXTENT: f64 = (SIDE - 1) as f64 - 2.0 * MARGIN;
 
-/// The furthest place of a picture, in radians at its middle, and the furthest eye, of which packets are made. Beyond, rays
-/// are cast one by one. The longest direction is that of a stereographic fisheye, 1 + ρ²/4, below 10¹⁰⁰, whose square is
-/// finite; and no number of a set-up, all products of four corners at most, is infinite or NaN.
+/// The greatest coordinate of a place in a picture, in radians at its middle, and of an eye, for which packets are
+/// made. Rays beyond are cast one by one. The longest direction is that of a stereographic fisheye, 1 + ρ²/4, below
+/// 10¹⁰⁰, whose square is finite; and no number of a set-up, all products of four corners at most, is infinite or
+/// NaN.
 const FURTHEST: f64 = 1e50;
 
-/// What a rectangle of a panorama's rays is to a packet.
+/// How a rectangle of a panorama's rays can be cast.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Span {
-    /// None of its places has a ray.
+    /// It contains no rays.
     Empty,
-    /// They see too wide for one plane.
+    /// Its rays see too wide for one plane.
     Wide,
-    /// They have places.
+    /// As one packet.
     Packet,
 }
 
-/// Where the rays of a packet of a panorama lie in packet space.
+/// The places of a panorama packet's rays.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Places {
-    /// Places, rows of rays one after another. Rays that the packet does not have lie where some other ray does.
+    /// The places in row order. Entries without a ray repeat the place of some other ray.
     pub(super) x: [f32; RAYS],
     pub(super) y: [f32; RAYS],
     /// Bounds of the rows of eight rays of each cell.
@@ -95,17 +101,17 @@ pub(super) struct Places {
     /// Bounds of eight cells each.
     cells: [PlaceBoxes; ALL_CELLS / LANES],
     centres: [CellCentres; ALL_CELLS / LANES],
-    /// Rows of the packet, and in each the columns that have a ray, as bits.
+    /// For each row of the packet, the columns that have a ray, as bits.
     pub(super) has_ray: [u32; SIDE],
     pub(super) columns: u32,
     pub(super) rows_of_rays: u32,
-    /// A camera whose image plane is the packet's.
+    /// A camera whose image plane is the packet's plane.
     pub(super) view: Camera,
-    /// The part of that plane that the rays go through, but for rounding.
+    /// The window of that plane that the rays go through, except for rounding.
     window: Window,
-    /// Place of the packet's first ray in that picture.
+    /// The first ray's place in that camera's picture.
     first: (f64, f64),
-    /// Directions in the camera's axes, then places on the plane.
+    /// Working memory: directions in the camera's axes, then places on the plane.
     directions: [[f64; RAYS]; 3],
 }
 
@@ -137,7 +143,7 @@ impl Places {
         })
     }
 
-    /// Finds the places of a rectangle of at most [`SIDE`] × [`SIDE`] rays of a camera.
+    /// Computes the places of a rectangle of at most [`SIDE`] × [`SIDE`] rays of a camera.
     #[inline(always)]
     pub(super) fn find(
         &mut self,
@@ -147,10 +153,10 @@ impl Places {
     ) -> Span {
         self.columns = part.width;
         self.rows_of_rays = part.height;
-        if !self.look(rays, part) {
+        if !self.find_directions(rays, part) {
             return Span::Empty;
         }
-        // NaN is not near.
+        // NaN fails this comparison.
         let eye = camera.placement().eye.abs();
         let is_near = rays.reach() <= FURTHEST && eye.cmple(DVec3::splat(FURTHEST)).all();
         if !is_near {
@@ -170,10 +176,14 @@ impl Places {
         Span::Packet
     }
 
-    /// Directions of all rays, in the camera's axes. Whether there are any.
+    /// Computes the directions of all rays, in the camera's axes. Returns whether there are any rays.
     #[inline(always)]
-    fn look(&mut self, rays: &PanoramaRays, part: Rect) -> bool {
+    fn find_directions(&mut self, rays: &PanoramaRays, part: Rect) -> bool {
         self.has_ray = [0; SIDE];
+        if rays.window(part).is_some() {
+            self.look_through_lens(rays, part);
+            return true;
+        }
         let in_part = u32::MAX >> (SIDE as u32 - part.width.clamp(1, SIDE as u32));
         let mut eight = [[0.0; LANES]; 3];
         for row in 0..part.height {
@@ -196,7 +206,43 @@ impl Places {
         true
     }
 
-    /// Gives rays that the packet does not have the direction of one that it has.
+    /// Directions of rays through a lens where all are well-behaved: each row's from where the three above it lead, as on a
+    /// parabola.
+    #[inline(always)]
+    fn look_through_lens(&mut self, rays: &PanoramaRays, part: Rect) {
+        let in_part = u32::MAX >> (SIDE as u32 - part.width.clamp(1, SIDE as u32));
+        for first in (0..part.width).step_by(ROW) {
+            let mut above = [[[0.0; LANES]; 2]; 3];
+            for row in 0..part.height {
+                let (column, at) = (part.x + first, row as usize * SIDE + first as usize);
+                let near = match row {
+                    0 => None,
+                    1 | 2 => rays.eight_through_lens(column, part.y + row, above[0]),
+                    _ => rays.eight_through_lens(column, part.y + row, after(&above)),
+                };
+                let found = match near {
+                    Some(found) => found,
+                    None => {
+                        let mut exact = [[0.0; LANES]; 3];
+                        rays.nearly_eight(column, part.y + row, &mut exact);
+                        [exact[0], exact[1]]
+                    }
+                };
+                for (all, eight) in self.directions.iter_mut().zip([found[0], found[1], ONES]) {
+                    if let Some(all) = all.get_mut(at..at + LANES) {
+                        all.copy_from_slice(&eight);
+                    }
+                }
+                above = [found, above[0], above[1]];
+            }
+        }
+        for has_ray in self.has_ray.iter_mut().take(part.height as usize) {
+            *has_ray = in_part;
+        }
+        self.fill(0);
+    }
+
+    /// Gives entries without a ray the direction of one that has a ray.
     fn fill(&mut self, from: usize) {
         let all = u32::MAX >> (SIDE as u32 - self.columns.clamp(1, SIDE as u32));
         let is_whole = |&rays: &u32| rays == all;
@@ -225,8 +271,8 @@ impl Places {
         DVec3::new(x[at], y[at], z[at])
     }
 
-    /// A camera that looks along the middle of the rays: its axes are perpendicular, and of unit length, to less than
-    /// 32ε. `None` where there is no middle.
+    /// A camera that looks along the mean direction of the rays; its axes are perpendicular, and of unit length,
+    /// within 32ε. `None` where the mean is zero.
     fn view(&self, camera: &Camera) -> Option<Camera> {
         let (right, bottom) = (self.columns as usize - 1, self.rows_of_rays as usize - 1);
         let unit = |column: usize, row: usize| self.direction(column, row).normalize_or_zero();
@@ -242,18 +288,20 @@ impl Places {
         let axes = [camera.right(), camera.up(), camera.forward()];
         let in_world = |v: DVec3| axes[0] * v.x + axes[1] * v.y + axes[2] * v.z;
         let forward = in_world(forward).try_normalize()?;
-        // Rows of rays run along rows of places, as far as they run anywhere: then their bounds are flat.
+        // The up direction makes rows of rays run along rows of places, so far as possible: then their bounds are
+        // flat.
         let up = in_world(top - low);
         let up = up - forward * up.dot(forward);
-        // Of what ran along the axis rounding is left. Where it is at 60° at least, the cross products of a camera's axes
-        // are no less than 0.86, and their roundings, 3ε each, below 32ε after they are made unit length.
+        // A difference parallel to the axis leaves rounding errors only. At an angle of at least 60° the cross
+        // products of a camera's axes are no shorter than 0.86, and their roundings, 3ε each, are below 32ε after
+        // normalising.
         let up = up.try_normalize().filter(|up| up.dot(forward).abs() < 0.5);
         let up = up.unwrap_or_else(|| forward.any_orthonormal_vector());
         Some(Camera::upright(forward, up))
     }
 
-    /// Places on the view's plane, as tangents to the right and up, in place of directions, and the window that they
-    /// are in. Whether all are in front, and within [`MOST_TANGENT`].
+    /// Replaces directions by places on the view's plane, as tangents to the right and up, and computes their window.
+    /// Returns whether all are in front, and within [`MOST_TANGENT`].
     #[inline(always)]
     #[allow(
         clippy::needless_range_loop,
@@ -296,8 +344,8 @@ impl Places {
         (depth > 0.0) & (furthest <= MOST_TANGENT)
     }
 
-    /// Takes directions (x, y, 1) through a lens for places on the camera's own image plane, and finds the window that
-    /// they are in. Whether all are within [`FLATTEST`].
+    /// Uses directions (x, y, 1) through a lens as places on the camera's own image plane, and computes their window.
+    /// Returns whether all are within [`FLATTEST`].
     #[inline(always)]
     fn take_tangents(&mut self, camera: &Camera) -> bool {
         let [xs, ys, _] = &self.directions;
@@ -330,7 +378,7 @@ impl Places {
             across: (left, right),
             along: (low, high),
         } = self.window;
-        // Rays that are less than this apart are one but for rounding. It keeps s above 0 and K finite.
+        // Rays that are closer than this are one except for rounding. The limit keeps s positive and K finite.
         let extent = (right - left)
             .max(high - low)
             .max(1.0 / (1u64 << 40) as f64);
@@ -355,23 +403,20 @@ impl Places {
         );
     }
 
-    /// The packet's space. `eye` is the camera's, relative to what corners are relative to, and off by at most
-    /// `eye_error`.
+    /// The packet's space. `eye` is the camera's, relative to the point that corners are relative to, and off by at
+    /// most `eye_error`.
     pub(super) fn space(&self, eye: DVec3, eye_error: f64, cull: Cull) -> PacketSpace {
         let side = (SIDE as u32, SIDE as u32);
-        let mut space = PacketSpace::new(&self.view, eye, eye_error, self.first, 1.0, side, cull);
-        // Bounds go by these where a lattice's rays are off by 32 units, or its directions by 20.
-        space.ray_error *= PLACE_ERROR / 32.0;
-        space.rays.greatest *= space.obliqueness * (PLACE_ERROR / 20.0);
-        space
+        let space = PacketSpace::new(&self.view, eye, eye_error, self.first, 1.0, side, cull);
+        space.with_rays_beside()
     }
 
-    /// The part of the view's plane that the rays go through.
+    /// The window of the view's plane that the rays go through.
     pub(super) fn window(&self) -> Window {
         self.window.grown(TANGENT_ERROR)
     }
 
-    /// Places of eight rays from one on.
+    /// The places of eight rays, from ray `first` on.
     #[inline(always)]
     pub(super) fn eight(&self, first: usize) -> Option<(&[f32; ROW], &[f32; ROW])> {
         Some((
@@ -379,6 +424,30 @@ impl Places {
             self.y.get(first..)?.first_chunk()?,
         ))
     }
+}
+
+impl PacketSpace {
+    /// The same packet, with rays beside their places by [`PLACE_ERROR`].
+    pub(super) fn with_rays_beside(mut self) -> Self {
+        // Bounds are proportional to these, where a lattice's rays are off by 32 units, or its directions by 20.
+        self.ray_error *= PLACE_ERROR / 32.0;
+        self.rays.greatest *= self.obliqueness * (PLACE_ERROR / 20.0);
+        self
+    }
+}
+
+const ONES: [f64; LANES] = [1.0; LANES];
+
+/// Where three of a row, the last one first, lead to at equal steps.
+#[inline(always)]
+fn after([a, b, c]: &[[[f64; LANES]; 2]; 3]) -> [[f64; LANES]; 2] {
+    let mut next = [[0.0; LANES]; 2];
+    for axis in 0..2 {
+        for lane in 0..LANES {
+            next[axis][lane] = 3.0 * (a[axis][lane] - b[axis][lane]) + c[axis][lane];
+        }
+    }
+    next
 }
 
 #[inline(always)]

@@ -15,24 +15,24 @@
 //!   2u of the result; that from the second is rounded by u. The eye's own error is η. T, rounded in double
 //!   precision, moves t by less than 128ε|q − o|·B/D of S (B/D: see [`setup`](super::setup)). r is taken to be
 //!   at least the sum of both over u, so corners are off by at most 4ur.
-//! * **X, Y, Z.** T's rows are rounded by u of themselves (their errors in double precision are less as long as
-//!   B/D < 10⁶), products by u, three sums by u each. q's second number is how far q is from single precision, and no
-//!   corner is nearer: it is at most r, and rounding it leaves q within ur of the ray. So t_x and t_y, below ur·S, are
-//!   rounded by second order. With the corners' errors X is off by 9ur·S plus second order: e_x = 10ur·S. Z's sums and t
-//!   add 4u|t_z|: e_z = 10ur·S_z + 5u|t_z|.
+//! * **X, Y, Z.** T's rows are rounded by u of themselves (their errors in double precision are less as long as B/D <
+//!   10⁶), products by u, three sums by u each. q's second number is how far q is from single precision, and no
+//!   corner is nearer: it is at most r, and rounding it leaves q within ur of the ray. So t_x and t_y, below ur·S,
+//!   are rounded by second order. With the corners' errors X is off by 9ur·S plus second order: e_x = 10ur·S. Z's
+//!   sums and t add 4u|t_z|: e_z = 10ur·S_z + 5u|t_z|.
 //! * **Bounds.** Where Z ≥ 2048·e_z, a place p with |p| ≤ 2·[`SIDE`] is off by (e_x + |p|e_z)/Z · 2048/2047, and
 //!   by 3u|p| for the quotient; rays are off by ρ of a column ([`PacketSpace`]). Bounds grow by 2⁻⁹ + m with
 //!   m = 2ρ + 1.25(e_x + 64e_z)/Z; 3u|p| and the rounding of the sums need 2⁻¹⁵ of the 2⁻⁹. Places further out
 //!   need only stay outside: off by less than 1/2000 and the same e_x/Z, they do. Z is the least of the corners'.
-//! * **Edge functions of small triangles.** Bounds less than w = [`SMALL_SIDE`] wide and high that grow by less
-//!   than 1/8 hold at most 5 rays each way. Places are off by m' = m + 2⁻¹⁵, and no coordinate of a corner
-//!   relative to a ray of the bounds exceeds s + 1/8, s the triangle's size. Edge functions are linear in the
-//!   ray's place: but for rounding, the value is the cross product of two moved corners relative to the ray, off
-//!   by 4(s + 1/8)m' + 2m'² ≤ (4s + 1)m'. Rounding: two products and a difference, the steps, and a sum a column and
-//!   row, eight in all, of values up to 2(s + 1/8)²: below 20u(s + 1/8)² + 8us. A place needs 192u of its 2⁻¹⁵, and 5u
-//!   for being taken relative to the first ray; what is left, 315u·(4s + 1), is more. Where the doubled area, the sum of
-//!   a ray's three values, exceeds three times its error, its sign is sure, and edges are turned to be positive inside. A
-//!   ray whose three values are surely positive is inside; one with a surely negative value is outside.
+//! * **Edge functions of small triangles.** Bounds less than w = [`SMALL_SIDE`] wide and high that grow by less than
+//!   1/8 hold at most 5 rays each way. Places are off by m' = m + 2⁻¹⁵, and no coordinate of a corner relative to a
+//!   ray of the bounds exceeds s + 1/8, s the triangle's size. Edge functions are linear in the ray's place: but for
+//!   rounding, the value is the cross product of two moved corners relative to the ray, off by 4(s + 1/8)m' + 2m'² ≤
+//!   (4s + 1)m'. Rounding: two products and a difference, the steps, and a sum a column and row, eight in all, of
+//!   values up to 2(s + 1/8)²: below 20u(s + 1/8)² + 8us. A place needs 192u of its 2⁻¹⁵, and 5u for being taken
+//!   relative to the first ray; what is left, 315u·(4s + 1), is more. Where the doubled area, the sum of a ray's
+//!   three values, exceeds three times its error, its sign is sure, and edges are turned to be positive inside. A ray
+//!   whose three values are surely positive is inside; one with a surely negative value is outside.
 //! * **Depth key.** A depth is off by e_z, its inverse by e_z/Z · 2048/2047 of itself and 2u. A hit is no nearer
 //!   than the nearest corner. Along a ray the depth key is the corners' by barycentric weights, edge values over
 //!   the doubled area. With E the error of an edge value, the area is off by 3E and a weight of at most 1 by 4E
@@ -62,21 +62,21 @@ const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
 /// By how much bounds grow beyond the errors of places: 2⁻⁹ columns.
 const MARGIN: f64 = 1.0 / 512.0;
 
-/// The least ratio of a corner's depth to its error at which its place is used. A lesser one makes the factor 2048/2047
-/// of the bounds greater; with a greater one more triangles next to the eye are set up for every ray.
+/// The least ratio of a corner's depth to its error at which its place is used. With a lesser one the factor
+/// 2048/2047 of the bounds grows; with a greater one more triangles close to the eye are set up for every ray.
 const CLEAR: f32 = 2048.0;
 
-/// The most by which bounds of a small triangle may grow. With [`SMALL_SIDE`] it allows no more than 5 rays
-/// each way.
+/// The most by which bounds of a small triangle may grow. With [`SMALL_SIDE`] it allows at most 5 rays in each
+/// direction.
 const SMALL_MARGIN: f32 = 0.125;
 
-/// Part of [`MARGIN`] that rounding of places and sums needs, and of small triangles' edge functions.
+/// The part of [`MARGIN`] that covers rounding of places and sums, and of small triangles' edge functions.
 const PLACE_ERROR: f64 = 1.0 / 32768.0;
 
 /// Bound on the rounding of the depth key, relative to the greatest.
 const DEPTH_KEY_SLACK: f32 = 1.0 / (1 << 19) as f32;
 
-/// The greatest place or depth, and the inverse of the least.
+/// The greatest place or depth, and the reciprocal of the least.
 const RANGE: f64 = 1e30;
 
 /// Projects triangles into a packet.
@@ -84,7 +84,7 @@ const RANGE: f64 = 1e30;
 pub(crate) struct Projector {
     perspective: bool,
     cull: Cull,
-    /// What corners are taken relative to, as the sum of two numbers.
+    /// The point that corners are relative to, as the sum of two numbers.
     origin: [[f32; 2]; 3],
     /// T's rows.
     map: [[f32; 3]; 3],
@@ -96,28 +96,26 @@ pub(crate) struct Projector {
     shift: [f32; 3],
     /// e_z: a constant, and a factor of r.
     depth_error: [f32; 2],
-    /// By how much bounds grow: a constant, and factors of 1/Z and of r/Z; for orthographic packets of 1 and
-    /// of r.
+    /// By how much bounds grow: a constant, and factors of 1/Z and of r/Z; for orthographic packets, of 1 and of r.
     margin: [f32; 3],
     /// The last column and row.
     last: [f32; 2],
 }
 
-/// The rays that may hit each of eight triangles: bounds as whole numbers, both ends included, plus
-/// [`ROUNDER`].
+/// The rays that may hit each of eight triangles: bounds as integers, both ends included, plus [`ROUNDER`].
 pub(crate) struct ProjectedTriangles {
     left: [f32; LANES],
     right: [f32; LANES],
     top: [f32; LANES],
     bottom: [f32; LANES],
-    /// Upper bound of the nearest corner's depth key, as [`TriangleSetup`](super::setup::TriangleSetup)
-    /// counts it; infinite where it is not known.
+    /// An upper bound of the nearest corner's depth key, as in [`TriangleSetup`](super::setup::TriangleSetup);
+    /// infinite where it is unknown.
     pub(crate) nearest: [f32; LANES],
     /// Triangles that some ray may hit, as bits.
     pub(crate) seen: u32,
-    /// Those of them that are small, as bits.
+    /// Those of the seen triangles that are small, as bits.
     pub(crate) small: u32,
-    /// Which rays hit the small ones.
+    /// The rays that hit the small ones.
     pub(crate) coverage: SmallCoverage,
 }
 
@@ -144,7 +142,7 @@ impl Projector {
             from_origin.abs().max_element(),
             space.origin.abs().max_element() + from_origin.abs().max_element(),
         );
-        // NaN fails these comparisons, and is not sound.
+        // NaN fails these comparisons and makes the projector unsound.
         let sound = (far < RANGE)
             & (x + y + z < RANGE)
             & ((x + y + z) * moved < RANGE)
@@ -176,7 +174,7 @@ impl Projector {
         }
     }
 
-    /// Bounds the rays that may hit each of the first `count` triangles.
+    /// Computes the bounds of the rays that may hit each of the first `count` triangles.
     #[inline(always)]
     pub(crate) fn project<L: Lanes>(
         &self,
@@ -249,7 +247,7 @@ impl Projector {
         }
     }
 
-    /// Places and depth keys of mapped corners, with their errors.
+    /// Computes places and depth keys of mapped corners, with their errors.
     #[inline(always)]
     fn divide<L: Lanes>(&self, lanes: L, mapped: &MappedCorners<L>) -> Projected<L> {
         let MappedCorners { x, y, z, reach } = *mapped;
@@ -297,7 +295,7 @@ impl Projector {
         }
     }
 
-    /// Tests the small ones among the triangles seen against their rays, and culls what none of them hits.
+    /// Tests small triangles against their rays, and culls those that no ray hits.
     #[inline(always)]
     fn test_small<L: Lanes>(
         &self,
@@ -337,23 +335,23 @@ struct MappedCorners<L: Lanes> {
     reach: L::F32,
 }
 
-/// Eight triangles projected into a packet.
+/// Eight triangles projected into the packet.
 struct Projected<L: Lanes> {
     /// Places of the corners.
     xs: Three<L::F32>,
     ys: Three<L::F32>,
-    /// Depth keys of the corners, and a bound on the error of one interpolated between them.
+    /// Depth keys of the corners, and a bound on the error of a key interpolated between them.
     keys: Three<L::F32>,
     key_error: L::F32,
-    /// Upper bound of the nearest corner's depth key.
+    /// An upper bound of the nearest corner's depth key.
     nearest: L::F32,
     /// By how much bounds grow.
     margin: L::F32,
-    /// Where places and depth keys may be used.
+    /// Lanes whose places and depth keys may be used.
     safe: L::Mask,
-    /// Those of them that lie wholly before the eye, or the image plane.
+    /// Of those, the triangles that lie wholly in front of the eye, or the image plane.
     in_front: L::Mask,
-    /// Triangles that no ray hits, since they lie behind.
+    /// Triangles that no ray hits, because they lie behind.
     behind: L::Mask,
 }
 
@@ -365,7 +363,7 @@ impl<L: Lanes> Projected<L> {
     }
 }
 
-/// What turns corners' places into bounds along one axis.
+/// What turns the corners' places into bounds along one axis.
 struct Extent<L: Lanes> {
     margin: L::F32,
     safe: L::Mask,
@@ -403,14 +401,14 @@ impl ProjectedTriangles {
         coverage: SmallCoverage::NONE,
     };
 
-    /// Makes depth keys relative. Those of small triangles are too coarse to be of use then: they are set up.
+    /// Makes depth keys relative. Those of small triangles are too coarse for that, so small triangles are set up.
     #[inline(never)]
     pub(super) fn relate_to(&mut self, reference: DepthReference) {
         self.small = 0;
         self.nearest = self.nearest.map(|key| reference.relative_above(key));
     }
 
-    /// Bounds of a triangle that is seen.
+    /// The bounds of a triangle that is seen.
     #[inline(always)]
     pub(crate) fn rays(&self, lane: usize) -> RayBox {
         let whole = |x: f32| x.to_bits() as i32 - ROUNDER.to_bits() as i32;

@@ -1,5 +1,5 @@
-//! Projected triangles at the rays that their edges and corners lie on, against exact arithmetic: no ray that
-//! hits a triangle is left out, and what coverage is sure of is so.
+//! Projected triangles at rays that their edges and corners lie on, against exact arithmetic: bounds leave out no ray
+//! that hits, and decided coverage is right.
 
 use super::params::SIDE;
 use super::ray_bounds::{ProjectedTriangles, Projector};
@@ -14,7 +14,7 @@ use crate::ray::Ray;
 use crate::triangle::exact::{self, Placed};
 use glam::{DVec3, Vec3};
 
-/// What was compared.
+/// Counts of what was compared.
 #[derive(Debug, Default)]
 struct Tally {
     hits: usize,
@@ -22,7 +22,7 @@ struct Tally {
     small: usize,
 }
 
-/// `depth` is what the projector takes the scene's to be; triangles are some 5 units away.
+/// `depth` is what the projector assumes of the scene; triangles are some 5 units away.
 fn check(projection: Projection, pitch: f64, frame: DVec3, depth: f32, tally: &mut Tally) {
     let mut random = Random(57);
     for round in 0..1500 {
@@ -54,7 +54,7 @@ fn check_eight(
     let begin = f64::from(first) + 0.5;
     for (l, &(corners, (x, y))) in triangles.iter().enumerate() {
         let ray = Ray {
-            // Where orthographic rays begin is another matter.
+            // Where orthographic rays start is tested elsewhere.
             t_min: match projection {
                 Projection::Perspective | Projection::Panoramic(_) => 0.0,
                 Projection::Orthographic => -1e9,
@@ -110,9 +110,9 @@ fn check_eight(
     }
 }
 
-/// A picture so wide that a column is half as wide as its distance, or more, and triangles much nearer than what corners
-/// are relative to: at the packet's far end a place is off by many times what depths are. With e_z at zero in the bounds'
-/// margin this fails.
+/// A picture so wide that a column is at least half as wide as its distance, and triangles much nearer than the
+/// projector's depth: at the packet's far end a place is off by many times what depths are. With e_z at zero in the
+/// bounds' margin this fails.
 #[test]
 fn nearby_triangles_at_the_rim_of_a_wide_picture_keep_the_rays_that_hit_them() {
     let mut random = Random(58);
@@ -159,7 +159,7 @@ fn nearby_triangles_at_the_rim_of_a_wide_picture_keep_the_rays_that_hit_them() {
     assert!(tally.hits > 1000, "{tally:?}");
 }
 
-/// Triangles in the plane of the eye but for rounding, and in front of it: none is taken to be behind. Without e_z there
+/// Triangles in front of the eye's plane by no more than rounding: none is culled as lying behind. Without e_z there
 /// this fails.
 #[test]
 fn triangles_within_rounding_of_the_eyes_plane_are_not_behind() {

@@ -1,6 +1,6 @@
 use super::params::ROW;
 
-/// Bounds of rays in a packet: first and last column and row, both included.
+/// The bounds of rays in a packet: first and last column and row, both included.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct RayBox {
     pub(crate) left: i32,
@@ -10,7 +10,7 @@ pub(crate) struct RayBox {
 }
 
 impl RayBox {
-    /// How many rays it holds.
+    /// The number of rays in it.
     #[inline(always)]
     pub(crate) fn count(self) -> i32 {
         (self.right - self.left + 1) * (self.bottom - self.top + 1)

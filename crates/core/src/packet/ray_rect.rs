@@ -21,7 +21,17 @@ impl RayRect {
         }
     }
 
-    /// Cuts it into rectangles of at most `side × side` rays.
+    /// The rays of a lattice through a rectangle of its pixels.
+    pub(super) fn of(rect: Rect) -> Self {
+        Self {
+            column: rect.x,
+            row: rect.y,
+            columns: rect.width,
+            rows: rect.height,
+        }
+    }
+
+    /// Splits it into rectangles of at most `side × side` rays.
     #[inline(always)]
     pub(super) fn split(self, side: u32) -> impl Iterator<Item = Self> {
         let (right, bottom) = (self.column + self.columns, self.row + self.rows);
@@ -39,7 +49,7 @@ impl RayRect {
             })
     }
 
-    /// The same as pixels of the lattice.
+    /// The same rectangle as pixels of the lattice.
     pub(super) fn rect(&self) -> Rect {
         Rect {
             x: self.column,
@@ -47,31 +57,5 @@ impl RayRect {
             width: self.columns,
             height: self.rows,
         }
-    }
-
-    /// Cuts it before these columns and rows.
-    pub(super) fn split_at(self, [columns, rows]: [Vec<u32>; 2]) -> impl Iterator<Item = Self> {
-        let ends = |cuts: Vec<u32>, first: u32, count: u32| {
-            let end = first + count;
-            let cuts = cuts
-                .into_iter()
-                .filter(move |cut| (first + 1..end).contains(cut));
-            let mut from = first;
-            let ranges = cuts
-                .chain([end])
-                .map(move |to| (std::mem::replace(&mut from, to), to));
-            ranges.collect::<Vec<_>>()
-        };
-        let columns = ends(columns, self.column, self.columns);
-        let rows = ends(rows, self.row, self.rows);
-        rows.into_iter().flat_map(move |(top, bottom)| {
-            let part = move |&(left, right): &(u32, u32)| Self {
-                column: left,
-                row: top,
-                columns: right - left,
-                rows: bottom - top,
-            };
-            columns.iter().map(part).collect::<Vec<_>>()
-        })
     }
 }

@@ -1,14 +1,14 @@
-//! The rivals of undecided rays: for each the triangles one of which is its closest hit, if anything is. A single ray
-//! tests these alone, and not the tree.
+//! The rivals of undecided rays: the triangles of which one is the ray's closest hit, if anything is. A single ray
+//! tests these alone, and does not traverse the tree.
 
-/// How many rivals a packet records, 64 for each ray. Of a packet that has more, the undecided rays go through the
-/// tree: they would test as many triangles there.
+/// The most rivals that a packet records: 64 a ray. With more, undecided rays would test as many triangles as
+/// traversing the tree does; with fewer, more of them traverse it.
 const MOST: usize = 1 << 16;
 
 /// The rivals of a packet's rays.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rivals {
-    /// Rays, counted row by row, and primitive indices.
+    /// The ray's index, in row order, and a primitive index.
     pairs: Vec<(u32, u32)>,
     overflowed: bool,
 }
@@ -28,7 +28,7 @@ impl Rivals {
         }
     }
 
-    /// Records a triangle, and the one that the ray was decided to hit first before, if there is one.
+    /// Records a triangle, and the one that was the ray's decided closest hit before, if any.
     pub(super) fn push_both(&mut self, ray: usize, before: Option<u32>, primitive: u32) {
         if let Some(before) = before {
             self.push(ray, before);
@@ -36,13 +36,13 @@ impl Rivals {
         self.push(ray, primitive);
     }
 
-    /// Brings them into the order that [`Rivals::of`] needs.
+    /// Sorts the pairs by ray, as [`Rivals::of`] needs them.
     pub(super) fn sort(&mut self) {
         self.pairs.sort_unstable();
         self.pairs.dedup();
     }
 
-    /// A ray and its rivals, once they are sorted; `None` where too many were recorded.
+    /// A ray's rivals, after sorting; `None` where too many were recorded.
     pub(super) fn of(&self, ray: usize) -> Option<&[(u32, u32)]> {
         if self.overflowed {
             return None;
@@ -59,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rivals_are_those_of_the_ray_once_each() {
+    fn rivals_are_grouped_by_ray_without_repetition() {
         let mut rivals = Rivals::default();
         for (ray, primitive) in [(7, 3), (2, 9), (7, 1), (7, 3), (0, 4)] {
             rivals.push(ray, primitive);

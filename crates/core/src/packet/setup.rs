@@ -30,23 +30,23 @@
 //! * **Rays.** A ray's direction is rounded on its way to unit length by 8εB a component, which T makes
 //!   14εK·B/D, and its place on the plane by εK: below 32εK·B/D columns or rows, so edge functions and n are off
 //!   by that times |m₁| + |m₂|, or |n₁| + |n₂|. Orthographic rays' origins are rounded instead, which η includes.
-//! * **Plane.** With L and M twice the greatest difference of a corner from A in X or Y, and in Z: A·n is off by half of
-//!   F = (A·M + Z·L)·(16(K + h)δ + 24εL) + 12δ·A·L. Orthographic depths are (A·n − n₁i − n₂j)/n₃, whose numerator is off
-//!   by F with A + h for A, and n₃ by 8KδL + 8εL².
-//! * **Depth key.** A quotient whose denominator is off by a quarter of itself at most is off by 4/3 of what its parts
-//!   are off by, relative to itself: we take 2. The key is made relative to the packet's reference (`depth_reference`)
-//!   after that: these errors are as large as the whole key makes them, and only [`LINEAR_ERROR`], with the difference's
-//!   rounding in it, goes by what is left.
+//! * **Plane.** With L and M twice the greatest difference of a corner from A in X or Y, and in Z: A·n is off by half
+//!   of F = (A·M + Z·L)·(16(K + h)δ + 24εL) + 12δ·A·L. Orthographic depths are (A·n − n₁i − n₂j)/n₃, whose numerator
+//!   is off by F with A + h for A, and n₃ by 8KδL + 8εL².
+//! * **Depth key.** A quotient whose denominator is off by a quarter of itself at most is off by 4/3 of what its
+//!   parts are off by, relative to itself: we take 2. The key is made relative to the packet's reference
+//!   (`depth_reference`) after that: these errors are as large as the whole key makes them, and only
+//!   [`LINEAR_ERROR`], with the difference's rounding in it, goes by what is left.
 //! * **What covers what.** δ ≥ 72ε·2.1·A/K' with K' = D/s (orthographic: 1/s), and δ ≥ 79ε·Z·B/D. So Kδ ≥ 151εA, and
-//!   as L ≤ 4A every term with ε and A or L is covered by the one with δ beside it. Inverse and product round the key by
-//!   4ε of itself at most; since |A·n| ≤ (A·M + Z·L)·L and |n₃| ≤ L², a key is off by 16Kδ/L ≥ 600ε of itself through
-//!   its denominator. Rays of a lattice move edge functions by 128εK(B/D)AZ at most: E has 316 of these. An orthographic
-//!   eye is off by less than its rays' origins are.
-//! * **What covers the key's numerator in perspective.** It is off by (L + iM)·4(K + h)δ at a place i. Keys count where
-//!   rays hit the triangle: a hit of depth z is a mean of the corners, so z ≤ Z and i ≤ A/z, and the numerator is off by
-//!   a quarter of F/z. A lattice's rays move it by 32εK(B/D)LM, a tenth of F/z as M ≤ 4Z. The key is 1/z, and of the
-//!   2F/z that are taken of its denominator's error 4/3·(1/2 + 1/4 + 1/10) are needed. Rays at places of their own are
-//!   off by more, and their share is added.
+//!   as L ≤ 4A every term with ε and A or L is covered by the one with δ beside it. Inverse and product round the key
+//!   by 4ε of itself at most; since |A·n| ≤ (A·M + Z·L)·L and |n₃| ≤ L², a key is off by 16Kδ/L ≥ 600ε of itself
+//!   through its denominator. Rays of a lattice move edge functions by 128εK(B/D)AZ at most: E has 316 of these. An
+//!   orthographic eye is off by less than its rays' origins are.
+//! * **What covers the key's numerator in perspective.** It is off by (L + iM)·4(K + h)δ at a place i. Keys count
+//!   where rays hit the triangle: a hit of depth z is a mean of the corners, so z ≤ Z and i ≤ A/z, and the numerator
+//!   is off by a quarter of F/z. A lattice's rays move it by 32εK(B/D)LM, a tenth of F/z as M ≤ 4Z. The key is 1/z,
+//!   and of the 2F/z that are taken of its denominator's error 4/3·(1/2 + 1/4 + 1/10) are needed. Rays at places of
+//!   their own are off by more, and their share is added.
 
 pub(super) mod place_bounds;
 mod space;
@@ -57,8 +57,8 @@ use crate::hit::Cull;
 use crate::num::simd::LANES;
 pub(crate) use space::PacketSpace;
 
-/// The furthest place from a packet's first ray at which functions are evaluated: rows of lanes may reach beyond
-/// the packet.
+/// The furthest place from a packet's first ray at which functions are evaluated; rows of lanes may reach beyond the
+/// packet.
 pub(super) const REACH: f64 = (SIDE + ROW) as f64;
 
 /// The unit roundoff of double precision.
@@ -79,7 +79,7 @@ pub(crate) type CornerLanes = [[f32; LANES]; 9];
 
 /// Eight triangles set up for a packet.
 ///
-/// Functions are of the place relative to a triangle's own first ray, (`column`, `row`).
+/// Functions are relative to a triangle's own first ray, (`column`, `row`).
 #[derive(Clone, Debug)]
 pub(crate) struct TriangleSetup {
     /// Edge functions: value at the first ray, step per column, step per row. All three are positive inside.
@@ -96,15 +96,15 @@ pub(crate) struct TriangleSetup {
     pub(crate) row: [i32; LANES],
     /// Bounds of the rays that may hit the triangle; empty if it is culled.
     pub(crate) boxes: [RayBox; LANES],
-    /// Edge-on or ill-conditioned: which side faces the eye is not sure.
+    /// Edge-on or ill-conditioned: it is undecided which side faces the eye.
     pub(crate) ill_conditioned: [bool; LANES],
-    /// Where errors of double precision are no less than those of single precision, so that componentwise bounds
+    /// Where the errors of double precision are no less than those of single precision, so that componentwise bounds
     /// decide more.
     pub(crate) is_rough: [bool; LANES],
 }
 
 impl TriangleSetup {
-    /// Whether a triangle's depth key may come to a value somewhere in the packet.
+    /// Whether a triangle's depth key may reach a value somewhere in the packet.
     #[inline(always)]
     pub(super) fn may_touch(&self, l: usize, key: f32) -> bool {
         let [constant, x, y] = self.depth_key.map(|coefficient| coefficient[l]);
@@ -133,7 +133,7 @@ impl PacketSpace {
             let triangle = PacketTriangle::of(&corners, l);
             let size = self.size_of(&triangle);
             let plane = self.plane(&triangle, &size);
-            // NaN fails this comparison, and is ill-conditioned.
+            // NaN fails this comparison and is ill-conditioned.
             let clear = plane.facing.abs() > 4.0 * plane.facing_error;
             let culled = (self.cull == Cull::Back) & clear & (plane.facing > 0.0);
             let span = Span::of(&boxes[l]);
@@ -168,7 +168,7 @@ impl PacketSpace {
             out.depth_key[1][l] = key.x as f32;
             out.depth_key[2][l] = key.y as f32;
             out.depth_key_error[l] = (key_error * 1.001) as f32 + f32::MIN_POSITIVE;
-            // What leaves single precision's range, or is NaN, is ill-conditioned too.
+            // Overflow of single precision and NaN count as ill-conditioned too.
             let sound = (magnitude < f64::INFINITY)
                 & (magnitude > 0.0)
                 & (edge_error < 1.0)
@@ -182,7 +182,7 @@ impl PacketSpace {
         out
     }
 
-    /// The sizes that a triangle's error bounds go by.
+    /// The magnitudes that a triangle's error bounds are made of.
     #[inline(always)]
     fn size_of(&self, triangle: &PacketTriangle) -> Size {
         let PacketTriangle { a, b, c, u, v, .. } = *triangle;
@@ -236,7 +236,7 @@ impl PacketSpace {
             * (4.0 * self.stretch_and_reach * size.delta + 32.0 * EPSILON * size.reach)
     }
 
-    /// A triangle's edge functions, times `sign`.
+    /// The triangle's edge functions, times `sign`.
     #[inline(always)]
     fn edge_functions(&self, triangle: &PacketTriangle, sign: f64) -> [Linear; 3] {
         let weighted = |[x, y, z]: [f64; 3]| [x, y, if self.perspective { z } else { 1.0 }];
@@ -253,7 +253,7 @@ impl PacketSpace {
         [edge(b, c), edge(c, a), edge(a, b)]
     }
 
-    /// The depth key at the span's first ray, and its steps; `inverse` is that of [`Plane::facing`].
+    /// The depth key at the span's first ray, and its steps; `inverse` is the reciprocal of [`Plane::facing`].
     #[inline(always)]
     fn depth_key(&self, triangle: &PacketTriangle, span: &Span, inverse: f64) -> Linear {
         let [nx, ny, nz] = triangle.n;
@@ -323,11 +323,11 @@ struct Plane {
     /// The depth key's denominator, A·n or n₃: negative where the triangle's front faces the eye.
     facing: f64,
     facing_error: f64,
-    /// What the depth key's numerator is off by, but for what `facing_error` covers.
+    /// The error of the depth key's numerator, without what `facing_error` covers.
     numerator_error: f64,
 }
 
-/// Where a triangle's functions begin, and how far they are evaluated from there.
+/// Where a triangle's functions start, and how far they are evaluated from there.
 #[derive(Clone, Copy)]
 pub(super) struct Span {
     column: i32,
@@ -339,7 +339,7 @@ pub(super) struct Span {
 }
 
 impl Span {
-    /// Functions begin at the left of the bounds; for wide bounds at a multiple of a row.
+    /// Functions start at the left of the bounds; for wide bounds at a multiple of a row.
     #[inline(always)]
     pub(super) fn of(bounds: &RayBox) -> Self {
         let RayBox {
@@ -376,7 +376,7 @@ pub(super) struct Linear {
 }
 
 impl Linear {
-    /// The same function of the place relative to a span's first ray.
+    /// The same function relative to a span's first ray.
     #[inline(always)]
     pub(super) fn moved(self, span: &Span) -> Self {
         Self {
@@ -385,7 +385,7 @@ impl Linear {
         }
     }
 
-    /// The same function less a constant.
+    /// The function minus a constant.
     #[inline(always)]
     pub(super) fn less(self, constant: f64) -> Self {
         Self {
@@ -394,13 +394,13 @@ impl Linear {
         }
     }
 
-    /// The sum of its terms' greatest magnitudes over a span.
+    /// The sum of the terms' greatest magnitudes over a span.
     #[inline(always)]
     pub(super) fn size(self, span: &Span) -> f64 {
         self.constant.abs() + self.x.abs() * span.across + self.y.abs() * span.along
     }
 
-    /// How much it changes from ray to ray.
+    /// The greatest change from ray to ray.
     #[inline(always)]
     fn slope(self) -> f64 {
         self.x.abs() + self.y.abs()

@@ -1,5 +1,5 @@
-//! Terms of the bounds of set-up, each on triangles where no other term covers it. The truth is integer arithmetic on the
-//! rays as they are.
+//! The terms of the bounds of set-up, each on triangles where no other term covers it. The truth is integer
+//! arithmetic on the rays as they are.
 
 use super::componentwise_setup::ComponentwiseSetup;
 use super::params::SIDE;
@@ -21,7 +21,7 @@ const ALL: RayBox = RayBox {
     bottom: SIDE as i32 - 1,
 };
 
-/// 10 to a power between two.
+/// 10 to a random power between two.
 fn decades(random: &mut Random, least: f64, most: f64) -> f64 {
     math::pow(10.0, least + (most - least) * random.unit())
 }
@@ -32,8 +32,9 @@ fn camera_at(eye: DVec3, target: DVec3, projection: Projection, pitch: f64) -> C
     Camera::new(Placement { eye, target, up }, projection, plane)
 }
 
-/// Parallel rays begin within a few roundings of a triangle's plane, far from what its corners are relative to: a depth is
-/// off by as much as it is. With the error of the depth key's numerator at zero this fails, in either set-up.
+/// Parallel rays start within a few roundings of a triangle's plane, far from the point that its corners are relative
+/// to: the error of a depth is as large as the depth. With the error of the depth key's numerator at zero this fails,
+/// with either set-up.
 #[test]
 fn depth_keys_next_to_the_image_plane_are_within_their_bounds() {
     let mut random = Random(86);
@@ -53,7 +54,7 @@ fn depth_keys_next_to_the_image_plane_are_within_their_bounds() {
     assert!(tally.hits > 1000, "{tally:?}");
 }
 
-/// Checks a triangle, set up by its greatest coordinate or by component, at the packet's rays (i, i).
+/// Checks a triangle, set up with bounds by the greatest coordinate or componentwise, at the packet's rays (i, i).
 fn check_diagonal(
     space: &PacketSpace,
     camera: &Camera,
@@ -89,15 +90,16 @@ fn check_diagonal(
     );
 }
 
-/// A vector of few digits, square to z: single precision holds its multiples, so that points lie exactly on a line.
+/// A vector of few bits, perpendicular to z: single precision represents its multiples, so that points lie exactly on
+/// a line.
 fn line(random: &mut Random) -> DVec3 {
     let [x, y] = [(); 2].map(|()| 1.0 + (random.unit() * 30.0).floor());
     DVec3::new(x, y, 0.0)
 }
 
-/// Two corners far away at the packet's first ray, one close to an eye that is off at its last: there the place of the
-/// close corner is off by as much as the edge between it and a far one is in the packet's last row. With h·W in E at zero
-/// this fails.
+/// Two corners are far away at the packet's first ray and one is close to the eye, which is off, at its last: there
+/// the error of the close corner is as large as the length of the edge to a far one, in the packet's last row. With
+/// h·W in E at zero this fails.
 #[test]
 fn edges_to_corners_of_very_different_depths_are_decided_only_where_it_is_sure() {
     let mut random = Random(87);
@@ -109,7 +111,7 @@ fn edges_to_corners_of_very_different_depths_are_decided_only_where_it_is_sure()
         let column = 1e-3;
         let ratio = decades(&mut random, 2.5, 3.3);
         let diagonal = right - up;
-        // Rays begin at the origin. The first one goes along the far corners.
+        // Rays start at the origin. The first one runs along the far corners.
         let far = forward * ratio;
         let beside = right * (column * ratio * (0.02 + 0.05 * random.unit()));
         let corners = [forward + diagonal * (31.0 * column), far, far + beside];
@@ -132,8 +134,8 @@ fn edges_to_corners_of_very_different_depths_are_decided_only_where_it_is_sure()
     assert!(tally.hits > 1000, "{tally:?}");
 }
 
-/// Slivers square to parallel rays, with a corner at the packet's first ray: depths are next to nothing, and off by what
-/// the normal is. With its error along the packet at zero this fails.
+/// Slivers perpendicular to parallel rays, with a corner at the packet's first ray: depths are tiny, and their error
+/// is that of the normal. With its error along the packet at zero this fails.
 #[test]
 fn depth_keys_of_slivers_square_to_the_rays_are_within_their_bounds() {
     let mut random = Random(95);
@@ -147,7 +149,7 @@ fn depth_keys_of_slivers_square_to_the_rays_are_within_their_bounds() {
         let thin = decades(&mut random, -6.0, -1.0);
         let at =
             |along: f64, turn: f64| -(aside * along + DVec3::Z * (length * along * (1.0 + turn)));
-        // Differences from the first have more digits than single precision.
+        // Differences from the first corner have more bits than single precision.
         let first = DVec3::Z * (length * 1e-7 * random.signed());
         let corners = [first, at(long, thin), at(other, -thin * random.unit())];
         let step = long * length / 64.0;
@@ -168,8 +170,8 @@ fn depth_keys_of_slivers_square_to_the_rays_are_within_their_bounds() {
     assert!(tally.hits > 1000, "{tally:?}");
 }
 
-/// The eye is next to one corner of a triangle, and all but in its plane: far away keys are small. With the error of their
-/// numerator by component at zero this fails.
+/// The eye is close to one corner of a triangle and nearly in its plane, so that keys far away are small. With the
+/// componentwise error of their numerator at zero this fails.
 #[test]
 fn depth_keys_of_planes_along_the_rays_are_within_their_bounds() {
     let mut random = Random(88);
@@ -188,8 +190,8 @@ fn depth_keys_of_planes_along_the_rays_are_within_their_bounds() {
     assert!(tally.hits > 1000, "{tally:?}");
 }
 
-/// Deep triangles all but seen from their edge by parallel rays that are close together. With the error of the depth key's
-/// denominator by component at zero this fails.
+/// Deep triangles, nearly edge-on to parallel rays that are close together. With the componentwise error of the depth
+/// key's denominator at zero this fails.
 #[test]
 fn depth_keys_along_parallel_rays_are_within_their_bounds() {
     let mut random = Random(89);
@@ -202,7 +204,7 @@ fn depth_keys_along_parallel_rays_are_within_their_bounds() {
             (along + DVec3::Z * (wide * random.signed())).as_vec3()
         };
         let corners = [at(0.0), at(1000.0), at(1000.0)];
-        // Rays begin next to the first corner, and run almost along the others.
+        // Rays start close to the first corner, and run almost along the others.
         let [a, b, c] = corners.map(Vec3::as_dvec3);
         let inside = (a + b + c) / 3.0;
         let off_edge = DVec3::new(-line.y, line.x, 0.0) * decades(&mut random, -14.0, -6.0);
@@ -215,8 +217,8 @@ fn depth_keys_along_parallel_rays_are_within_their_bounds() {
     assert!(tally.hits > 1000, "{tally:?}");
 }
 
-/// All coordinates are so small that single precision has few digits for them, or none. Without what is added for underflow
-/// this fails, in either set-up.
+/// All coordinates are so small that single precision has few bits for them, or none. Without the terms for underflow
+/// this fails, with either set-up.
 #[test]
 fn depth_keys_that_underflow_are_within_their_bounds() {
     let mut random = Random(90);
@@ -234,8 +236,8 @@ fn depth_keys_that_underflow_are_within_their_bounds() {
     assert!(tally.hits > 1000, "{tally:?}");
 }
 
-/// Rays lie beside their places by what they may. With rays' errors at zero in edge functions, or in the depth key, this
-/// fails.
+/// Rays beside their places by as much as they may be. With the rays' errors at zero in the edge functions, or in the
+/// depth key, this fails.
 #[test]
 fn rays_beside_their_places_are_within_the_bounds() {
     let mut random = Random(91);

@@ -1,5 +1,5 @@
-//! Triangles as functions of a ray's place, against exact arithmetic: what they leave no doubt about is
-//! so, over pitches from a scene's size to next to a double's, and they leave little in doubt.
+//! Set-up against exact arithmetic: what its functions decide is right, for ray spacings from a scene's size down to
+//! nearly a unit in the last place, and they leave little undecided.
 
 use super::componentwise_setup::ComponentwiseSetup;
 use super::depth_reference::DepthReference;
@@ -24,7 +24,7 @@ const ALL: RayBox = RayBox {
     bottom: SIDE as i32 - 1,
 };
 
-/// What a set-up's functions said of some rays.
+/// Counts of what a set-up's functions decided.
 #[derive(Debug, Default)]
 pub(super) struct Tally {
     decided: usize,
@@ -33,7 +33,7 @@ pub(super) struct Tally {
     culled: usize,
 }
 
-/// A camera some 5 units away from what is around `middle`, of 32 × 32 rays `pitch` apart there.
+/// A camera some 5 units away from `middle`, with 32 × 32 rays that are `pitch` apart there.
 pub(super) fn camera(
     random: &mut Random,
     middle: DVec3,
@@ -49,7 +49,7 @@ pub(super) fn camera(
     Camera::new(placement, projection, plane)
 }
 
-/// A triangle of some rays' width; one in three seen from its edge but for rounding, or a little more.
+/// A triangle about as wide as some rays; one in three is edge-on except for rounding, or nearly so.
 fn triangle(random: &mut Random, camera: &Camera, pitch: f64) -> [Vec3; 3] {
     let place = random.point() * (10.0 * pitch);
     let [a, b, c] = [(); 3].map(|()| place + random.point() * (12.0 * pitch));
@@ -63,8 +63,8 @@ fn triangle(random: &mut Random, camera: &Camera, pitch: f64) -> [Vec3; 3] {
     [a, b, c].map(DVec3::as_vec3)
 }
 
-/// A triangle of about this `size` with an edge through a ray, or a corner on it, but for rounding, and that
-/// ray; some are seen nearly from their edge. Corners are relative to `frame`.
+/// A triangle of about this `size` with an edge through a ray, or a corner on it, except for rounding; and that ray.
+/// Some are nearly edge-on. Corners are relative to `frame`.
 pub(super) fn triangle_at_ray(
     random: &mut Random,
     camera: &Camera,
@@ -118,7 +118,7 @@ fn check(
     check_aside(lane, camera, (0.0, 0.0), cull, placed, rays, tally);
 }
 
-/// The same of rays that lie so many columns and rows beside their places.
+/// As `check`, for rays so many columns and rows beside their places.
 pub(super) fn check_aside(
     (set_up, l): (&TriangleSetup, usize),
     camera: &Camera,
@@ -135,7 +135,7 @@ pub(super) fn check_aside(
         if is_culled || !set_up.ill_conditioned[l] {
             let ray = camera.ray(x as f64 + 0.5 + aside.0, y as f64 + 0.5 + aside.1);
             let ray = Ray {
-                // Where orthographic rays begin is another matter.
+                // Where orthographic rays start is tested elsewhere.
                 t_min: if perspective { 0.0 } else { -1e99 },
                 ..ray
             };
@@ -179,18 +179,18 @@ pub(super) fn check_aside(
     }
 }
 
-/// How triangles are made, and set up.
+/// How triangles are made and set up.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
-    /// By the greatest coordinate.
+    /// Random, with bounds by the greatest coordinate.
     Plain,
-    /// With an edge through a ray, to be checked at that ray alone.
+    /// With an edge through a ray, and checked at that ray only.
     AtRay,
-    /// The same as the last, set up by component.
+    /// The same, with componentwise bounds.
     AtRayByComponent,
-    /// The first triangles, by component.
+    /// Random, with componentwise bounds.
     Componentwise,
-    /// With a corner next to the eye.
+    /// With a corner close to the eye.
     NextToTheEye,
     /// With coordinates of any exponent.
     AnyExponent,
@@ -207,7 +207,7 @@ fn hostile_triangle(
     match kind {
         Kind::Plain | Kind::AtRay | Kind::AtRayByComponent | Kind::Componentwise => [a, b, c],
         Kind::NextToTheEye => {
-            // Single precision's numbers next to the eye; where it is one, its neighbours at some rays' pitch.
+            // Single-precision numbers close to the eye; where the eye is one, others within some rays of it.
             let beside = random.point() * (pitch * decades(random, 3.0));
             let next = (eye + beside).as_vec3();
             let turned = [[next, b, c], [c, next, b], [b, c, next]];
@@ -220,7 +220,7 @@ fn hostile_triangle(
     }
 }
 
-/// Sets up triangles that cameras see around `frame`, and checks each at all rays of the packet, or at the one that
+/// Sets up triangles that cameras see around `frame`, and checks each at all rays of the packet, or at the ray that
 /// an edge goes through.
 fn check_all(
     (projection, pitch, frame): (Projection, f64, DVec3),
@@ -283,7 +283,8 @@ fn check_all(
     tally
 }
 
-/// Checks a triangle at some of a packet's rays, set up by its greatest coordinate, and by component.
+/// Checks a triangle at some of a packet's rays, with bounds by the greatest coordinate and with componentwise
+/// bounds.
 pub(super) fn check_one(
     random: &mut Random,
     camera: &Camera,
@@ -320,8 +321,8 @@ pub(super) fn check_one(
     }
 }
 
-/// The plane of a large triangle is as near to the eye as its place is rounded: depths are less than errors. With the
-/// share of A in r at zero, or the last term of F, this fails.
+/// The plane of a large triangle is as close to the eye as the rounding of the eye's position: depths are less than
+/// their errors. With the term of A in r at zero, or the last term of F, this fails.
 #[test]
 fn large_triangles_next_to_the_eye_are_decided_only_where_it_is_sure() {
     let mut random = Random(77);
@@ -346,8 +347,8 @@ fn large_triangles_next_to_the_eye_are_decided_only_where_it_is_sure() {
     assert!(tally.hits + tally.culled > 1000, "{tally:?}");
 }
 
-/// The eye is so near to the plane of a large triangle that its depths have few digits, and yet its side is sure. With
-/// F at zero in the depth key this fails.
+/// The eye is so close to the plane of a large triangle that its depths have few significant bits, yet the visible
+/// side is decided. With F at zero in the depth key this fails.
 #[test]
 fn depth_keys_of_planes_next_to_the_eye_are_within_their_bounds() {
     let mut random = Random(83);
@@ -390,9 +391,9 @@ fn depth_keys_of_steep_triangles_are_within_their_bounds() {
     assert!(tally.hits > 1000, "{tally:?}");
 }
 
-/// An edge of a triangle that is much larger than the packet goes through it, far from what corners are relative to:
-/// the eye's place there is rounded by more than the packet's width. Without the eye's error this fails, and without
-/// most of the componentwise terms.
+/// An edge of a triangle much larger than the packet goes through it, far from the point that corners are relative
+/// to: the eye's position there is rounded by more than the packet's width. Without the eye's error this fails, and
+/// without most of the componentwise terms.
 #[test]
 fn edges_far_from_the_origin_are_decided_only_where_it_is_sure() {
     let mut random = Random(79);
@@ -419,7 +420,7 @@ fn edges_far_from_the_origin_are_decided_only_where_it_is_sure() {
 
 /// The truth is integer arithmetic on the rays as they are.
 #[test]
-fn what_a_set_up_is_sure_of_is_so() {
+fn what_a_set_up_decides_is_what_integers_decide() {
     for projection in [Projection::Perspective, Projection::Orthographic] {
         for (pitch, least) in [(1e-2, 60), (1e-6, 60), (1e-10, 45), (1e-11, 0), (1e-13, 0)] {
             let tally = check_all((projection, pitch, DVec3::ZERO), 12, Kind::Plain);
@@ -441,8 +442,8 @@ fn what_a_set_up_is_sure_of_is_so() {
     }
 }
 
-/// With E's δ or its [`LINEAR_ERROR`](super::setup::LINEAR_ERROR) at zero this fails, with F's δ, and with that of edges
-/// that are set up by component.
+/// With E's δ or its [`LINEAR_ERROR`](super::setup::LINEAR_ERROR) at zero this fails, with F's δ, and with that of
+/// edges that are set up by component.
 #[test]
 fn edges_through_rays_are_decided_only_where_it_is_sure() {
     let far = DVec3::new(148_376.0, 1234.5, -223_423.25);
@@ -462,7 +463,7 @@ fn edges_through_rays_are_decided_only_where_it_is_sure() {
 
 /// The truth is integer arithmetic on the rays as they are.
 #[test]
-fn what_componentwise_bounds_are_sure_of_is_so() {
+fn what_componentwise_bounds_decide_is_what_integers_decide() {
     for projection in [Projection::Perspective, Projection::Orthographic] {
         for (kind, pitch, least) in [
             (Kind::Componentwise, 1e-2, 45),
@@ -487,15 +488,15 @@ fn what_componentwise_bounds_are_sure_of_is_so() {
     }
 }
 
-/// Depth keys relative to a reference order two triangles only as exact arithmetic does: of triangles whose distances
-/// differ by 1e-11 to 1e-16 of themselves, seen from everywhere, at rays that hit both.
+/// Depth keys relative to a reference order two triangles only as exact arithmetic does: triangles whose distances
+/// differ by 1e-11 to 1e-16 of themselves, from all directions, at rays that hit both.
 #[test]
 fn relative_depth_keys_order_only_what_is_sure() {
     let mut random = Random(53);
     let far = DVec3::new(148_376.0, 1234.5, -223_423.25);
     for projection in [Projection::Perspective, Projection::Orthographic] {
         let perspective = projection == Projection::Perspective;
-        // The least share of pairs that are ordered.
+        // The least fraction of pairs that are ordered.
         for (pitch, apart, frame, least) in [
             (1e-3, 1e-9, DVec3::ZERO, 60),
             (1e-11, 1e-10, DVec3::ZERO, 40),
@@ -515,7 +516,7 @@ fn relative_depth_keys_order_only_what_is_sure() {
                 let reference = DepthReference::of(boxes.into_iter(), &camera, eye);
                 assert!(pitch > 1e-5 || !reference.is_zero());
                 let space = space(&camera, frame, Cull::None).relative_to(reference);
-                // Pairs: one a little behind the other, or tilted against it.
+                // Pairs of triangles: one slightly behind the other, or tilted against it.
                 let mut triangles = [[Vec3::ZERO; 3]; LANES];
                 for l in (0..LANES).step_by(2) {
                     let corners = [(); 3].map(|()| random.point() * (12.0 * pitch));

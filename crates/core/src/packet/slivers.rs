@@ -1,5 +1,5 @@
-//! Sliver bounds: the rays that eight long thin triangles may hit, shrunk from the box of their corners to the
-//! spans of its rows. Slivers pass between most rays of their box, and many hit none.
+//! Sliver bounds: the bounding boxes of eight long thin triangles, shrunk to the spans of their rows. Slivers pass
+//! between most rays of their box, and many hit none.
 //!
 //! # Error bounds
 //! With u = 2⁻²⁴ (notation: `docs/error-bounds.md`).
@@ -32,18 +32,19 @@ use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 /// The unit roundoff of single precision.
 const UNIT: f32 = 1.0 / (1 << 24) as f32;
 
-/// The largest thickness of a sliver, in columns: its doubled area over its length. Thicker triangles hit most
-/// rows of their box, and spans would cull little.
+/// The largest thickness of a sliver, in columns: its doubled area over its length. With a larger limit spans would
+/// be computed for triangles that hit most rows of their box, where they cull little; with a smaller one slivers
+/// would be set up that no ray hits.
 const SLIVER: f32 = 2.0;
 
-/// The fewest slivers among eight for which spans are found, which is done for all eight together: for fewer it takes
+/// The fewest slivers among eight for which spans are computed, always for all eight together: for fewer it takes
 /// longer than setting up those that it would cull.
 const SEVERAL: u32 = 3;
 
-/// Added to both ends of spans, in columns.
+/// The slack at either end of a span, in columns.
 const SLACK: f32 = 1.0 / 1024.0;
 
-/// Bounds of the rays that may hit eight triangles, both ends included.
+/// The bounds of the rays that may hit eight triangles, both ends included.
 #[derive(Clone, Copy)]
 pub(super) struct SliverBounds<L: Lanes> {
     pub(super) left: L::F32,
@@ -52,21 +53,21 @@ pub(super) struct SliverBounds<L: Lanes> {
     pub(super) bottom: L::F32,
 }
 
-/// Eight triangles by the places of their corners.
+/// Eight triangles, by the places of their corners.
 #[derive(Clone, Copy)]
 pub(super) struct ProjectedCorners<L: Lanes> {
     pub(super) xs: Three<L::F32>,
     pub(super) ys: Three<L::F32>,
     /// The greater of width and height.
     pub(super) length: L::F32,
-    /// Bound on the error of places up to 2·[`SIDE`]; it grows in proportion beyond.
+    /// A bound on the error of places up to 2·[`SIDE`]; beyond, the error grows in proportion.
     pub(super) off: L::F32,
-    /// Triangles for which all this holds.
+    /// The triangles for which these bounds hold.
     pub(super) safe: L::Mask,
 }
 
 impl<L: Lanes> SliverBounds<L> {
-    /// The bounds, shrunk for slivers, and which of `seen` (as bits) still bound any ray.
+    /// The bounds, shrunk for slivers, and which of the triangles `seen` (as bits) still bound any ray.
     #[inline(always)]
     pub(super) fn shrunk_to_slivers(
         self,
@@ -104,7 +105,7 @@ impl<L: Lanes> SliverBounds<L> {
         (boxes, seen & !empty)
     }
 
-    /// Bounds around the row spans of the triangles in `which` (as bits), and where they are sure.
+    /// The bounding boxes of the row spans of the triangles in `which` (as bits), and the lanes where they are sure.
     #[inline(always)]
     fn spans(
         self,
@@ -120,7 +121,7 @@ impl<L: Lanes> SliverBounds<L> {
         let across = furthest((ax, bx, cx));
         let along = furthest((ay, by, cy));
         let reach = across.max(along).max(side);
-        // Places lie within `reach` and the box's own place of zero.
+        // Places lie within `reach` of the box's own first place.
         let scale = reach * (0.5 / SIDE as f32) + 1.0;
         let off = placed.off * scale;
         let off = off + reach * UNIT;
@@ -162,26 +163,26 @@ impl<L: Lanes> SliverBounds<L> {
     }
 }
 
-/// What moves edges outwards.
+/// The amounts by which edges are moved outwards.
 #[derive(Clone, Copy)]
 struct Slack<L: Lanes> {
-    /// Where the area is negative.
+    /// Lanes with negative area.
     turned: L::Mask,
     /// M.
     off: L::F32,
-    /// Bound on the rounding of edge functions.
+    /// A bound on the rounding of edge functions.
     rounding: L::F32,
 }
 
 /// An edge function, non-negative inside.
 #[derive(Clone, Copy)]
 struct Edge<L: Lanes> {
-    /// Its upper bound at the first ray, and its step from row to row.
+    /// An upper bound of its value at the first ray, and its step from row to row.
     first: L::F32,
     down: L::F32,
-    /// A value times this is the column at which the function is zero, from the first.
+    /// A value times this is the column, from the first, at which the function is zero.
     columns: L::F32,
-    /// Where spans begin at this edge; elsewhere they end at it.
+    /// Lanes where spans start at this edge; elsewhere they end at it.
     begins: L::Mask,
 }
 
@@ -215,7 +216,7 @@ impl<L: Lanes> Edge<L> {
         }
     }
 
-    /// Cuts a row's span to the inner side of the edge.
+    /// Clips a row's span to the inner side of the edge.
     #[inline(always)]
     fn cut(&self, y: L::F32, (begin, end): (L::F32, L::F32)) -> (L::F32, L::F32) {
         let value = self.first + self.down * y;
@@ -227,7 +228,7 @@ impl<L: Lanes> Edge<L> {
     }
 }
 
-/// The greatest of the `heights` in `which` (as bits); they are whole numbers.
+/// The greatest of the `heights` in `which` (as bits), which are integers.
 #[inline(always)]
 fn highest<F: F32x8>(heights: F, which: u32) -> u32 {
     let mut all = [0.0; LANES];
@@ -284,7 +285,7 @@ mod tests {
         ]
     }
 
-    /// Bounds of triangles as projected, and as shrunk where any ray is left.
+    /// The boxes of projected triangles, and the shrunk boxes where any ray is left.
     fn boxes(placed: &[Corners; LANES], off: f64) -> [([f32; 4], Option<[f32; 4]>); LANES] {
         let lanes = Plain;
         let each =
@@ -326,7 +327,7 @@ mod tests {
         })
     }
 
-    /// How many of many triangles no ray hits, and how many of those were culled.
+    /// Tries many triangles; returns how many no ray hits, and how many of those were culled.
     fn try_many(length: f64, off: f64, past: f64, thickness: f64) -> [usize; 2] {
         let mut random = Random(7);
         let [mut empty, mut culled] = [0; 2];
@@ -370,7 +371,7 @@ mod tests {
 
     #[test]
     fn no_ray_of_a_sliver_is_culled() {
-        // With places off by much, and by the rounding of far corners alone.
+        // With large errors of places, and with the rounding of far corners alone.
         for (length, off, past, thickness) in [
             (30.0, 0.25, 0.3, 0.9),
             (30.0, 1e-3, 1e-3, 0.9),
@@ -384,8 +385,8 @@ mod tests {
         }
     }
 
-    /// Edges from whole places, so that the truth is integer arithmetic: their functions are below the upper bound at
-    /// every row, and would not be without the bound on their rounding.
+    /// Edges between integer places, so that the truth is integer arithmetic: their functions are below the upper
+    /// bound at every row, and would not be without the bound on their rounding.
     #[test]
     fn edges_lose_no_ray_to_rounding() {
         let lanes = Plain;

@@ -1,13 +1,13 @@
-//! Coverage of small triangles: eight triangles, each tested against the few rays of its bounds by edge
-//! functions in single precision (Pineda, "A Parallel Algorithm for Polygon Rasterization", 1988). The bounds
-//! on their errors are derived in [`ray_bounds`](super::ray_bounds).
+//! Coverage of small triangles: eight triangles, each tested against the few rays of its bounds by edge functions in
+//! single precision (Pineda, "A Parallel Algorithm for Polygon Rasterization", 1988).
+//! [`ray_bounds`](super::ray_bounds) derives the bounds on their errors.
 
 use super::lane_math::{Three, cross, least, relative_to};
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 
-/// The largest edge error of a triangle whose orientation is used, as a share of its doubled area. Beyond a third no
-/// orientation is sure; the nearer to that, the wider the bounds of depth keys. With a lesser share more slivers are
-/// set up.
+/// The largest edge error, relative to the doubled area, of a triangle whose orientation is used. At a third and
+/// beyond no orientation is sure, and the closer to that, the wider the bounds of depth keys. With a smaller limit
+/// more slivers are set up.
 const MAX_AREA_ERROR: f32 = 1.0 / 16.0;
 
 /// Relative error of the interpolated depth key, in units of (edge error / doubled area) · (spread of the
@@ -17,10 +17,10 @@ const DEPTH_KEY_ERROR: f32 = 6.0;
 /// The most columns, and rows, of rays in the bounds of a small triangle.
 const SMALL_COLUMNS: usize = 5;
 
-/// How many rows of rays one number's 24 bits can hold.
+/// The number of rows of rays that the 24 bits of a single-precision number can hold.
 const ROWS: usize = 3;
 
-/// Adding a smaller whole number to this puts it in the low bits.
+/// Adding a smaller integer to this puts the integer in the low bits of the mantissa.
 const WHOLE: f32 = 8_388_608.0;
 
 /// Edge functions of eight triangles, positive inside: cross products of two corners relative to a ray, linear
@@ -33,23 +33,23 @@ pub(super) struct SmallEdges<L: Lanes> {
     down: Three<L::F32>,
     /// Bound on the error of the values.
     error: L::F32,
-    /// The depth key along a ray: its value at the first corner, and its slope by the third and the first
-    /// edge function.
+    /// The depth key along a ray: its value at the first corner, and its slopes by the third and the first edge
+    /// function.
     depth_key: Three<L::F32>,
     /// Bound on its error inside the triangle.
     depth_key_error: L::F32,
-    /// Triangles whose orientation is sure. Slivers are not: nothing here holds for them.
+    /// Triangles whose orientation is decided. Slivers are not: nothing here holds for them.
     pub(super) decided: L::Mask,
-    /// Those of them that face the eye.
+    /// Of those, the triangles that face the eye.
     pub(super) front: L::Mask,
 }
 
-/// Which rays hit eight small triangles. Rays are numbered from the first of a triangle's bounds, in rows of
+/// The rays that hit eight small triangles. Rays are numbered from the first of a triangle's bounds, in rows of
 /// [`SMALL_COLUMNS`].
 pub(crate) struct SmallCoverage {
-    /// Rays surely inside, as low bits of numbers that hold some rows each.
+    /// Rays surely inside, as the low bits of numbers that hold some rows each.
     inside: [[f32; LANES]; 2],
-    /// Rays not surely outside, those included.
+    /// Rays not surely outside, including those surely inside.
     perhaps: [[f32; LANES]; 2],
     /// The depth key along each ray.
     depth_key: [[f32; LANES]; SMALL_COLUMNS * SMALL_COLUMNS],
@@ -58,7 +58,7 @@ pub(crate) struct SmallCoverage {
 }
 
 impl<L: Lanes> SmallEdges<L> {
-    /// `xs`, `ys` and `depth_keys` are places and depth keys of the corners, `(x, y)` the first ray of each
+    /// `xs`, `ys` and `depth_keys` are places and depth keys of the corners, `(x, y)` is the first ray of each
     /// triangle's bounds; `error` bounds the error of the edge functions, `corner_error` that of `depth_keys`.
     #[inline(always)]
     pub(super) fn new(
@@ -166,7 +166,7 @@ impl SmallCoverage {
         bits(&self.perhaps, lane)
     }
 
-    /// Column and row of a ray from the first one, and the bounds of the depth key along it.
+    /// Column and row of a ray relative to the first one, and the bounds of the depth key along it.
     #[inline(always)]
     pub(super) fn ray(&self, lane: usize, ray: u32) -> ([usize; 2], [f32; 2]) {
         let ray = ray as usize % (SMALL_COLUMNS * SMALL_COLUMNS);
@@ -186,8 +186,8 @@ fn bits(halves: &[[f32; LANES]; 2], lane: usize) -> u32 {
     of(first) | of(second) << (ROWS * SMALL_COLUMNS)
 }
 
-/// The most columns, or rows, in the bounds of the triangles in `which` (as bits), at least two: most have
-/// as many. `more` is one less than their number.
+/// The greatest number of columns, or rows, in the bounds of the triangles in `which` (as bits), at least two, which
+/// is the most frequent. `more` is one less than the number in each lane.
 #[inline(always)]
 fn most<L: Lanes>(lanes: L, more: L::F32, which: u32) -> usize {
     let mut most = 2;
@@ -201,7 +201,8 @@ fn most<L: Lanes>(lanes: L, more: L::F32, which: u32) -> usize {
     most
 }
 
-/// The depth key interpolated by edge functions: base at the first corner, slopes by the third and the first.
+/// The depth key interpolated by edge functions: base at the first corner, slopes by the third and the first
+/// function.
 #[inline(always)]
 fn depth_key<F: F32x8>((first, _, third): Three<F>, (base, by_third, by_first): Three<F>) -> F {
     base + (third * by_third + first * by_first)

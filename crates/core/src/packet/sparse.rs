@@ -1,25 +1,26 @@
-//! Rays so far apart that most triangles lie between them: a coarse pass over millions of triangles. A packet's frustum
-//! holds all of those; single rays reach the few that are near them.
+//! Sparse lattices: rays so far apart that most triangles lie between them, as in a coarse pass over millions of
+//! triangles. A packet's frustum contains all of those; single rays visit only the few close to them.
 
 use super::ray_rect::RayRect;
 use super::traversal::Traversal;
 use crate::camera::Lattice;
 use crate::num::simd::Lanes;
 
-/// Triangles in a large packet's frustum, for each of its rays, from which on single rays take less time. Of 7.7 million
-/// triangles in 1024 objects, every 8th ray has 120 to 300 and takes a half to a quarter of the time one by one; every
-/// 4th ray close up has 30 and would take twice as long.
+/// The number of triangles in a large packet's frustum for each of its rays at and above which single rays take less
+/// time. With 7.7 million triangles in 1024 objects, every 8th ray has 120 to 300 and takes a half to a quarter of
+/// the time one by one; every 4th ray close up has 30 and would take twice as long.
 const TRIANGLES_PER_RAY: u32 = 96;
 
-/// The least [`stride`](crate::camera::Lattice::stride) at which rays may be cast one by one. What is hidden is counted
-/// with the triangles: close to the same objects packets skip it, and take half the time at every second ray.
+/// The least [`stride`](crate::camera::Lattice::stride) at which rays may be cast one by one. Occluded triangles are
+/// counted as well: close to the same objects packets skip them, and take half the time at every second ray.
 const LEAST_STRIDE: u32 = 4;
 
-/// Into how many parts the triangles that are too many are divided to be counted: fewer count more that lies outside.
+/// The number of parts that the limit of triangles is divided into for counting. With fewer, more triangles outside
+/// the frustum are counted; with more, more boxes are tested.
 const PARTS: u32 = 64;
 
 impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
-    /// Whether a large packet, whose entry points have been found, is better cast ray by ray.
+    /// Whether a large packet, whose entry points were found, takes less time ray by ray.
     #[inline(always)]
     pub(super) fn is_sparse(&self, lanes: impl Lanes, lattice: &Lattice, large: &RayRect) -> bool {
         if lattice.stride < LEAST_STRIDE {

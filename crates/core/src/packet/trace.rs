@@ -1,4 +1,4 @@
-//! A record of what casting a lattice goes through, level by level, for pictures and tables.
+//! A record of casting a lattice, level by level, for pictures and tables.
 //!
 //! The traversal is that of [`Accel::find`], recorded by an [`Observer`].
 
@@ -42,25 +42,25 @@ pub struct EntryPoint {
 /// A packet. Primitive indices are ascending and distinct.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PacketTrace {
-    /// Its rays: 32 × 32, fewer where the lattice ends.
+    /// Its rays: 32 × 32, fewer at the lattice's end.
     pub rays: Lattice,
-    /// Nodes whose children's boxes were tested, the entry points in pairs among them.
+    /// Nodes whose children's boxes were tested; each pair of entry points counts as one.
     pub nodes: u64,
     /// Triangles of the leaves reached.
     pub reached: Vec<u32>,
-    /// Those of them that were set up, or merged as small triangles: not outside of all rays, and not surely
+    /// The reached triangles that were set up, or merged as small triangles: neither outside of all rays nor surely
     /// occluded.
     pub set_up: Vec<u32>,
-    /// Those that some ray hits first.
+    /// The triangles that some ray hits first.
     pub seen: Vec<u32>,
 }
 
 impl Accel {
-    /// What [`Accel::find`] goes through for these rays, large packet by large packet, row by row. Each triangle
-    /// seen was set up, or hit by an undecided ray that was cast alone; each set up was reached; each reached
-    /// lies below an entry point; and no ray hits a triangle that does not.
+    /// Casts a lattice as [`Accel::find`] does and records each step, large packet by large packet, row by row. Each
+    /// triangle seen was set up, or hit by an undecided ray that was cast alone; each triangle set up was reached;
+    /// each one reached lies below an entry point; and no ray hits a triangle that does not.
     ///
-    /// The same for every instruction set. Slower than [`Accel::find`].
+    /// The record is the same for every instruction set. Slower than [`Accel::find`].
     pub fn levels(&self, lattice: &Lattice, cull: Cull) -> Vec<LargeTrace> {
         let mut levels = Vec::new();
         RecordTrace {
@@ -109,7 +109,7 @@ impl Work for RecordTrace<'_> {
         let whole = RayRect::all(lattice);
         let mut primitives = vec![MISS; lattice.len()];
         let clip = Clip::NONE;
-        let mut find = Find::<true> {
+        let mut find = Find {
             accel,
             clip: &clip,
             lattice,
@@ -160,7 +160,7 @@ impl Work for RecordTrace<'_> {
     }
 }
 
-/// A rectangle's rays as a lattice of their own.
+/// The rays of a rectangle, as a lattice of their own.
 fn rays(lattice: &Lattice, part: &RayRect) -> Lattice {
     Lattice {
         x: lattice.x + part.column * lattice.stride,
@@ -171,7 +171,7 @@ fn rays(lattice: &Lattice, part: &RayRect) -> Lattice {
     }
 }
 
-/// Indices of a rectangle's rays among the lattice's.
+/// Indices of a rectangle's rays in the lattice.
 fn places(lattice: &Lattice, part: &RayRect) -> impl Iterator<Item = usize> {
     let (part, columns) = (*part, lattice.columns);
     (part.row..part.row + part.rows).flat_map(move |row| {
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn levels_are_what_finding_goes_through() {
+    fn the_trace_counts_what_casting_counts() {
         for (size, offset) in [
             (1.0, DVec3::ZERO),
             (30.0, DVec3::new(148376.0, 1234.0, -223423.0)),
@@ -313,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_has_no_list() {
+    fn an_empty_scene_has_no_entry_points() {
         let accel = waves(0, 1.0, DVec3::ZERO);
         for lattice in lattices(1.0, DVec3::ZERO).take(1) {
             for large in accel.levels(&lattice, Cull::None) {

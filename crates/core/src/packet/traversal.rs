@@ -1,8 +1,8 @@
-//! Packet traversal: from the entry points of a large packet down to the triangles that a packet's rays may
-//! hit (Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", 2005).
+//! Packet traversal: from the entry points of a large packet down to the triangles that a packet's rays may hit
+//! (Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", 2005).
 //!
-//! Triangles of the leaves reached are projected eight at a time. Small ones are tested and merged at once;
-//! the rest is queued, and set up eight at a time.
+//! The triangles of the leaves reached are projected eight at a time. Small ones are tested and merged at once; the
+//! rest are queued, and set up eight at a time.
 
 mod descent;
 mod entry_points;
@@ -15,6 +15,7 @@ use super::frustum::{CellFrusta, Frustum, Viewpoint, Window};
 use super::interval_zbuffer::{IntervalZBuffer, SmallOutcome};
 use super::observer::Observer;
 use super::params::ROW;
+use super::places::TANGENT_ERROR;
 use super::ray_bounds::{ProjectedTriangles, Projector};
 use super::ray_box::RayBox;
 use super::ray_rect::RayRect;
@@ -31,20 +32,21 @@ use entry_points::EntryPair;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
-/// Rays in the bounds of the queued triangles at which they are set up, although fewer than eight are queued: they may
-/// occlude what comes next. With more, packets visit boxes behind the queued triangles; with fewer, set-up runs with
-/// empty lanes.
+/// The number of rays in the bounds of the queued triangles at which they are set up although fewer than eight are
+/// queued, since they may occlude what comes next. With a larger number packets visit boxes behind the queued
+/// triangles; with a smaller one set-up runs with empty lanes.
 const MANY_RAYS: i32 = 32;
 
-/// Nodes with a child that may be occluded in all cells it touches, before the cells' frusta are built: that
-/// costs as much as testing about so many nodes.
+/// The number of nodes with a possibly occluded child after which the cells' frusta are built. Building them costs as
+/// much as testing about so many nodes.
 const DOUBTFUL: usize = 8;
 
-/// Nodes to prefetch with a subtree. Nodes are stored depth first, so a subtree's first nodes follow one another;
-/// waiting for memory took half of a traversal of 4 million triangles. Fewer wait again, more evict what is in use.
+/// The number of nodes to prefetch for a subtree. Nodes are stored depth first, so a subtree's first nodes are
+/// contiguous; waiting for memory took half of a traversal of 4 million triangles. With fewer it waits again; with
+/// more, data in use is evicted.
 const NODES_AHEAD: usize = 4;
 
-/// Up to eight primitive indices, with room for what is written past them.
+/// Up to eight primitive indices, with room for writes past them.
 #[derive(Default)]
 struct Batch {
     primitives: [u32; 2 * LANES],
@@ -52,14 +54,14 @@ struct Batch {
 }
 
 impl Batch {
-    /// Adds a primitive index if there is room.
+    /// Appends a primitive index if there is room.
     #[inline(always)]
     fn push(&mut self, primitive: u32) {
         self.primitives[self.len & (LANES - 1)] = primitive;
         self.len += 1;
     }
 
-    /// Takes as many of a run of primitive indices as there is room for.
+    /// Appends as many of a run of primitive indices as there is room for, and removes them from the run.
     #[inline(always)]
     fn take(&mut self, run: &mut Range<u32>) {
         let room = &mut self.primitives[self.len & (LANES - 1)..];
@@ -81,38 +83,40 @@ impl Batch {
 
 /// The outcome of testing a projected triangle.
 enum Outcome {
-    /// No ray hits it, or all that do have nearer hits.
+    /// No ray hits it, or all rays that do have nearer hits.
     Occluded,
     /// It was merged as a small triangle.
     Merged,
-    /// Queued for set-up; its bounds hold so many rays.
+    /// It was queued for set-up; its bounds contain so many rays.
     Queued(i32),
-    /// It and others must be set up, and the queue has no room for all.
+    /// It and others must be set up, and the queue is too full for all of them.
     NoRoom,
 }
 
-/// The traversal of a lattice's packets, through one tree or through instances too ([`Accel::open`]).
+/// The traversal of a lattice's packets, through one tree or through instances ([`Accel::open`]).
 pub(super) struct Traversal<'a, const INSTANCES: bool> {
     pub(super) accel: &'a Accel,
     clip: &'a Clip,
     lattice: &'a Lattice,
+    /// Whether rays lie beside the lattice's, by [`PLACE_ERROR`] and [`TANGENT_ERROR`] at most: those of a cube's face.
+    pub(super) is_beside: bool,
     eye: DVec3,
     eye_error: f64,
     /// The large packet's entry points in pairs, near to far.
     pairs: Vec<EntryPair>,
-    /// The same one by one: subtree, box, and where it begins along the view axis.
+    /// The entry points one by one: subtree, box, and the nearest depth along the view axis.
     pub(super) list: Vec<(Subtree, Box32, f32)>,
     next: Vec<(Subtree, Box32, f32)>,
     /// Primitive indices of the leaves reached.
     batch: Batch,
-    /// Those of them, as bits, that clipping planes leave a part of.
+    /// Those of the batch, as bits, that clipping planes cut.
     cut: u32,
-    /// Those queued for set-up, with the bounds of their rays.
+    /// Triangles queued for set-up, with the bounds of their rays.
     queued: Batch,
     boxes: [RayBox; LANES],
-    /// What is decided exactly, once for all packets.
+    /// Exact decisions, made once for all packets.
     decisions: Decisions<'a>,
-    /// What the large packet's depth keys are relative to.
+    /// The reference of the large packet's depth keys.
     reference: DepthReference,
     pub(super) counts: CastCounts,
 }
@@ -129,6 +133,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             accel,
             clip,
             lattice,
+            is_beside: false,
             eye,
             eye_error,
             pairs: Vec::new(),
@@ -152,10 +157,14 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             .place(part.column + part.columns - 1, part.row + part.rows - 1);
         let (left, top) = self.lattice.camera.across_and_along(x0, y0);
         let (right, bottom) = self.lattice.camera.across_and_along(x1, y1);
-        Window {
+        let window = Window {
             across: (left, right),
             along: (bottom, top),
+        };
+        if self.is_beside {
+            return window.grown(TANGENT_ERROR * self.lattice.camera.distance());
         }
+        window
     }
 
     fn viewpoint(&self) -> Viewpoint<'a> {
@@ -171,7 +180,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         Frustum::new(self.viewpoint(), &self.window(part))
     }
 
-    /// The frusta of a packet's cells, each as if the packet had all its rays.
+    /// The frusta of a packet's cells, as if the packet were full.
     #[inline(never)]
     fn cell_frusta(&self, part: &RayRect) -> CellFrusta {
         let diagonal = std::array::from_fn(|cell| {
@@ -186,7 +195,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         CellFrusta::new(self.viewpoint(), &diagonal)
     }
 
-    /// Casts a packet's rays. Returns `false`, and leaves `zbuffer` as it is, where no triangle is near them.
+    /// Casts a packet's rays. Returns `false`, and leaves `zbuffer` unchanged, where no triangle is near them.
     #[inline(always)]
     pub(super) fn cast(
         &mut self,
@@ -251,7 +260,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         }
     }
 
-    /// Descends until eight triangles are reached, or until what is left should wait for them.
+    /// Descends until eight triangles are reached, or until the queued triangles should be set up first.
     #[inline(always)]
     fn fill_batch(
         &mut self,
@@ -283,7 +292,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             } else if descent.pair < self.pairs.len()
                 && self.pairs[descent.pair].near <= descent.limits.furthest
             {
-                // What the last pair holds comes first: it may occlude the next one.
+                // The triangles of the last pair are merged first: they may occlude the next pair.
                 if self.batch.len > 0 || self.queued.len > 0 {
                     break;
                 }
@@ -307,7 +316,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                 a_hit &= !self.removes(boxes, 0);
                 b_hit &= !self.removes(boxes, 1);
             }
-            // What begins behind hi-z of some cells may touch no others.
+            // Boxes beyond hi-z of some cells may touch no other cells.
             if a_hit & (near_a > limits.nearest_cell) | b_hit & (near_b > limits.nearest_cell) {
                 descent.doubtful += 1;
                 if descent.doubtful > DOUBTFUL {
@@ -330,7 +339,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         }
     }
 
-    /// Tests a projected triangle against hi-z and, if it is small, against its rays; queues the rest.
+    /// Tests a projected triangle against hi-z and, if it is small, against its rays; queues it otherwise.
     #[inline(always)]
     fn test_projected(
         &mut self,
@@ -374,7 +383,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         Outcome::NoRoom
     }
 
-    /// Whether clipping planes keep nothing within a box.
+    /// Whether clipping planes surely remove all of a box.
     #[inline(always)]
     fn removes(&self, boxes: &BoxPair, which: usize) -> bool {
         !self.clip.is_empty()
@@ -384,8 +393,8 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             )
     }
 
-    /// Drops triangles of which clipping planes keep nothing from the batch, and marks those that they cut. Whether
-    /// any is left.
+    /// Drops the triangles that clipping planes remove from the batch, and marks those that they cut. Returns whether
+    /// any triangle is left.
     #[inline(never)]
     fn clip_batch(&mut self) -> bool {
         let all = self.batch.primitives;
@@ -408,7 +417,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         self.queued.push(primitive);
     }
 
-    /// Corners of eight triangles, in structure-of-arrays order.
+    /// The corners of eight triangles, in structure-of-arrays order.
     #[inline(always)]
     fn corners(&self, lanes: impl Lanes, primitives: &[u32; LANES]) -> CornerLanes {
         let stored = self.accel.stored_corners::<INSTANCES>(primitives);
@@ -458,7 +467,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
     }
 
     fn space(&self, part: &RayRect, cull: Cull) -> PacketSpace {
-        PacketSpace::new(
+        let space = PacketSpace::new(
             &self.lattice.camera,
             self.eye,
             self.eye_error,
@@ -466,20 +475,25 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             f64::from(self.lattice.stride),
             (part.columns, part.rows),
             cull,
-        )
-        .relative_to(self.reference)
+        );
+        let space = if self.is_beside {
+            space.with_rays_beside()
+        } else {
+            space
+        };
+        space.relative_to(self.reference)
     }
 
-    /// The relative depth key where rays begin; infinite for perspective.
+    /// The relative depth key where rays start; infinite for perspective packets.
     fn begin(&self) -> f32 {
         match self.lattice.camera.projection() {
             Projection::Perspective | Projection::Panoramic(_) => f32::INFINITY,
-            // They begin at the image plane, where the negated depth is zero.
+            // Orthographic rays start at the image plane, where the negated depth is zero.
             Projection::Orthographic => 0.0 - self.reference.key(),
         }
     }
 
-    /// Where boxes must begin to hold something that is not occluded.
+    /// How far boxes may begin without being occluded.
     #[inline(always)]
     fn limits(&self, lanes: impl Lanes, zbuffer: &IntervalZBuffer) -> Limits {
         let (least, most) = zbuffer.hi_z(lanes);
@@ -490,7 +504,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         }
     }
 
-    /// Upper bound of the relative depth key of a box that begins here along the view axis.
+    /// An upper bound of the relative depth key of a box that begins at `near` along the view axis.
     #[inline(always)]
     fn depth_key(&self, near: f32) -> f32 {
         let projection = self.lattice.camera.projection();
@@ -498,7 +512,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
     }
 }
 
-/// The first eight of a triangle's coordinates.
+/// The first eight of a triangle's nine coordinates.
 #[inline(always)]
 fn row<L: Lanes>(lanes: L, [a, b, c]: &[Vec3; 3]) -> L::F32 {
     lanes.load(&[a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y])

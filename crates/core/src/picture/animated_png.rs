@@ -1,25 +1,25 @@
-//! PNG with several frames (W3C, "PNG Specification (Third Edition)", 2025), by the `png` crate.
+//! Animated PNG (W3C, "PNG Specification (Third Edition)", 2025), by the `png` crate.
 
 use super::png::failed;
 use super::{ImageError, Picture};
 use ::png::{BitDepth, ColorType, Compression, Encoder, SrgbRenderingIntent, Writer};
 use std::io::Write;
 
-/// A PNG whose pictures follow one another, over and over: those that know of one alone show the first.
+/// A PNG whose pictures repeat in a loop; decoders without animation show the first.
 pub struct AnimatedPng<W: Write> {
     writer: Writer<W>,
     size: (u32, u32),
     is_opaque: bool,
-    /// Frames that are to come.
+    /// Frames that are still missing.
     left: u32,
 }
 
 impl<W: Write> AnimatedPng<W> {
-    /// A file of so many pictures of a size, `rate` of them a second. `is_opaque` says whether every pixel of
-    /// all of them covers what lies behind it.
+    /// An animation of `frames` pictures of one size, `rate` a second. `is_opaque` says whether every pixel of all of
+    /// them covers what lies behind it.
     ///
     /// # Errors
-    /// A size, a count or a rate of zero; what cannot be written.
+    /// A size, count or rate of zero; a write error.
     pub fn new(
         to: W,
         size: (u32, u32),
@@ -47,10 +47,10 @@ impl<W: Write> AnimatedPng<W> {
         })
     }
 
-    /// The next picture.
+    /// Adds the next picture.
     ///
     /// # Errors
-    /// One of another size; one more than there should be; what cannot be written.
+    /// A picture of another size; one more than declared; a write error.
     pub fn add(&mut self, picture: &Picture) -> Result<(), ImageError> {
         picture.check()?;
         if (picture.width, picture.height) != self.size {
@@ -71,7 +71,7 @@ impl<W: Write> AnimatedPng<W> {
     /// Ends the file.
     ///
     /// # Errors
-    /// Fewer pictures than there should be; what cannot be written.
+    /// Fewer pictures than declared; a write error.
     pub fn finish(self) -> Result<(), ImageError> {
         if self.left > 0 {
             return Err(ImageError::Encode(

@@ -1,4 +1,4 @@
-//! Files that are written band by band: pictures larger than memory.
+//! Writing files in bands: pictures larger than memory.
 
 use super::band::{Band, BandSizes, Source, length};
 use super::file::Tags;
@@ -6,24 +6,23 @@ use super::place::Place;
 use super::{Format, ImageError, OutOfMemory, Picture, Recipe, exr, opaque, png_bands, ppm, tiff};
 use crate::camera::Rect;
 
-/// Pixels of a PNG that is encoded as one stream of deflate. A larger one is a stream that begins anew at
-/// each band: other bytes for the same pixels.
+/// The most pixels of a PNG that is encoded as one deflate stream. A larger one restarts the stream at each band,
+/// which gives other bytes for the same pixels.
 const WHOLE_PNG: u64 = 1 << 24;
 
-/// Pixels of a picture for which bands are not worth their while.
+/// The most pixels of a picture that is not worth splitting into bands.
 const WHOLE: u64 = 1 << 21;
 
-/// Pixels of a band, where that is not less than the least number of rows of its kind of file: enough for
-/// all workers, and few beside what a scene takes.
+/// Pixels of a band, unless the format's least number of rows needs more: enough work for all threads, and little
+/// memory compared with a scene.
 const BAND: u64 = 1 << 21;
 
-/// The kinds of file of one piece.
+/// The message for formats that cannot be written in bands.
 const NOT_BANDED: &str = "this kind of file is not written in bands";
 
 impl Format {
-    /// Whether a picture of so many pixels is to be made band by band, by [`Bands`]: what it takes in memory
-    /// is then the same for every size. The file's bytes are those of [`Picture::encode_with`] either
-    /// way, where that can be had.
+    /// Whether [`Bands`] should write a picture of this size: memory is then the same for every size. The file's
+    /// bytes are those of [`Picture::encode_with`] either way, where memory suffices for that.
     pub fn is_banded(self, columns: u32, rows: u32) -> bool {
         let pixels = u64::from(columns) * u64::from(rows);
         match self {
@@ -34,8 +33,8 @@ impl Format {
     }
 }
 
-/// A picture's file as bands: rectangles as wide as the picture, one below the other, each of which is
-/// encoded by itself. What stands before and after them follows from what they came to.
+/// A picture's file in bands: rectangles as wide as the picture, one below the other, each encoded independently. The
+/// file's head and tail follow from the bands' sizes.
 ///
 /// ```
 /// use raycast_core::picture::{Bands, Format, Picture};
@@ -58,7 +57,7 @@ impl Format {
 #[derive(Debug)]
 pub struct Bands {
     size: (u32, u32),
-    /// Rows of each band but the last.
+    /// Rows of each band except the last.
     rows: u32,
     kind: Kind,
 }
@@ -72,11 +71,12 @@ enum Kind {
 }
 
 impl Bands {
-    /// The bands of a picture of so many columns and rows. Without a recipe, `is_opaque` says whether every
-    /// pixel covers what lies behind it; with one, that follows from its background.
+    /// The bands of a picture of this size. With a recipe, its background decides whether the file needs alpha;
+    /// without one, `is_opaque` says whether every pixel covers what lies behind it.
     ///
     /// # Errors
-    /// A side of no pixels, or of more than the kind of file can hold; [`Format::Jpeg`], which is one piece.
+    /// A side of zero pixels, or of more than the format can hold; [`Format::Jpeg`], which cannot be written in
+    /// bands.
     pub fn new(
         format: Format,
         size: (u32, u32),
@@ -90,7 +90,7 @@ impl Bands {
         Self::tagged(format, size, is_opaque, tags)
     }
 
-    /// [`Bands::new`] of a whole picture or a fragment.
+    /// [`Bands::new`] for a whole picture or a fragment.
     pub(super) fn tagged(
         format: Format,
         size: (u32, u32),
@@ -109,7 +109,7 @@ impl Bands {
             Format::Exr => {
                 let whole = tags.place.map_or(size, |place: &Place| place.full_size);
                 let pixels = u64::from(whole.0) * u64::from(whole.1);
-                // As large as a PNG is made whole: there its bytes are those that it always had.
+                // Sizes up to this one are encoded whole, and their bytes must stay what they were.
                 let is_tiled = pixels > WHOLE_PNG && tags.place.is_none();
                 Kind::Exr(Box::new(exr::Banded::new(size, is_tiled, tags)?))
             }
@@ -128,7 +128,7 @@ impl Bands {
         })
     }
 
-    /// How many bands there are.
+    /// The number of bands.
     #[allow(clippy::len_without_is_empty, reason = "there is one at least")]
     pub fn len(&self) -> usize {
         self.size.1.div_ceil(self.rows) as usize
@@ -146,12 +146,13 @@ impl Bands {
         }
     }
 
-    /// Whether bands need the picture's layers.
+    /// Whether encoding needs the picture's layers.
     pub fn needs_layers(&self) -> bool {
         matches!(self.kind, Kind::Exr(_))
     }
 
-    /// What the file begins with while its bands are not known: as long as what [`Bands::finish`] gives.
+    /// A placeholder for the file's start until all bands are encoded, of the same length as the head that
+    /// [`Bands::finish`] gives.
     pub fn head(&self) -> Vec<u8> {
         match &self.kind {
             Kind::Png(png) => png.head(),
@@ -161,11 +162,11 @@ impl Bands {
         }
     }
 
-    /// A band's part of the file, from a picture that begins at row `first` of the whole and has all of the
-    /// band's rows. It is made in parallel, on rayon's current pool, and is the same for any.
+    /// Encodes a band of a picture that starts at row `first` of the whole and has all of the band's rows. It runs in
+    /// parallel on rayon's current pool; the bytes do not depend on the pool.
     ///
     /// # Errors
-    /// A picture without those rows, or without layers where the file needs them; memory.
+    /// A picture without those rows, or without layers where the format needs them; memory.
     pub fn encode(&self, index: usize, picture: &Picture, first: u32) -> Result<Band, ImageError> {
         picture.check()?;
         let rect = self.rect(index);
@@ -197,11 +198,11 @@ impl Bands {
         }
     }
 
-    /// What the file begins and ends with, once all bands are known: the first to be written over
-    /// [`Bands::head`] where it differs from that (in TIFF and EXR).
+    /// The file's head and tail, once all bands are encoded. The head replaces [`Bands::head`] where it differs from
+    /// that (in TIFF and EXR).
     ///
     /// # Errors
-    /// Fewer bands or parts than there are, or more.
+    /// A wrong number of bands or parts.
     pub fn finish(&self, bands: &[BandSizes]) -> Result<(Vec<u8>, Vec<u8>), ImageError> {
         let is_known = bands.len() == self.len()
             && (bands.iter().enumerate()).all(|(i, band)| band.parts.len() == self.parts(i));
@@ -223,7 +224,7 @@ impl Bands {
         })
     }
 
-    /// How many parts a band has.
+    /// The number of parts of a band.
     pub fn parts(&self, index: usize) -> usize {
         let rect = self.rect(index);
         match &self.kind {
@@ -233,7 +234,7 @@ impl Bands {
         }
     }
 
-    /// The most bytes of memory that a band takes while it is made, from its rays to its part of the file.
+    /// An upper bound of the memory that a band takes, from its rays to its encoded bytes.
     pub fn memory(&self) -> u64 {
         let pixels = u64::from(self.size.0) * u64::from(self.rows.min(self.size.1));
         let (values, file) = if self.needs_layers() {
@@ -241,12 +242,12 @@ impl Bands {
         } else {
             (4, 4)
         };
-        // The file's twice: what a part is compressed from, and what it comes to.
+        // The file counts twice: a part before compression, and the compressed part.
         pixels * (values + 2 * file)
     }
 }
 
-/// A whole picture's file, by its bands.
+/// A whole picture's file, encoded in bands.
 pub(super) fn encode(
     picture: &Picture,
     format: Format,
@@ -275,7 +276,7 @@ mod tests {
     use super::super::fragment::tests::sample_picture;
     use super::*;
 
-    /// A file put together of bands, each from a picture of its own rows alone.
+    /// A file made of bands, each from a picture of its own rows only.
     fn by_bands(picture: &Picture, bands: &Bands) -> Vec<u8> {
         let mut file = bands.head();
         let mut sizes = Vec::new();
@@ -346,7 +347,7 @@ mod tests {
             for rows in [64, 192, 1024] {
                 bands.rows = rows;
                 let file = by_bands(&picture, &bands);
-                // The truth from another reader, which checks every checksum.
+                // The truth is another decoder, which checks every checksum.
                 let other = image::load_from_memory(&file).expect("decodes").to_rgba8();
                 assert!(other.as_raw() == picture.pixels.as_flattened());
             }

@@ -1,14 +1,14 @@
-//! Buffers that may not be had.
+//! Buffers whose allocation may fail.
 
-/// Memory that could not be had.
+/// An allocation that failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{bytes} bytes of memory for a picture could not be had")]
 pub struct OutOfMemory {
-    /// How many bytes were asked for at once.
+    /// The size of the allocation in bytes.
     pub bytes: u64,
 }
 
-/// An empty list with room for so many.
+/// An empty list with room for `count` items.
 pub(super) fn reserved<T>(count: usize) -> Result<Vec<T>, OutOfMemory> {
     let mut list = Vec::new();
     match list.try_reserve_exact(count) {
@@ -19,10 +19,10 @@ pub(super) fn reserved<T>(count: usize) -> Result<Vec<T>, OutOfMemory> {
     }
 }
 
-/// So many of one value.
+/// `count` copies of a value.
 pub(super) fn filled<T: Clone>(value: T, count: usize) -> Result<Vec<T>, OutOfMemory> {
-    // Asked for first, and given back: memory that the system hands out zeroed is not written to fill it
-    // with zeros, and the list that is kept is made at once, where there was as much a moment before.
+    // The memory is requested first and returned: `vec!` then gets zeroed memory from the system without writing it,
+    // and succeeds since as much memory was free a moment before.
     drop(reserved::<T>(count)?);
     Ok(vec![value; count])
 }

@@ -2,7 +2,7 @@ use super::file::Tags;
 use super::{Format, ImageError, ImageFile, Picture, Recipe, bands, exr_read, jpeg, png};
 
 impl Picture {
-    /// The bytes of an image file of this kind: the same for the same picture.
+    /// The bytes of an image file in this format; they depend on the picture only.
     ///
     /// # Errors
     /// As [`Picture::encode_with`].
@@ -10,12 +10,11 @@ impl Picture {
         self.encode_with(format, None)
     }
 
-    /// The same with what the picture was made of: PNG, TIFF and EXR tell it, PPM and JPEG have no place
-    /// for it. PNG and JPEG tell viewers of panoramas that it is one (GPano).
+    /// As [`Picture::encode`], with the recipe that the picture was made by. PNG, TIFF and EXR store it; PPM and JPEG
+    /// have no field for it. PNG and JPEG mark panoramas for viewers (GPano).
     ///
     /// # Errors
-    /// A side of no pixels, or more than the kind of file can hold; [`Format::Exr`] needs the
-    /// picture's layers.
+    /// A side of zero pixels, or of more than the format can hold; [`Format::Exr`] needs the picture's layers.
     pub fn encode_with(
         &self,
         format: Format,
@@ -49,8 +48,8 @@ impl ImageFile {
     /// [`Fragment::encode`](super::Fragment::encode) made.
     ///
     /// # Errors
-    /// Bytes that are neither, damaged ones, an EXR without RayCast's channels, a PNG of other than
-    /// 8-bit colours, a fragment whose pixels are not those that were written.
+    /// Bytes that are neither, damaged ones, an EXR without RayCast's channels, a PNG without
+    /// 8-bit colours, a fragment whose pixels do not match their checksum.
     pub fn decode(bytes: &[u8]) -> Result<Self, ImageError> {
         if bytes.starts_with(b"\x89PNG") {
             png::decode(bytes)

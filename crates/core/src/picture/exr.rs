@@ -1,7 +1,7 @@
 //! Writing OpenEXR, by the `exr` crate: one part with every layer of a picture as channels.
 //!
-//! `R G B A` are linear light with alpha multiplied in, as is the custom of EXR and of
-//! [`Layers::color`]: what a fragment holds is stitched as it is.
+//! `R G B A` are linear light with premultiplied alpha, as is customary in EXR and as in [`Layers::color`], so
+//! fragments stitch without conversion.
 
 use super::band::{Band, BandSizes, Source, length};
 use super::buffers::reserved;
@@ -19,10 +19,10 @@ use ::exr::prelude::{
 };
 use rayon::prelude::*;
 
-/// The attribute that holds a fragment's place.
+/// The attribute that stores a fragment's position.
 pub(super) const FRAGMENT: &str = "raycast-fragment";
 
-/// The attribute that holds a picture's recipe.
+/// The attribute that stores a picture's recipe.
 pub(super) const RECIPE: &str = "raycast-recipe";
 
 /// The channels of a picture.
@@ -33,24 +33,24 @@ pub(super) const INTEGERS: [&str; 2] = ["id.object", "id.triangle"];
 /// Bytes a pixel, before compression.
 pub(super) const PIXEL_BYTES: u64 = 4 * (FLOATS.len() + INTEGERS.len()) as u64;
 
-/// Pixels of a tile, where a picture is too large for blocks of rows: a band of all its tiles side by side
-/// then has few rows.
+/// Columns and rows of a tile, for pictures that are too wide for blocks of rows: a band, which is a whole row of
+/// tiles, then has few rows.
 const TILE: Vec2<usize> = Vec2(128, 32);
 
-/// The least rows of a band: two blocks of rows, or a row of tiles.
+/// The least number of rows of a band: two blocks of rows, or a row of tiles.
 pub(super) const BAND_ROWS: u32 = 32;
 
 /// An EXR in bands.
 #[derive(Debug)]
 pub(super) struct Banded {
-    /// Of one part, as the crate writes it.
+    /// The header of the one part, as the crate writes it.
     header: Header,
-    /// What stands before the table of offsets.
+    /// The bytes before the table of offsets.
     before: Vec<u8>,
 }
 
 impl Banded {
-    /// A fragment's data window is its rectangle within the full picture, which is the display window.
+    /// A fragment's data window is its rectangle; the display window is the full picture.
     pub(super) fn new(
         (columns, rows): (u32, u32),
         is_tiled: bool,
@@ -65,7 +65,8 @@ impl Banded {
             shared.other.insert(Text::from(RECIPE), recipe);
         }
         if let Some(place) = tags.place {
-            // Beside the recipe they would be in any order: the crate keeps attributes by their hash.
+            // Fragment and recipe share one attribute list whose order would follow the crate's hash map, so only one
+            // of them is stored there.
             let fragment = text(place.to_string());
             attributes.other.insert(Text::from(FRAGMENT), fragment);
             let (columns, rows) = place.full_size;
@@ -105,7 +106,7 @@ impl Banded {
         Ok(Self { header, before })
     }
 
-    /// All that stands before blocks of these lengths; of none, as long.
+    /// The bytes before the blocks, for blocks of these lengths; without blocks, a placeholder of the same length.
     pub(super) fn head(&self, lengths: &[u32]) -> Vec<u8> {
         let count = self.header.chunk_count;
         let mut head = self.before.clone();
@@ -123,7 +124,7 @@ impl Banded {
         self.header.max_block_pixel_size()
     }
 
-    /// How many blocks a band has.
+    /// The number of blocks of a band.
     pub(super) fn blocks(&self, rect: Rect) -> usize {
         let Vec2(columns, rows) = self.block();
         (rect.width as usize).div_ceil(columns) * (rect.height as usize).div_ceil(rows)
@@ -158,7 +159,7 @@ impl Banded {
         })
     }
 
-    /// A block's values, row by row, and in each row channel by channel.
+    /// A block's values: row by row, and within each row channel by channel.
     fn values(
         &self,
         part: Rect,
@@ -204,7 +205,7 @@ impl Banded {
         Ok(bytes)
     }
 
-    /// A block as it stands in the file.
+    /// A block as the file stores it.
     fn compressed(&self, part: Rect, data: Vec<u8>) -> Result<Vec<u8>, ImageError> {
         let index = BlockIndex {
             layer: 0,

@@ -15,27 +15,27 @@ use ::exr::meta::header::Header;
 use ::exr::prelude::{AttributeValue, Compression, LineOrder, SampleType, Text, Vec2};
 use std::io::{Cursor, Read, Seek};
 
-/// An EXR that is read from the top, row by row.
+/// Reads an EXR from the top, some rows at a time.
 pub(super) struct Reader<R> {
     chunks: AllChunksReader<R>,
     size: (u32, u32),
     /// Columns and rows of a block.
     block: (u32, u32),
-    /// Rows that were decoded and have not been asked for, from the top.
+    /// Rows that were decoded and not yet returned, from the top.
     decoded: Picture,
-    /// The row after them.
+    /// The row after the decoded ones.
     next: u32,
 }
 
 impl<R: Read + Seek> Reader<R> {
-    /// Of a file of `length` bytes.
+    /// Opens a file of `length` bytes.
     pub(super) fn open(read: R, length: u64) -> Result<Self, ImageError> {
         let reader = ::exr::block::read(read, false).map_err(damaged)?;
         let [header] = reader.headers() else {
             return Err(ImageError::Decode("expected one part".to_owned()));
         };
         check(header, length)?;
-        // Within limits: checked.
+        // Checked to be within limits.
         let sides = |Vec2(columns, rows)| (columns as u32, rows as u32);
         let (size, block) = (
             sides(header.layer_size),
@@ -60,18 +60,18 @@ impl<R: Read + Seek> Reader<R> {
         self.size
     }
 
-    /// What the picture was made of, where the file tells it.
+    /// The picture's recipe, where the file stores it.
     pub(super) fn recipe(&self) -> Result<Option<Recipe>, ImageError> {
         let text = text(self.header(), RECIPE)?;
         text.as_deref().map(str::parse).transpose()
     }
 
-    /// Of a fragment, its place.
+    /// A fragment's position; `None` for a whole picture.
     pub(super) fn place(&self) -> Result<Option<Place>, ImageError> {
         place(self.header())
     }
 
-    /// The next rows, which the file must have.
+    /// The next rows; the file must have them.
     pub(super) fn rows(&mut self, rows: u32) -> Result<Picture, ImageError> {
         let (columns, height) = self.size;
         if self.decoded.height == rows {
@@ -102,7 +102,7 @@ impl<R: Read + Seek> Reader<R> {
         Ok(picture)
     }
 
-    /// The next blocks side by side.
+    /// Decodes the next blocks that lie side by side.
     fn decode(&mut self) -> Result<Picture, ImageError> {
         let (columns, rows) = self.size;
         let height = self.block.1.min(rows - self.next.min(rows));
@@ -133,7 +133,7 @@ impl<R: Read + Seek> Reader<R> {
     }
 }
 
-/// Puts a block's values where they belong in a picture that begins with row `first`.
+/// Copies a block's values into a picture that starts with row `first`.
 fn fill(picture: &mut Picture, first: u32, block: &UncompressedBlock, header: &Header) {
     let width = picture.width as usize;
     let Some(layers) = &mut picture.layers else {
@@ -182,7 +182,7 @@ fn damaged(error: ::exr::error::Error) -> ImageError {
     ImageError::Decode(error.to_string())
 }
 
-/// The picture in an EXR's data window, and what else it tells.
+/// The picture in an EXR's data window, with recipe and position.
 pub(super) fn decode(bytes: &[u8]) -> Result<ImageFile, ImageError> {
     let mut reader = Reader::open(Cursor::new(bytes), bytes.len() as u64)?;
     let (columns, rows) = reader.size();
@@ -194,8 +194,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<ImageFile, ImageError> {
     ImageFile::checked(picture, recipe, place)
 }
 
-/// Refuses a header that does not tell of RayCast's channels, or tells of more pixels than so many
-/// bytes can hold, before anything is made to hold them.
+/// Refuses a header without RayCast's channels, or with more pixels than a file of `length` bytes can hold, before
+/// memory is allocated for them.
 fn check(header: &Header, length: u64) -> Result<(), ImageError> {
     let damaged = |reason: &str| ImageError::Decode(reason.to_owned());
     if header.deep || header.line_order == LineOrder::Decreasing {
@@ -249,7 +249,7 @@ fn missing(name: &str, kind: &str) -> ImageError {
     ImageError::Decode(format!("expected a channel {name} of {kind} numbers"))
 }
 
-/// The text of an attribute of RayCast's own, where it is there.
+/// The text of one of RayCast's own attributes, if present.
 fn text(header: &Header, name: &str) -> Result<Option<String>, ImageError> {
     let name = Text::from(name);
     let shared = &header.shared_attributes.other;
@@ -263,7 +263,7 @@ fn text(header: &Header, name: &str) -> Result<Option<String>, ImageError> {
     }
 }
 
-/// A fragment's place, which must be that of the data window in the display window.
+/// A fragment's position, which must be that of the data window in the display window.
 fn place(header: &Header) -> Result<Option<Place>, ImageError> {
     let Some(place) = text(header, FRAGMENT)? else {
         return Ok(None);

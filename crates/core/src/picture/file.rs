@@ -2,28 +2,28 @@ use super::place::Place;
 use super::{ImageError, Picture, Recipe};
 use crate::camera::Rect;
 
-/// What an image file tells besides its pixels.
+/// What an image file stores besides its pixels.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tags<'a> {
-    /// What the picture was made of.
+    /// The picture's recipe.
     pub(super) recipe: Option<&'a Recipe>,
-    /// Of a fragment, its place.
+    /// A fragment's position.
     pub(super) place: Option<&'a Place>,
 }
 
-/// What a PNG or an EXR of RayCast's holds, whole or a fragment.
+/// The contents of one of RayCast's PNG or EXR files, a whole picture or a fragment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageFile {
     /// The pixels, with layers in an EXR.
     pub picture: Picture,
-    /// What the picture was made of, where the file tells it.
+    /// The picture's recipe, where the file stores it.
     pub recipe: Option<Recipe>,
-    /// Of a fragment, its place.
+    /// A fragment's position.
     pub(super) place: Option<Place>,
 }
 
 impl ImageFile {
-    /// The file of these, if they agree with one another.
+    /// The contents, if they are consistent.
     pub(super) fn checked(
         picture: Picture,
         recipe: Option<Recipe>,
@@ -50,13 +50,13 @@ impl ImageFile {
         })
     }
 
-    /// Columns and rows of the whole picture: a fragment's, of the picture that it is part of.
+    /// Columns and rows of the full picture, also for a fragment.
     pub fn full_size(&self) -> (u32, u32) {
         let own = (self.picture.width, self.picture.height);
         self.place.map_or(own, |place| place.full_size)
     }
 
-    /// The place of the pixels in the whole picture.
+    /// The rectangle of the pixels in the full picture.
     pub fn rect(&self) -> Rect {
         let whole = Rect {
             x: 0,

@@ -2,27 +2,26 @@ use super::ImageError;
 use std::ffi::OsStr;
 use std::path::Path;
 
-/// A kind of image file.
+/// An image file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// 8-bit sRGB with alpha, lossless.
     Png,
-    /// 8-bit sRGB, binary P6; alpha is laid over black.
+    /// 8-bit sRGB, binary P6; composited over black.
     Ppm,
-    /// 8-bit sRGB, lossy; alpha is laid over black.
+    /// 8-bit sRGB, lossy; composited over black.
     Jpeg,
-    /// 8-bit sRGB with alpha, lossless, in tiles; BigTIFF where it may be large.
+    /// 8-bit sRGB with alpha, lossless, in tiles; BigTIFF where the file may be large.
     Tiff,
     /// OpenEXR: linear light and every layer.
     Exr,
 }
 
 impl Format {
-    /// The kind that the end of a file's name says, after its last dot. A name of that end alone
-    /// (`png`, `.png`) says none.
+    /// The format that a file name's extension names. A name that is only an extension (`png`, `.png`) names none.
     ///
     /// # Errors
-    /// An extension that names none.
+    /// An unknown extension.
     pub fn from_name(name: &str) -> Result<Self, ImageError> {
         let extension = Path::new(name).extension().and_then(OsStr::to_str);
         match extension.map(str::to_ascii_lowercase).as_deref() {
@@ -43,7 +42,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_say_the_kind() {
+    fn file_names_select_the_format() {
         assert_eq!(Format::from_name("a.b/c.PNG").ok(), Some(Format::Png));
         assert_eq!(Format::from_name("c.jpeg").ok(), Some(Format::Jpeg));
         for bad in [

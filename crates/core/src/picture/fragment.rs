@@ -4,12 +4,12 @@ use super::{Format, ImageError, ImageFile, OutOfMemory, Picture, Recipe, bands, 
 use crate::camera::Rect;
 use crate::digest::Digest;
 
-/// A tile in a file of its own, with what is needed to stitch it back.
+/// A tile in a file of its own, with all that stitching needs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fragment {
-    /// The fragment's place in the full picture.
+    /// The fragment's rectangle in the full picture.
     pub rect: Rect,
-    /// What the full picture is made of: fragments of different recipes do not stitch.
+    /// The recipe of the full picture: fragments of different recipes do not stitch.
     pub recipe: Recipe,
     /// The rectangle's own pixels, and layers if it has them.
     pub picture: Picture,
@@ -18,7 +18,7 @@ pub struct Fragment {
 /// Why fragments cannot be read or stitched.
 #[derive(Debug, thiserror::Error)]
 pub enum FragmentError {
-    /// Not a fragment at all, or a damaged one.
+    /// A file that is no fragment, or damaged.
     #[error(
         "{name}: expected a fragment (a PNG or EXR that `raycast render --sub-camera` wrote): {reason}"
     )]
@@ -28,10 +28,10 @@ pub enum FragmentError {
         /// What was found instead.
         reason: String,
     },
-    /// A picture for which there is no memory.
+    /// An allocation that failed.
     #[error(transparent)]
     OutOfMemory(#[from] OutOfMemory),
-    /// Nothing to stitch.
+    /// No fragments.
     #[error("there are no fragments to stitch")]
     None,
     /// A fragment of another picture.
@@ -44,24 +44,24 @@ pub enum FragmentError {
         /// What differs.
         reason: String,
     },
-    /// Two fragments in one place.
+    /// Two fragments that overlap.
     #[error("{name} and {other} both hold pixel ({x}, {y})")]
     Overlap {
         /// The file's name.
         name: String,
         /// The name of the file that came before it.
         other: String,
-        /// The first column that both hold.
+        /// The first column that both contain.
         x: u32,
-        /// The first row that both hold.
+        /// The first row that both contain.
         y: u32,
     },
-    /// Pixels that no fragment holds.
+    /// Pixels that no fragment contains.
     #[error(
         "{missing} of {width} x {height} pixels are in no fragment, the first of them at ({x}, {y}), up to column {right} of that row: a fragment that starts there is missing"
     )]
     Gap {
-        /// How many pixels are missing.
+        /// The number of missing pixels.
         missing: u64,
         /// Columns of the full picture.
         width: u32,
@@ -71,25 +71,24 @@ pub enum FragmentError {
         x: u32,
         /// The row of the first missing pixel.
         y: u32,
-        /// The last column of that row before the next pixel that some fragment holds.
+        /// The last missing column of that gap in its row.
         right: u32,
     },
 }
 
 impl Fragment {
-    /// The bytes of a PNG or an EXR file, which tells in text chunks or attributes its place, the
-    /// [`Recipe`] of the full picture, and a checksum of the pixels.
+    /// The bytes of a PNG or EXR file whose text chunks or attributes store its position, the [`Recipe`] of the full
+    /// picture, and a checksum of the pixels.
     ///
     /// # Errors
-    /// Other kinds of file, which cannot hold a fragment; a rectangle that leaves the full picture;
-    /// whatever the encoder refuses.
+    /// Other formats, which cannot store fragments; a rectangle outside the full picture; errors of the encoder.
     pub fn encode(&self, format: Format) -> Result<Vec<u8>, ImageError> {
         self.picture.check()?;
         let place = Place {
             full_size: self.full_size(),
             rect: self.rect,
             recipe: self.recipe.digest(),
-            // A PNG holds no layers.
+            // A PNG stores no layers.
             pixels: match format {
                 Format::Png => Digest::of(self.picture.pixels.as_flattened()),
                 _ => self.picture.digest(),
@@ -107,10 +106,10 @@ impl Fragment {
         }
     }
 
-    /// Reads what [`Fragment::encode`] made. `name` is for the error.
+    /// Decodes what [`Fragment::encode`] made. `name` is used in errors.
     ///
     /// # Errors
-    /// Bytes that are no fragment, or whose pixels, place or recipe are not as they were written.
+    /// Bytes that are no fragment, or whose pixels, position or recipe do not match their checksums.
     pub fn decode(name: &str, bytes: &[u8]) -> Result<Self, FragmentError> {
         let not_a_fragment = |reason: String| FragmentError::NotAFragment {
             name: name.to_owned(),
@@ -135,7 +134,7 @@ impl Fragment {
         Ok(fragment)
     }
 
-    /// Whether it lies in its full picture.
+    /// Whether it lies inside its full picture.
     pub(super) fn check_place(&self) -> Result<(), String> {
         check_place(self.full_size(), self.rect, &self.picture)
     }
@@ -155,8 +154,7 @@ pub(super) mod tests {
     use crate::picture::recipe::tests::sample_recipe;
     use crate::shade::{self, Mode};
 
-    /// A picture with something of everything: every channel differs from pixel to pixel, some
-    /// pixels are misses, some half transparent.
+    /// A picture in which every channel differs from pixel to pixel, with misses and half transparent pixels.
     pub(in crate::picture) fn sample_picture(width: u32, height: u32, layers: bool) -> Picture {
         let mut picture = Picture::blank(width, height, true);
         if let Some(all) = &mut picture.layers {
@@ -196,7 +194,7 @@ pub(super) mod tests {
             .collect()
     }
 
-    /// The fragments of a picture, encoded and decoded again.
+    /// The fragments of a picture, after encoding and decoding.
     pub(in crate::picture) fn fragments(
         picture: &Picture,
         grid: Grid,
@@ -240,7 +238,7 @@ pub(super) mod tests {
         }
     }
 
-    /// A byte of a PNG's image changed, and every checksum of PNG's own made right again.
+    /// A PNG with one byte of its image changed, and PNG's own checksums corrected.
     fn repainted(bytes: &[u8]) -> Vec<u8> {
         let mut decoder = ::png::Decoder::new(std::io::Cursor::new(bytes));
         decoder.set_transformations(::png::Transformations::IDENTITY);
@@ -268,7 +266,7 @@ pub(super) mod tests {
         let whole = sample_picture(12, 10, true);
         let expected = "its pixels are not those that were written";
         let parts = fragments(&whole, three_by_two(), Format::Exr);
-        // As a PNG, with valid checksums of its own.
+        // As a PNG, with valid PNG checksums.
         let png = parts[1].1.encode(Format::Png).expect("encodes");
         assert!(Fragment::decode("part", &png).is_ok());
         let error = Fragment::decode("part", &repainted(&png)).expect_err("it was repainted");
@@ -303,7 +301,7 @@ pub(super) mod tests {
         }
     }
 
-    /// Another recipe beside the pixels is no better than other pixels.
+    /// A changed recipe is detected just as changed pixels are.
     #[test]
     fn a_recipe_of_another_picture_is_found() {
         for format in [Format::Png, Format::Exr] {
@@ -355,7 +353,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn places_come_back() {
+    fn positions_parse_to_themselves() {
         let place = Place {
             full_size: (65_536, 1),
             rect: Rect {
@@ -375,7 +373,7 @@ pub(super) mod tests {
             "full 1 2 rect 0 0 1 1 recipe 0 pixels 0",
             &place.to_string().replace("full ", "full -"),
             &format!("{place} "),
-            // As it was written before fragments said what they are made of.
+            // The text that was written before fragments had recipes.
             "full 1 2 rect 0 0 1 1 view 0123456789abcdef",
         ] {
             assert!(bad.parse::<Place>().is_err(), "{bad}");

@@ -1,14 +1,14 @@
-//! A picture of half its sides.
+//! Halving a picture's sides.
 
 use super::{ImageError, Picture};
 use crate::shade::{encode_premultiplied, srgb};
 
 impl Picture {
-    /// The picture with one pixel for each two by two, at an odd side's end for those that are there: the
-    /// mean of their light, alpha multiplied in. It has no layers.
+    /// The picture with one pixel for every 2 × 2 pixels (fewer at the end of an odd side): the mean of their linear
+    /// light with premultiplied alpha. The result has no layers.
     ///
     /// # Errors
-    /// A picture whose counts do not agree; memory.
+    /// A picture whose lists have wrong lengths; memory.
     pub fn halved(&self) -> Result<Self, ImageError> {
         self.check()?;
         let (width, height) = (self.width.div_ceil(2), self.height.div_ceil(2));
@@ -59,7 +59,7 @@ mod tests {
         ];
         let half = picture.halved().expect("a half");
         assert_eq!((half.width, half.height), (2, 2));
-        // Half of white's light is sRGB 188 by the standard's formula; nothing is no colour.
+        // Half of white's light is sRGB 188 by the standard's formula; a transparent pixel contributes no colour.
         let expected = [[188, 188, 188, 255], [9, 9, 9, 255], [1, 2, 3, 255], [0; 4]];
         assert_eq!(half.pixels, expected);
         let point = half

@@ -6,19 +6,18 @@ use crate::digest::{Digest, Digester};
 /// The most pixels of a file that is decoded at once.
 pub(super) const DECODED_LIMIT: u64 = 1 << 30;
 
-/// What a picture knows of each pixel besides its 8-bit colour. Row by row, one value a pixel.
+/// What a picture stores for each pixel besides its 8-bit colour: row by row, one value a pixel.
 ///
-/// Colours are averaged over a pixel's samples; everything else is the first sample's, through the
-/// pixel's centre.
+/// Colours are averaged over a pixel's samples; everything else belongs to the first sample, at the pixel's centre.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layers {
-    /// Linear light, alpha multiplied in: the mean of the samples as it is, and what EXR holds.
+    /// Linear light with premultiplied alpha: the mean of the samples, unclamped, as EXR stores it.
     pub color: Vec<[f32; 4]>,
     /// Distance from the eye (orthographic: from the image plane); infinity at a miss.
     pub depth: Vec<f32>,
     /// The object's number; `u32::MAX` at a miss.
     pub object: Vec<u32>,
-    /// The triangle's number in its object; `u32::MAX` at a miss.
+    /// The triangle's number in its object's mesh; `u32::MAX` at a miss.
     pub triangle: Vec<u32>,
     /// The unit normal in world space, towards the eye; zero at a miss.
     pub normal: Vec<[f32; 3]>,
@@ -39,7 +38,7 @@ impl Layers {
         }
     }
 
-    /// [`Layers::blank`], where there is the memory for it.
+    /// [`Layers::blank`], where memory suffices.
     fn try_blank(pixels: usize) -> Result<Self, OutOfMemory> {
         Ok(Self {
             color: filled([0.0; 4], pixels)?,
@@ -51,7 +50,7 @@ impl Layers {
         })
     }
 
-    /// A checksum of every value.
+    /// A checksum of all values.
     fn digest(&self) -> Digest {
         let Self {
             color,
@@ -71,7 +70,7 @@ impl Layers {
         hash.finish()
     }
 
-    /// How many values each layer has.
+    /// The length of each layer.
     pub(super) fn counts(&self) -> [usize; 6] {
         [
             self.color.len(),
@@ -91,9 +90,9 @@ pub struct Picture {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// sRGB, alpha not multiplied in.
+    /// sRGB with straight (not premultiplied) alpha.
     pub pixels: Vec<[u8; 4]>,
-    /// More about each pixel, when it was asked for.
+    /// The layers, if they were requested.
     pub layers: Option<Layers>,
 }
 
@@ -128,10 +127,10 @@ impl Picture {
         }
     }
 
-    /// [`Picture::blank`], where there is the memory for it.
+    /// [`Picture::blank`], where memory suffices.
     ///
     /// # Errors
-    /// Memory that the system does not give.
+    /// An allocation that failed.
     pub fn try_blank(width: u32, height: u32, layers: bool) -> Result<Self, OutOfMemory> {
         let pixels = width as usize * height as usize;
         let layers = layers.then(|| Layers::try_blank(pixels)).transpose()?;
@@ -143,7 +142,8 @@ impl Picture {
         })
     }
 
-    /// Takes away all but the first rows, and gives the rest. `rows` ≤ [`Picture::height`].
+    /// Splits the picture below the first `rows` rows, which stay, and returns the rest. `rows` ≤
+    /// [`Picture::height`].
     pub(super) fn split_off_rows(&mut self, rows: u32) -> Result<Self, OutOfMemory> {
         let at = self.width as usize * rows as usize;
         let mut rest = Self::try_blank(self.width, self.height - rows, self.layers.is_some())?;
@@ -167,8 +167,8 @@ impl Picture {
         Ok(rest)
     }
 
-    /// A checksum of the pixels: of every layer where there are layers, from which the 8-bit colours
-    /// follow, else of those.
+    /// A checksum of the pixels: of all layers, from which the 8-bit colours follow, or of those if there are no
+    /// layers.
     pub(super) fn digest(&self) -> Digest {
         match &self.layers {
             Some(layers) => layers.digest(),
@@ -176,9 +176,8 @@ impl Picture {
         }
     }
 
-    /// The picture in strips of a grid's tiles: every tile once, in the order of [`Grid::tiles`], for
-    /// workers that fill strips side by side. `most` says how many tiles a strip may have where so many
-    /// are left.
+    /// Splits the picture into strips of a grid's tiles, for workers that fill them in parallel: every tile once, in
+    /// the order of [`Grid::tiles`]. `most` gives the largest number of tiles of a strip when so many tiles are left.
     pub fn strips(&mut self, grid: Grid, most: impl Fn(usize) -> usize) -> Vec<Strip<'_>> {
         let (across, _) = grid.counts(self.width, self.height);
         let tiles = grid.tiles(self.width, self.height);
@@ -206,9 +205,9 @@ impl Picture {
         strips
     }
 
-    /// Copies a rectangle's pixels (and layers, where both have them) into their place.
+    /// Copies a rectangle's pixels (and layers, where both have them) into the picture.
     ///
-    /// `false`, and nothing copied, where the rectangle leaves the picture or a count disagrees.
+    /// Returns `false`, without copying, where the rectangle leaves the picture or a list has a wrong length.
     pub fn place(&mut self, rect: Rect, pixels: &[[u8; 4]], layers: Option<&Layers>) -> bool {
         let fits = u64::from(rect.x) + u64::from(rect.width) <= u64::from(self.width)
             && u64::from(rect.y) + u64::from(rect.height) <= u64::from(self.height);
@@ -232,17 +231,17 @@ impl Picture {
     }
 }
 
-/// Tiles of a picture side by side.
+/// Adjacent tiles of a picture's row of tiles.
 #[derive(Debug)]
 pub struct Strip<'p> {
-    /// Their rectangles, from left to right; all as high.
+    /// Their rectangles, from left to right, of equal height.
     pub tiles: Vec<Rect>,
     /// The pixels of all of them, row by row.
     pub rows: Vec<&'p mut [[u8; 4]]>,
 }
 
 impl Strip<'_> {
-    /// The rows of a rectangle among the tiles, of their height.
+    /// The rows of a rectangle within the tiles, of their height.
     pub fn rows_of(&mut self, rect: Rect) -> impl Iterator<Item = &mut [[u8; 4]]> {
         let left = self.tiles.first().map_or(rect.x, |first| first.x);
         let columns = (rect.x - left) as usize..(rect.x - left + rect.width) as usize;
@@ -252,7 +251,7 @@ impl Strip<'_> {
     }
 }
 
-/// Copies the rows of a rectangle into a picture `width` wide.
+/// Copies a rectangle's rows into a picture `width` wide.
 fn copy_rows<T: Copy>(picture: &mut [T], width: usize, rect: Rect, rows: &[T]) {
     let columns = rect.width as usize;
     if columns == 0 {

@@ -5,16 +5,17 @@ use super::{ImageError, Picture, Recipe, xmp};
 use image::ExtendedColorType;
 use image::codecs::jpeg::JpegEncoder;
 
-/// Of 100: what is lost cannot be seen beside the original.
+/// JPEG quality, out of 100. At 92 the loss is invisible beside the original; higher values make much larger files,
+/// lower ones show blocks at sharp edges.
 const QUALITY: u8 = 92;
 
 /// The most pixels a JPEG's side can have.
 const SIDE_LIMIT: u32 = 65_535;
 
-/// What begins a segment of XMP ("XMP Specification Part 3", Adobe, 2020).
+/// The start of an XMP segment ("XMP Specification Part 3", Adobe, 2020).
 const XMP: &[u8] = b"http://ns.adobe.com/xap/1.0/\0";
 
-/// A picture; of a whole panorama, with the metadata that say so to viewers.
+/// Encodes a picture; a whole panorama gets the metadata that mark it for viewers.
 pub(super) fn encode(picture: &Picture, recipe: Option<&Recipe>) -> Result<Vec<u8>, ImageError> {
     if picture.width.max(picture.height) > SIDE_LIMIT {
         return Err(ImageError::Encode(format!(
@@ -36,10 +37,10 @@ pub(super) fn encode(picture: &Picture, recipe: Option<&Recipe>) -> Result<Vec<u
     Ok(bytes)
 }
 
-/// Puts a packet of XMP in an APP1 segment behind the JFIF header, which must come first; where there is no such header,
-/// or no room, the file stays as it is.
+/// Inserts an XMP packet in an APP1 segment after the JFIF header, which must come first. Without such a header, or
+/// if the packet is too long, the file stays unchanged.
 fn insert_xmp(bytes: &mut Vec<u8>, packet: &[u8]) {
-    // SOI, then APP0: its marker, and its length with the two bytes of that.
+    // SOI, then APP0: its marker, and its length including the two bytes of the length.
     let Some(&[0xff, 0xd8, 0xff, 0xe0, high, low]) = bytes.first_chunk() else {
         return;
     };
@@ -59,7 +60,7 @@ mod tests {
 
     #[test]
     fn comes_back_nearly() {
-        // A JPEG is lossy: a smooth ramp at this quality comes back within a few levels.
+        // JPEG is lossy: at this quality a smooth ramp is decoded to within a few levels.
         let mut picture = Picture::blank(64, 32, false);
         for (i, pixel) in picture.pixels.iter_mut().enumerate() {
             let (x, y) = (i as u32 % 64, i as u32 / 64);

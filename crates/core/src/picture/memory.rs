@@ -1,44 +1,43 @@
-//! What pictures and their files take in memory.
+//! The memory that pictures and their files take.
 
 use super::Format;
 
-/// Bytes a pixel of a picture's 8-bit colours.
+/// Bytes a pixel for 8-bit colours.
 const PIXEL: u64 = 4;
 
-/// Bytes a pixel of its layers: colour 16, depth 4, numbers 8, normal 12, texture coordinates 8.
+/// Bytes a pixel for layers: colour 16, depth 4, numbers 8, normal 12, texture coordinates 8.
 const LAYERS: u64 = 48;
 
-/// The bytes that a picture of so many pixels takes, with layers or without.
+/// The bytes that a picture of this size takes, with or without layers.
 pub fn memory_of(columns: u32, rows: u32, layers: bool) -> u64 {
     let layers = if layers { LAYERS } else { 0 };
     u64::from(columns) * u64::from(rows) * (PIXEL + layers)
 }
 
 impl Format {
-    /// The most bytes that a picture of so many pixels takes while it is made and encoded as a file of
-    /// this kind: the picture, what the encoder copies, and the file itself, which is taken to be as
-    /// large as its pixels are uncompressed. Most compress to less.
+    /// An upper bound of the bytes that a picture of this size takes while it is rendered and encoded in this format:
+    /// the picture, the encoder's copies, and the file itself, assumed to be as large as the uncompressed pixels.
     pub fn memory_for(self, columns: u32, rows: u32) -> u64 {
         let pixels = u64::from(columns) * u64::from(rows);
         let a_pixel = match self {
-            // Opaque: red, green and blue apart (3), deflated (3), and with the file's chunks about them
-            // (3). With alpha: nothing apart, 4 and 4.
+            // Without alpha: separate red, green and blue (3), the deflated bytes (3), and those in the file's chunks
+            // (3). With alpha: no separate channels, 4 and 4.
             Self::Png => PIXEL + 9,
             // The file, and a band of it.
             Self::Ppm => PIXEL + 6,
-            // The file, which grows twofold, and a band of it, with alpha.
+            // The file in a buffer that doubles as it grows, and a band of it, with alpha.
             Self::Tiff => PIXEL + 12,
-            // Red, green and blue apart, and the file.
+            // Separate red, green and blue, and the file.
             Self::Jpeg => PIXEL + 3 + 3,
-            // Every channel apart, and the file.
+            // Separate channels, and the file.
             Self::Exr => PIXEL + LAYERS + LAYERS + LAYERS,
         };
         pixels * a_pixel
     }
 
-    /// The most bytes that stitching fragments to a picture takes: theirs and its own, and its encoding.
+    /// An upper bound of the bytes that stitching takes: the fragments, the picture, and its encoding.
     pub fn memory_to_stitch(self, columns: u32, rows: u32, layers: bool) -> u64 {
-        // The picture's layers are there whether its file holds them or not.
+        // The picture has its layers whether or not its file stores them.
         let more = match self {
             Self::Exr => 0,
             _ => memory_of(columns, rows, layers) - memory_of(columns, rows, false),
@@ -53,7 +52,7 @@ mod tests {
     use crate::picture::{Layers, Picture};
 
     #[test]
-    fn a_pixel_takes_what_its_values_do() {
+    fn memory_of_a_pixel_is_the_sum_of_its_values() {
         let Layers {
             color,
             depth,
@@ -73,9 +72,9 @@ mod tests {
         assert_eq!(size_of_val(&picture.pixels[..]) as u64, PIXEL);
     }
 
-    /// Each encoder's file of the noisiest picture is no larger than it is reckoned at.
+    /// Each encoder's file of the noisiest picture is no larger than the bound.
     #[test]
-    fn files_are_no_larger_than_reckoned() {
+    fn files_are_no_larger_than_their_bound() {
         let (columns, rows) = (256, 256);
         let mut picture = Picture::blank(columns, rows, true);
         for (i, pixel) in picture.pixels.iter_mut().enumerate() {

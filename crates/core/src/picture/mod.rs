@@ -1,4 +1,4 @@
-//! Pictures: what renders make, what files hold, and how fragments become one again.
+//! Pictures: as values, as files, and stitching them from fragments.
 
 mod animated_png;
 mod band;
@@ -22,6 +22,7 @@ mod png_bands;
 mod ppm;
 mod recipe;
 mod recipe_text;
+mod recipe_values;
 mod rows;
 mod stitch;
 mod tiff;

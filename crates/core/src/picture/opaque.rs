@@ -1,9 +1,9 @@
-//! Pictures for kinds of file that have no alpha.
+//! Pictures for formats without alpha.
 
 use super::OutOfMemory;
 use super::buffers::reserved;
 
-/// The red, green and blue of pixels laid over black, after some other bytes.
+/// The pixels composited over black, as red, green and blue, appended to some other bytes.
 pub(super) fn over_black(before: &[u8], pixels: &[[u8; 4]]) -> Result<Vec<u8>, OutOfMemory> {
     let mut bytes = reserved(before.len() + pixels.len() * 3)?;
     bytes.extend_from_slice(before);

@@ -4,7 +4,7 @@ use crate::digest::Digest;
 use std::fmt;
 use std::str::FromStr;
 
-/// A fragment's place, as its file tells it.
+/// A fragment's position, as its file stores it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Place {
     pub(super) full_size: (u32, u32),
@@ -16,7 +16,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Whether the place is inside the full picture and has the picture's size.
+    /// Whether the rectangle is inside the full picture and has the picture's size.
     pub(super) fn check(&self, picture: &Picture) -> Result<(), String> {
         check_place(self.full_size, self.rect, picture)
     }

@@ -1,4 +1,4 @@
-//! PNG, with what it was made of, and a fragment's place, in text chunks.
+//! PNG, with recipe and a fragment's position in text chunks.
 
 use super::buffers::reserved;
 use super::file::Tags;
@@ -8,17 +8,17 @@ use super::{ImageError, ImageFile, Picture, Recipe, xmp};
 use ::png::{BitDepth, ColorType, Compression, Decoder, Encoder, Limits, SrgbRenderingIntent};
 use std::io::{BufRead, Cursor, Seek};
 
-/// The text chunk that holds a fragment's place.
+/// The keyword of the text chunk with a fragment's position.
 const FRAGMENT: &str = "raycast-fragment";
 
-/// The text chunk that holds a picture's recipe.
+/// The keyword of the text chunk with a picture's recipe.
 const RECIPE: &str = "raycast-recipe";
 
 /// No deflate stream expands to more than 1032 times its length (RFC 1951: 258 bytes of a match
 /// take two bits at least).
 pub(super) const MOST_EXPANSION: u64 = 1032;
 
-/// An encoder of pixels with or without alpha, and of a text for each tag.
+/// An encoder of pixels with or without alpha, and with a text chunk for each tag.
 pub(super) fn encoder<'a>(
     bytes: &'a mut Vec<u8>,
     (columns, rows): (u32, u32),
@@ -78,14 +78,14 @@ pub(super) fn encode(picture: &Picture, tags: Tags<'_>) -> Result<Vec<u8>, Image
     Ok(bytes)
 }
 
-/// A PNG that is read from the top, row by row.
+/// Reads a PNG from the top, some rows at a time.
 pub(super) struct Reader<R: BufRead + Seek> {
     reader: ::png::Reader<R>,
     channels: usize,
 }
 
 impl<R: BufRead + Seek> Reader<R> {
-    /// Of a file of `length` bytes.
+    /// Opens a file of `length` bytes.
     pub(super) fn open(read: R, length: u64) -> Result<Self, ImageError> {
         let limits = Limits {
             bytes: usize::try_from(length)
@@ -95,7 +95,7 @@ impl<R: BufRead + Seek> Reader<R> {
         let mut decoder = Decoder::new_with_limits(read, limits);
         let info = decoder.read_header_info().map_err(damaged)?;
         let pixels = u64::from(info.width) * u64::from(info.height);
-        // Checked before anything is made to hold them.
+        // Checked before memory is allocated for them.
         if pixels > length.saturating_mul(MOST_EXPANSION) {
             return Err(too_many());
         }
@@ -116,12 +116,12 @@ impl<R: BufRead + Seek> Reader<R> {
         (self.reader.info().width, self.reader.info().height)
     }
 
-    /// What the picture was made of, where the file tells it.
+    /// The picture's recipe, where the file stores it.
     pub(super) fn recipe(&self) -> Result<Option<Recipe>, ImageError> {
         self.text(RECIPE).map(str::parse).transpose()
     }
 
-    /// Of a fragment, its place.
+    /// A fragment's position; `None` for a whole picture.
     pub(super) fn place(&self) -> Result<Option<Place>, ImageError> {
         self.text(FRAGMENT).map(str::parse).transpose()
     }
@@ -132,7 +132,7 @@ impl<R: BufRead + Seek> Reader<R> {
         Some(chunk.text.as_str())
     }
 
-    /// The next rows, which the file must have.
+    /// The next rows; the file must have them.
     pub(super) fn rows(&mut self, rows: u32) -> Result<Picture, ImageError> {
         let (width, _) = self.size();
         let mut pixels = reserved(width as usize * rows as usize)?;
@@ -156,7 +156,7 @@ impl<R: BufRead + Seek> Reader<R> {
         })
     }
 
-    /// Reads the file to its end.
+    /// Reads the file to its end, so that its last checksum is verified.
     pub(super) fn finish(&mut self) -> Result<(), ImageError> {
         self.reader.finish().map_err(damaged)
     }
@@ -166,12 +166,12 @@ fn damaged(error: ::png::DecodingError) -> ImageError {
     ImageError::Decode(error.to_string())
 }
 
-/// A header that cannot be true.
+/// The error for a header with more pixels than the file can hold.
 pub(super) fn too_many() -> ImageError {
     ImageError::Decode("it tells of more pixels than it can hold".to_owned())
 }
 
-/// What a PNG that [`encode`] made holds.
+/// Decodes a PNG that [`encode`] made.
 pub(super) fn decode(bytes: &[u8]) -> Result<ImageFile, ImageError> {
     let mut reader = Reader::open(Cursor::new(bytes), bytes.len() as u64)?;
     let (columns, rows) = reader.size();
@@ -205,7 +205,7 @@ mod tests {
             let file = decode(&bytes).expect("decodes");
             assert_eq!((file.recipe, file.place), (None, None));
             assert_eq!(file.picture, picture);
-            // The truth from another reader.
+            // The truth is another decoder.
             let other = image::load_from_memory(&bytes).expect("decodes").to_rgba8();
             assert_eq!(other.as_raw(), picture.pixels.as_flattened());
         }
@@ -222,7 +222,7 @@ mod tests {
             damaged[at] ^= 0xff;
             let _ = decode(&damaged);
         }
-        // A header that tells of 2^30 pixels is refused before they are made.
+        // A header that claims 2^30 pixels is refused before they are allocated.
         let mut huge = bytes;
         huge[16..24].copy_from_slice(&[0, 0, 0x80, 0, 0, 0, 0x80, 0]);
         assert!(decode(&huge).is_err());

@@ -9,8 +9,8 @@ use crate::camera::Rect;
 use flate2::{Compress, FlushCompress};
 use rayon::prelude::*;
 
-/// A PNG in bands: one stream of deflate that begins anew, at a whole byte, many times in each band, so that a
-/// band's bytes follow from its own rows alone (as in Adler's `pigz`, 2007).
+/// A PNG in bands: one deflate stream that restarts, at a byte boundary, several times in each band, so that a band's
+/// bytes follow from its own rows only (as in Adler's `pigz`, 2007).
 #[derive(Debug)]
 pub(super) struct Banded {
     head: Vec<u8>,
@@ -18,8 +18,8 @@ pub(super) struct Banded {
     columns: u32,
 }
 
-/// Bytes of rows after which the stream begins anew, or after one row: enough that what is lost of what came
-/// before matters little.
+/// Bytes of rows between restarts (at least one row). A restart forgets the preceding 32 KiB; with smaller values
+/// that costs compression, with larger ones a band has too few parts for all threads.
 const RESTART: usize = 1 << 20;
 
 impl Banded {
@@ -34,9 +34,9 @@ impl Banded {
                 .write_header()
                 .map_err(failed)?,
         );
-        // The writer ended the file when it was dropped.
+        // The writer appended the end chunk when it was dropped.
         head.truncate(head.len() - END.len());
-        // A stream of zlib's (RFC 1950): deflate, a window of 32 KiB, the fastest compression.
+        // The header of a zlib stream (RFC 1950): deflate, a window of 32 KiB, the fastest compression.
         head.extend(chunk(*b"IDAT", &[0x78, 0x01]));
         Ok(Self {
             head,
@@ -49,17 +49,17 @@ impl Banded {
         self.head.clone()
     }
 
-    /// How many bytes a row has before compression, with the number of its filter.
+    /// The bytes of a row before compression, with the filter's number.
     fn row_bytes(&self) -> usize {
         1 + self.columns as usize * if self.is_opaque { 3 } else { 4 }
     }
 
-    /// How many bytes a band has before compression.
+    /// The bytes of a band before compression.
     pub(super) fn filtered_bytes(&self, rect: Rect) -> u64 {
         self.row_bytes() as u64 * u64::from(rect.height)
     }
 
-    /// A chunk of a band's rows.
+    /// The chunk of a band's rows.
     pub(super) fn encode(&self, source: Source<'_>) -> Result<Band, ImageError> {
         let rows = (RESTART / self.row_bytes()).max(1);
         let starts: Vec<u32> = (source.rect.y..source.rect.bottom())
@@ -86,8 +86,8 @@ impl Banded {
         })
     }
 
-    /// Rows as differences: the first from pixel to pixel (filter 1), the rest from row to row (filter 2),
-    /// which is what a gradient behind things is best at.
+    /// Rows as differences: the first row from pixel to pixel (filter 1), the others from row to row (filter 2),
+    /// which compresses gradient backgrounds best.
     fn filtered(&self, source: Source<'_>, y: u32, end: u32) -> Result<Vec<u8>, ImageError> {
         let channels = if self.is_opaque { 3 } else { 4 };
         let mut filtered = reserved(self.row_bytes() * (end - y) as usize)?;
@@ -108,7 +108,7 @@ impl Banded {
         Ok(filtered)
     }
 
-    /// What ends the stream and the file, from the checksum and the length of each band.
+    /// The end of the stream and of the file, from the checksum and the length of each band.
     pub(super) fn tail(
         &self,
         bands: impl Iterator<Item = (u32, u64)>,
@@ -126,13 +126,13 @@ impl Banded {
 /// The chunk that ends a PNG.
 const END: [u8; 12] = *b"\0\0\0\0IEND\xae\x42\x60\x82";
 
-/// A chunk: length, name, data, and the checksum of the last two.
+/// A chunk: length, name, data, and a checksum of name and data.
 fn chunk(name: [u8; 4], data: &[u8]) -> Vec<u8> {
     let mut check = flate2::Crc::new();
     check.update(&name);
     check.update(data);
     let mut chunk = Vec::with_capacity(data.len() + 12);
-    // A band has far fewer bytes than 2^31.
+    // A band has far fewer than 2^31 bytes.
     chunk.extend((data.len() as u32).to_be_bytes());
     chunk.extend(name);
     chunk.extend(data);
@@ -140,7 +140,7 @@ fn chunk(name: [u8; 4], data: &[u8]) -> Vec<u8> {
     chunk
 }
 
-/// Bytes deflated, up to a whole byte, by codes that refer to nothing before them.
+/// Deflates bytes up to a byte boundary, without references to earlier bytes.
 fn deflated(bytes: &[u8]) -> Result<Vec<u8>, ImageError> {
     let failed = |reason: String| ImageError::Encode(reason);
     let mut deflate = Compress::new(flate2::Compression::fast(), false);
@@ -150,7 +150,7 @@ fn deflated(bytes: &[u8]) -> Result<Vec<u8>, ImageError> {
         deflate
             .compress_vec(&bytes[done..], &mut out, FlushCompress::Sync)
             .map_err(|error| failed(error.to_string()))?;
-        // Room that is left says that nothing waits to be flushed.
+        // Room left in the buffer means that nothing waits to be flushed.
         if deflate.total_in() as usize == bytes.len() && out.len() < out.capacity() {
             return Ok(out);
         }
@@ -159,8 +159,8 @@ fn deflated(bytes: &[u8]) -> Result<Vec<u8>, ImageError> {
     }
 }
 
-/// The Adler-32 of bytes with `first`, followed by `length` bytes with `second` (RFC 1950: a, one and the
-/// sum of all bytes, and b, the sum of all a, both modulo 65521).
+/// The Adler-32 of two concatenated sequences, from their checksums and the second one's length (RFC 1950: a is one
+/// plus the sum of all bytes, b is the sum of all values of a, both modulo 65521).
 fn joined(first: u32, second: u32, length: u64) -> u32 {
     const MODULUS: u64 = 65_521;
     let parts = |check: u32| (u64::from(check & 0xffff), u64::from(check >> 16));

@@ -1,6 +1,6 @@
-//! PPM: a line of text and the bytes.
+//! PPM: a text header and the bytes.
 
-/// What stands before the bytes.
+/// The header.
 pub(super) fn head((columns, rows): (u32, u32)) -> Vec<u8> {
     format!("P6\n{columns} {rows}\n255\n").into_bytes()
 }

@@ -1,4 +1,4 @@
-//! What a picture was made of, in words that a file can hold.
+//! The recipe of a picture: everything that decides its bytes.
 
 use crate::camera::{Camera, PixelFilter};
 use crate::digest::Digest;
@@ -6,30 +6,29 @@ use crate::hit::{Cull, Precision};
 use crate::scene::ClippingPlanes;
 use crate::shade::{Background, Shading};
 
-/// All that decides a picture's bytes, and nothing else: not how it was split, by how many threads, from
-/// files of which name, when. Fragments of one picture have the same recipe, and so has the picture
-/// stitched of them.
+/// Everything that decides a picture's bytes, and nothing else: not the split, the number of threads, the names of
+/// files or the time. All fragments of a picture have the same recipe, and so has the stitched picture.
 ///
-/// Its text is canonical: the same recipe has the same text in any process, a line for each key in a
-/// fixed order, floats in the fewest digits that read back as the same number. The last line is the
-/// [`Digest`] of those before it.
+/// Its text is canonical: equal recipes have equal texts in any process. It has a line for each key in a fixed order,
+/// and floats with the fewest digits that read back as the same number. The last line is the [`Digest`] of the lines
+/// before it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Recipe {
-    /// [`Scene::content`](crate::scene::Scene::content): what was looked at.
+    /// [`Scene::content`](crate::scene::Scene::content), the checksum of the scene.
     pub scene: Digest,
-    /// From where.
+    /// The camera.
     pub camera: Camera,
-    /// Rays a pixel.
+    /// Samples a pixel.
     pub samples: u32,
-    /// How they were weighed by their place.
+    /// The filter that weighs them.
     pub pixel_filter: PixelFilter,
-    /// Which faces they hit.
+    /// Which faces rays hit.
     pub cull: Cull,
-    /// What was cut away: planes that are enabled.
+    /// The enabled clipping planes.
     pub clip: ClippingPlanes,
-    /// How sure the triangles are.
+    /// Exact or rounded casting.
     pub precision: Precision,
-    /// In which colours.
+    /// Mode, colours, light, textures and lines.
     pub shading: Shading,
 }
 
@@ -44,8 +43,8 @@ impl Recipe {
         self.shading.background != Background::Transparent && self.camera.is_filled()
     }
 
-    /// In what another recipe differs, in words: the first that does of scene, size, camera and
-    /// settings. `None` where they are the same.
+    /// The first difference from another recipe, in words, in the order scene, size, camera, settings. `None` where
+    /// they are equal.
     pub fn difference(&self, other: &Self) -> Option<String> {
         if self.scene != other.scene {
             return Some("it was made from another scene".to_owned());
@@ -54,7 +53,7 @@ impl Recipe {
             return Some("it was made with other clipping planes".to_owned());
         }
         let (mine, theirs) = (self.lines(), other.lines());
-        // One may have lines more than the other.
+        // One of them may have more lines.
         let count = mine.lines().count().max(theirs.lines().count());
         let padded = |text: &str| -> Vec<String> {
             let lines = text.lines().chain(std::iter::repeat("nothing"));
@@ -95,7 +94,7 @@ pub(super) mod tests {
     use crate::shade::{Filter, Ground, Mode, TextureProjection, Wireframe};
     use glam::DVec3;
 
-    /// A recipe with nothing at its default.
+    /// A recipe in which nothing is at its default.
     pub(in crate::picture) fn sample_recipe(columns: u32, rows: u32) -> Recipe {
         let plane = ImagePlane::new(columns, rows, 0.1 / 3.0).expect("a good plane");
         let placement = Placement {
@@ -208,7 +207,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn clipping_planes_are_told_where_there_are_any() {
+    fn clipping_planes_are_written_only_where_there_are_any() {
         let mut recipe = sample_recipe(40, 30);
         let plain = recipe;
         for (normal, offset) in [(DVec3::X, -0.5), (DVec3::new(1.0 / 3.0, 0.0, -2.0), 1e9)] {

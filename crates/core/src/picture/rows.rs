@@ -3,13 +3,13 @@ use super::{ImageError, Picture, Recipe, exr_read, png};
 use crate::camera::Rect;
 use std::io::{BufRead, Seek};
 
-/// A PNG or an EXR of RayCast's, whole or a fragment, that is read from the top, some rows at a time: for
+/// Reads one of RayCast's PNG or EXR files, a whole picture or a fragment, from the top, some rows at a time: for
 /// pictures larger than memory.
 pub struct RowReader<R: BufRead + Seek> {
     kind: Kind<R>,
     recipe: Option<Recipe>,
     place: Option<Place>,
-    /// Rows that were read.
+    /// The number of rows read.
     read: u32,
 }
 
@@ -19,10 +19,10 @@ enum Kind<R: BufRead + Seek> {
 }
 
 impl<R: BufRead + Seek> RowReader<R> {
-    /// Of a file of `length` bytes.
+    /// Opens a file of `length` bytes.
     ///
     /// # Errors
-    /// Bytes that are neither PNG nor EXR, or of other channels; a recipe or a place that is damaged.
+    /// Bytes that are neither PNG nor EXR, or of other channels; a damaged recipe or position.
     pub fn open(mut read: R, length: u64) -> Result<Self, ImageError> {
         let begin = read
             .fill_buf()
@@ -46,7 +46,7 @@ impl<R: BufRead + Seek> RowReader<R> {
         })
     }
 
-    /// Columns and rows of its own pixels.
+    /// Columns and rows of the file's own pixels.
     pub fn size(&self) -> (u32, u32) {
         match &self.kind {
             Kind::Png(png) => png.size(),
@@ -54,12 +54,12 @@ impl<R: BufRead + Seek> RowReader<R> {
         }
     }
 
-    /// Columns and rows of the whole picture: a fragment's, of the picture that it is part of.
+    /// Columns and rows of the full picture, also for a fragment.
     pub fn full_size(&self) -> (u32, u32) {
         self.place.map_or(self.size(), |place| place.full_size)
     }
 
-    /// The place of its pixels in the whole picture.
+    /// The rectangle of its pixels in the full picture.
     pub fn rect(&self) -> Rect {
         let (width, height) = self.size();
         let whole = Rect {
@@ -71,18 +71,18 @@ impl<R: BufRead + Seek> RowReader<R> {
         self.place.map_or(whole, |place| place.rect)
     }
 
-    /// What the picture was made of, where the file tells it.
+    /// The picture's recipe, where the file stores it.
     pub fn recipe(&self) -> Option<&Recipe> {
         self.recipe.as_ref()
     }
 
-    /// Whether pictures have layers: an EXR's.
+    /// Whether the file has layers, as an EXR.
     pub fn has_layers(&self) -> bool {
         matches!(self.kind, Kind::Exr(_))
     }
 
-    /// The next rows: so many, or those that are left. The checksum that a fragment holds of all its pixels
-    /// is not looked at.
+    /// The next `most` rows, or those that are left. The checksum that a fragment stores of all its pixels is not
+    /// verified.
     ///
     /// # Errors
     /// A file that is damaged or ends early; memory.
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn a_tiled_exr_is_read_as_it_was_written() {
-        // Wider than a picture that is written in blocks of rows, by one row.
+        // One row more than pictures have that are written in blocks of rows.
         let (columns, rows) = (65_536, 257);
         let mut picture = Picture::blank(columns, rows, true);
         let last = picture.pixels.len() - 1;

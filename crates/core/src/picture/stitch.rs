@@ -1,21 +1,21 @@
 use super::{Fragment, FragmentError, Picture, Recipe};
 use crate::camera::Rect;
 
-/// What a fragment is, without its pixels.
+/// A fragment without its pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// What its file is called in errors.
+    /// The file's name, for errors.
     pub name: String,
-    /// Its place in the full picture.
+    /// The rectangle in the full picture.
     pub rect: Rect,
-    /// What the full picture is made of.
+    /// The recipe of the full picture.
     pub recipe: Recipe,
     /// Whether it has layers.
     pub has_layers: bool,
 }
 
 impl Part {
-    /// What a fragment is.
+    /// The description of a fragment.
     pub fn of(name: &str, fragment: &Fragment) -> Self {
         Self {
             name: name.to_owned(),
@@ -31,10 +31,10 @@ impl Part {
     }
 }
 
-/// Whether fragments are all of one picture, and hold each of its pixels once.
+/// Checks that fragments belong to one picture, and contain each of its pixels once.
 ///
 /// # Errors
-/// None at all, recipes that differ, parts that are missing, or that overlap.
+/// No fragments, recipes that differ, missing parts, overlapping parts.
 pub fn check_parts(parts: &[Part]) -> Result<(), FragmentError> {
     let Some(first) = parts.first() else {
         return Err(FragmentError::None);
@@ -61,7 +61,7 @@ pub fn check_parts(parts: &[Part]) -> Result<(), FragmentError> {
         }
     }
     let (width, height) = first.full_size();
-    // Parts lie in the picture, and no two of them overlap: together they hold no more than it has.
+    // All parts lie in the picture and no two overlap, so together they have at most as many pixels as it has.
     let held: u64 = parts.iter().map(|part| part.rect.area() as u64).sum();
     let missing = (u64::from(width) * u64::from(height)).saturating_sub(held);
     if missing > 0 {
@@ -78,7 +78,7 @@ pub fn check_parts(parts: &[Part]) -> Result<(), FragmentError> {
     Ok(())
 }
 
-/// Puts named fragments together into the picture that the full camera would have made.
+/// Stitches named fragments to the picture that the full camera would have made.
 ///
 /// # Errors
 /// As [`check_parts`]; memory.
@@ -112,7 +112,7 @@ pub fn stitch(fragments: &[(String, Fragment)]) -> Result<Picture, FragmentError
     Ok(picture)
 }
 
-/// Why two fragments are not of one picture.
+/// Why two fragments do not belong to one picture.
 fn difference(first: &Part, part: &Part) -> Option<String> {
     let ((width, height), (columns, rows)) = (first.full_size(), part.full_size());
     if (width, height) != (columns, rows) {
@@ -137,9 +137,9 @@ fn overlap(a: Rect, b: Rect) -> Option<(u32, u32)> {
     shared.then_some((x, y))
 }
 
-/// The first pixel, row by row, that no fragment holds, and the last column of that gap in its row.
+/// The first pixel, row by row, that no fragment contains, and the last column of that gap in its row.
 fn first_gap((width, height): (u32, u32), parts: &[Part]) -> (u32, u32, u32) {
-    // What a row holds changes only where a rectangle begins or ends.
+    // The fragments that cover a row change only where a rectangle starts or ends.
     let mut rows: Vec<u32> = parts
         .iter()
         .flat_map(|part| [part.rect.y, part.rect.bottom()])
@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_named() {
+    fn the_first_difference_of_recipes_is_named() {
         let whole = sample_picture(12, 10, false);
         let parts = fragments(&whole, three_by_two(), Format::Png);
         let refusal = |parts: &[(String, Fragment)]| {
@@ -240,7 +240,7 @@ mod tests {
         assert!(refusal(&outside).starts_with("part-5: expected a fragment"));
     }
 
-    /// Parts that overlap by as much as is missing elsewhere hold as many pixels as the picture has.
+    /// Parts that overlap by as much as is missing elsewhere have as many pixels as the picture.
     #[test]
     fn an_overlap_does_not_make_up_for_a_gap() {
         let whole = sample_picture(12, 10, false);
@@ -283,7 +283,7 @@ mod tests {
                 "{error}"
             );
         }
-        // Twice the picture, and more: nothing wraps round.
+        // More than twice the picture's pixels: nothing wraps around.
         let parts = [part("a", 0, 12), part("b", 0, 12), part("c", 0, 6)];
         assert!(matches!(stitch(&parts), Err(FragmentError::Overlap { .. })));
     }

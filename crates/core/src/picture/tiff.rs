@@ -1,9 +1,9 @@
-//! TIFF (Adobe, "TIFF Revision 6.0", 1992), and BigTIFF where offsets of 32 bits might not do: one image in
-//! tiles, deflated with horizontal differencing.
+//! TIFF (Adobe, "TIFF Revision 6.0", 1992), and BigTIFF where 32-bit offsets may not suffice: one image in tiles,
+//! deflated with horizontal differencing.
 //!
-//! The container is written here since no crate writes tiles, or can go on with a file that it did not
-//! begin. What is in front (tags, and where each tile is) has a length that follows from the picture's size
-//! and recipe alone, so that tiles go to the file as they come.
+//! The container is written here because no crate writes tiles to a file that it did not start. The length of what
+//! precedes the tiles (tags, and the tiles' offsets) follows from the picture's size and recipe only, so tiles are
+//! written as they arrive.
 
 use super::band::{Band, BandSizes, Source, length};
 use super::{ImageError, Recipe};
@@ -15,10 +15,11 @@ use std::io::Write;
 /// Pixels of a tile's side.
 pub(super) const TILE: u32 = 256;
 
-/// No offset of a file that is reckoned to have fewer bytes is beyond 32 bits: half of what they reach.
+/// The largest bound of a file's bytes for 32-bit offsets: half of what they reach, so that an error in the bound
+/// does not matter.
 const CLASSIC: u64 = 1 << 31;
 
-/// How many tiles a band's rectangle has.
+/// The number of tiles in a band's rectangle.
 pub(super) fn tiles(rect: Rect) -> usize {
     rect.width.div_ceil(TILE) as usize * rect.height.div_ceil(TILE) as usize
 }
@@ -27,9 +28,9 @@ pub(super) fn tiles(rect: Rect) -> usize {
 #[derive(Debug)]
 pub(super) struct Banded {
     size: (u32, u32),
-    /// Red, green and blue, and alpha where there is any.
+    /// Red, green and blue, and alpha if any pixel needs it.
     channels: u16,
-    /// What the picture was made of, as `ImageDescription`.
+    /// The recipe, as `ImageDescription`.
     description: Option<String>,
     is_big: bool,
 }
@@ -47,7 +48,7 @@ impl Banded {
             width: size.0,
             height: size.1,
         };
-        // What does not compress is stored, in blocks of at most 64 KiB with 5 bytes each.
+        // Incompressible data is stored in blocks of at most 64 KiB with 5 bytes each.
         let most = tiles(all) as u64 * u64::from(TILE * TILE * u32::from(channels) + 1024);
         Ok(Self {
             size,
@@ -57,7 +58,7 @@ impl Banded {
         })
     }
 
-    /// Header and directory of a file of these tiles, one after another; of none, as long.
+    /// Header and directory of a file of these tiles, in order; without tiles, a placeholder of the same length.
     pub(super) fn head(&self, lengths: &[u32]) -> Vec<u8> {
         let (columns, rows) = self.size;
         let all = Rect {
@@ -81,7 +82,7 @@ impl Banded {
             }
             tags.extend([
                 (277, Values::Short(vec![self.channels])),
-                // Channels of a pixel together; horizontal differencing.
+                // Interleaved channels; horizontal differencing.
                 (284, Values::Short(vec![1])),
                 (317, Values::Short(vec![2])),
                 (322, Values::Long(vec![TILE])),
@@ -101,7 +102,7 @@ impl Banded {
                 ),
             ]);
             if self.channels == 4 {
-                // Alpha that is not multiplied in.
+                // Straight alpha.
                 tags.push((338, Values::Short(vec![2])));
             }
             self.directory(&tags)
@@ -118,10 +119,10 @@ impl Banded {
         directory(offsets)
     }
 
-    /// The file's header, one directory, and after it what its entries have no room for.
+    /// The file's header, its one directory, and the values that do not fit into entries.
     fn directory(&self, tags: &[(u16, Values)]) -> Vec<u8> {
         let mut head = Vec::new();
-        // Little-endian; the directory follows at once.
+        // Little-endian; the directory follows immediately.
         let (entry, room) = if self.is_big {
             head.extend(*b"II\x2b\0\x08\0\0\0");
             head.extend(16u64.to_le_bytes());
@@ -134,7 +135,7 @@ impl Banded {
             (12, 4)
         };
         let number = |head: &mut Vec<u8>, number: u64| {
-            // What this is cut from is below 2^32 in a classic file.
+            // The number is below 2^32 in a classic file, so nothing is cut off.
             head.extend(&number.to_le_bytes()[..room]);
         };
         let end = head.len() + entry * tags.len() + room;
@@ -150,11 +151,11 @@ impl Banded {
             } else {
                 number(&mut head, (end + beyond.len()) as u64);
                 beyond.extend(bytes);
-                // Values begin at even places.
+                // Values start at even offsets.
                 beyond.resize(beyond.len().next_multiple_of(2), 0);
             }
         }
-        // There is no next directory.
+        // No next directory.
         number(&mut head, 0);
         head.extend(beyond);
         head
@@ -181,7 +182,7 @@ impl Banded {
         })
     }
 
-    /// A tile from a column and row; what lies beyond the picture is zero.
+    /// The tile at a column and row; zero beyond the picture.
     fn tile(&self, source: Source<'_>, x: u32, y: u32) -> Result<Vec<u8>, ImageError> {
         let failed = |error: std::io::Error| ImageError::Encode(error.to_string());
         let channels = usize::from(self.channels);
@@ -200,7 +201,7 @@ impl Banded {
                     left = *pixel;
                 }
                 if columns.len() < TILE as usize {
-                    // The difference that leads back to zero.
+                    // The difference back to zero.
                     let beyond = &mut row[columns.len() * channels..][..channels];
                     for (to, left) in beyond.iter_mut().zip(left) {
                         *to = 0u8.wrapping_sub(left);
@@ -213,7 +214,7 @@ impl Banded {
     }
 }
 
-/// What a tag says.
+/// The values of a tag.
 enum Values {
     Short(Vec<u16>),
     Long(Vec<u32>),
@@ -223,7 +224,7 @@ enum Values {
 }
 
 impl Values {
-    /// The kind's number, how many there are, and their bytes.
+    /// The type's number, the count, and the bytes.
     fn bytes(&self, is_big: bool) -> (u16, usize, Vec<u8>) {
         match self {
             Self::Short(values) => {

@@ -1,4 +1,4 @@
-//! What tells viewers of panoramas that a picture is one: Google's "Photo Sphere XMP Metadata" (GPano).
+//! Metadata that mark panoramas for viewers: Google's "Photo Sphere XMP Metadata" (GPano).
 
 use super::Recipe;
 use crate::camera::{Panorama, Projection, StereoKind};
@@ -7,13 +7,13 @@ use std::f64::consts::PI;
 /// The keyword of XMP in a PNG ("XMP Specification Part 3", Adobe, 2020).
 pub(super) const KEYWORD: &str = "XML:com.adobe.xmp";
 
-/// What says that the upper half is the left eye's: Google's "Spherical Video RDF", which viewers of pictures read too.
+/// Says that the upper half is the left eye's: Google's "Spherical Video RDF", which viewers of pictures read too.
 const TOP_BOTTOM: &str = " xmlns:GSpherical=\"http://ns.google.com/videos/1.0/spherical/\" \
      GSpherical:Spherical=\"true\" GSpherical:Stitched=\"true\" \
      GSpherical:ProjectionType=\"equirectangular\" GSpherical:StereoMode=\"top-bottom\"";
 
-/// The packet of an equirectangular picture that is not wider than all around, or higher, or of all around for two eyes;
-/// `None` for any other.
+/// The XMP packet of an equirectangular picture that is no larger than the full panorama, or of a full panorama for
+/// two eyes; `None` for any other picture.
 pub(super) fn packet(recipe: &Recipe) -> Option<String> {
     let camera = &recipe.camera;
     let plane = camera.plane();
@@ -23,7 +23,7 @@ pub(super) fn packet(recipe: &Recipe) -> Option<String> {
     let is_one = camera.projection() == Projection::Panoramic(Panorama::Equirectangular);
     let (height, stereo) = match camera.stereo().map(|stereo| stereo.kind) {
         None => (height, ""),
-        // A whole one: parts of two pictures are not one part.
+        // Only a full panorama: GPano's crop describes one rectangle, not two pictures.
         Some(StereoKind::Ods) if columns == width && rows == 2.0 * height => {
             (2.0 * height, TOP_BOTTOM)
         }
@@ -32,7 +32,7 @@ pub(super) fn packet(recipe: &Recipe) -> Option<String> {
     if !is_one || columns > width || rows > height {
         return None;
     }
-    // A picture's middle is that of the whole panorama.
+    // The picture's middle is that of the full panorama.
     let left = ((width - columns) * 0.5).floor();
     let top = ((height - rows) * 0.5).floor();
     Some(format!(

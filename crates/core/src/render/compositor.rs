@@ -6,7 +6,7 @@ use crate::shade::{SEEN, TileShader, Translucent};
 use crate::single::{Clipped, Layers};
 use glam::Vec3;
 
-/// Composites the layers of rays whose nearest hit lets through what lies behind it.
+/// Composites the layers of rays whose closest hit is translucent.
 #[derive(Debug)]
 pub(super) struct Compositor<'s> {
     view: &'s View,
@@ -29,8 +29,8 @@ impl<'s> Compositor<'s> {
         }
     }
 
-    /// The colour of the sample at (x, y) of the picture, whose ray hits `primitive` first: linear light, alpha not
-    /// multiplied in. `None` where no other hit shows.
+    /// The colour of the sample at (x, y) of the picture, whose ray hits `primitive` first: linear light, straight
+    /// alpha. `None` where no other hit shows.
     pub(super) fn color(
         &mut self,
         shader: &mut TileShader<'_>,

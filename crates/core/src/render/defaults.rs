@@ -6,11 +6,11 @@ use crate::scene::{Scene, SceneError};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Renders a scene with default settings: smooth shading, both faces, one ray a pixel, exact, in
-/// parallel on rayon's current pool.
+/// Renders a scene with default settings: smooth shading, both faces, one ray a pixel, exact, in parallel on rayon's
+/// current pool.
 ///
-/// Builds the tree first. To render several pictures of one scene, or with other settings, build a
-/// [`View`] and keep it.
+/// Builds the tree first. To render several pictures of one scene, or with other settings, build a [`View`] and keep
+/// it.
 ///
 /// # Errors
 /// As [`Accel::build`].

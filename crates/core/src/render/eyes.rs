@@ -1,4 +1,4 @@
-//! Pictures for two eyes: each half is a picture of its own, and tiles are cut where they meet.
+//! Pictures for two eyes: each half is a picture of its own, and tiles across the border are split there.
 
 use super::job::{Buffers, Job};
 use super::view::{Cancel, Clock, View};
@@ -10,10 +10,10 @@ use crate::picture::Picture;
 use crate::shade::Shader;
 use std::sync::{Mutex, PoisonError};
 
-/// The views of two eyes, and their halves of the picture.
+/// The views of the two eyes, and their halves of the picture.
 pub(super) struct Eyes([(View, Rect); 2]);
 
-/// A part of one eye's half.
+/// The part of a tile in one eye's half.
 #[derive(Clone, Copy)]
 struct Part {
     eye: usize,
@@ -21,7 +21,7 @@ struct Part {
 }
 
 impl Eyes {
-    /// `None` where the picture is for one.
+    /// `None` for a picture for one eye.
     pub(super) fn of(view: &View) -> Option<Self> {
         let halves = view.camera.halves()?;
         let of_eye = |(camera, rect)| {
@@ -34,7 +34,7 @@ impl Eyes {
         Some(Self(halves.map(of_eye)))
     }
 
-    /// The halves' shaders, with colours fitted to what the whole picture shows.
+    /// The halves' shaders, with colours fitted to the whole picture.
     fn shaders<'s>(&'s self, whole: &View) -> [Shader<'s>; 2] {
         let [(left, _), (right, _)] = &self.0;
         [whole.shader_for(left), whole.shader_for(right)]
@@ -48,7 +48,7 @@ impl Eyes {
         ]
     }
 
-    /// A rectangle's parts, in either half.
+    /// The parts of a rectangle in either half.
     fn cut(&self, rect: Rect) -> impl Iterator<Item = Part> + '_ {
         let parts = self.0.iter().enumerate().map(move |(eye, (_, half))| {
             let (x, y) = (rect.x.max(half.x), rect.y.max(half.y));
@@ -165,7 +165,7 @@ impl Eyes {
         tile
     }
 
-    /// As [`View::render_progressively`]; tiles across both halves come in two.
+    /// As [`View::render_progressively`]; a tile across the border arrives in two parts.
     pub(super) fn render_progressively(
         &self,
         whole: &View,

@@ -26,7 +26,7 @@ const MODES: [Mode; 10] = [
     Mode::Wireframe,
 ];
 
-/// Two meshes in fourteen places that overlap: turned, mirrored, hidden, moved by a parent, with a rule each.
+/// Two meshes in fourteen objects that overlap: rotated, mirrored, hidden, with parents, each with a colour rule.
 fn scene() -> Scene {
     let torus = Shape::Torus {
         radius: 0.5,
@@ -107,7 +107,7 @@ fn pictures_of_instances_are_those_of_one_tree() {
     let scene = scene();
     let one = Accel::build(&scene).expect("a valid scene");
     let placed = Accel::build_instances(&scene).expect("a valid scene");
-    // Corners that are placed when they are read: those of objects that have moved.
+    // Objects that have moved: their corners are placed when they are read.
     let mut elsewhere = scene.clone();
     for object in &mut elsewhere.objects {
         object.transform.translate.x += 0.01;

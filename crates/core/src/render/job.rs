@@ -5,7 +5,7 @@ use super::photographs::Photographs;
 use super::view::{Clock, Settings, View};
 use super::{Pass, Tile, TileStats};
 use crate::camera::{Lattice, Rect, SamplePattern, SubCamera};
-use crate::hit::{Detail, MISS, PrimitiveHit};
+use crate::hit::{Detail, HitNumbers, MISS, PrimitiveHit};
 use crate::hits::Hits;
 use crate::picture::{Layers, Strip};
 use crate::shade::{self, Cut, Section, Shader, Shown, TileShader};
@@ -196,15 +196,23 @@ impl Job {
             let sums = &mut self.sums;
             let cut = work.cut(&lattice);
             work.shade(|buffers| {
-                for (at, sum) in sums.iter_mut().enumerate() {
-                    let hit = buffers.hits.get(at);
-                    let (x, y) =
-                        lattice.place(at as u32 % lattice.columns, at as u32 / lattice.columns);
-                    let cut = cut.as_ref().and_then(|(s, all)| s.color(all[at]));
-                    let color = cut.or_else(|| buffers.beyond_the_nearest((x, y), &hit));
-                    let [r, g, b, a] = color.unwrap_or_else(|| buffers.shader.color(x, y, &hit));
-                    let light = [r * a, g * a, b * a, a];
-                    *sum = std::array::from_fn(|channel| sum[channel] + light[channel] * weight);
+                let rows = sums.chunks_mut(lattice.columns.max(1) as usize);
+                for (row, sums) in (0..).zip(rows) {
+                    let behind = buffers.shader.shader().behind_row(lattice.place(0, row).1);
+                    for (column, sum) in (0..).zip(sums) {
+                        let at = (row * lattice.columns + column) as usize;
+                        let hit = buffers.hits.get(at);
+                        let place = lattice.place(column, row);
+                        let cut = cut.as_ref().and_then(|(s, all)| s.color(all[at]));
+                        let color = cut.or_else(|| buffers.beyond_the_nearest(place, &hit));
+                        let color = color.or_else(|| behind.filter(|_| hit.is_miss()));
+                        let (x, y) = place;
+                        let [r, g, b, a] =
+                            color.unwrap_or_else(|| buffers.shader.color(x, y, &hit));
+                        let light = [r * a, g * a, b * a, a];
+                        *sum =
+                            std::array::from_fn(|channel| sum[channel] + light[channel] * weight);
+                    }
                 }
             });
             if index == 0 && work.view.settings.layers {
@@ -506,9 +514,13 @@ impl<'a, 's> Work<'a, 's> {
         let full = layers || self.shader().detail() == Detail::Full;
         let hits = &mut self.buffers.hits;
         if full {
-            self.view.accel.evaluate(lattice, cull, precision, hits);
+            let numbers = match layers {
+                true => HitNumbers::All,
+                false => self.buffers.shader.shader().hit_numbers(),
+            };
+            (self.view.accel).evaluate_numbers(lattice, cull, precision, numbers, hits);
         } else {
-            hits.forget_places();
+            hits.clear_tuv();
         }
         self.stats.shade += self.since(begin);
     }
@@ -530,12 +542,15 @@ impl<'a, 's> Work<'a, 's> {
     /// The layers of the lattice just cast, but for the colours.
     fn layers(&mut self, lattice: &Lattice) -> Layers {
         let begin = (self.clock)();
-        let hits = &self.buffers.hits;
+        let Buffers { hits, shader, .. } = &mut *self.buffers;
         let mut layers = Layers::blank(hits.len());
-        for (at, hit) in hits.iter().enumerate().filter(|(_, hit)| !hit.is_miss()) {
-            let (x, y) = lattice.place(at as u32 % lattice.columns, at as u32 / lattice.columns);
-            (layers.object[at], layers.triangle[at]) = self.view.accel.identify(hit.primitive);
-            (layers.normal[at], layers.uv[at]) = self.shader().surface(x, y, &hit);
+        let places = (0..lattice.rows).flat_map(|y| (0..lattice.columns).map(move |x| (x, y)));
+        let hits = hits.iter().zip(places).enumerate();
+        for (at, (hit, (column, row))) in hits.filter(|(_, (hit, _))| !hit.is_miss()) {
+            let (x, _) = lattice.place(column, row);
+            let ([object, triangle], normal, uv) = shader.surface(x, &hit);
+            (layers.object[at], layers.triangle[at]) = (object, triangle);
+            (layers.normal[at], layers.uv[at]) = (normal, uv);
             layers.depth[at] = hit.t;
         }
         self.stats.shade += self.since(begin);

@@ -1,4 +1,4 @@
-//! Pictures of masked and blended materials: the truth is every triangle, tested one by one.
+//! Pictures of masked and blended materials. The truth is every triangle, tested one by one.
 
 use super::{Cancel, Pass, Settings, View};
 use crate::bvh::Accel;
@@ -34,7 +34,7 @@ fn leaf() -> Arc<Texture> {
     Arc::new(Texture::new(side, side, texels.collect()).expect("as many texels"))
 }
 
-/// Squares of two triangles each, their image once over each.
+/// Squares of two triangles, each with the whole image.
 fn squares(places: &[[DVec3; 4]], opacity: Opacity) -> Mesh {
     let corner = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
     let count = places.len() as u32;
@@ -62,7 +62,7 @@ fn mask(alpha: Alpha) -> Opacity {
     }
 }
 
-/// A cloud of leaves, twice, before an opaque square.
+/// A cloud of leaves, as two objects, in front of an opaque square.
 fn cloud() -> Scene {
     let mut random = Random(71);
     let places: Vec<_> = (0..300)
@@ -197,7 +197,7 @@ fn pictures_with_masks_and_layers_are_the_same_for_any_split_and_tree() {
                 whole == render(&placed, Grid::Size(64)),
                 "{mode:?} {samples}"
             );
-            // A coarse pass shows rays of the whole picture.
+            // A coarse pass shows rays of the full picture.
             let tiles = Grid::Size(32).tiles(90, 64);
             let pass = Pass {
                 stride: 4,
@@ -215,7 +215,7 @@ fn pictures_with_masks_and_layers_are_the_same_for_any_split_and_tree() {
     }
 }
 
-/// Squares in one place, of which the masks keep but one, or some.
+/// Coincident squares, of which the masks keep one, or some.
 #[test]
 fn of_ten_thousand_coincident_layers_the_lowest_that_is_kept_counts() {
     let place = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
@@ -246,9 +246,9 @@ fn of_ten_thousand_coincident_layers_the_lowest_that_is_kept_counts() {
     }
 }
 
-/// Panes one behind the other, the first of them last in the file.
+/// Panes in a row, the nearest of them last in the file.
 #[test]
-fn panes_cover_what_lies_behind_in_the_order_of_the_ray() {
+fn blended_panes_are_composited_in_the_order_of_the_ray() {
     let pane = |z: f64, color: Color, opacity: Opacity| {
         let place = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)];
         let place = place.map(|(x, y)| DVec3::new(x, y, z));
@@ -290,7 +290,7 @@ fn panes_cover_what_lies_behind_in_the_order_of_the_ray() {
     objects.truncate(2);
     assert_eq!(color(&objects, Mode::Color), [0.0, 0.25, 0.75, 1.0]);
     objects.remove(0);
-    // Alpha is multiplied in.
+    // With premultiplied alpha.
     assert_eq!(color(&objects, Mode::Color), [0.0, 0.25, 0.0, 0.25]);
     let [_, _, _, covers] = color(&objects, Mode::XRay);
     let straight = DVec3::new(0.5, 0.7, 3.0).normalize().z;

@@ -1,4 +1,4 @@
-//! From a view to a picture: tiles, passes, samples, in parallel.
+//! From a view to a picture: tiles, passes and samples, in parallel.
 
 mod compositor;
 mod defaults;

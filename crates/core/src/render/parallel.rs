@@ -1,4 +1,4 @@
-//! A view's tiles on many threads.
+//! Rendering a view's tiles on many threads.
 
 use super::eyes::Eyes;
 use super::job::{Buffers, Job};
@@ -13,19 +13,20 @@ use crate::scene::{ColorRule, Masks, Object};
 use crate::shade::{DrawnLegend, Legend, Mode, Shader};
 use std::sync::{Mutex, PoisonError};
 
-/// Between the rays that depth's colours are fitted to, in pixels: some thousand rays of a usual picture, which
-/// take a hundredth of its time.
+/// The distance, in pixels, of the rays that the colours of depth are fitted to: some thousand rays of a usual
+/// picture, which take a hundredth of its time. With a smaller distance fitting takes longer, with a larger one it
+/// misses near and far objects.
 const DEPTH_STRIDE: u32 = 16;
 
-/// The most of these rays along a side. Each band of a picture larger than memory casts them all: so they stay a few
-/// rays in a hundred of its own.
+/// The most of these rays along a side. Each band of a picture larger than memory casts them all, so the limit keeps
+/// them few compared with the band's own rays.
 const DEPTH_RAYS: u32 = 256;
 
 impl View {
     /// Renders the whole picture, tile by tile, in parallel on rayon's current pool.
     ///
-    /// `sink` is called from the workers once for each tile, with its statistics. The picture is
-    /// the same, byte for byte, for every grid and thread count. `None` if cancelled.
+    /// `sink` is called from the workers once for each tile, with its statistics. The picture is the same, byte for
+    /// byte, for every grid and thread count. `None` if cancelled.
     pub fn render(
         &self,
         grid: Grid,
@@ -39,9 +40,9 @@ impl View {
             .then_some(picture)
     }
 
-    /// As [`View::render`], over a picture that is there already, of the camera's size and with
-    /// layers if the settings ask for them: memory that is in use costs less than new. Returns whether
-    /// it ran to the end; the picture's state is a mixture otherwise.
+    /// As [`View::render`], into an existing picture of the camera's size, with layers if the settings ask for them:
+    /// reusing memory takes less time than allocating it. Returns whether it ran to the end; otherwise only some
+    /// tiles of the picture are new.
     pub fn render_into(
         &self,
         grid: Grid,
@@ -53,8 +54,8 @@ impl View {
         self.render_part_into(self.camera.whole(), grid, clock, cancel, sink, picture)
     }
 
-    /// The same of one of the camera's sub-cameras, of whose rectangle's size the picture is; `grid` splits
-    /// that rectangle.
+    /// As [`View::render_into`], for a sub-camera's rectangle; the picture has the size of that, and `grid` splits
+    /// it.
     pub fn render_part_into(
         &self,
         part: SubCamera,
@@ -73,8 +74,8 @@ impl View {
         let legend = self.drawn_legend(&shader);
         let buffers = || Buffers::new(self, &shader);
         if self.settings.samples <= 1 && !self.settings.layers {
-            // Long strips first, for long rows of pixels, and short ones last, for which no worker waits
-            // long (Polychronopoulos and Kuck, "Guided Self-Scheduling", 1987).
+            // Long strips first, for long rows of pixels, and short ones at the end, so that no worker waits long for
+            // the others (Polychronopoulos and Kuck, "Guided Self-Scheduling", 1987).
             let share = 4 * rayon::current_num_threads();
             let mut strips = picture.strips(grid, |left| left / share);
             for tile in strips.iter_mut().flat_map(|strip| &mut strip.tiles) {
@@ -104,8 +105,8 @@ impl View {
         })
     }
 
-    /// Casts every ray of the picture and keeps nothing, for measuring: visibility alone, or with t, u and v
-    /// of every hit written, a tile at a time.
+    /// Casts every ray of the picture, a tile at a time, and discards the hits, for measuring: visibility alone, or
+    /// with t, u and v of every hit.
     pub fn cast(&self, grid: Grid, detail: Detail) -> TileStats {
         let plane = self.camera.plane();
         let tiles = grid.tiles(plane.columns, plane.rows);
@@ -145,12 +146,12 @@ impl View {
         tile
     }
 
-    /// Renders `passes` one after another, each tile of each pass handed to `sink` whole, from the
-    /// worker that made it. Within a pass tiles come from the middle of the view outwards.
+    /// Renders `passes` one after another. Each finished tile of each pass is handed to `sink`, by the worker that
+    /// rendered it; within a pass tiles come from the middle of the view outwards.
     ///
-    /// Strides must fall, and samples rise, from pass to pass. A tile of a coarse pass has every
-    /// pixel filled: those between its rays take the colour of the ray above and to the left. After
-    /// the last pass the tiles are those of [`View::render`]. Returns whether it ran to the end.
+    /// Strides must fall, and samples rise, from pass to pass. A tile of a coarse pass has every pixel filled: pixels
+    /// between its rays take the colour of the ray above and to the left. After the last pass the tiles are those of
+    /// [`View::render`]. Returns whether it ran to the end.
     pub fn render_progressively(
         &self,
         tiles: &[Rect],
@@ -190,7 +191,7 @@ impl View {
         })
     }
 
-    /// What the colour scale of the view's pictures shows; `None` where they show no numbers as colours.
+    /// The legend of the view's colour scale; `None` where its pictures show no numbers as colours.
     pub fn legend(&self) -> Option<Legend> {
         let shows_values = |object: &Object| matches!(object.color, ColorRule::Value(_));
         let shading = &self.settings.shading;
@@ -200,7 +201,7 @@ impl View {
             .flatten()
     }
 
-    /// The legend as the picture has it, if it has one.
+    /// The legend as it is drawn into the picture, if the picture has one.
     pub(super) fn drawn_legend(&self, shader: &Shader<'_>) -> Option<DrawnLegend> {
         let scale = self.settings.shading.scale?;
         let plane = self.camera.plane();
@@ -212,7 +213,7 @@ impl View {
         self.shader_for(self)
     }
 
-    /// The shader of a view that is a part of this one's picture, and has its colours.
+    /// The shader of a view that is part of this view's picture, with the colours of the whole.
     pub(super) fn shader_for<'s>(&self, view: &'s Self) -> Shader<'s> {
         let Settings {
             shading,
@@ -235,11 +236,11 @@ impl View {
         }
     }
 
-    /// The nearest and the farthest hit of a sparse lattice over the whole picture: the same for every part of it.
-    /// `None` where none hits anything.
+    /// The depths of the nearest and the farthest hit of a sparse lattice over the whole picture, the same for every
+    /// part of it. `None` if no ray hits anything.
     fn depths_seen(&self, masks: Option<&Masks<'_>>) -> Option<[f32; 2]> {
         let plane = self.camera.plane();
-        // Once a band: of a large picture a few rays of each band's many.
+        // Each band casts them, so a large picture has few rays of this lattice for its many bands.
         let stride = DEPTH_STRIDE.max(plane.columns.max(plane.rows).div_ceil(DEPTH_RAYS));
         let lattice = self.camera.whole().sparse_lattice(stride, (0, 0));
         let Settings {
@@ -259,7 +260,7 @@ impl View {
         })
     }
 
-    /// A tile in one go.
+    /// Renders a tile in one go.
     pub(super) fn finish(
         &self,
         sub_camera: SubCamera,

@@ -1,19 +1,19 @@
-/// One pass over a picture.
+/// A pass over a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pass {
-    /// Every so many-th ray of the lattice, along both sides: a power of two; 1 for every ray.
+    /// Every `stride`-th ray in both directions is cast: a power of two, 1 for every ray.
     pub stride: u32,
-    /// Samples a pixel that are in the picture once the pass is done.
+    /// Samples a pixel in the picture after the pass.
     pub samples: u32,
 }
 
-/// The order in which a picture comes into being.
+/// The sequence of passes of progressive rendering.
 #[derive(Clone, Copy, Debug)]
 pub struct Passes;
 
 impl Passes {
-    /// From coarse to fine (every `first_stride`-th ray, then half of that, down to every ray), then
-    /// ever more samples (doubling) until `samples`.
+    /// From coarse to fine (every `first_stride`-th ray, then half of that, down to every ray), then twice as many
+    /// samples each time, up to `samples`.
     pub fn plan(first_stride: u32, samples: u32) -> Vec<Pass> {
         let mut passes = Vec::new();
         let mut stride = first_stride.max(1).next_power_of_two();

@@ -1,4 +1,4 @@
-//! Pictures from coarse to fine: every pixel filled, and an end at once where they are cancelled.
+//! Progressive pictures: every pixel is filled, and cancelling stops at once.
 
 use super::{Cancel, Pass, Passes, Settings, Tile, View};
 use crate::bvh::Accel;
@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::sync::Mutex;
 use std::time::Duration;
 
-/// Random triangles, seen in a picture of 77 × 45.
+/// Random triangles in a picture of 77 × 45.
 fn view() -> View {
     let mut random = Random(41);
     let positions: Vec<DVec3> = (0..300)
@@ -47,7 +47,7 @@ fn view() -> View {
 
 const CLOCK: &(dyn Fn() -> Duration + Sync) = &|| Duration::ZERO;
 
-/// Tiles as they came, and whether all did.
+/// Tiles in the order of their arrival, and whether all were rendered.
 fn progress(
     view: &View,
     tiles: &[Rect],
@@ -64,8 +64,8 @@ fn progress(
     (come.into_inner().expect("no sink panics"), done)
 }
 
-/// A tile's pixel shows what the ray above it and to the left does: the last column and row of a tile too,
-/// whatever is left of a block there.
+/// A tile's pixel shows the ray above it and to the left, in the tile's last column and row too, whatever is left of
+/// a block there.
 #[test]
 fn coarse_passes_fill_every_pixel_from_its_block() {
     let view = view();
@@ -107,7 +107,7 @@ fn coarse_passes_fill_every_pixel_from_its_block() {
     }
 }
 
-/// No tile begins once it is cancelled, in the midst of a pass or between two; those that came are whole.
+/// After cancelling no tile is started, within a pass or between two; tiles that arrived are whole.
 #[test]
 fn a_cancelled_picture_ends_at_once() {
     let view = view();
@@ -134,7 +134,7 @@ fn a_cancelled_picture_ends_at_once() {
                     }
                 })
             });
-            // What other workers had begun may still come.
+            // Tiles that other workers had started may still arrive.
             assert!(!done && come.len() >= after, "{threads} {after}");
             assert!(come.len() < after + threads, "{threads} {after}");
             for (pass, tile) in &come {

@@ -18,7 +18,7 @@ const CLOCK: &(dyn Fn() -> Duration + Sync) = &|| Duration::ZERO;
 
 const EYE: DVec3 = DVec3::new(1.5, 2.5, 3.0);
 
-/// Where photographs are taken from: 50 degrees high.
+/// The camera of the photographs: 50 degrees above the horizon.
 const TAKEN: Photograph = Photograph {
     eye: EYE,
     target: DVec3::ZERO,
@@ -38,7 +38,7 @@ fn object(name: &str, shape: Shape, at: DVec3) -> Object {
     object
 }
 
-/// A ring twice, so that there are instances, before a floor.
+/// A ring in two objects, so that there are instances, in front of a floor.
 fn rings() -> Scene {
     let ring = Shape::Torus {
         radius: 0.8,
@@ -94,7 +94,7 @@ fn render(view: &View, grid: Grid) -> Picture {
     picture.expect("nothing cancels it")
 }
 
-/// The scene in white, with a picture of it for the texture of all.
+/// The scene in white, with a picture of it as every object's texture.
 fn textured(mut scene: Scene, picture: &Picture) -> Scene {
     let texture = Texture::new(picture.width, picture.height, picture.pixels.clone());
     let texture = texture.map(Arc::new).expect("as many texels");
@@ -106,7 +106,7 @@ fn textured(mut scene: Scene, picture: &Picture) -> Scene {
     scene
 }
 
-/// What the photograph was taken of it shows again, from where it was taken: culled, cut and whole.
+/// A photograph of the scene gives the scene's colours back, seen from its own camera: culled, clipped and whole.
 #[test]
 fn a_photograph_of_the_scene_gives_its_colors_back() {
     let cut = ClippingPlane::new(DVec3::new(-1.0, 0.2, 0.0), -0.3).expect("a plane");
@@ -129,7 +129,7 @@ fn a_photograph_of_the_scene_gives_its_colors_back() {
         for grid in [Grid::Size(16), Grid::Size(97)] {
             assert!(render(&again, grid).pixels == taken.pixels, "{cull:?}");
         }
-        // From elsewhere some of it was not seen.
+        // From another eye parts are visible that the photograph does not show.
         let elsewhere = view(scene, DVec3::new(-3.0, 1.0, 1.0), with(shown));
         let elsewhere = render(&elsewhere, Grid::Size(32));
         let white = elsewhere
@@ -140,10 +140,10 @@ fn a_photograph_of_the_scene_gives_its_colors_back() {
     }
 }
 
-/// A square over a floor, halfway to the eye, hides a square twice as wide; beyond the image's frame there is none of
-/// it.
+/// A square over a floor, halfway to the eye, hides a square of the floor twice as wide; beyond the image's frame
+/// nothing is projected.
 #[test]
-fn shadows_and_the_frame_lie_where_they_must() {
+fn covers_and_the_frame_bound_what_a_photograph_shows() {
     let floor = Shape::Plane {
         size: DVec2::splat(8.0),
     };
@@ -165,7 +165,7 @@ fn shadows_and_the_frame_lie_where_they_must() {
         },
         &red,
     );
-    // 4 above: a frame of 4 by 8, its height along z.
+    // The eye is 4 above: a frame of 4 by 8, its height along z.
     for object in &mut scene.objects {
         object.mapping.photograph = Some(Photograph {
             eye: DVec3::Y * 4.0,
@@ -188,7 +188,7 @@ fn shadows_and_the_frame_lie_where_they_must() {
         let point = view.camera.ray(x, y).at(layers.depth[at].into());
         let away = |from: f64| (from - point.x.abs().max(point.z.abs())).abs();
         if layers.object[at] != 0 || away(1.0) < 1e-3 {
-            // All of the cover is in the frame, and seen.
+            // All of the cover is in the frame and visible.
             assert!(layers.object[at] != 1 || pixel[..3] == [255, 0, 0]);
             continue;
         }
@@ -204,9 +204,9 @@ fn shadows_and_the_frame_lie_where_they_must() {
     assert!(counts.iter().all(|&count| count > 50), "{counts:?}");
 }
 
-/// Passes, samples, layers and translucent surfaces ask the same of each hit.
+/// Passes, samples, layers and translucent surfaces all test the visibility of each hit.
 #[test]
-fn every_way_through_the_renderer_agrees() {
+fn passes_samples_layers_and_translucency_agree_on_what_photographs_see() {
     let colors = settings(Mode::Color, TextureProjection::Uv);
     let taken = render(&view(rings(), EYE, colors), Grid::Size(32));
     let eye = DVec3::new(-2.0, 1.0, 3.0);
@@ -237,7 +237,7 @@ fn every_way_through_the_renderer_agrees() {
             shown.into_inner().expect("whole").pixels == whole.pixels,
             "{mode:?}"
         );
-        // A coarse pass shows the very rays of the whole.
+        // A coarse pass shows rays of the full picture.
         assert_eq!(coarse.into_inner().expect("whole"), tiles.len() as u32);
     }
 }

@@ -4,9 +4,10 @@ use crate::scene::Masks;
 use crate::shade::TileShader;
 use crate::single::Clipped;
 
-/// Casts rays from where textures were taken: hits that are not seen from there have their object's own colours.
+/// Tests hits for visibility from where textures were taken: hits that are not visible from there show their object's
+/// own colours.
 ///
-/// These rays meet what the picture's rays meet, and are always exact.
+/// These rays hit what the picture's rays can hit, and are always cast exactly.
 #[derive(Debug)]
 pub(super) struct Photographs<'s> {
     kept: Clipped<'s>,
@@ -21,8 +22,8 @@ impl<'s> Photographs<'s> {
         }
     }
 
-    /// The colour of the sample at (x, y) of the picture, linear light, alpha not multiplied in, where its hit would
-    /// show a texture that was taken from where it is not seen.
+    /// The colour of the sample at (x, y) of the picture (linear light, straight alpha) where its hit would show a
+    /// photograph that does not see it.
     pub(super) fn hidden(
         &self,
         shader: &mut TileShader<'_>,

@@ -2,9 +2,9 @@ use super::{Settings, View};
 use crate::picture::Recipe;
 
 impl Recipe {
-    /// What a view's pictures are made of.
+    /// The recipe of a view's pictures.
     pub fn of(view: &View) -> Self {
-        // Field by field: what settings get one day must be considered here.
+        // Destructured, so that the compiler demands a decision about each new setting.
         let Settings {
             shading,
             cull,

@@ -9,7 +9,7 @@ use glam::DVec3;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A ball in a torus, the half of them that is nearer cut away, in a picture of 131 × 97.
+/// A ball in a torus, the nearer half of both clipped away, in a picture of 131 × 97.
 fn view(projection: Projection, samples: u32) -> View {
     let object = |name: &str, shape: Shape| {
         let mesh = Mesh::new(shape.mesh().expect("a shape"));
@@ -61,7 +61,7 @@ fn render(view: &View, grid: Grid) -> Vec<[u8; 4]> {
     picture.expect("nothing cancels it").pixels
 }
 
-/// The same, of which a slab is left that is thinner than its tube.
+/// The same solids, clipped to a slab that is thinner than the torus's tube.
 fn slab(projection: Projection, samples: u32) -> View {
     let mut view = view(projection, samples);
     let back = ClippingPlane::new(DVec3::new(0.1, 0.0, 1.0), -0.05).expect("a plane");
@@ -118,7 +118,7 @@ fn sections_are_the_same_for_any_split() {
 }
 
 #[test]
-fn a_section_is_one_colour_with_an_outline_around_and_backs_elsewhere_stay_what_they_are() {
+fn a_section_is_filled_and_outlined_and_other_back_faces_keep_their_color() {
     let view = view(Projection::Perspective, 1);
     let cut = render(&view, Grid::default());
     let orange = |p: &&[u8; 4]| p[0] > 150 && p[0] > p[1] + 50 && p[1] > p[2] + 30;
@@ -129,9 +129,9 @@ fn a_section_is_one_colour_with_an_outline_around_and_backs_elsewhere_stay_what_
         .iter()
         .filter(|p| **p == [0x2b, 0x15, 0x08, 255])
         .count();
-    // Two discs of the torus and one of the ball have some 20 pixels' width each.
+    // The two discs of the torus and the one of the ball are some 20 pixels wide each.
     assert!((100..400).contains(&dark), "{dark}");
-    // Without planes there are neither, though the same backs are there from within.
+    // Without planes there are neither fillings nor outlines, although the same back faces are visible from inside.
     let whole = View {
         settings: Settings {
             clip: ClippingPlanes::NONE,

@@ -4,18 +4,18 @@ use crate::picture::Layers;
 use crate::shade::DrawnLegend;
 use std::time::Duration;
 
-/// What it took to render a tile.
+/// The statistics of rendering a tile.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TileStats {
     /// Rays cast.
     pub rays: u64,
-    /// What visibility took, counted.
+    /// Counts of casting.
     pub counts: CastCounts,
-    /// Time for visibility: which triangle each ray meets.
+    /// Time for visibility: which triangle each ray hits.
     pub cast: Duration,
-    /// Time for everything else: where it meets it, shading, lines, conversion.
+    /// Time for everything else: interpolation, shading, lines, conversion.
     pub shade: Duration,
-    /// Which of rayon's workers made it.
+    /// The index of the rayon worker that rendered it.
     pub worker: u32,
 }
 
@@ -29,21 +29,21 @@ impl std::ops::AddAssign for TileStats {
     }
 }
 
-/// A sub-camera's rectangle, rendered.
+/// The rendered rectangle of a sub-camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tile {
-    /// Its place in the full picture.
+    /// The rectangle in the full picture.
     pub rect: Rect,
-    /// Its sRGB pixels, row by row, alpha not multiplied in.
+    /// Its sRGB pixels, row by row, with straight alpha.
     pub pixels: Vec<[u8; 4]>,
-    /// Depth, numbers, normals and texture coordinates, when asked for.
+    /// Depth, numbers, normals and texture coordinates, if requested.
     pub layers: Option<Layers>,
-    /// What it took.
+    /// The statistics of rendering it.
     pub stats: TileStats,
 }
 
 impl Tile {
-    /// Draws the legend over it, as far as it reaches into it.
+    /// Draws the part of the legend that overlaps the tile.
     pub(super) fn draw(&mut self, legend: Option<&DrawnLegend>) {
         if let Some(legend) = legend {
             let colors = self.layers.as_mut().map(|layers| &mut *layers.color);

@@ -7,60 +7,59 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// How a picture is made, besides scene and camera.
+/// The settings of a picture, besides scene and camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Settings {
-    /// Colours.
+    /// Mode, colours, light, textures and lines.
     pub shading: Shading,
-    /// Which faces rays meet.
+    /// Which faces rays hit.
     pub cull: Cull,
-    /// What is cut away.
+    /// Clipping planes.
     pub clip: ClippingPlanes,
-    /// How sure the triangles are.
+    /// Exact or rounded casting.
     pub precision: Precision,
     /// Rays a pixel, at least 1. The first goes through the pixel's centre.
     pub samples: u32,
-    /// How samples are weighed by their place.
+    /// How samples are weighted by their offset from the pixel's centre.
     pub pixel_filter: PixelFilter,
     /// Whether to keep depth, numbers, normals and texture coordinates beside the colours.
     pub layers: bool,
 }
 
-/// A clock from outside: time since some moment of the caller's. The core has none of its own.
+/// A clock of the caller: time since a fixed moment. The core reads no clock of its own.
 pub type Clock<'a> = &'a (dyn Fn() -> Duration + Sync);
 
-/// Tells a render to stop; shared between threads.
+/// A flag, shared between threads, that stops a render.
 #[derive(Clone, Debug, Default)]
 pub struct Cancel(Arc<AtomicBool>);
 
 impl Cancel {
-    /// Asks the render to stop where each of its workers next can: at a tile, or at the end of a row of
-    /// them.
+    /// Stops the render where each of its workers next checks: at a tile, or at the end of a row of tiles.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Whether it was asked to.
+    /// Whether it was cancelled.
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }
 
-/// Everything that decides a picture.
+/// All that decides a picture.
 #[derive(Clone, Debug)]
 pub struct View {
     /// The objects.
     pub scene: Arc<Scene>,
     /// The tree over them: `Accel::build(&scene)`.
     pub accel: Arc<Accel>,
-    /// Where from.
+    /// The camera.
     pub camera: Camera,
-    /// How.
+    /// The settings.
     pub settings: Settings,
 }
 
 impl Settings {
-    /// Where the samples of a picture's pixels are.
+    /// The sample positions of the picture's pixels.
     pub fn sample_pattern(&self) -> SamplePattern {
         SamplePattern::new(self.samples, self.pixel_filter)
     }

@@ -1,11 +1,11 @@
-//! Work shared out to threads.
+//! Distributing work over threads.
 
 use super::view::Cancel;
 use crate::camera::{ImagePlane, Rect};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Calls `work` with every index below `count`, in ascending order as far as several workers can,
-/// until `cancel`; each worker has buffers of its own. Returns whether all were done.
+/// Calls `work` with every index below `count`, in ascending order so far as several workers can, until `cancel`.
+/// Each worker has its own buffers. Returns whether all were done.
 pub(super) fn in_parallel<B>(
     count: usize,
     cancel: &Cancel,
@@ -32,10 +32,10 @@ pub(super) fn in_parallel<B>(
     done.into_inner() == count
 }
 
-/// A picture's tiles by the distance of their middles from its own: the order of rendering.
+/// A picture's tiles, sorted by the distance of their middles from the picture's middle: the order of rendering.
 pub fn from_the_middle(tiles: &[Rect], plane: ImagePlane) -> Vec<Rect> {
     let mut order = tiles.to_vec();
-    // Twice the distance, in whole numbers.
+    // Twice the distance, in integers.
     order.sort_by_key(|tile| {
         let x = i64::from(2 * tile.x + tile.width) - i64::from(plane.columns);
         let y = i64::from(2 * tile.y + tile.height) - i64::from(plane.rows);

@@ -7,7 +7,7 @@ pub(crate) struct Adjacency {
     across: Vec<[u32; 3]>,
 }
 
-/// What lies across an edge.
+/// What lies across one edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Across {
     /// No face: a boundary.
@@ -16,7 +16,7 @@ pub(crate) enum Across {
     Face(u32),
     /// Several faces.
     NonManifold,
-    /// It is the edge of no face: of a triangle with two corners in one place, or of one that is there twice.
+    /// The edge is the edge of no face: its triangle has two corners at one position, or is a duplicate.
     NoFace,
 }
 
@@ -29,7 +29,7 @@ impl Across {
 }
 
 impl Adjacency {
-    /// Of so many triangles, none of which is a face yet.
+    /// For so many triangles, none of which is a face yet.
     pub(crate) fn of(triangles: usize) -> Self {
         let [.., (_, no_face)] = Across::NUMBERS;
         Self {
@@ -37,7 +37,7 @@ impl Adjacency {
         }
     }
 
-    /// Says what lies across an edge of a triangle.
+    /// Sets what lies across an edge of a triangle.
     pub(crate) fn set(&mut self, triangle: u32, edge: usize, across: Across) {
         let known = Across::NUMBERS.iter().find(|(known, _)| *known == across);
         let number = match (known, across) {

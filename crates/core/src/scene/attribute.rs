@@ -1,6 +1,6 @@
 use std::mem::size_of;
 
-/// Values at vertices, with indices of their own where the file keeps them apart from positions.
+/// Values at vertices, with indices of their own where the file stores them apart from positions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attribute<T> {
     /// The values.
@@ -17,9 +17,9 @@ impl<T> Attribute<T> {
 }
 
 impl<T: Copy> Attribute<T> {
-    /// The values at the corners of a triangle whose position indices are `shared`.
+    /// The values at a triangle's corners; `shared` are the indices of its positions.
     ///
-    /// `None` where an index is out of range (a triangle without this attribute).
+    /// `None` where an index is out of range: the triangle lacks the attribute.
     pub fn corners(&self, triangle: u32, shared: [u32; 3]) -> Option<[T; 3]> {
         let indices = match &self.indices {
             Some(indices) => *indices.get(triangle as usize)?,

@@ -1,6 +1,6 @@
 use glam::DVec3;
 
-/// An axis-aligned box; [`Bounds::EMPTY`] holds no point.
+/// An axis-aligned box; [`Bounds::EMPTY`] contains no point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// The lowest coordinate along each axis.
@@ -24,7 +24,7 @@ impl Bounds {
         })
     }
 
-    /// The smallest box that holds both.
+    /// The smallest box that contains both.
     pub fn union(self, other: Self) -> Self {
         Self {
             min: self.min.min(other.min),
@@ -32,7 +32,7 @@ impl Bounds {
         }
     }
 
-    /// Whether the box holds no point.
+    /// Whether the box contains no point.
     pub fn is_empty(&self) -> bool {
         !self.min.cmple(self.max).all()
     }

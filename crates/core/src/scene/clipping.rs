@@ -1,35 +1,36 @@
 use glam::DVec3;
 
-/// The most planes at a time: as many as a graphics interface has to offer, and more than a section needs.
+/// The most planes at a time: as many as graphics interfaces guarantee (eight), and more than sections need.
 pub const CLIPPING_PLANES: usize = 8;
 
-/// A clipping plane: what lies on the side that its normal points to is kept, and what lies on it.
+/// A clipping plane: it keeps the points on the side that its normal points to, and the points on it.
 ///
-/// A point p, in world coordinates as files give them, is kept where `normal · p − offset` is not negative, by
-/// exact arithmetic on these numbers.
+/// A point p, in world coordinates as files give them, is kept where `normal · p − offset ≥ 0`, by exact arithmetic
+/// on these numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClippingPlane {
-    /// Towards what is kept: some 1e-154 to 1e154 long, so that its square is a normal number.
+    /// Points towards the kept side. Its length is between 1e-154 and 1e154, so that its square is a normal number.
     pub normal: DVec3,
-    /// `normal · p` of the plane's points; finite. For a normal of length one its distance from zero, in scene units.
+    /// `normal · p` of the plane's points; finite. With a unit normal it is the plane's signed distance from the
+    /// origin, in scene units.
     pub offset: f64,
     /// Whether it clips.
     pub enabled: bool,
 }
 
-/// Why there is no such clipping plane.
+/// Why a clipping plane is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ClippingError {
-    /// A normal that points nowhere.
+    /// A normal of length zero.
     #[error("a clipping plane's normal must not be zero")]
     ZeroNormal,
-    /// A normal whose length double precision cannot square.
+    /// A normal whose squared length overflows or underflows double precision.
     #[error("a clipping plane's normal must be 1e-150 to 1e150 long")]
     OddLength,
-    /// A normal or an offset that is no number, or infinite.
+    /// A normal or an offset that is NaN or infinite.
     #[error("a clipping plane's numbers must be finite")]
     NotFinite,
-    /// One more than [`CLIPPING_PLANES`].
+    /// More than [`CLIPPING_PLANES`] planes.
     #[error("there can be at most {CLIPPING_PLANES} clipping planes")]
     TooMany,
 }
@@ -49,7 +50,7 @@ impl ClippingPlane {
         Ok(plane)
     }
 
-    /// The plane through a point, whose offset is rounded.
+    /// The plane through a point. Its offset is rounded.
     ///
     /// # Errors
     /// As [`ClippingPlane::new`].
@@ -57,10 +58,10 @@ impl ClippingPlane {
         Self::new(normal, normal.dot(point))
     }
 
-    /// The same plane, keeping the other side. Both keep what lies on it.
+    /// The same plane, keeping the other side. Points on the plane are kept by both.
     #[must_use]
     pub fn flipped(self) -> Self {
-        // Zeros stay positive: they are written without a sign.
+        // Avoids minus zero, which would be written with its sign.
         Self {
             normal: DVec3::ZERO - self.normal,
             offset: 0.0 - self.offset,
@@ -81,7 +82,7 @@ impl ClippingPlane {
     }
 }
 
-/// Clipping planes, in order: what each of those that are enabled keeps is kept.
+/// An ordered list of clipping planes. A point is kept where every enabled plane keeps it.
 #[derive(Clone, Copy, PartialEq)]
 pub struct ClippingPlanes {
     planes: [ClippingPlane; CLIPPING_PLANES],
@@ -99,7 +100,7 @@ impl ClippingPlanes {
         count: 0,
     };
 
-    /// These planes.
+    /// The list of these planes.
     ///
     /// # Errors
     /// An invalid plane, or one too many.
@@ -111,14 +112,14 @@ impl ClippingPlanes {
         Ok(all)
     }
 
-    /// Adds a plane behind the others.
+    /// Appends a plane.
     ///
     /// # Errors
     /// An invalid plane, or one too many.
     pub fn push(&mut self, plane: ClippingPlane) -> Result<(), ClippingError> {
         plane.check()?;
         let place = self.planes.get_mut(self.count);
-        // A zero's sign decides nothing, and is not to tell two pictures apart.
+        // Without minus zeros, which change no picture but would change its checksum.
         *place.ok_or(ClippingError::TooMany)? = ClippingPlane {
             normal: plane.normal + DVec3::ZERO,
             offset: plane.offset + 0.0,
@@ -133,12 +134,12 @@ impl ClippingPlanes {
         &self.planes[..self.count]
     }
 
-    /// Those that clip.
+    /// The enabled planes.
     pub fn enabled(&self) -> impl Iterator<Item = &ClippingPlane> {
         self.all().iter().filter(|plane| plane.enabled)
     }
 
-    /// The same planes, of which only those that clip are left: what decides a picture.
+    /// The list without disabled planes: what decides a picture.
     #[must_use]
     pub fn only_enabled(&self) -> Self {
         let mut enabled = Self::NONE;
@@ -167,7 +168,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_no_plane_is_refused_and_so_is_one_too_many() {
+    fn invalid_planes_are_refused_and_so_is_one_too_many() {
         let new = |normal, offset| ClippingPlane::new(normal, offset).map(|_| ());
         assert_eq!(new(DVec3::ZERO, 1.0), Err(ClippingError::ZeroNormal));
         assert_eq!(new(DVec3::X * f64::NAN, 1.0), Err(ClippingError::NotFinite));
@@ -186,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn planes_that_are_switched_off_decide_nothing() {
+    fn disabled_planes_are_not_among_those_that_decide_a_picture() {
         let plane = ClippingPlane::new(DVec3::X, 2.0).expect("a plane");
         let off = ClippingPlane {
             enabled: false,

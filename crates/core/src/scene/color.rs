@@ -6,14 +6,14 @@ use std::str::FromStr;
 pub struct Color(pub [u8; 3]);
 
 impl Color {
-    /// Light grey, the colour of an object that has none of its own.
+    /// Light grey, the colour of objects without a colour of their own.
     pub const DEFAULT: Self = Self([0xc8, 0xcc, 0xd2]);
 }
 
 impl FromStr for Color {
     type Err = String;
 
-    /// Reads `#rrggbb`, or `#rgb` for `#rrggbb` with each digit twice: hexadecimal, the `#` optional.
+    /// Parses `#rrggbb` or `#rgb` (each digit doubled): hexadecimal, the `#` optional.
     fn from_str(text: &str) -> Result<Self, String> {
         let digits = text.strip_prefix('#').unwrap_or(text);
         let value = u32::from_str_radix(digits, 16)
@@ -43,20 +43,20 @@ impl std::fmt::Display for Color {
 pub enum ColorRule {
     /// One colour for the whole object.
     Uniform(Color),
-    /// A colour a triangle, from its number and the seed: the same seed, the same colours.
+    /// A pseudorandom colour a triangle, from its number and the seed.
     PerTriangle {
-        /// Picks one of 2³² sets of colours.
+        /// The seed; each selects another assignment of colours.
         seed: u32,
     },
-    /// The file's materials; [`Color::DEFAULT`] where it names none, or, in unlit pictures of a file
-    /// without any, a colour a triangle.
+    /// The file's materials; [`Color::DEFAULT`] where it names none. In unlit pictures of a file without any
+    /// material, a colour a triangle.
     File,
     /// A colour an object, from its number.
     ByObject,
-    /// The direction of the surface in the world: x red, y green, z blue, from the side from which the
-    /// triangles' corners turn left, or by the mesh's own normals.
+    /// The direction of the surface normal in the world (x red, y green, z blue): by the mesh's own normals, else of
+    /// the triangle's front side.
     Normal,
-    /// A number of each point, through the picture's [`ColorScale`](super::ColorScale).
+    /// A quantity at each point, through the picture's [`ColorScale`](super::ColorScale).
     Value(Quantity),
 }
 
@@ -77,7 +77,7 @@ impl std::fmt::Display for ColorRule {
 impl FromStr for ColorRule {
     type Err = String;
 
-    /// Reads what a rule is displayed as.
+    /// Parses what [`ColorRule`] displays.
     fn from_str(text: &str) -> Result<Self, String> {
         let (kind, of) = match text.split_once(':') {
             Some((kind, of)) => (kind, Some(of)),
@@ -104,7 +104,7 @@ impl FromStr for ColorRule {
 }
 
 impl ColorRule {
-    /// The colour of `triangle` where the rule and its number alone decide it.
+    /// The colour of `triangle`, where the rule and the triangle's number decide it.
     pub fn color(&self, triangle: u32) -> Option<Color> {
         match *self {
             Self::Uniform(color) => Some(color),
@@ -119,16 +119,16 @@ impl ColorRule {
         matches!(self, Self::File)
     }
 
-    /// The colour of an object of this number by [`ColorRule::ByObject`].
+    /// The colour that [`ColorRule::ByObject`] gives the object of this number.
     pub fn of_object(number: u32) -> Color {
         triangle_color(OBJECTS, number)
     }
 }
 
-/// The set of colours that objects have by their numbers.
+/// The seed of objects' colours, so that they differ from those of triangles with seed 0.
 const OBJECTS: u32 = 1;
 
-/// A lively colour from a seed and a number: any hue, never dark, never grey.
+/// A pseudorandom colour of any hue that is neither dark nor grey.
 fn triangle_color(seed: u32, triangle: u32) -> Color {
     let bits = mix(triangle.wrapping_add(mix(seed.wrapping_add(0x9e37_79b9))));
     let hue = (bits & 0xffff) as f32 / 65536.0 * 6.0;
@@ -154,7 +154,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn reads_what_it_writes() {
+    fn displayed_colors_parse_to_themselves() {
         let color = Color([1, 0xab, 255]);
         assert_eq!(color.to_string().parse(), Ok(color));
         assert_eq!("#0aF".parse(), Ok(Color([0, 0xaa, 255])));
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn rules_read_what_they_are_displayed_as() {
+    fn displayed_rules_parse_to_themselves() {
         for text in [
             "file",
             "per-triangle",

@@ -1,24 +1,24 @@
 use super::Color;
 
-/// Colours for numbers, from a range's low end to its high one.
+/// A map from numbers in a range to colours, from the low end to the high end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColorMap {
-    /// Dark blue, green, yellow: even steps for the eye, and for those who see few colours (Smith and van
-    /// der Walt, "A Better Default Colormap for Matplotlib", 2015).
+    /// Dark blue, green, yellow: perceptually uniform, and readable with colour vision deficiency (Smith and van der
+    /// Walt, "A Better Default Colormap for Matplotlib", 2015).
     #[default]
     Viridis,
-    /// Black, purple, pale yellow (the same authors).
+    /// Black, purple, pale yellow (by the same authors).
     Magma,
-    /// All hues, from blue to red: most detail (Mikhailov, "Turbo, An Improved Rainbow Colormap", 2019).
+    /// All hues from blue to red: shows the most detail (Mikhailov, "Turbo, An Improved Rainbow Colormap", 2019).
     Turbo,
-    /// Blue, grey, yellow: made for the colour-blind (Nuñez, Anderton, Renslow, "Optimizing colormaps",
+    /// Blue, grey, yellow: designed for colour vision deficiency (Nuñez, Anderton, Renslow, "Optimizing colormaps",
     /// 2018).
     Cividis,
-    /// Blue, white in the middle, red: for what differs to both sides (ColorBrewer's RdBu; Brewer 2003).
+    /// Blue, white in the middle, red: for numbers that deviate in both directions (ColorBrewer's RdBu; Brewer 2003).
     Diverging,
 }
 
-/// How many colours a map is a list of; between two neighbours it is linear in linear light.
+/// Entries of a map's table; between two of them colours are interpolated in linear light.
 pub const COLOR_MAP_STEPS: usize = 256;
 
 impl ColorMap {
@@ -31,7 +31,7 @@ impl ColorMap {
         Self::Diverging,
     ];
 
-    /// Its name on the command line and in files.
+    /// The name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Viridis => "viridis",
@@ -42,7 +42,7 @@ impl ColorMap {
         }
     }
 
-    /// Its colours, at even distances.
+    /// The table of colours, at equal distances.
     pub fn colors(self) -> [Color; COLOR_MAP_STEPS] {
         let (gradient, reversed) = match self {
             Self::Viridis => (colorous::VIRIDIS, false),
@@ -66,12 +66,12 @@ impl ColorMap {
 /// How a picture shows numbers as colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ColorScale {
-    /// In which colours.
+    /// The colour map.
     pub map: ColorMap,
-    /// The numbers at the map's ends, low and high; what lies beyond has the ends' colours. `None`: fitted to
-    /// what there is.
+    /// The numbers at the map's ends, low and high; numbers beyond have the colours of the ends. `None`: fitted to
+    /// the values in the scene.
     pub range: Option<[f64; 2]>,
-    /// Whether the picture has a legend of it.
+    /// Whether the picture shows a legend.
     pub legend: bool,
 }
 
@@ -81,14 +81,14 @@ mod tests {
 
     #[test]
     fn maps_have_the_published_ends() {
-        // matplotlib's `_cm_listed`, Google's turbo table, ColorBrewer: rounded to bytes.
+        // From matplotlib's `_cm_listed`, Google's Turbo table and ColorBrewer, rounded to bytes.
         let ends = |map: ColorMap| {
             let colors = map.colors();
             [colors[0].to_string(), colors[255].to_string()]
         };
         assert_eq!(ends(ColorMap::Viridis), ["#440154", "#fde725"]);
         assert_eq!(ends(ColorMap::Magma), ["#000004", "#fcfdbf"]);
-        // Interpolated, as d3 has it: within a byte of its first color, #053061.
+        // Interpolated as in d3: within one unit of its first colour, #053061.
         assert_eq!(ends(ColorMap::Diverging), ["#042f60", "#67001f"]);
         for map in ColorMap::ALL {
             let distinct: std::collections::HashSet<_> = map.colors().into_iter().collect();

@@ -7,9 +7,8 @@ use crate::digest::{Digest, Digester};
 use glam::{DAffine3, DVec3};
 
 impl Scene {
-    /// A checksum of all that decides pictures of the scene: triangles, normals, texture coordinates,
-    /// colours, textures and places, object by object. Names and files do not count: a mesh under
-    /// another name is the same mesh.
+    /// A checksum of all that decides pictures of the scene, object by object: triangles, normals, texture
+    /// coordinates, colours, textures and transforms. Names and files do not count: a renamed mesh is the same mesh.
     pub fn content(&self) -> Digest {
         let mut hash = Digester::new();
         hash.number(self.objects.len() as u64);
@@ -20,11 +19,15 @@ impl Scene {
     }
 }
 
-/// Stands before what few scenes have, so that others keep their checksum: no count is as large.
+/// Marks optional parts that few scenes have, so that the checksums of others stay as they were when the part was
+/// added. No count is as large.
 const MORE: u64 = u64::MAX;
 
+/// Colours of vertices that are digested together: taken one by one, they took longer than all else of a mesh.
+const AT_ONCE: usize = 4096;
+
 fn add_object(hash: &mut Digester, object: &Object) {
-    // Field by field: what an object gets one day must be considered here.
+    // Destructured, so that the compiler demands a decision about each new field.
     let Object {
         name: _,
         mesh,
@@ -72,7 +75,7 @@ fn add_object(hash: &mut Digester, object: &Object) {
         ColorRule::Value(quantity) => {
             hash.number(5);
             hash.bytes(quantity.to_string().as_bytes());
-            // Scalars count where they are shown.
+            // Only a scalar that colours show counts.
             let scalar = match quantity {
                 Quantity::Scalar(name) => mesh.scalar(name),
                 _ => None,
@@ -107,7 +110,8 @@ fn add_object(hash: &mut Digester, object: &Object) {
         let values = mesh.scalar(name).map_or(&[][..], |scalar| &scalar.values);
         hash.words(values.iter().map(|value| value.to_bits()));
     }
-    // Nothing is added where all is visible: checksums made before objects could be hidden still hold.
+    // Nothing is hashed where all objects are visible, so that checksums from before objects could be hidden stay
+    // valid.
     if !visible {
         hash.bytes(b"hidden");
     }
@@ -122,11 +126,14 @@ fn add_mesh(hash: &mut Digester, mesh: &Mesh) {
     add_attribute(hash, mesh.normals());
     add_attribute(hash, mesh.uvs());
     hash.number(mesh.vertex_colors().len() as u64);
-    for color in mesh.vertex_colors() {
-        hash.number(color.is_some().into());
-        if let Some(color) = *color {
-            add_color(hash, color);
+    let mut bytes = Vec::new();
+    for colors in mesh.vertex_colors().chunks(AT_ONCE) {
+        bytes.clear();
+        for color in colors {
+            bytes.extend(u64::from(color.is_some()).to_le_bytes());
+            bytes.extend(color.map(|Color(rgb)| rgb).iter().flatten());
         }
+        hash.bytes(&bytes);
     }
     hash.number(mesh.materials().len() as u64);
     for material in mesh.materials() {
@@ -157,7 +164,7 @@ fn add_mesh(hash: &mut Digester, mesh: &Mesh) {
             hash.number(number as u64);
             add_reflectance(hash, reflectance);
         }
-        // As above: other scenes keep their checksum.
+        // Hashed only where present: scenes without keep their checksum.
         if let Some(Alpha { factor, image }) = opacity.alpha() {
             hash.bytes(b"opacity");
             hash.number(number as u64);

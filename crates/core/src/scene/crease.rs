@@ -1,4 +1,4 @@
-//! Normals for meshes that have none: smooth over every edge but the sharp ones.
+//! Normals for meshes without normals: smooth across all edges but sharp ones.
 
 use super::{Attribute, weld};
 use crate::math;
@@ -6,19 +6,19 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Vertices that are worth a task of their own.
+/// Vertices in one parallel task.
 const CHUNK: usize = 1 << 14;
 
-/// Normals at the corners of the triangles `kept`, by indices of their own; other triangles have none.
+/// Normals at the corners of the triangles `kept`, with indices of their own; other triangles have none.
 ///
-/// Vertices at one place are one. An edge is smooth where exactly two triangles have it, one in each direction,
-/// and their normals are at most `degrees` apart (at 180 and above, always). Around a vertex, triangles that smooth
-/// edges join share a normal: Σ e × f / (|e|² |f|²) over their edges e and f at the vertex, which weighs by angle
-/// and size and is exact where the vertices lie on a sphere (Max, "Weights for Computing Vertex Normals from Facet
-/// Normals", 1999). A sum that cancels out is zero.
+/// Vertices at one position count as one. An edge is smooth where exactly two triangles share it, one in each
+/// direction, and their normals are at most `degrees` apart (at 180 and above, always). Around a vertex, triangles
+/// that smooth edges connect share a normal: Σ e × f / (|e|² |f|²) over their edges e and f at the vertex, which
+/// weighs by angle and size and is exact where the vertices lie on a sphere (Max, "Weights for Computing Vertex
+/// Normals from Facet Normals", 1999). A sum that cancels is zero.
 ///
-/// In double precision, summed in the triangles' order, then rounded once: any number of threads gives the same bits.
-/// O(n log n) in the triangles, however many meet at a vertex.
+/// The sum is in double precision, in the triangles' order, and rounded once: the bits do not depend on the number of
+/// threads. O(n log n) in the number of triangles, however many share a vertex.
 pub(super) fn creased(
     positions: &[Vec3],
     triangles: &[[u32; 3]],
@@ -73,21 +73,23 @@ struct Corner {
     side: u32,
 }
 
-/// The normals around some vertices, and which of them each corner there has.
+/// The normals at a range of vertices, and for each corner there the index of its normal.
 #[derive(Debug, Default)]
 struct Part {
     normals: Vec<Vec3>,
     normal_of_corner: Vec<u32>,
 }
 
-/// The corners at one vertex; kept from one to the next for its memory.
+/// Working memory for the corners at one vertex, reused from vertex to vertex.
 #[derive(Debug, Default)]
 struct Star {
-    /// The triangles' unit normals, and their parts of the sum.
+    /// Each triangle's unit normal, and its weighted contribution to the sum.
     facets: Vec<[DVec3; 2]>,
-    /// The other end of an edge at the vertex, whether it leads there, and the corner's place in the star.
+    /// For each edge at the vertex: the vertex at its other end, whether the edge leads there, and its corner's index
+    /// in the star.
     edges: Vec<(u32, bool, u32)>,
-    /// A corner of the same fan, no higher than itself; itself for the first.
+    /// Disjoint sets of corners, a set a fan: an index in the same fan that is no higher; the fan's first corner
+    /// points to itself.
     fan: Vec<u32>,
     sums: Vec<DVec3>,
 }
@@ -100,7 +102,7 @@ struct Fans<'m> {
 }
 
 impl Fans<'_> {
-    /// For each place where its corners start, and the corners, in the triangles' order.
+    /// The start of each vertex's corners, and the corners sorted by vertex, then by triangle.
     fn corners_by_place(&self, kept: &[u32]) -> (Vec<usize>, Vec<Corner>) {
         let mut starts = vec![0; self.positions.len() + 1];
         for &triangle in kept {
@@ -126,7 +128,7 @@ impl Fans<'_> {
         self.triangles[triangle as usize].map(|vertex| self.place[vertex as usize])
     }
 
-    /// Adds the normals of one vertex.
+    /// Appends the normals at one vertex.
     fn smooth(&self, corners: &[Corner], star: &mut Star, part: &mut Part) {
         star.facets.clear();
         star.edges.clear();
@@ -138,7 +140,8 @@ impl Fans<'_> {
                 [places[side], next, last].map(|place| self.positions[place as usize].as_dvec3());
             let (e, f) = (b - a, c - a);
             let normal = e.cross(f);
-            // Coordinates are at most 1e18 and differ by 1e-45 or more: nothing here leaves double precision's range.
+            // Coordinates are at most 1e18 and differ by at least 1e-45, so nothing overflows or underflows double
+            // precision.
             let weighted = normal / (e.length_squared() * f.length_squared());
             star.facets.push([normal.normalize_or_zero(), weighted]);
             star.edges.push((next, true, number));
@@ -177,16 +180,16 @@ impl Fans<'_> {
     }
 }
 
-/// Unit length, or zero. Sums may be as large as 1e90, whose squares are in range, and as small as 1e-36.
+/// Normalised, or zero. Sums lie between 1e-36 and 1e90, so their squares stay in range.
 fn unit(sum: DVec3) -> DVec3 {
     sum.normalize_or_zero()
 }
 
-/// The first corner of a corner's fan, which it then names itself.
+/// The root of a corner's fan, which the corner then points to.
 fn first_of(fan: &mut [u32], corner: u32) -> u32 {
     let mut first = corner;
     while fan[first as usize] != first {
-        // Halves the way for those that come next.
+        // Path halving.
         fan[first as usize] = fan[fan[first as usize] as usize];
         first = fan[first as usize];
     }
@@ -199,12 +202,12 @@ fn join(fan: &mut [u32], left: u32, right: u32) {
     fan[left.max(right) as usize] = left.min(right);
 }
 
-/// The normals of the angle that was asked for last.
+/// A cache of the normals at the last crease angle.
 #[derive(Debug, Default)]
 pub(super) struct LastCreased(Mutex<Option<(f32, Arc<Attribute<Vec3>>)>>);
 
 impl LastCreased {
-    /// Those of an angle, by `make` where it was another.
+    /// The normals at an angle: cached, or computed by `make`.
     pub(super) fn get(
         &self,
         degrees: f32,
@@ -214,7 +217,7 @@ impl LastCreased {
         let known = lock().clone();
         match known {
             Some((known, normals)) if known == degrees => normals,
-            // Not under the lock: whoever waits for it might be what `make` waits for.
+            // `make` runs without the lock: it may wait for a thread that waits for the lock.
             _ => {
                 let normals = Arc::new(make());
                 *lock() = Some((degrees, Arc::clone(&normals)));
@@ -304,14 +307,14 @@ mod tests {
         }
     }
 
-    /// The truth is the definition, corner by corner, with nothing sorted: fans grow until nothing joins them.
+    /// The truth is the definition applied corner by corner, without sorting: fans grow until nothing joins them.
     #[test]
-    fn any_soup_has_the_normals_of_the_definition() {
+    fn normals_of_triangle_soups_are_those_of_the_definition() {
         let mut random = Random(5);
         for round in 0..60 {
             let points = 5 + (random.unit() * 12.0) as usize;
             let mut positions: Vec<Vec3> = (0..points).map(|_| random.point().as_vec3()).collect();
-            // Some places twice, and a zero with a sign.
+            // Duplicate positions, and a minus zero.
             positions.push(positions[0]);
             positions[1].x = 0.0;
             positions.push(Vec3::new(-0.0, positions[1].y, positions[1].z));
@@ -343,7 +346,7 @@ mod tests {
             (b - a).cross(c - a).normalize()
         };
         let at = corners(triangle)[side];
-        // Of each triangle the ends of its edges that lead away from the vertex and to it.
+        // For each triangle at the vertex, the ends of its two edges there.
         let star: Vec<(u32, DVec3, DVec3)> = mesh
             .kept()
             .iter()
@@ -393,7 +396,7 @@ mod tests {
 
     #[test]
     fn a_vertex_of_a_hundred_thousand_triangles_takes_no_longer_than_they_do() {
-        // A fan about the origin, twice: each spoke then belongs to four triangles, and none is smooth.
+        // A fan around the origin, twice: each spoke belongs to four triangles, so none is smooth.
         let spokes = 50_000;
         let mut positions = vec![DVec3::ZERO];
         positions.extend((0..spokes).map(|i| {

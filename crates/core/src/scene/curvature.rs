@@ -6,18 +6,18 @@ use std::f64::consts::TAU;
 /// The curvatures of a mesh at its vertices.
 #[derive(Clone, Debug)]
 pub(super) struct Curvatures {
-    /// One a vertex; NaN where the surface has no curvature: at its open edges, where more than two triangles
-    /// share an edge, and at vertices that no triangle has.
+    /// Mean curvature, one a vertex; NaN where it is undefined: at open edges, at edges of more than two triangles,
+    /// and at vertices without triangles.
     pub(super) mean: Vec<f32>,
     pub(super) gaussian: Vec<f32>,
 }
 
-/// Discrete curvatures by Meyer, Desbrun, Schröder, Barr, "Discrete Differential-Geometry Operators for
-/// Triangulated 2-Manifolds", 2003: the angle deficit, and half the length of the cotangent Laplacian, each
-/// over the vertex's mixed area. The mean curvature is positive where the surface bends away from the side
-/// from which triangles' corners turn left: outside of a ball.
+/// Discrete curvatures by Meyer, Desbrun, Schröder, Barr, "Discrete Differential-Geometry Operators for Triangulated
+/// 2-Manifolds", 2003: the angle deficit, and half the length of the cotangent Laplacian, each divided by the
+/// vertex's mixed area. The mean curvature is positive where the surface bends away from its front side, as on the
+/// outside of a ball.
 ///
-/// Vertices at one place are one. `kept` are the triangles that count.
+/// Vertices at one position count as one. `kept` are the triangles that count.
 pub(super) fn curvatures(positions: &[Vec3], triangles: &[[u32; 3]], kept: &[u32]) -> Curvatures {
     let place = weld(positions);
     let mut sums = vec![Sums::default(); positions.len()];
@@ -43,7 +43,7 @@ pub(super) fn curvatures(positions: &[Vec3], triangles: &[[u32; 3]], kept: &[u32
         let vertices = place.iter();
         let value = |&vertex: &u32| {
             let sum = &sums[vertex as usize];
-            // NaN compares as false.
+            // False for NaN.
             if sum.area > 0.0 {
                 of(sum) as f32
             } else {
@@ -58,15 +58,15 @@ pub(super) fn curvatures(positions: &[Vec3], triangles: &[[u32; 3]], kept: &[u32
     }
 }
 
-/// What the triangles at a vertex add up to.
+/// Sums over the triangles at a vertex.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
-    /// Its mixed area.
+    /// The mixed area.
     area: f64,
     angle: f64,
     /// (cot α + cot β) times each edge, pointing to the vertex.
     laplacian: DVec3,
-    /// Twice the areas of its triangles along their normals.
+    /// Twice the area of each triangle along its normal.
     normal: DVec3,
 }
 
@@ -88,7 +88,7 @@ fn add_triangle(sums: &mut [Sums], corners: [u32; 3], points: [DVec3; 3]) {
     let [a, b, c] = points;
     let normal = (b - a).cross(c - a);
     let doubled = normal.length();
-    // Of each corner: the angle's cosine times the lengths of both edges, whose sine times them is `doubled`.
+    // For each corner, the cosine of its angle times the lengths of both edges. `doubled` is the sine times the same.
     let dots: [f64; 3] = std::array::from_fn(|i| {
         let (p, q, r) = (points[i], points[(i + 1) % 3], points[(i + 2) % 3]);
         (q - p).dot(r - p)
@@ -97,7 +97,7 @@ fn add_triangle(sums: &mut [Sums], corners: [u32; 3], points: [DVec3; 3]) {
     for i in 0..3 {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
         let (to_j, to_k) = (points[i] - points[j], points[i] - points[k]);
-        // The cotangents opposite the two edges.
+        // The cotangents of the angles opposite to the two edges.
         let (opposite_j, opposite_k) = (dots[k] / doubled, dots[j] / doubled);
         let sum = &mut sums[corners[i] as usize];
         sum.area += match obtuse {
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_of_radius_two_has_one_half_and_one_quarter() {
+    fn a_sphere_of_radius_two_has_mean_curvature_one_half_and_gaussian_one_quarter() {
         let ball = Shape::Sphere {
             radius: 2.0,
             segments: 128,
@@ -131,7 +131,7 @@ mod tests {
         };
         let (mesh, found) = of(ball);
         for (vertex, position) in mesh.positions().iter().enumerate() {
-            // Near the poles the triangles are slivers, where the operators are coarse.
+            // Near the poles the triangles are slivers, where the operators are inaccurate.
             if position.y.abs() < 1.8 {
                 let (mean, gaussian) = (found.mean[vertex], found.gaussian[vertex]);
                 assert!((mean - 0.5).abs() < 5e-3, "{position} {mean}");
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn a_torus_has_what_calculus_says() {
+    fn a_torus_has_its_analytic_curvatures() {
         let (radius, tube) = (1.0, 0.25);
         let (mesh, found) = of(Shape::Torus {
             radius,
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn open_edges_have_none_and_flat_insides_have_zero() {
+    fn curvature_is_nan_at_open_edges_and_zero_inside_a_plane() {
         let positions: Vec<Vec3> = (0..9)
             .map(|i| Vec3::new((i % 3) as f32, (i / 3) as f32, 0.0))
             .collect();

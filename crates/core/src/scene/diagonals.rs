@@ -1,5 +1,4 @@
-/// The edges along which a file's polygons were cut into triangles: three bits a triangle, where a file has
-/// polygons at all.
+/// The edges along which a file's polygons were triangulated: three bits a triangle, if the file has polygons.
 ///
 /// Edge k of a triangle runs from its corner k to the next one.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -7,18 +6,18 @@ pub struct Diagonals {
     words: Vec<u64>,
 }
 
-/// How many triangles a word holds.
+/// Triangles in a 64-bit word.
 const A_WORD: usize = 21;
 
 impl Diagonals {
-    /// None yet, of so many triangles.
+    /// For so many triangles, no edge a diagonal.
     pub(crate) fn of(triangles: usize) -> Self {
         Self {
             words: vec![0; triangles.div_ceil(A_WORD)],
         }
     }
 
-    /// Says which of a triangle's edges are diagonals. A triangle that is not there has none.
+    /// Sets which edges of a triangle are diagonals. Out of range it does nothing.
     pub(crate) fn set(&mut self, triangle: usize, edges: [bool; 3]) {
         if let Some(word) = self.words.get_mut(triangle / A_WORD) {
             let shift = triangle % A_WORD * 3;
@@ -30,7 +29,7 @@ impl Diagonals {
         }
     }
 
-    /// Which of a triangle's edges are diagonals; none of a triangle that is not there.
+    /// Which edges of a triangle are diagonals; none out of range.
     pub fn on(&self, triangle: u32) -> [bool; 3] {
         let triangle = triangle as usize;
         let word = self.words.get(triangle / A_WORD).copied().unwrap_or(0);
@@ -38,17 +37,17 @@ impl Diagonals {
         [bits & 1 != 0, bits & 2 != 0, bits & 4 != 0]
     }
 
-    /// Whether no polygon was cut.
+    /// Whether no polygon was triangulated.
     pub fn is_empty(&self) -> bool {
         self.words.is_empty()
     }
 
-    /// The bits, as they are stored.
+    /// The bits, as files store them.
     pub(crate) fn words(&self) -> &[u64] {
         &self.words
     }
 
-    /// Those of stored bits; `None` where they are not those of so many triangles.
+    /// From stored bits; `None` where their number does not fit the number of triangles.
     pub(crate) fn from_words(words: Vec<u64>, triangles: usize) -> Option<Self> {
         let is_whole = words.is_empty() || words.len() == triangles.div_ceil(A_WORD);
         is_whole.then_some(Self { words })
@@ -73,7 +72,7 @@ mod tests {
         }
         assert!((0..100).all(|i| diagonals.on(i as u32) == of(i)));
         assert_eq!(diagonals.bytes(), 40);
-        // Beyond the last word there is nothing to set.
+        // Out of range there is nothing to set.
         diagonals.set(105, [true; 3]);
         assert_eq!(diagonals.on(105), [false; 3]);
         assert!(Diagonals::default().is_empty() && !diagonals.is_empty());

@@ -1,14 +1,14 @@
-//! How far a scene reaches.
+//! The extent of a scene: bounding box and bounding sphere.
 
 use super::{Bounds, Mesh, Scene};
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 
-/// A visible object's mesh in its place.
+/// A visible object's mesh and transform.
 struct Placed<'s> {
     mesh: &'s Mesh,
     world_from_object: DAffine3,
-    /// Holds its points; infinite where they may leave the range of double precision.
+    /// A conservative box around its points; infinite where they may overflow double precision.
     loose: Bounds,
 }
 
@@ -28,8 +28,8 @@ impl<'s> Placed<'s> {
         let reach = own.min.abs().max(own.max.abs());
         let magnitude = matrix3.abs() * reach + translation.abs();
         // A point goes through at most 4 roundings a coordinate, as do the corners that it lies between: 8 units of
-        // 2⁻⁵³ times this magnitude; 16 have room for the rounding of the slack itself. What is rounded to nothing is
-        // made up for by the least normal number.
+        // 2⁻⁵³ times this magnitude. 16 units cover the rounding of the slack itself as well, and the least normal
+        // number covers underflow.
         let slack = magnitude * (8.0 * f64::EPSILON) + f64::MIN_POSITIVE;
         let loose = Bounds {
             min: around.min - slack,
@@ -47,7 +47,7 @@ impl<'s> Placed<'s> {
         })
     }
 
-    /// Its points. What its transform has moved out of all numbers is not seen.
+    /// The points in world space, without those that the transform makes infinite or NaN.
     fn points(&self) -> impl Iterator<Item = DVec3> {
         let place = |position: Vec3| {
             let in_object = self.mesh.offset() + position.as_dvec3();
@@ -65,7 +65,8 @@ impl<'s> Placed<'s> {
         }
     }
 
-    /// The square of how far from a point it reaches at most. Rounding keeps order: none of its points is further.
+    /// An upper bound of the squared distance of its points from a point. Rounding is monotone, so no rounded
+    /// distance exceeds it.
     fn most_distance_squared(&self, from: DVec3) -> f64 {
         let most = (self.loose.min - from)
             .abs()
@@ -75,7 +76,7 @@ impl<'s> Placed<'s> {
 }
 
 impl Mesh {
-    /// The positions of the vertices that kept triangles have, each once.
+    /// The positions of the vertices that kept triangles use, each once.
     fn kept_positions(&self) -> impl Iterator<Item = Vec3> {
         let kept = self.measures().kept_vertices.get_or_init(|| {
             let mut is_kept = vec![false; self.positions().len()];
@@ -98,7 +99,7 @@ impl Mesh {
 }
 
 impl Scene {
-    /// Visible objects in their places; `None` where there is no valid placement.
+    /// The visible objects with their transforms; `None` where a transform or parent is invalid.
     fn placed(&self) -> Option<Vec<Placed<'_>>> {
         let transforms = self.world_from_objects().ok()?;
         let objects = self.objects.iter().zip(transforms);
@@ -107,11 +108,11 @@ impl Scene {
         Some(placed.collect())
     }
 
-    /// The box around everything that is visible, in world space; empty if there is nothing, or no valid
-    /// placement.
+    /// The box around everything visible, in world space; empty if nothing is visible, or a transform or parent is
+    /// invalid.
     pub fn bounds(&self) -> Bounds {
         let placed = self.placed().unwrap_or_default();
-        // Those that may reach furthest: their boxes hold most others.
+        // Objects whose boxes reach furthest first: they contain most others, which then need not be visited.
         let axis = |axis: usize| {
             let low = |p: &&Placed<'_>| p.loose.min[axis];
             let high = |p: &&Placed<'_>| p.loose.max[axis];
@@ -131,7 +132,7 @@ impl Scene {
         outermost.union(others.reduce(|| Bounds::EMPTY, Bounds::union))
     }
 
-    /// The smallest sphere about the bounds' middle that holds everything visible: centre and radius.
+    /// The smallest sphere around the bounds' middle that contains everything visible: centre and radius.
     ///
     /// The origin and zero for an empty scene.
     pub fn bounding_sphere(&self) -> (DVec3, f64) {
@@ -161,7 +162,7 @@ mod tests {
     use crate::random::Random;
     use std::sync::Arc;
 
-    /// Both, from every corner of every kept triangle.
+    /// Bounds and radius from every corner of every kept triangle.
     fn expected(scene: &Scene) -> (Bounds, f64) {
         let transforms = scene.world_from_objects().expect("valid transforms");
         let mut points = Vec::new();
@@ -186,7 +187,7 @@ mod tests {
             let far = [DVec3::ZERO, DVec3::new(4e6, -1e7, 3.0)][round % 2];
             let meshes: Vec<Arc<Mesh>> = (0..3)
                 .map(|_| {
-                    // The last vertex is of no triangle, and farthest out; the last triangle has no area.
+                    // The last vertex belongs to no triangle and is the farthest out; the last triangle has no area.
                     let mut positions: Vec<_> = (0..30).map(|_| far + random.point()).collect();
                     positions.push(far + 50.0);
                     let mut triangles: Vec<_> =

@@ -1,25 +1,25 @@
 use super::{Bounds, Photograph};
 use glam::{DVec2, DVec3};
 
-/// How a surface finds its place in a texture. Each gives texture coordinates (u, v), in sides of the image
-/// from its bottom left; `docs/textures.md` has the formulas.
+/// How texture coordinates (u, v) are assigned to a surface, in units of the image's sides from its bottom left.
+/// `docs/textures.md` has the formulas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TextureProjection {
     /// The mesh's texture coordinates; [`TextureProjection::Triplanar`] where it has none.
     #[default]
     Uv,
-    /// From three sides along the object's axes, blended by the surface's direction.
+    /// Along the three axes of the object, blended by the surface's direction.
     Triplanar,
-    /// Each triangle laid flat into the image in its own shape, as large as it fits, its longest edge
-    /// along the bottom.
+    /// Each triangle is laid flat into the image without distortion, as large as it fits, its longest edge along the
+    /// bottom.
     PerTriangle,
-    /// Straight onto the surface from a placed rectangle, as a slide is.
+    /// Parallel projection from a placed rectangle, as of a slide.
     Plane,
-    /// From a sphere's middle, by longitude and latitude.
+    /// From a sphere's centre, by longitude and latitude.
     Sphere,
     /// From a cylinder's axis, by angle and height.
     Cylinder,
-    /// As a slide projector stands where the image was taken: onto what its [`Photograph`] sees.
+    /// Central projection from the camera that took the image, onto the surfaces that its [`Photograph`] sees.
     Camera,
 }
 
@@ -35,22 +35,21 @@ impl TextureProjection {
         Self::Camera,
     ];
 
-    /// Whether a [`Projector`] says where its image stands.
+    /// Whether a [`Projector`] places the image.
     pub fn is_placed(self) -> bool {
         matches!(self, Self::Plane | Self::Sphere | Self::Cylinder)
     }
 }
 
 /// Where the image of a [`Plane`](TextureProjection::Plane), a [`Sphere`](TextureProjection::Sphere) or a
-/// [`Cylinder`](TextureProjection::Cylinder) stands: in the object's own space, so that it moves with the
-/// object, in the file's units.
+/// [`Cylinder`](TextureProjection::Cylinder) stands: in the object's own space, so that it moves with the object, in
+/// the file's units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projector {
-    /// What lies at (½, ½) of the image, or within it: the rectangle's middle, the sphere's, the
-    /// cylinder's.
+    /// The centre of the rectangle, the sphere or the cylinder.
     pub center: DVec3,
-    /// From there towards who looks at the image: the rectangle's normal; longitude 0 of a sphere and a
-    /// cylinder. Only what of it is at right angles to `up` counts.
+    /// From the centre towards whoever looks at the image: the rectangle's normal, and longitude 0 of a sphere or a
+    /// cylinder. Only its component perpendicular to `up` counts.
     pub front: DVec3,
     /// Up in the image: the axis of a sphere and of a cylinder.
     pub up: DVec3,
@@ -58,18 +57,18 @@ pub struct Projector {
     pub size: DVec2,
 }
 
-/// Why a [`Projector`] places no image.
+/// Why a [`Projector`] is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ProjectorError {
-    /// A number that is not finite, or a coordinate further than 10¹⁸ from zero.
+    /// A number that is not finite, or a coordinate more than 10¹⁸ from zero.
     #[error("expected a texture's place in finite numbers, up to 1e18")]
     NotFinite,
-    /// Two directions that are none, or one.
+    /// A direction of length zero, or two parallel ones.
     #[error("expected a texture's front and up in two directions, found {front} and {up}")]
     OneDirection {
-        /// The front.
+        /// The front direction.
         front: DVec3,
-        /// Up.
+        /// The up direction.
         up: DVec3,
     },
     /// A width or height that is not above zero.
@@ -78,7 +77,8 @@ pub enum ProjectorError {
 }
 
 impl Projector {
-    /// Once over a box, seen from +Z with +Y up; a side without length is as long as the longest, or one.
+    /// The image once over a box, seen from +Z with +Y up. A side of length zero takes the length of the longest
+    /// side, or one.
     pub fn about(bounds: &Bounds) -> Self {
         let (center, size) = if bounds.is_empty() {
             (DVec3::ZERO, DVec3::ZERO)
@@ -99,11 +99,11 @@ impl Projector {
         }
     }
 
-    /// The directions to the right in the image, up in it, and out of it towards who looks at it: unit
-    /// vectors, at right angles to one another. `up` keeps its direction.
+    /// Unit vectors to the right in the image, up in it, and out of it towards the viewer, perpendicular to one
+    /// another. `up` keeps its direction.
     ///
     /// # Errors
-    /// Numbers that are not finite or out of range, directions that are none or one, a size of zero.
+    /// Numbers that are not finite or out of range, directions of length zero or parallel ones, a size of zero.
     pub fn axes(&self) -> Result<[DVec3; 3], ProjectorError> {
         let Self {
             center,
@@ -122,7 +122,7 @@ impl Projector {
             return Err(ProjectorError::NoSize(size));
         }
         let one = ProjectorError::OneDirection { front, up };
-        // Each is scaled before it is multiplied: 1e-300 is a direction as well.
+        // Scaled before it is squared, so that a direction as short as 1e-300 does not underflow.
         let unit = |vector: DVec3| {
             let largest = vector.abs().max_element();
             (largest > 0.0).then(|| (vector / largest).normalize())
@@ -130,8 +130,8 @@ impl Projector {
         let (Some(up), Some(front)) = (unit(up), unit(front)) else {
             return Err(one);
         };
-        // The product of two unit vectors is the sine of the angle between them, and is rounded by some
-        // 2⁻⁵²: below 2⁻³⁰ fewer than 22 of its bits say where the right is.
+        // The length of this product is the sine of the angle between two unit vectors, rounded by some 2⁻⁵². Below
+        // 2⁻³⁰ fewer than 22 bits of its direction are significant.
         let right = up.cross(front);
         if right.length() < 2f64.powi(-30) {
             return Err(one);
@@ -141,13 +141,13 @@ impl Projector {
     }
 }
 
-/// How the texture of one object lies on it, where that is its own.
+/// How an object's texture is mapped, where that is set for the object itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TextureMapping {
-    /// `None`: as the picture's shading says.
+    /// `None`: the projection of the picture's shading.
     pub projection: Option<TextureProjection>,
-    /// `None`: [`Projector::about`] the mesh's box.
+    /// `None`: [`Projector::about`] the mesh's bounds.
     pub projector: Option<Projector>,
-    /// Where a texture was taken that is projected by its [`Camera`](TextureProjection::Camera); `None` projects none.
+    /// The camera that took the texture, for [`Camera`](TextureProjection::Camera); `None` projects nothing.
     pub photograph: Option<Photograph>,
 }

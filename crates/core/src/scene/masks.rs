@@ -1,10 +1,10 @@
 use super::{Alpha, Material, Opacity, Scene};
 
-/// The masks of a scene's materials: which hits count.
+/// The alpha masks of a scene's materials: they decide which hits count.
 #[derive(Clone, Debug)]
 pub struct Masks<'a> {
     scene: &'a Scene,
-    /// For each object, whether it has any.
+    /// For each object, whether any of its materials is a mask.
     has_any: Vec<bool>,
 }
 
@@ -43,7 +43,8 @@ impl<'a> Masks<'a> {
 }
 
 impl Scene {
-    /// For each object, whether a material of its mesh is of this kind; `None` where no object's is.
+    /// For each object, whether the opacity of any of its mesh's materials satisfies the predicate; `None` where that
+    /// of no object does.
     pub(crate) fn objects_whose(&self, is_it: impl Fn(&Opacity) -> bool) -> Option<Vec<bool>> {
         let has = |materials: &[Material]| materials.iter().any(|m| is_it(&m.opacity));
         let objects = self.objects.iter();

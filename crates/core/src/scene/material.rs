@@ -1,7 +1,7 @@
 use super::{Color, Opacity, Reflectance, Texture};
 use std::sync::Arc;
 
-/// A named colour of the file.
+/// A named material of the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// The file's name for it.
@@ -10,16 +10,16 @@ pub struct Material {
     pub color: Color,
     /// An image for the surfaces that have it.
     pub texture: Option<Arc<Texture>>,
-    /// Whether the file's colours of vertices go before its own, where all three corners have one.
+    /// Whether the file's vertex colours take precedence over `color`, where all three corners have one.
     pub by_vertex: bool,
-    /// How it reflects light, where the file says it.
+    /// How it reflects light, where the file says so.
     pub reflectance: Option<Arc<Reflectance>>,
-    /// How much of its surfaces is there.
+    /// Opaque, masked or blended.
     pub opacity: Opacity,
 }
 
 impl Material {
-    /// One colour alone.
+    /// A material of one colour.
     pub fn new(name: impl Into<String>, color: Color) -> Self {
         Self {
             name: name.into(),

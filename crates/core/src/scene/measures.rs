@@ -3,7 +3,7 @@ use super::crease::LastCreased;
 use super::curvature::Curvatures;
 use std::sync::OnceLock;
 
-/// What colours can show of a mesh: the file's scalars, and what is worked out when it is first asked for.
+/// What colours can show of a mesh: the file's scalars, and quantities that are computed on first use.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Measures {
     pub(super) scalars: Vec<Scalar>,
@@ -12,12 +12,13 @@ pub(super) struct Measures {
     pub(super) curvatures: OnceLock<Curvatures>,
     pub(super) creased: LastCreased,
     pub(super) curvature_ranges: OnceLock<[Option<[f32; 2]>; 2]>,
-    /// The vertices that kept triangles have; `None` where those are all.
+    /// The vertices that kept triangles use; `None` where that is all of them.
     pub(super) kept_vertices: OnceLock<Option<Vec<u32>>>,
 }
 
-/// Of areas and curvatures, the share at each end that a fitted range leaves out: single slivers and sharp
-/// corners are decades away from all else.
+/// The fraction of areas and curvatures at each end that a fitted range leaves out. With a smaller one single slivers
+/// and sharp corners, decades away from the rest, would stretch the range; with a larger one ordinary values
+/// saturate.
 pub const OUTLIERS: f64 = 0.02;
 
 impl Measures {
@@ -29,7 +30,7 @@ impl Measures {
     }
 }
 
-/// From the value that [`OUTLIERS`] of all lie below to the one that as many lie above.
+/// The range without the fraction [`OUTLIERS`] of the values at either end.
 pub(super) fn without_outliers(mut values: Vec<f32>) -> Option<[f32; 2]> {
     let last = values.len().checked_sub(1)?;
     let low = (last as f64 * OUTLIERS) as usize;

@@ -12,23 +12,23 @@ use rayon::prelude::*;
 use robust::{Coord, orient2d};
 use std::sync::{Arc, OnceLock};
 
-/// How many triangles were dropped, by reason. They keep their numbers and are never hit.
+/// How many triangles were dropped, by reason. Dropped triangles keep their numbers and are never hit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Dropped {
     /// A vertex that is not finite.
     pub not_finite: u32,
-    /// A vertex further than 1e18 from zero along an axis.
+    /// A vertex more than 1e18 from zero along an axis.
     pub too_far: u32,
-    /// A vertex index that the mesh does not have.
+    /// A vertex index out of range.
     pub bad_index: u32,
-    /// No area in the file: two corners in one place, or all three on a line.
+    /// No area in the file: corners that coincide, or lie on one line.
     pub zero_area: u32,
-    /// An area in the file, and none left when its corners are rounded to single precision.
+    /// An area in the file, but none after its corners were rounded to single precision.
     pub rounded_away: u32,
 }
 
 impl Dropped {
-    /// All of them.
+    /// The sum over all reasons.
     pub fn total(&self) -> u32 {
         self.not_finite + self.too_far + self.bad_index + self.zero_area + self.rounded_away
     }
@@ -36,8 +36,8 @@ impl Dropped {
 
 /// Triangles, checked and stored for casting.
 ///
-/// Positions are single precision, relative to [`Mesh::offset`]: the vertex that every picture and
-/// every query is about is exactly `offset + position`.
+/// Positions are in single precision, relative to [`Mesh::offset`]. Every picture and every query is about the
+/// vertices `offset + position`, exactly.
 #[derive(Clone, Debug)]
 pub struct Mesh {
     pub(super) offset: DVec3,
@@ -59,8 +59,8 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Checks and stores `data`: recentres it where it lies further from zero than it is long,
-    /// and drops triangles that no ray could meet, with a count.
+    /// Checks and stores `data`. A mesh that lies further from the origin than it is long is recentred; triangles
+    /// that no ray could hit are dropped and counted.
     pub fn new(data: MeshData) -> Self {
         let triangles = &data.triangles;
         let (usable, mut dropped, bounds) = usable(&data);
@@ -130,7 +130,7 @@ impl Mesh {
         }
     }
 
-    /// The same mesh with a tree that needs no clustering.
+    /// The mesh with a tree topology, so that building needs no clustering.
     pub(crate) fn with_tree(self, tree: TreeTopology) -> Self {
         Self {
             tree: Some(Arc::new(tree)),
@@ -138,13 +138,13 @@ impl Mesh {
         }
     }
 
-    /// The same mesh without one.
+    /// Removes the tree topology.
     #[cfg(test)]
     pub(crate) fn forget_tree(&mut self) {
         self.tree = None;
     }
 
-    /// Which triangles lie together, where that is known.
+    /// The topology of the mesh's tree, where it is known.
     pub(crate) fn tree(&self) -> Option<&TreeTopology> {
         self.tree.as_deref()
     }
@@ -159,12 +159,12 @@ impl Mesh {
         &self.positions
     }
 
-    /// All triangles by number, dropped ones included: the index is the triangle's number.
+    /// All triangles, dropped ones included; a triangle's number is its index.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
-    /// The numbers of the triangles that rays can meet, ascending.
+    /// The numbers of the triangles that rays can hit, ascending.
     pub fn kept(&self) -> &[u32] {
         &self.kept
     }
@@ -206,9 +206,9 @@ impl Mesh {
         self.uvs.is_some()
     }
 
-    /// Unit normals at the corners of the kept triangles, smooth over all edges whose triangles' normals are at most so
-    /// many degrees apart: of 0 only where they are one plane, of 180 wherever two triangles share an edge and face
-    /// one way. The mesh's own normals do not count. Those of the last angle that was asked for are kept: some 20 to
+    /// Unit normals at the corners of the kept triangles, smooth over all edges whose triangles' normals are at most
+    /// `degrees` apart: at 0 only where triangles lie in one plane, at 180 wherever two triangles share an edge with
+    /// one orientation. The mesh's own normals do not count. The normals of the last angle are cached, at some 20 to
     /// 50 bytes a triangle.
     pub fn creased(&self, degrees: f32) -> Arc<Attribute<Vec3>> {
         self.measures.creased.get(degrees, || {
@@ -226,7 +226,7 @@ impl Mesh {
         self.uvs.as_ref()
     }
 
-    /// A material's number a triangle, as stored; empty where the file has none.
+    /// The material index of each triangle, as stored; empty where the file has none.
     pub(crate) fn material_of_triangle(&self) -> &[u32] {
         &self.material_of_triangle
     }
@@ -242,35 +242,35 @@ impl Mesh {
         self.materials.get(index as usize)
     }
 
-    /// How much of a triangle's surface is there, by its material.
+    /// The opacity of a triangle's material.
     pub fn opacity(&self, triangle: u32) -> &Opacity {
         let material = self.material(triangle);
         material.map_or(&Opacity::Opaque, |material| &material.opacity)
     }
 
-    /// The file's colours of vertices, by index of position; empty where it gives none any.
+    /// The file's vertex colours, by index of position; empty where the file has none.
     pub fn vertex_colors(&self) -> &[Option<Color>] {
         &self.colors
     }
 
-    /// The colours of a triangle's corners, where the file gives all three one.
+    /// The colours of a triangle's corners, where the file gives one to all three.
     pub fn corner_colors(&self, triangle: u32) -> Option<[Color; 3]> {
         let corners = self.triangles.get(triangle as usize)?;
         let [a, b, c] = corners.map(|i| self.colors.get(i as usize).copied().flatten());
         Some([a?, b?, c?])
     }
 
-    /// Where the file's polygons were cut into triangles.
+    /// The edges along which the file's polygons were triangulated.
     pub fn diagonals(&self) -> &Diagonals {
         &self.diagonals
     }
 
-    /// What lies across its edges, which `make` gives when it is first asked for.
+    /// What lies across the mesh's edges; `make` computes it on first use.
     pub(crate) fn adjacency(&self, make: impl FnOnce() -> Adjacency) -> &Adjacency {
         self.adjacency.get_or_init(make)
     }
 
-    /// How far storing it has moved its corners.
+    /// How far rounding to single precision has moved the corners.
     pub fn rounding(&self) -> Rounding {
         self.rounding
     }
@@ -279,7 +279,7 @@ impl Mesh {
         &self.measures
     }
 
-    /// The box around the kept triangles, in the file's coordinates. Worked out when it is first asked for.
+    /// The box around the kept triangles, in the file's coordinates; computed on first use.
     pub fn bounds(&self) -> Bounds {
         *self.bounds.get_or_init(|| {
             Bounds::around(
@@ -294,9 +294,6 @@ impl Mesh {
 }
 
 /// Whether a triangle has exactly no area.
-///
-/// Its three projections along the axes must all be flat; each is a 2D orientation, whose sign
-/// double precision decides wherever it is beyond its rounding, and integers where it is not.
 pub(super) fn has_no_area(a: Vec3, b: Vec3, c: Vec3) -> bool {
     if a == b || b == c || c == a {
         return true;
@@ -304,9 +301,9 @@ pub(super) fn has_no_area(a: Vec3, b: Vec3, c: Vec3) -> bool {
     crate::num::exact::is_collinear(a, b, c)
 }
 
-/// The same of a triangle as the file has it.
+/// Whether a triangle has no area in the file's double precision.
 ///
-/// Exact but where products of differences underflow: edges shorter than some 1e-150.
+/// Exact unless products of differences underflow, with edges shorter than some 1e-150.
 fn has_no_area_in_doubles(a: DVec3, b: DVec3, c: DVec3) -> bool {
     let is_flat = |x: usize, y: usize| {
         let [a, b, c] = [a, b, c].map(|point| Coord {
@@ -318,11 +315,11 @@ fn has_no_area_in_doubles(a: DVec3, b: DVec3, c: DVec3) -> bool {
     is_flat(0, 1) && is_flat(1, 2) && is_flat(2, 0)
 }
 
-/// Triangles, or vertices, that are worth a task of their own.
+/// Triangles, or vertices, in one parallel task.
 const CHUNK: usize = 1 << 15;
 
-/// The numbers of the triangles whose corners are there, finite and near enough; how many others
-/// there are; and the box around them.
+/// The numbers of the triangles whose corners exist, are finite and within [`COORDINATE_LIMIT`]; the counts of the
+/// others; and the box around those triangles.
 fn usable(data: &MeshData) -> (Vec<u32>, Dropped, Bounds) {
     let part = |(part, triangles): (usize, &[[u32; 3]])| {
         let mut numbers = Vec::with_capacity(triangles.len());
@@ -378,7 +375,7 @@ mod tests {
     }
 
     #[test]
-    fn keeps_numbers_when_it_drops() {
+    fn dropped_triangles_keep_their_numbers() {
         let p = |x: f64, y: f64| DVec3::new(x, y, 0.0);
         let mesh = Mesh::new(MeshData {
             positions: vec![
@@ -437,20 +434,20 @@ mod tests {
     }
 
     #[test]
-    fn far_double_precision_keeps_its_detail() {
+    fn far_double_precision_coordinates_keep_their_detail() {
         let base = 1e7;
         let mesh = single([
             [base + 0.123456789, 0.0, 0.0],
             [base + 1.0, 0.0, 0.0],
             [base, 1.0, 0.0],
         ]);
-        // Single precision near 1 has steps of 6e-8; near 1e7 it would have steps of 1.
+        // Single precision has steps of 6e-8 near 1, and of 1 near 1e7.
         let stored = mesh.offset().x + f64::from(mesh.positions()[0].x);
         assert!((stored - (base + 0.123456789)).abs() < 3e-8, "{stored}");
     }
 
     #[test]
-    fn what_rounding_takes_away_is_told() {
+    fn triangles_that_rounding_makes_degenerate_are_counted() {
         let small = 1e-10;
         let mesh = Mesh::new(MeshData {
             positions: vec![
@@ -460,7 +457,7 @@ mod tests {
                 DVec3::ONE,
                 DVec3::ONE + DVec3::X * small,
                 DVec3::ONE + DVec3::Y * small,
-                // On a line, in decimals that are none in binary.
+                // On a line in decimal, but not after rounding to binary.
                 DVec3::ZERO,
                 DVec3::new(0.1, 0.2, 0.3),
                 DVec3::new(0.2, 0.4, 0.6),
@@ -475,7 +472,7 @@ mod tests {
     }
 
     #[test]
-    fn what_rounding_moves_is_measured() {
+    fn rounding_reports_how_far_corners_move() {
         // A unit in the last place of 1 is 2^-23.
         let half = 2f64.powi(-25);
         let mesh = |edge: f64| {
@@ -497,7 +494,7 @@ mod tests {
     }
 
     #[test]
-    fn colours_are_those_of_three_corners() {
+    fn corner_colors_need_a_color_at_each_corner() {
         let color = Some(Color([1, 2, 3]));
         let mesh = Mesh::new(MeshData {
             positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],

@@ -2,11 +2,11 @@ use super::{Attribute, Bounds, Color, Diagonals, Material, Scalar};
 use glam::{DVec3, Vec2, Vec3};
 use std::mem::size_of;
 
-/// The largest distance from zero along an axis at which a vertex is kept: beyond it, products
-/// of single-precision coordinates would near the end of their range.
+/// The largest distance from zero along an axis at which a vertex is kept. Beyond it products of single-precision
+/// coordinates would come near the end of their range (3e38).
 pub const COORDINATE_LIMIT: f64 = 1e18;
 
-/// A mesh as read, before anything is checked.
+/// A mesh as read from a file, before anything is checked.
 #[derive(Clone, Debug, Default)]
 pub struct MeshData {
     /// Vertices in the file's coordinates.
@@ -19,18 +19,18 @@ pub struct MeshData {
     pub uvs: Option<Attribute<Vec2>>,
     /// The file's materials.
     pub materials: Vec<Material>,
-    /// A material a triangle (`u32::MAX`: none); empty when the file has none.
+    /// A material index a triangle (`u32::MAX`: none); empty where the file has no materials.
     pub material_of_triangle: Vec<u32>,
-    /// A colour a vertex, as far as there are any: none behind the last.
+    /// A colour a vertex; vertices beyond the end of the list have none.
     pub colors: Vec<Option<Color>>,
-    /// The file's numbers of vertices and triangles.
+    /// The scalars that the file gives vertices and triangles.
     pub scalars: Vec<Scalar>,
-    /// Where the file's polygons were cut; empty where it has triangles alone.
+    /// The edges along which polygons were triangulated; empty where the file has triangles only.
     pub diagonals: Diagonals,
 }
 
 impl MeshData {
-    /// What [`Mesh::offset`](super::Mesh::offset) will be.
+    /// The [`Mesh::offset`](super::Mesh::offset) of a mesh made from it.
     pub(crate) fn offset(&self) -> DVec3 {
         let usable = self.triangles.iter().filter_map(|triangle| {
             let corners = self.corners(*triangle)?;
@@ -39,13 +39,13 @@ impl MeshData {
         recentring_offset(&Bounds::around(usable.flatten()))
     }
 
-    /// Bytes that it holds, at least.
+    /// A lower bound of the bytes that it occupies.
     pub(crate) fn bytes(&self) -> u64 {
         let bytes = self.positions.len() * size_of::<DVec3>() + self.shared_bytes();
         bytes as u64
     }
 
-    /// Bytes that a [`Mesh`](super::Mesh) of it holds.
+    /// The bytes that a [`Mesh`](super::Mesh) made from it occupies.
     pub(crate) fn stored_bytes(&self) -> u64 {
         let bytes = self.positions.len() * size_of::<Vec3>()
             + self.triangles.len() * size_of::<u32>()
@@ -53,7 +53,7 @@ impl MeshData {
         bytes as u64
     }
 
-    /// Bytes of what a [`Mesh`](super::Mesh) takes over as it is.
+    /// The bytes of the parts that a [`Mesh`](super::Mesh) keeps unchanged.
     fn shared_bytes(&self) -> usize {
         self.triangles.len() * size_of::<[u32; 3]>()
             + self.normals.as_ref().map_or(0, Attribute::bytes)
@@ -74,19 +74,19 @@ impl MeshData {
     }
 }
 
-/// Whether a vertex can be kept.
+/// Whether a vertex is finite and within [`COORDINATE_LIMIT`].
 pub(crate) fn is_storable(position: DVec3) -> bool {
     position.is_finite() && position.abs().max_element() <= COORDINATE_LIMIT
 }
 
-/// The offset that brings a far mesh near zero, an axis at a time.
+/// The offset that moves a far mesh near the origin, an axis at a time, such that coordinates that were single
+/// precision in the file stay exact.
 ///
-/// Along an axis where the mesh [lo, hi] lies further from zero than it is long, every coordinate
-/// is at least `hi − lo` away from zero. One that was single precision is then a multiple of
-/// `ulp = 2^(e−23)`, e the exponent of the nearer end, and `hi − lo < 2^(e+1) = 2^24 ulp`. The
-/// offset is a multiple of the power of two just below `hi − lo`, so it is one of `ulp` or finer
-/// differences stay exact; it is within half of that power of the middle, so what is left is at
-/// most `hi − lo` long: 24 bits hold it exactly.
+/// An axis has an offset where the mesh [lo, hi] lies further from zero than it is long. A single-precision
+/// coordinate there is a multiple of `ulp = 2^(e−23)`, with e the exponent of the nearer end, and `hi − lo < 2^(e+1)
+/// = 2^24 ulp`. The offset is a multiple of a power of two g, the greater of `ulp` and the one just below `hi − lo`,
+/// so differences from it are multiples of `ulp`. It is within g/2 of the middle, so differences are at most `hi −
+/// lo`: 24 bits hold them exactly.
 pub(crate) fn recentring_offset(bounds: &Bounds) -> DVec3 {
     if bounds.is_empty() {
         return DVec3::ZERO;

@@ -1,4 +1,4 @@
-//! What there is to see: meshes, the objects that place them, their colours and textures.
+//! The scene: meshes, the objects that place them, their colours and textures.
 
 mod adjacency;
 mod attribute;
@@ -25,6 +25,7 @@ mod reflectance;
 mod rounding;
 mod scalar;
 mod shape;
+mod shape_mesh;
 mod stored_mesh;
 mod texture;
 mod transform;

@@ -5,16 +5,16 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// A mesh in its place, with its colours.
+/// A mesh with a transform and colours.
 #[derive(Clone, Debug)]
 pub struct Object {
     /// What a person calls it.
     pub name: String,
     /// Its triangles.
     pub mesh: Arc<Mesh>,
-    /// Where it stands in its parent, or in the world.
+    /// The transform to its parent, or to the world.
     pub transform: Transform,
-    /// The object, by index, that it moves with.
+    /// The object, by index, whose transform it inherits.
     pub parent: Option<usize>,
     /// How its triangles get their colours.
     pub color: ColorRule,
@@ -22,27 +22,27 @@ pub struct Object {
     pub texture: Option<Arc<Texture>>,
     /// How its texture lies on it, where that is its own.
     pub mapping: TextureMapping,
-    /// The mesh's scalar that says how much of the texture shows, from 0 to 1, times the picture's blend; where it has
-    /// no number, all. `None`: all of it everywhere.
+    /// The mesh scalar (0 to 1) that multiplies the picture's blend: how much of the texture shows at each point; all
+    /// of it where the scalar is NaN. `None`: all of it everywhere.
     pub blend_by: Option<String>,
-    /// The file that its mesh was read from, for saving the scene: absolute, or relative where the
-    /// mesh came from a caller's own store of files.
+    /// The file that its mesh was read from, for saving the scene: absolute, or relative where the mesh came from a
+    /// caller's own store of files.
     pub source: Option<PathBuf>,
-    /// Which axis of that file was taken to be up: its mesh was turned when it was read.
+    /// The axis of that file that points up; a mesh with Z up was rotated when it was read.
     pub up_axis: UpAxis,
-    /// The file that its texture was read from, likewise.
+    /// The file that its texture was read from, absolute or relative in the same way.
     pub texture_source: Option<PathBuf>,
-    /// Which of that file's mesh nodes it is, from 0, depth first; `None` where it is the whole file.
+    /// The index of its mesh node in that file, from 0, depth first; `None` where the object is the whole file.
     pub node: Option<u32>,
-    /// Whether rays can meet it. A hidden object keeps its number, and its triangles theirs; what moves
-    /// with it stays where it is.
+    /// Whether rays can hit it. A hidden object keeps its number, its triangles keep theirs, and its children stay
+    /// where they are.
     pub visible: bool,
-    /// The numbers that its mesh was made from, where it came from no file.
+    /// The parameters that its mesh was made from, if it came from no file.
     pub shape: Option<Shape>,
 }
 
 impl Object {
-    /// An object at rest in the file's own coordinates and colours.
+    /// An object without transform, in the file's own colours.
     pub fn new(name: impl Into<String>, mesh: Arc<Mesh>) -> Self {
         Self {
             name: name.into(),
@@ -62,8 +62,8 @@ impl Object {
         }
     }
 
-    /// The image on one of its triangles: the object's own, else, in the file's colours, that of the
-    /// triangle's material.
+    /// The image on one of its triangles: the object's own; else, where the object shows the file's colours, that of
+    /// the triangle's material.
     #[inline]
     pub fn texture_on(&self, triangle: u32) -> Option<&Texture> {
         let texture = match &self.texture {
@@ -73,8 +73,8 @@ impl Object {
         texture.map(|texture| &**texture)
     }
 
-    /// The number of a triangle's material in its mesh, where that says how it reflects light: where the object shows
-    /// the file's own colours.
+    /// The index of a triangle's material, where that says how it reflects light and the object shows the file's
+    /// colours.
     pub(crate) fn reflecting_material(&self, triangle: u32) -> Option<u32> {
         let of_triangle = self.mesh.material_of_triangle().get(triangle as usize);
         let number = *of_triangle.filter(|_| self.color.is_file())?;
@@ -82,13 +82,13 @@ impl Object {
         material.reflectance.is_some().then_some(number)
     }
 
-    /// Whether the image on a triangle is multiplied by the colours of its corners: where both are its material's.
+    /// Whether the image on a triangle is multiplied by the vertex colours: so where both are its material's.
     pub(crate) fn is_tinted(&self, triangle: u32) -> bool {
         let is_own = self.texture.is_none() && self.color.is_file();
         is_own && (self.mesh.material(triangle)).is_some_and(|material| material.by_vertex)
     }
 
-    /// The numbers at a triangle's corners that say how much of the texture shows, where the object has any.
+    /// The blend scalars at a triangle's corners, where the object has any.
     pub fn blend_numbers(&self, triangle: u32) -> Option<[f32; 3]> {
         let scalar = self.mesh.scalar(self.blend_by.as_deref()?)?;
         let at = |index: u32| scalar.values.get(index as usize).copied();
@@ -102,14 +102,14 @@ impl Object {
         }
     }
 
-    /// Whether any triangle may have an image.
+    /// Whether any triangle may show an image.
     pub fn has_texture(&self) -> bool {
         let mut materials = self.mesh.materials().iter();
         self.texture.is_some() || (self.color.is_file() && materials.any(|m| m.texture.is_some()))
     }
 
-    /// The sRGB colours that the file gives a triangle's corners, where they are its own: no rule
-    /// and no material goes before them.
+    /// The file's sRGB vertex colours at a triangle's corners, where neither the colour rule nor a material takes
+    /// precedence.
     pub fn corner_colors(&self, triangle: u32) -> Option<[Color; 3]> {
         let material = self.mesh.material(triangle);
         if !self.color.is_file() || material.is_some_and(|m| !m.by_vertex) {
@@ -118,8 +118,7 @@ impl Object {
         self.mesh.corner_colors(triangle)
     }
 
-    /// The sRGB colour of one of its triangles, where its rule gives triangles colours, or its file does;
-    /// else [`Color::DEFAULT`].
+    /// The sRGB colour of one of its triangles, by its rule or its file; else [`Color::DEFAULT`].
     pub fn triangle_color(&self, triangle: u32) -> Color {
         let by_file = || {
             let material = self
@@ -132,7 +131,7 @@ impl Object {
     }
 }
 
-/// Why a scene cannot be cast at.
+/// Why rays cannot be cast at a scene.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SceneError {
     /// A parent index that no object has.
@@ -147,13 +146,13 @@ pub enum SceneError {
         /// The object's name.
         object: String,
     },
-    /// A transform with a number that is not finite.
+    /// A transform with a number that is NaN or infinite.
     #[error("object {object:?} has a transform that is not finite")]
     BadTransform {
         /// The object's name.
         object: String,
     },
-    /// More triangles than 32-bit numbers can name.
+    /// More triangles than 32-bit numbers can identify.
     #[error("the scene has {triangles} triangles; at most {limit} can be numbered")]
     TooManyTriangles {
         /// How many there are.
@@ -163,7 +162,7 @@ pub enum SceneError {
     },
 }
 
-/// Objects, numbered by their order.
+/// A list of objects, numbered in order.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// The objects; an object's number is its index.
@@ -171,7 +170,7 @@ pub struct Scene {
 }
 
 impl From<Mesh> for Scene {
-    /// One object, at rest in the file's own coordinates and colours.
+    /// One object without transform, in the file's own colours.
     fn from(mesh: Mesh) -> Self {
         Self {
             objects: vec![Object::new("mesh", Arc::new(mesh))],
@@ -224,10 +223,11 @@ impl Scene {
             .sum()
     }
 
-    /// Bytes that it takes at most, while they are worked out, to give the meshes without normals those of a crease
-    /// angle; a mesh that several objects have is counted once.
+    /// An upper bound of the bytes that it takes to compute the normals of a crease angle for the meshes without
+    /// normals. A mesh that several objects share counts once.
     pub fn crease_bytes(&self) -> u64 {
-        // A triangle's corners by place, their normals, and both again in parts; a vertex' place, sorted.
+        // Per triangle: its corners sorted by vertex, their normals, and a copy of both in parts. Per vertex: its
+        // welded vertex, and the sorted positions.
         const TRIANGLE: u64 = 24 + 12 + 36 + 12 + 36;
         const VERTEX: u64 = 16 + 4 + 8 + 8;
         let bytes = |mesh: &Mesh| match mesh.has_normals() {
@@ -244,8 +244,8 @@ impl Scene {
         distinct.values().sum()
     }
 
-    /// Bytes that the smaller versions of its textures take once a filter needs them; a texture that several
-    /// objects or materials share is counted once.
+    /// The bytes that the mip levels of its textures take once a filter needs them. A texture that several objects or
+    /// materials share counts once.
     pub fn level_bytes(&self) -> u64 {
         let objects = self.objects.iter();
         let textures = objects.flat_map(|object| {

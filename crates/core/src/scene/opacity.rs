@@ -2,20 +2,20 @@ use super::Texture;
 use glam::Vec2;
 use std::sync::Arc;
 
-/// How much of a material's surface is there.
+/// Whether a material's surface is opaque, masked or blended.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Opacity {
-    /// All of it.
+    /// Opaque everywhere.
     #[default]
     Opaque,
-    /// The points where its alpha is at least `cutoff`. Rays pass through the others: they are no hits.
+    /// Points whose alpha is at least `cutoff` are opaque. Rays pass through the others: they are no hits.
     Mask {
-        /// What is surface.
+        /// The alpha that is compared.
         alpha: Alpha,
-        /// The least alpha that counts as a hit.
+        /// The least alpha of a hit.
         cutoff: f32,
     },
-    /// All of it, covering what lies behind by its alpha.
+    /// A surface that covers what lies behind it by its alpha.
     Blend(Alpha),
 }
 
@@ -29,7 +29,7 @@ pub struct Alpha {
 }
 
 impl Opacity {
-    /// The cutoff of masks whose file gives none.
+    /// The cutoff of masks where the file gives none (glTF's default).
     pub const CUTOFF: f32 = 0.5;
 
     /// Its alpha; `None` where it is opaque.
@@ -42,12 +42,12 @@ impl Opacity {
 }
 
 impl Alpha {
-    /// At barycentrics (u, v) of a triangle with these texture coordinates at its corners, a, b and c.
+    /// The alpha at barycentrics (u, v) of a triangle with these texture coordinates at its corners a, b and c.
     ///
-    /// In double precision, rounded after each operation: the place in the image is a + (b − a)·u + (c − a)·v,
-    /// and alpha is interpolated between the four texels around it (their centres lie half a texel from the image's
-    /// edges), whatever the picture's filter, over 255, times the factor. The factor alone where there is no image
-    /// or there are no coordinates, or where these are not finite.
+    /// In double precision, rounded after each operation: the texture coordinate is a + (b − a)·u + (c − a)·v, and
+    /// alpha is interpolated bilinearly between the four nearest texels of the full image (their centres lie half a
+    /// texel from the image's edges), whatever the picture's filter, divided by 255 and multiplied by the factor. It
+    /// is the factor alone where there is no image, or no texture coordinates, or none that are finite.
     pub fn at(&self, uvs: Option<[Vec2; 3]>, u: f32, v: f32) -> f64 {
         let factor = f64::from(self.factor);
         let (Some(image), Some(uvs)) = (&self.image, uvs) else {
@@ -100,7 +100,7 @@ mod tests {
         assert_eq!(alpha(Wrap::Repeat, 0.75, 0.25), 0.1);
         assert_eq!(alpha(Wrap::Repeat, 0.5, 0.75), 0.25);
         assert_eq!(alpha(Wrap::Repeat, 0.5, 0.5), 0.5 * 306.0 / 4.0 / 255.0);
-        // At the corner the four repeats meet, and clamped it is its own texel.
+        // At the corner the four repeats join; clamped, only the corner's own texel counts.
         assert_eq!(alpha(Wrap::Repeat, 0.0, 0.0), 0.5 * 306.0 / 4.0 / 255.0);
         assert_eq!(alpha(Wrap::Clamp, 0.0, 1.0), 0.5);
         assert_eq!(alpha(Wrap::Mirror, 0.0, 1.0), 0.5);

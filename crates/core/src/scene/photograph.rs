@@ -1,6 +1,7 @@
 use glam::DVec3;
 
-/// The camera that an object's texture was taken with, in world space and in the scene's units: a perspective one.
+/// The camera that took an object's texture, in world space and scene units: a perspective camera, possibly with a
+/// distorting lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Photograph {
     /// Where it stood.
@@ -11,8 +12,8 @@ pub struct Photograph {
     pub up: DVec3,
     /// The image's vertical field of view in degrees.
     pub fov: f64,
-    /// How far the frame was moved to the right and up off the view axis, in heights of the image.
+    /// The shift of the frame to the right and up off the view axis, in heights of the image.
     pub shift: [f64; 2],
-    /// The lens's distortion, k1, k2, p1, p2, k3 of Brown and Conrady; `None` for a pinhole.
+    /// Brown-Conrady coefficients k1, k2, p1, p2, k3 of the lens's distortion; `None` for a pinhole.
     pub lens: Option<[f64; 5]>,
 }

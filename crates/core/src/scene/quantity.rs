@@ -3,16 +3,16 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// A number of each point of a surface, which a colour map shows.
+/// A quantity on a surface that a colour map shows.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Quantity {
-    /// Of its triangle, in the mesh's own coordinates.
+    /// The area of the triangle, in the mesh's own coordinates.
     Area,
-    /// Of the point from the eye (with an orthographic camera, along its rays), or from a point of the world.
+    /// The distance of the point from the eye (orthographic: along its ray), or from a point in the world.
     Distance(Option<DVec3>),
-    /// Of the surface at vertices, in the mesh's own coordinates, interpolated between them.
+    /// The curvature at vertices, in the mesh's own coordinates, interpolated between them.
     Curvature(Curvature),
-    /// The file's number of this name.
+    /// The file's scalar of this name.
     Scalar(Arc<str>),
 }
 
@@ -41,7 +41,7 @@ impl fmt::Display for Quantity {
 impl FromStr for Quantity {
     type Err = String;
 
-    /// Reads what [`Quantity`] is displayed as.
+    /// Parses what [`Quantity`] displays.
     fn from_str(text: &str) -> Result<Self, String> {
         let (kind, of) = match text.split_once(':') {
             Some((kind, of)) => (kind, Some(of)),

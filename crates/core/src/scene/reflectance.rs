@@ -1,25 +1,25 @@
 use super::Texture;
 use std::sync::Arc;
 
-/// How a material reflects light and glows: glTF's model of metal and roughness.
+/// How a material reflects and emits light: glTF's metallic-roughness model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reflectance {
-    /// From a dielectric (0) to a metal (1).
+    /// From dielectric (0) to metal (1).
     pub metallic: f32,
-    /// Perceptual roughness, from a mirror (0) to what has no highlight (1); its square is GGX's α.
+    /// Perceptual roughness, from mirror (0) to matt (1); its square is GGX's α.
     pub roughness: f32,
-    /// Factors of both: of roughness in green, of metal in blue, as numbers and not as light.
+    /// An image of factors: roughness in green, metallic in blue, as plain numbers without sRGB decoding.
     pub texture: Option<Arc<Texture>>,
-    /// Light of its own: linear, zero or more.
+    /// Emitted light: linear, zero or more.
     pub emission: [f32; 3],
-    /// A factor of that light.
+    /// An image of factors for the emitted light.
     pub emission_texture: Option<Arc<Texture>>,
-    /// Whether no light falls on it: it shows its colour.
+    /// Whether it shows its colour without lighting.
     pub is_unlit: bool,
 }
 
 impl Default for Reflectance {
-    /// What surfaces are of which nothing is known: a dielectric with a soft highlight.
+    /// The reflectance of surfaces without one in the file: a dielectric with a soft highlight.
     fn default() -> Self {
         Self {
             metallic: 0.0,

@@ -1,39 +1,39 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// How far storing a mesh in single precision has moved its corners: those of kept triangles.
+/// How far rounding to single precision has moved the corners of a mesh's kept triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rounding {
-    /// The furthest, in the file's units; to some 15 digits.
+    /// The largest distance, in the file's units; accurate to some 15 digits.
     pub distance: f64,
-    /// The furthest as a share of the shortest edge, in the file, of a triangle that has the corner.
+    /// The largest distance relative to the shortest edge, in the file, of a triangle at the corner.
     pub share_of_edge: f64,
-    /// How many triangles have a corner that was moved by more than [`BENT`] of their shortest edge.
+    /// How many triangles have a corner that moved by more than [`BENT`] of their shortest edge.
     pub bent: u32,
 }
 
-/// The share of an edge by which rounding may move a corner before that is worth a warning: at 2 % a
-/// right angle is off by a degree or so, which shading shows.
+/// The fraction of an edge by which a corner may move before a warning is worth it. At 2 % a right angle is off by
+/// about a degree, which shading shows; with less, warnings would be about changes that nobody sees.
 pub const BENT: f64 = 0.02;
 
-/// Vertices that are worth a task of their own.
+/// Vertices in one parallel task.
 const CHUNK: usize = 1 << 15;
 
-/// By how much storing each vertex moves it.
+/// How far rounding has moved each vertex.
 pub(super) struct Moves<'m> {
     positions: &'m [DVec3],
-    /// Squared; empty if none was moved.
+    /// Squared distances; empty if no vertex moved.
     squared: Vec<f64>,
 }
 
 impl<'m> Moves<'m> {
     pub(super) fn new(positions: &'m [DVec3], stored: &[Vec3], offset: DVec3) -> Self {
         let moved = |(from, to): (&DVec3, &Vec3)| {
-            // Both differences are exact or nearly: of numbers that are close.
+            // Both differences are exact or nearly so, since they are of numbers that are close.
             ((*from - offset) - to.as_dvec3()).length_squared()
         };
         let all = positions.par_iter().zip(stored).with_min_len(CHUNK);
-        // NaN is a move, as of what is not finite.
+        // NaN, from vertices that are not finite, counts as a move.
         let is_moved = all.clone().any(|pair| moved(pair) != 0.0);
         let squared = if is_moved {
             all.map(moved).collect()
@@ -44,12 +44,12 @@ impl<'m> Moves<'m> {
     }
 }
 
-/// Measures how far corners were moved.
+/// Accumulates how far triangles' corners have moved.
 pub(super) struct Measure<'m> {
     moves: &'m Moves<'m>,
-    /// The furthest, squared.
+    /// The largest distance, squared.
     distance: f64,
-    /// The furthest as a share of an edge, squared.
+    /// The largest distance relative to an edge, squared.
     share: f64,
     bent: u32,
 }
@@ -64,7 +64,7 @@ impl<'m> Measure<'m> {
         }
     }
 
-    /// Takes note of a kept triangle.
+    /// Adds a kept triangle.
     #[inline]
     pub(super) fn add(&mut self, triangle: [u32; 3]) {
         let Moves { positions, squared } = self.moves;
@@ -81,7 +81,7 @@ impl<'m> Measure<'m> {
         self.bent += u32::from(moved > BENT * BENT * edge);
     }
 
-    /// Takes over what another has noted.
+    /// Merges another accumulator.
     pub(super) fn join(&mut self, other: &Self) {
         self.distance = self.distance.max(other.distance);
         self.share = self.share.max(other.share);

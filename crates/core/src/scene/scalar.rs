@@ -1,25 +1,25 @@
-/// A number that a file gives each vertex or each triangle, under a name.
+/// A named number that a file gives each vertex or each triangle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scalar {
     /// The file's name for it.
     pub name: String,
-    /// What has one.
+    /// Whether vertices or triangles have it.
     pub at: ScalarAt,
-    /// One a vertex, or one a triangle, in their order, in single precision; NaN where there is none.
+    /// The values in order of vertices or triangles, in single precision; NaN where there is none.
     pub values: Vec<f32>,
 }
 
-/// What has a [`Scalar`]'s values.
+/// What a [`Scalar`]'s values belong to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ScalarAt {
     /// Vertices: between them values are interpolated.
     Vertices,
-    /// Triangles, each of which has one value.
+    /// Triangles: the value is constant on each.
     Triangles,
 }
 
 impl Scalar {
-    /// The least and the greatest of the values that are finite; `None` where none is.
+    /// The least and the greatest finite value; `None` where none is finite.
     pub fn range(&self) -> Option<[f32; 2]> {
         let finite = self.values.iter().filter(|value| value.is_finite());
         finite.fold(None, |range, &value| {

@@ -1,4 +1,4 @@
-//! A mesh that was checked and stored once, as a file keeps it.
+//! A mesh that was checked once and then stored in a file.
 
 use super::measures::Measures;
 use super::mesh::has_no_area;
@@ -10,10 +10,10 @@ use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
-/// Triangles, or vertices, that are worth a task of their own.
+/// Triangles, or vertices, in one parallel task.
 const CHUNK: usize = 1 << 15;
 
-/// What a [`Mesh`] consists of. Nothing of it need be true: [`StoredMesh::mesh`] checks it.
+/// The fields of a [`Mesh`], unchecked: [`StoredMesh::mesh`] checks them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StoredMesh {
     pub(crate) offset: DVec3,
@@ -21,7 +21,7 @@ pub(crate) struct StoredMesh {
     pub(crate) triangles: Vec<[u32; 3]>,
     /// The numbers of the triangles that were dropped, ascending.
     pub(crate) dropped_numbers: Vec<u32>,
-    /// Why they were.
+    /// How many were dropped for each reason.
     pub(crate) dropped: Dropped,
     pub(crate) normals: Option<Attribute<Vec3>>,
     pub(crate) uvs: Option<Attribute<Vec2>>,
@@ -34,10 +34,10 @@ pub(crate) struct StoredMesh {
 }
 
 impl StoredMesh {
-    /// The mesh.
+    /// Checks the fields and makes the mesh.
     ///
     /// # Errors
-    /// What of it no reader of meshes would have given, in words.
+    /// Which field no reader of meshes would have given, in words.
     pub(crate) fn mesh(self) -> Result<Mesh, &'static str> {
         let kept = self.kept()?;
         let bounds = self.check_corners(&kept)?;
@@ -89,6 +89,10 @@ impl StoredMesh {
         if counts.into_iter().map(u64::from).sum::<u64>() != self.dropped_numbers.len() as u64 {
             return Err("not as many triangles are dropped as there are reasons");
         }
+        if self.dropped_numbers.is_empty() {
+            // Threads share the work of touching new memory.
+            return Ok((0..count).into_par_iter().collect());
+        }
         let mut kept = Vec::with_capacity(self.triangles.len() - self.dropped_numbers.len());
         let mut next = 0;
         for &dropped in &self.dropped_numbers {
@@ -99,8 +103,8 @@ impl StoredMesh {
         Ok(kept)
     }
 
-    /// Checks that the triangles that were kept have corners which rays can meet: there, finite, near enough, and not
-    /// on one line. Returns the box around them.
+    /// Checks that the kept triangles have corners that rays can hit: existing, finite, within range, not on one
+    /// line. Returns the box around them.
     fn check_corners(&self, kept: &[u32]) -> Result<Bounds, &'static str> {
         let offset = self.offset;
         if !offset.is_finite() || offset.abs().max_element() > COORDINATE_LIMIT {
@@ -133,12 +137,12 @@ impl StoredMesh {
         if kept.is_empty() {
             return Ok(Bounds::EMPTY);
         }
-        // Adding the offset keeps order: these are the extremes of the sums.
+        // Adding the offset is monotone, so these are the extremes of the sums.
         let bounds = Bounds {
             min: offset + min.as_dvec3(),
             max: offset + max.as_dvec3(),
         };
-        // A position was rounded once, by half a unit in its last place, of 2⁻²³, at most.
+        // A position was rounded once, by at most half a unit in its last place, 2⁻²⁴ of itself.
         let limit = COORDINATE_LIMIT * (1.0 + 2f64.powi(-24));
         let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
         match reach <= limit {
@@ -147,7 +151,7 @@ impl StoredMesh {
         }
     }
 
-    /// Checks that lists are as long as what they are about, and name what is there.
+    /// Checks that lists have the lengths that belong together, and that their indices are in range.
     fn check_lists(&self) -> Result<(), &'static str> {
         let (vertices, triangles) = (self.positions.len(), self.triangles.len());
         let is_of_triangles = |indices: &Option<Vec<[u32; 3]>>| {
@@ -202,7 +206,7 @@ impl StoredMesh {
             return true;
         };
         let values = attribute.values.par_iter().with_min_len(CHUNK);
-        // Values that no triangle has may be anything, but hardly ever are.
+        // Values that no triangle uses may be anything; that hardly ever occurs, so all are tested at once first.
         values.clone().all(&holds) || {
             let triangles = self.triangles.par_iter().with_min_len(CHUNK).enumerate();
             triangles.into_par_iter().all(|(number, &shared)| {

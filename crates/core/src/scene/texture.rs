@@ -1,7 +1,7 @@
 use super::Wrap;
 use std::sync::OnceLock;
 
-/// A part of a texture's image, in its pixels from the top left.
+/// A rectangle of a texture's image, in pixels from the top left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crop {
     /// First column.
@@ -14,22 +14,22 @@ pub struct Crop {
     pub height: u32,
 }
 
-/// An sRGB image for a surface; rows from the top.
+/// An sRGB image for surfaces, rows from the top.
 ///
-/// Texture coordinates (u, v) have their origin at the image's bottom left, and (1, 1) at its top right.
+/// Texture coordinates (u, v) are (0, 0) at the image's bottom left and (1, 1) at its top right.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Texture {
     width: u32,
     height: u32,
     texels: Vec<[u8; 4]>,
     wrap: [Wrap; 2],
-    /// Whether it repeats along both axes, as most do.
+    /// Whether it repeats along both axes, the common case.
     repeats: bool,
     crop: Option<Crop>,
     levels: Levels,
 }
 
-/// A texture's smaller versions, once they were needed. They follow from it, and are no part of what it is.
+/// A cache of the texture's mip levels. They follow from the texture and do not take part in comparisons.
 #[derive(Clone, Debug, Default)]
 struct Levels(OnceLock<Vec<Texture>>);
 
@@ -59,7 +59,7 @@ impl Texture {
         })
     }
 
-    /// The same image with what it shows beyond its sides, along u and v.
+    /// The same image with other wrapping along u and v.
     pub fn wrapped(self, wrap: [Wrap; 2]) -> Self {
         Self {
             wrap,
@@ -69,8 +69,8 @@ impl Texture {
         }
     }
 
-    /// The part inside `crop`, which then is the whole image: mappings, wrapping and filters know no
-    /// other texel. `None` if it has no texel or leaves the image.
+    /// The part inside `crop`, as an image of its own: mapping, wrapping and filters see no other texel. `None` if
+    /// the rectangle is empty or leaves the image.
     pub fn cropped(&self, crop: Crop) -> Option<Self> {
         let right = crop.x.checked_add(crop.width)?;
         let bottom = crop.y.checked_add(crop.height)?;
@@ -98,12 +98,12 @@ impl Texture {
         })
     }
 
-    /// Its smaller versions, which `make` gives when they are first asked for.
+    /// The mip levels; `make` computes them on first use.
     pub(crate) fn levels(&self, make: impl FnOnce(&Self) -> Vec<Self>) -> &[Self] {
         self.levels.0.get_or_init(|| make(self))
     }
 
-    /// Columns and rows of its smaller versions: halves, rounded down, to one texel.
+    /// Columns and rows of the mip levels: halved and rounded down, to one texel.
     pub(crate) fn level_sizes(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
         let half = |&(width, height): &(u32, u32)| {
             (width.max(height) > 1).then_some(((width / 2).max(1), (height / 2).max(1)))
@@ -111,19 +111,19 @@ impl Texture {
         std::iter::successors(Some((self.width, self.height)), half).skip(1)
     }
 
-    /// Bytes that its smaller versions take once a filter needs them: a third of its own, and more for narrow ones.
+    /// The bytes that the mip levels take once a filter needs them: a third of the image's, more for narrow images.
     pub fn level_bytes(&self) -> u64 {
         let texels = |(width, height)| u64::from(width) * u64::from(height);
         self.level_sizes().map(texels).sum::<u64>() * size_of::<[u8; 4]>() as u64
     }
 
-    /// Bytes that its texels take, and those of its smaller versions once a filter has needed them.
+    /// The bytes of its texels, and of its mip levels once they were computed.
     pub fn retained_bytes(&self) -> usize {
         let levels = self.levels.0.get().map_or(&[][..], Vec::as_slice);
         size_of_val(&self.texels[..]) + levels.iter().map(Self::retained_bytes).sum::<usize>()
     }
 
-    /// The part of its file's image that it is; `None` for the whole.
+    /// The rectangle of the file's image that it shows; `None` for the whole image.
     pub fn crop(&self) -> Option<Crop> {
         self.crop
     }
@@ -134,7 +134,7 @@ impl Texture {
         self.repeats
     }
 
-    /// What it shows beyond its sides, along u and v.
+    /// The wrapping along u and v.
     #[inline]
     pub fn wrap(&self) -> [Wrap; 2] {
         self.wrap
@@ -150,8 +150,7 @@ impl Texture {
         self.height
     }
 
-    /// The alpha of the texel that is shown in any column and row, within the image or beyond its sides: 255 where
-    /// that is a border's colour, 0 where it is no texel at all.
+    /// The alpha of the texel at any column and row, wrapped: 255 for a border's colour, 0 for a border without one.
     pub(crate) fn alpha(&self, column: i64, row: i64) -> u8 {
         let [across, down] = self.wrap;
         match (
@@ -163,6 +162,20 @@ impl Texture {
             (Some(_), None) if down == Wrap::Border(None) => 0,
             _ => u8::MAX,
         }
+    }
+
+    /// The column and the row from the top of the texel that shows at (u, v). `None` beyond a border, and where a
+    /// coordinate is not finite.
+    pub fn texel_at(&self, u: f64, v: f64) -> Option<(u32, u32)> {
+        if !u.is_finite() || !v.is_finite() {
+            return None;
+        }
+        let [across, down] = self.wrap;
+        let x = across.near(u) * f64::from(self.width);
+        let y = (1.0 - down.near(v)) * f64::from(self.height);
+        // Within two sides of the image.
+        let column = across.texel(x.floor() as i64, self.width)?;
+        Some((column, down.texel(y.floor() as i64, self.height)?))
     }
 
     /// The texels, row by row from the top.
@@ -195,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn a_crop_of_a_crop_is_told_in_the_files_pixels() {
+    fn a_crop_of_a_crop_counts_the_files_pixels() {
         let texels = (0..12).map(|i| [i, 0, 0, 255]).collect();
         let whole = Texture::new(4, 3, texels).expect("a good texture");
         let wrap = [Wrap::Mirror, Wrap::Clamp];
@@ -214,5 +227,20 @@ mod tests {
         assert_eq!(outer.cropped(crop(2, 0, 2, 1)), None);
         assert_eq!(outer.cropped(crop(0, 0, 0, 1)), None);
         assert_eq!(outer.cropped(crop(u32::MAX, 0, 2, 1)), None);
+    }
+
+    #[test]
+    fn the_texel_at_a_point_is_wrapped_and_counted_from_the_top_left() {
+        let whole = Texture::new(4, 2, vec![[0; 4]; 8]).expect("a good texture");
+        let at = |wrap: Wrap, u: f64, v: f64| whole.clone().wrapped([wrap; 2]).texel_at(u, v);
+        for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp, Wrap::Border(None)] {
+            assert_eq!(at(wrap, 0.01, 0.99), Some((0, 0)), "{wrap:?}");
+            assert_eq!(at(wrap, 0.6, 0.2), Some((2, 1)), "{wrap:?}");
+        }
+        assert_eq!(at(Wrap::Repeat, -0.1, 5.2), Some((3, 1)));
+        assert_eq!(at(Wrap::Mirror, -0.1, 1.2), Some((0, 0)));
+        assert_eq!(at(Wrap::Clamp, 1e300, -7.0), Some((3, 1)));
+        assert_eq!(at(Wrap::Border(None), 1.1, 0.5), None);
+        assert_eq!(at(Wrap::Repeat, f64::NAN, 0.5), None);
     }
 }

@@ -1,17 +1,17 @@
 use crate::math;
 use glam::{DAffine3, DQuat, DVec3};
 
-/// Where an object stands in its parent: by the matrix first, then scaled, rotated, and translated.
+/// An object's transform to its parent: the matrix first, then scale, rotation and translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
     /// Translation in the parent's units.
     pub translate: DVec3,
-    /// Angles about the x, y and z axes in degrees, x first, then y, then z.
+    /// Angles about the x, y and z axes in degrees, applied in that order.
     pub rotate: DVec3,
     /// Factors along the axes; a negative one mirrors.
     pub scale: DVec3,
-    /// Any affine map, before the scale: where a file placed the mesh by a matrix, which need not be
-    /// made of the three others.
+    /// An affine map before the scale, for files that place meshes by matrices, which need not be products of the
+    /// three others.
     pub matrix: DAffine3,
 }
 
@@ -24,7 +24,7 @@ impl Transform {
         matrix: DAffine3::IDENTITY,
     };
 
-    /// The transform that a matrix is: by itself it is kept to the last bit.
+    /// The transform of a matrix; it keeps the matrix to the last bit.
     pub fn from_matrix(matrix: DAffine3) -> Self {
         Self {
             matrix,
@@ -65,8 +65,8 @@ impl Transform {
     }
 }
 
-/// The rotation by angles in degrees about x, then y, then z: q_z · q_y · q_x, multiplied out, each a
-/// half angle's sine and cosine (Shoemake, "Euler Angle Conversion", Graphics Gems IV, 1994).
+/// The rotation by angles in degrees about x, then y, then z: q_z · q_y · q_x expanded, each with the sine and cosine
+/// of half its angle (Shoemake, "Euler Angle Conversion", Graphics Gems IV, 1994).
 fn rotation(degrees: DVec3) -> DQuat {
     let half = |degrees: f64| math::sin_cos(degrees.to_radians() * 0.5);
     let (sin_x, cos_x) = half(degrees.x);

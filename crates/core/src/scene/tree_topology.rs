@@ -1,13 +1,12 @@
-/// Which triangles of a mesh lie together: a binary tree over their numbers without its boxes, which follow from the
-/// corners.
+/// A binary tree over a mesh's triangles without its boxes, which follow from the corners.
 ///
-/// [`bvh`](crate::bvh) alone makes and checks it, and makes its tree from it again; here it is kept with its mesh.
+/// Only [`bvh`](crate::bvh) makes and checks it, and builds trees from it; it is stored here to stay with its mesh.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct TreeTopology {
-    /// The triangles' numbers in the order of the leaves.
+    /// The triangles' numbers in leaf order.
     pub(crate) order: Vec<u32>,
-    /// The inner nodes, depth first: how many triangles and how many inner nodes the first child has. The second child
-    /// has the rest of its parent's. A subtree without inner nodes is a leaf.
+    /// The inner nodes, depth first: the numbers of triangles and of inner nodes below the first child. The second
+    /// child has the rest of its parent's. A subtree without inner nodes is a leaf.
     pub(crate) nodes: Vec<[u32; 2]>,
     /// The levels of the tree, leaves included; 0 of an empty one.
     pub(crate) levels: usize,

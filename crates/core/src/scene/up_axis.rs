@@ -1,18 +1,18 @@
 use super::MeshData;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 
-/// Which axis of a file points up; in a scene it is y.
+/// The axis of a file that points up; in a scene it is y.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum UpAxis {
-    /// As in a scene: nothing is turned.
+    /// As in a scene: no rotation.
     #[default]
     Y,
-    /// As in much of CAD and scanning: (x, y, z) becomes (x, z, −y). No number is rounded.
+    /// As in much of CAD and scanning: (x, y, z) becomes (x, z, −y). Nothing is rounded.
     Z,
 }
 
 impl UpAxis {
-    /// What turns a place so that what was up is: no number is rounded.
+    /// The rotation that makes the axis y. Nothing is rounded.
     pub(crate) fn y_up(self) -> DAffine3 {
         match self {
             Self::Y => DAffine3::IDENTITY,
@@ -20,13 +20,13 @@ impl UpAxis {
         }
     }
 
-    /// Turns a mesh's positions and normals so that what was up is.
+    /// Rotates a mesh's positions and normals so that y is up.
     pub(crate) fn turn(self, mesh: &mut MeshData) {
         if self == Self::Y {
             return;
         }
         for position in &mut mesh.positions {
-            // A difference, for zero has one sign then.
+            // A difference, so that zero keeps its positive sign.
             *position = DVec3::new(position.x, position.z, 0.0 - position.y);
         }
         for normal in mesh

@@ -2,17 +2,17 @@ use super::curvature::{Curvatures, curvatures};
 use super::measures::without_outliers;
 use super::{Curvature, Mesh, Quantity, Scalar, ScalarAt};
 
-/// The values of a triangle.
+/// The values of a quantity on a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TriangleValues {
-    /// One for all of it.
+    /// One for the whole triangle.
     One(f32),
     /// One at each corner.
     Corners([f32; 3]),
 }
 
 impl Mesh {
-    /// The file's numbers of vertices and triangles.
+    /// The file's scalars of vertices and triangles.
     pub fn scalars(&self) -> &[Scalar] {
         &self.measures().scalars
     }
@@ -22,8 +22,8 @@ impl Mesh {
         self.scalars().iter().find(|scalar| scalar.name == name)
     }
 
-    /// A triangle's area, in the mesh's own coordinates, rounded to single precision; NaN where it has no such
-    /// triangle.
+    /// A triangle's area in the mesh's own coordinates, rounded to single precision; NaN where the triangle does not
+    /// exist.
     pub fn area(&self, triangle: u32) -> f32 {
         let Some(corners) = self.corners(triangle) else {
             return f32::NAN;
@@ -32,8 +32,8 @@ impl Mesh {
         ((b - a).cross(c - a).length() * 0.5) as f32
     }
 
-    /// What a triangle has of a quantity; `None` where the mesh has none of it, and for
-    /// [`Quantity::Distance`], which hangs on where the mesh stands.
+    /// The values of a quantity on a triangle. `None` where the mesh lacks it, and for [`Quantity::Distance`], which
+    /// depends on the mesh's transform.
     pub fn values(&self, quantity: &Quantity, triangle: u32) -> Option<TriangleValues> {
         let at_corners = |values: &[f32]| {
             let vertices = self.triangles().get(triangle as usize)?;
@@ -58,8 +58,9 @@ impl Mesh {
         }
     }
 
-    /// The range that colours are fitted to: all finite values of a scalar; of areas and curvatures all but
-    /// [`OUTLIERS`](super::OUTLIERS) at each end. `None` as in [`Mesh::values`], and where there are no values.
+    /// The range that colours are fitted to: all finite values of a scalar; areas and curvatures without the fraction
+    /// [`OUTLIERS`](super::OUTLIERS) at each end. `None` where [`Mesh::values`] gives `None`, and where there are no
+    /// values.
     pub fn value_range(&self, quantity: &Quantity) -> Option<[f32; 2]> {
         let measures = self.measures();
         match quantity {

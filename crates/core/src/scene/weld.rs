@@ -1,15 +1,15 @@
-//! Vertices that are at one place.
+//! Vertices at equal positions.
 
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// For each vertex the lowest one at its place. Places are the same where all three coordinates are; zero has
-/// no sign. A vertex that is not finite is a place of its own.
+/// For each vertex the lowest one with equal coordinates; minus zero equals zero. A vertex that is not finite equals
+/// only itself.
 pub(crate) fn weld(positions: &[Vec3]) -> Vec<u32> {
     let mut sorted: Vec<([u32; 3], u32)> = positions
         .par_iter()
         .enumerate()
-        // Adding zero takes the sign off a zero.
+        // Adding zero makes minus zero positive.
         .map(|(number, position)| {
             let place = (*position + 0.0).to_array().map(f32::to_bits);
             (place, number as u32)

@@ -1,24 +1,24 @@
 use super::Color;
 use std::str::FromStr;
 
-/// What a texture shows beyond its image, along one of its axes. A unit is the image's side, so that the
-/// image lies at 0 ≤ coordinate < 1.
+/// What a texture shows beyond its image, along one axis. In units of the image's side, so that the image lies at 0 ≤
+/// coordinate < 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
-    /// The image again: coordinate − ⌊coordinate⌋.
+    /// Repeats the image: coordinate − ⌊coordinate⌋.
     #[default]
     Repeat,
-    /// The image again, every other time reversed.
+    /// Repeats the image, every other time mirrored.
     Mirror,
-    /// The texels at the image's border.
+    /// Extends the texels at the image's border.
     Clamp,
-    /// One colour; `None` is no texel at all: the object's own colours show.
+    /// One colour; `None` is no texel: the object's own colour shows.
     Border(Option<Color>),
 }
 
 impl Wrap {
-    /// A coordinate with the same texels as a given one, at most two sides from zero: products with an image's
-    /// side then keep their fraction. What is not finite is zero.
+    /// A coordinate that shows the same texels and is at most two sides from zero, so that its product with an
+    /// image's side keeps its fraction. Zero where `coordinate` is not finite.
     pub(crate) fn near(self, coordinate: f64) -> f64 {
         if !coordinate.is_finite() {
             return 0.0;
@@ -26,12 +26,12 @@ impl Wrap {
         match self {
             Self::Repeat => coordinate - coordinate.floor(),
             Self::Mirror => coordinate - 2.0 * (coordinate * 0.5).floor(),
-            // A side away there is nothing but the border, also between texels.
+            // More than a side away there is nothing but the border, also between texels.
             Self::Clamp | Self::Border(_) => coordinate.clamp(-1.0, 2.0),
         }
     }
 
-    /// The texel that stands at `index` along a side of `size` texels, which is not 0; `None` is the border.
+    /// The index of the texel shown at `index` along a side of `size` texels (not 0); `None` is the border.
     #[inline]
     pub fn texel(self, index: i64, size: u32) -> Option<u32> {
         let size = i64::from(size);
@@ -52,7 +52,7 @@ impl Wrap {
 impl FromStr for Wrap {
     type Err = String;
 
-    /// Reads what [`Wrap`] is displayed as: `repeat`, `mirror`, `clamp`, `border` or `border:#rrggbb`.
+    /// Parses `repeat`, `mirror`, `clamp`, `border` or `border:#rrggbb`.
     fn from_str(text: &str) -> Result<Self, String> {
         match text {
             "repeat" => Ok(Self::Repeat),
@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_displayed_reads_again() {
+    fn displayed_wraps_parse_to_themselves() {
         let color = Color([1, 2, 0xab]);
         let all = [
             Wrap::Repeat,

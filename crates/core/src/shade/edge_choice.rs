@@ -1,4 +1,4 @@
-//! Which edges of a triangle have lines, and in which style.
+//! The edges of a triangle that have lines, and the style of each.
 
 use super::EdgeKinds;
 use super::edges::LineStyle;
@@ -8,11 +8,11 @@ use crate::math;
 use crate::scene::{Across, Adjacency, Mesh, Scene};
 use glam::{DAffine3, DVec3};
 
-/// The choice of a picture's edges, where they are not all.
+/// The choice of a picture's edges, where not all edges have lines.
 #[derive(Debug)]
 pub(super) struct EdgeChoice<'a> {
     kinds: EdgeKinds,
-    /// The cosine of the least turn of a feature.
+    /// The cosine of the least angle of a feature edge.
     least_turn: f64,
     objects: Vec<ObjectEdges<'a>>,
 }
@@ -20,17 +20,17 @@ pub(super) struct EdgeChoice<'a> {
 #[derive(Debug)]
 struct ObjectEdges<'a> {
     mesh: &'a Mesh,
-    /// Where what lies across edges matters.
+    /// `None` where the choice does not depend on adjacent triangles.
     adjacency: Option<&'a Adjacency>,
     world_from_object: DAffine3,
 }
 
-/// From where edges are seen.
+/// The viewpoint that decides silhouettes.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Viewpoint {
-    /// An eye in world space.
+    /// An eye, in world space.
     Eye(DVec3),
-    /// A direction in which all rays go.
+    /// The common direction of parallel rays.
     Along(DVec3),
 }
 
@@ -43,7 +43,7 @@ impl Viewpoint {
         }
     }
 
-    /// The direction in which a point is seen.
+    /// The direction from the viewpoint to a point.
     fn to(self, point: DVec3) -> DVec3 {
         match self {
             Self::Eye(eye) => point - eye,
@@ -75,13 +75,13 @@ impl<'a> EdgeChoice<'a> {
         })
     }
 
-    /// Whether silhouettes are chosen.
+    /// Whether silhouettes have lines.
     pub(super) fn has_silhouettes(&self) -> bool {
         self.kinds.silhouette
     }
 
-    /// How the edges of an object's triangle are drawn on the triangles that have them; `None`: not at all. Edge k
-    /// runs from corner k to the next.
+    /// The styles of lines along the edges of an object's triangle, as drawn on the triangles that have the edge;
+    /// `None` for an edge without a line. Edge k runs from corner k to the next.
     pub(super) fn styles(&self, number: u32, triangle: u32) -> [Option<LineStyle>; 3] {
         let Some(object) = self.objects.get(number as usize) else {
             return [None; 3];
@@ -104,12 +104,12 @@ impl<'a> EdgeChoice<'a> {
         })
     }
 
-    /// Whether the surface turns at an edge by as much as at a feature. Both triangles at it say the same.
+    /// Whether the surface turns by a feature's angle at an edge. The result is the same from both triangles.
     fn turns(&self, object: &ObjectEdges<'_>, triangle: u32, edge: usize, apex: u32) -> bool {
         let Some([from, to, own, other]) = object.quad(triangle, edge, apex) else {
             return false;
         };
-        // From the edge to each third corner, at right angles to the edge.
+        // From the edge to each third corner, perpendicular to the edge.
         let along = (to - from).normalize_or_zero();
         let outwards = |corner: DVec3| {
             let outwards = corner - from;
@@ -120,8 +120,8 @@ impl<'a> EdgeChoice<'a> {
         is_there && -own.dot(other) <= self.least_turn
     }
 
-    /// Which edges of an object's triangle are silhouettes, if these are chosen: both triangles at one lie on the
-    /// same side of the plane through it and the viewpoint.
+    /// Which edges of an object's triangle are silhouettes, if silhouettes have lines: both triangles at such an edge
+    /// lie on the same side of the plane through it and the viewpoint.
     pub(super) fn silhouettes(&self, number: u32, triangle: u32, from: Viewpoint) -> [bool; 3] {
         let object = self.objects.get(number as usize);
         let Some(object) = object.filter(|_| self.kinds.silhouette) else {
@@ -147,8 +147,8 @@ impl ObjectEdges<'_> {
         adjacency.map_or([Across::NoFace; 3], |adjacency| adjacency.on(triangle))
     }
 
-    /// The ends of an edge in world space, the same way round whichever triangle asks; the triangle's third corner;
-    /// and that of the triangle across.
+    /// The ends of an edge in world space, in the same order from either triangle; the triangle's third corner; and
+    /// that of the adjacent triangle.
     fn quad(&self, triangle: u32, edge: usize, apex: u32) -> Option<[DVec3; 4]> {
         let corners = self.mesh.corners(triangle)?;
         let (mut from, mut to) = (corners[edge], corners[(edge + 1) % 3]);

@@ -1,19 +1,19 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// Which edges of triangles have lines: those of any kind that is chosen.
+/// The types of edges that have lines: an edge has a line if any chosen type applies.
 ///
-/// As text it is the kinds' words with commas between: `polygon,feature:30,boundary`.
+/// As text the types' words are separated by commas: `polygon,feature:30,boundary`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeKinds {
     /// `all`: every edge.
     pub all: bool,
-    /// `polygon`: the edges of the file's polygons; every edge where the file has triangles.
+    /// `polygon`: the edges of the file's polygons; every edge if the file has triangles only.
     pub polygon: bool,
-    /// `feature[:DEGREES]`: where the surface turns by so much or more, 0 to 180 degrees.
+    /// `feature[:DEGREES]`: edges at which the surface turns by at least this angle, 0 to 180 degrees.
     pub feature: Option<f32>,
-    /// `silhouette`: where both triangles at an edge lie on one side of it, as they are seen. The lines lie
-    /// outside, over what is farther away.
+    /// `silhouette`: edges whose two triangles lie on one side of the edge as seen from the eye. The lines lie
+    /// outside, over surfaces that are farther away.
     pub silhouette: bool,
     /// `boundary`: edges of one triangle, in a colour of their own.
     pub boundary: bool,
@@ -38,10 +38,10 @@ impl EdgeKinds {
         non_manifold: false,
     };
 
-    /// By how many degrees a surface turns at a feature where nobody says otherwise.
+    /// The default angle of feature edges, in degrees.
     pub const FEATURE: f32 = 30.0;
 
-    /// Whether what lies across an edge matters.
+    /// Whether the choice depends on the triangles adjacent to an edge.
     pub(crate) fn ask_neighbours(&self) -> bool {
         self.feature.is_some() || self.silhouette || self.boundary || self.non_manifold
     }
@@ -73,7 +73,7 @@ impl fmt::Display for EdgeKinds {
     }
 }
 
-/// Why a text names no kinds of edges.
+/// A text that names no types of edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "expected kinds of edges with commas between: all, polygon, feature[:DEGREES] (0 to 180), silhouette, boundary, \
@@ -100,7 +100,7 @@ impl FromStr for EdgeKinds {
                     if !(0.0..=180.0).contains(&degrees) {
                         return Err(EdgeKindsError);
                     }
-                    // Zero has no sign.
+                    // Turns minus zero into zero.
                     kinds.feature = Some(degrees + 0.0);
                 }
             }

@@ -1,58 +1,57 @@
-//! Lines along a triangle's edges, as wide in pixels near as far.
+//! Lines along a triangle's edges, of constant width in pixels.
 
 use crate::camera::Camera;
 use glam::DVec3;
 
-/// Triangles this many line widths high, or lower, would be all line: there lines begin to fade.
+/// The height of a triangle, in line widths, below which lines fade. Lower triangles would be covered by lines.
 const FADE_WIDTHS: f64 = 8.0;
 
-/// How far lines fade in triangles smaller than a pixel.
+/// How far lines fade in triangles smaller than a pixel: without a limit distant wireframes would vanish.
 const FAINTEST: f64 = 0.1;
 
-/// How a line along an edge looks.
+/// The style of a line along an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LineStyle {
-    /// In the lines' colour; it fades in small triangles.
+    /// In the lines' colour; fades in small triangles.
     Plain,
     /// In the lines' colour.
     Feature,
-    /// Of an edge that one triangle has.
+    /// Of an edge of one triangle.
     Boundary,
-    /// Of an edge that more than two triangles have.
+    /// Of an edge of more than two triangles.
     NonManifold,
 }
 
 impl LineStyle {
-    /// What is left of a line in a triangle so many pixels high.
+    /// The opacity that remains of a line in a triangle of this height in pixels.
     pub(super) fn fade(self, height: f64, width: f64) -> f64 {
         match self {
-            // Where all edges of a far mesh are lines, they are all that there is to see.
+            // Where all edges have lines, those of a distant mesh would cover everything.
             Self::Plain => (height / (FADE_WIDTHS * width.max(1.0))).clamp(FAINTEST, 1.0),
             Self::Feature | Self::Boundary | Self::NonManifold => 1.0,
         }
     }
 }
 
-/// What turns a pixel's place into its distance from each edge of one triangle.
+/// The map from a pixel's place to its distance from each edge of one triangle.
 ///
-/// Seen from an eye, an edge from B to C lies in the plane with normal B × C (both relative to the
-/// eye), and `d · (B × C)` is linear in the pixel's place because the direction `d` is, before it is
-/// made unit length. Divided by its gradient it is the distance in pixels from the edge's line. The
-/// origins of orthographic rays are linear in the pixel's place in the same way.
+/// Seen from an eye, an edge from B to C lies in the plane with normal B × C (both relative to the eye). `d · (B ×
+/// C)` is linear in the pixel's place, because the direction `d` is before normalising. Divided by its gradient it is
+/// the distance in pixels from the edge's line. The origins of orthographic rays are linear in the pixel's place in
+/// the same way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct EdgeLines {
-    /// Coefficients of x, y and 1 for each edge. An edge that is seen as a point is infinitely far
-    /// from every pixel.
+    /// Coefficients of x, y and 1 for each edge. An edge that is seen as a point is infinitely far from every pixel.
     lines: [[f64; 3]; 3],
     /// The triangle's least height in pixels.
     height: f64,
-    /// Of each edge that has a line, where not all have plain ones.
+    /// The style of each edge that has a line, unless all have plain ones.
     styles: Option<[Option<LineStyle>; 3]>,
 }
 
-/// A picture whose rays are linear in the pixel's place.
+/// A camera whose rays are linear in the pixel's place.
 struct LinearView {
-    /// From the view axis to the place (0, 0): what a pixel to the right and down adds to it.
+    /// The vector from the view axis to the place (0, 0).
     first: DVec3,
     across: DVec3,
     down: DVec3,
@@ -62,7 +61,7 @@ struct LinearView {
 }
 
 impl EdgeLines {
-    /// The edges of a triangle with corners relative to the eye.
+    /// The edges of a triangle whose corners are relative to the eye.
     pub(super) fn new(camera: &Camera, corners: [DVec3; 3]) -> Self {
         let plane = camera.plane();
         let [x, y] = camera.principal_point();
@@ -79,7 +78,7 @@ impl EdgeLines {
         Self::seen(&view, corners)
     }
 
-    /// The edges as they are seen near a place of a picture that need not be a plane: on the plane that touches it there.
+    /// The edges as seen near a place of a curved picture: on the plane that is tangent there.
     pub(super) fn at(camera: &Camera, corners: [DVec3; 3], (x, y): (f64, f64)) -> Self {
         let direction = camera.direction(x, y);
         let [across, down] = camera.direction_slopes(x, y);
@@ -104,15 +103,14 @@ impl EdgeLines {
             distance,
             is_parallel,
         } = *view;
-        // Distances in the picture do not change with the scene's scale; products stay in range.
+        // Distances in the picture do not depend on the scene's scale; scaling keeps products in range.
         let scale = corners
             .iter()
             .map(|corner| corner.abs().max_element())
             .fold(0.0, f64::max);
         let [a, b, c] = corners.map(|corner| corner / scale);
         let edge = |from: DVec3, to: DVec3, opposite: DVec3| {
-            // A linear function of the pixel's place, zero on the edge, and its value at the
-            // opposite corner.
+            // A linear function of the pixel's place that is zero on the edge, and its value at the opposite corner.
             let (normal, constant, at_opposite) = if is_parallel {
                 let normal = (to - from).cross(forward);
                 let constant = normal.dot(first / scale - from);
@@ -123,7 +121,7 @@ impl EdgeLines {
                 let at_opposite = if reach > 0.0 {
                     normal.dot(opposite) / reach
                 } else {
-                    // Behind the eye: the triangle has no end in the picture.
+                    // Behind the eye: the triangle is unbounded in the picture.
                     f64::INFINITY
                 };
                 let constant = normal.dot(first + forward * distance);
@@ -151,7 +149,7 @@ impl EdgeLines {
         }
     }
 
-    /// The same with some edges alone, each in its style.
+    /// The same with lines along some edges only, each in its style.
     pub(super) fn chosen(mut self, styles: [Option<LineStyle>; 3]) -> Self {
         self.styles = Some(styles);
         self
@@ -176,11 +174,10 @@ impl EdgeLines {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// How much of a line's colour shows at (x, y): 0 to 1, over a pixel from none to all; and the style of the
-    /// line that shows most.
+    /// The opacity of a line at (x, y), 0 to 1 over one pixel, and the style of the most visible line.
     ///
-    /// Half of a line lies in each of the two triangles at an edge. In triangles that are only a few
-    /// line widths high plain lines fade, so that a far mesh keeps its shading.
+    /// Half of a line lies in each of the two triangles at an edge. Plain lines fade in triangles that are only a few
+    /// line widths high, so that a distant mesh keeps its shading.
     pub(super) fn coverage(&self, x: f64, y: f64, width: f64) -> (f32, LineStyle) {
         let Some(styles) = self.styles else {
             let fade = LineStyle::Plain.fade(self.height, width);
@@ -202,7 +199,7 @@ impl EdgeLines {
     }
 }
 
-/// How much of a pixel a line covers whose middle is so many pixels away.
+/// The fraction of a pixel that is covered by a line whose middle is this many pixels away.
 pub(super) fn covered(distance: f64, width: f64) -> f64 {
     (width * 0.5 + 0.5 - distance).clamp(0.0, width.clamp(0.0, 1.0))
 }
@@ -222,7 +219,7 @@ mod tests {
         Camera::new(placement, projection, plane)
     }
 
-    /// The distance from a point to the line through two others: the truth, in the picture.
+    /// The distance from a point to the line through two others in the picture: the truth.
     fn to_line(p: (f64, f64), a: (f64, f64), b: (f64, f64)) -> f64 {
         let (dx, dy) = (b.0 - a.0, b.1 - a.1);
         ((p.0 - a.0) * dy - (p.1 - a.1) * dx).abs() / (dx * dx + dy * dy).sqrt()
@@ -230,7 +227,7 @@ mod tests {
 
     #[test]
     fn distances_are_those_between_projected_points() {
-        // The truth: corners projected into the picture, and plane geometry there.
+        // The truth is the corners projected into the picture, and plane geometry there.
         let corners = [
             DVec3::new(-0.5, -0.3, 0.2),
             DVec3::new(0.7, -0.1, -0.4),
@@ -258,7 +255,7 @@ mod tests {
 
     #[test]
     fn lines_are_as_wide_far_as_near() {
-        // The same shape ten times as far and ten times as large looks the same.
+        // The same shape, ten times as far away and ten times as large, looks the same.
         let camera = camera(Projection::Perspective, DVec3::new(0.1, 0.2, 5.0));
         let corners = [
             DVec3::new(-1.0, -1.0, -5.0),
@@ -311,7 +308,7 @@ mod tests {
         assert_eq!(chosen.coverage(0.0, 0.0, 1.0).0, 0.0);
         assert_eq!(chosen.coverage(10.0, 0.0, 1.0), (1.0, LineStyle::Boundary));
         assert_eq!(chosen.coverage(20.0, 0.0, 1.0), (0.5, LineStyle::Plain));
-        // All of them in the plain style are what they are without a choice.
+        // With all edges in the plain style the result is that without a choice.
         let plain = edges.chosen([Some(LineStyle::Plain); 3]);
         for x in 0..100 {
             let x = f64::from(x) * 0.25;

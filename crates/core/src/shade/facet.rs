@@ -1,36 +1,38 @@
-//! What all pixels of a triangle share.
+//! Shading triangles: what all pixels of a triangle share.
 
 use super::edges::EdgeLines;
 use glam::{DVec3, Vec2, Vec3};
 
-/// What a mode asks of each triangle; nothing else is worked out.
+/// What a mode needs of each triangle; nothing else is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Needs {
-    /// The surface's direction.
+    /// The surface normal.
     pub(super) normal: bool,
-    /// The way from its middle to the eye.
+    /// The direction from its middle to the eye.
     pub(super) middle: bool,
     /// The mesh's own normals.
     pub(super) smooth: bool,
     /// The triangle's colour.
     pub(super) color: bool,
-    /// How colours change within it.
+    /// How colours vary within it.
     pub(super) varied: bool,
     /// The texture.
     pub(super) texture: bool,
     /// Texture coordinates themselves.
     pub(super) uvs: bool,
-    /// How its material reflects light.
+    /// The reflectance of its material.
     pub(super) reflectance: bool,
     /// Lines.
     pub(super) edges: bool,
+    /// Whether the ground may lie before it.
+    pub(super) ground: bool,
 }
 
-/// A triangle made ready for its pixels.
+/// A shading triangle: a triangle prepared for its pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Facet {
     pub(super) object: u32,
-    /// Its number in its object, where it has a texture.
+    /// Its number in its object, if it has a texture.
     pub(super) triangle: u32,
     /// The unit normal in world space, towards the eye.
     pub(super) normal: Vec3,
@@ -38,51 +40,53 @@ pub(super) struct Facet {
     pub(super) normals: Option<[Vec3; 3]>,
     /// The triangle's colour, linear light.
     pub(super) color: Vec3,
-    /// How its colours change within it.
+    /// How its colours vary within it.
     pub(super) varied: Varied,
     /// From its middle to the eye, unit length.
     pub(super) to_eye: Vec3,
-    /// How its texture lies on it.
+    /// How its texture is mapped.
     pub(super) texture: Option<Mapping>,
     /// Whether the texture is multiplied by the triangle's own colours.
     pub(super) is_tinted: bool,
-    /// How much of it shows at the corners, where the object says it.
+    /// How much of the texture shows at the corners, if the object sets it.
     pub(super) blends: Option<[f32; 3]>,
     /// Texture coordinates at the corners.
     pub(super) uvs: Option<[Vec2; 3]>,
-    /// Its material's number in its mesh, where that says how it reflects light.
+    /// The index of its material in its mesh, if that says how it reflects light.
     pub(super) material: Option<u32>,
     pub(super) edges: Option<EdgeLines>,
+    /// Whether the ground may lie before it.
+    pub(super) shows_ground: bool,
 }
 
-/// How colours change within a triangle.
+/// How colours vary within a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Varied {
-    /// They do not.
+    /// They are constant.
     No,
-    /// They are blended in linear light from those at the corners.
+    /// Interpolated in linear light from the colours at the corners.
     Colors([Vec3; 3]),
-    /// A ramp shows shares of its span, blended from those at the corners.
+    /// A ramp's colours of positions in its span, which are interpolated from the corners.
     Shares([f32; 3]),
-    /// A ramp shows how far the point between these corners is from zero.
+    /// A ramp's colours of the distance from zero of the point between these corners.
     Distances([Vec3; 3]),
 }
 
-/// How a texture lies on a triangle.
+/// How a texture is mapped to a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Mapping {
     /// By texture coordinates at its corners.
     Uv([Vec2; 3]),
     /// By its corners and normals in object space.
     Triplanar([Vec3; 3], [Vec3; 3]),
-    /// Point by point between its corners, in object space.
+    /// By the point between its corners, in object space.
     Placed([Vec3; 3]),
-    /// Point by point between its corners, in world space.
+    /// By the point between its corners, in world space.
     Photographed([Vec3; 3]),
 }
 
 impl Facet {
-    /// Of which nothing is known.
+    /// A triangle without any of these.
     pub(super) const NONE: Self = Self {
         object: 0,
         triangle: 0,
@@ -97,9 +101,10 @@ impl Facet {
         uvs: None,
         material: None,
         edges: None,
+        shows_ground: true,
     };
 
-    /// How much of the texture shows at barycentrics (u, v), 0 to 1; all of it where there is no number.
+    /// How much of the texture shows at barycentrics (u, v), 0 to 1; all of it where the object sets nothing.
     pub(super) fn blend_at(&self, u: f32, v: f32) -> f32 {
         match self.blends {
             None => 1.0,
@@ -114,8 +119,7 @@ impl Facet {
         }
     }
 
-    /// The unit normal at barycentrics (u, v): the mesh's own where it has them, on the side that
-    /// the triangle shows.
+    /// The unit normal at barycentrics (u, v), on the visible side: the mesh's interpolated normal where it has one.
     pub(super) fn normal_at(&self, u: f32, v: f32) -> Vec3 {
         let Some(normals) = self.normals else {
             return self.normal;
@@ -134,10 +138,29 @@ impl Facet {
     }
 }
 
+/// A triangle made ready for a picture's channels beside colours.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SurfaceTriangle {
+    pub(super) object: u32,
+    /// Its number in its object.
+    pub(super) triangle: u32,
+    /// Its normals and texture coordinates.
+    pub(super) facet: Facet,
+}
+
+impl SurfaceTriangle {
+    /// The unit normal and the texture coordinates at barycentrics (u, v); zero where there are no coordinates.
+    pub(super) fn at(&self, u: f32, v: f32) -> ([f32; 3], [f32; 2]) {
+        let uv = self.facet.uvs.map_or(Vec2::ZERO, |uvs| blend(uvs, u, v));
+        let uv = if uv.is_finite() { uv } else { Vec2::ZERO };
+        (self.facet.normal_at(u, v).to_array(), uv.to_array())
+    }
+}
+
 /// A triangle's unit normal on the side of the eye; zero for a triangle without area.
 ///
-/// `corners` are relative to the eye. `forward` decides for an orthographic camera, whose rays do
-/// not start in the eye.
+/// `corners` are relative to the eye. With an orthographic camera, whose rays do not start at the eye, `forward`
+/// decides the side.
 #[inline(always)]
 pub(super) fn facing_normal(corners: [DVec3; 3], forward: Option<DVec3>) -> Vec3 {
     let [a, b, c] = corners;
@@ -152,7 +175,7 @@ fn unit_scaled(vector: DVec3) -> DVec3 {
     vector * (1.0 / vector.abs().max_element())
 }
 
-/// A unit vector, or zero where there is no direction.
+/// A unit vector; zero for a zero vector.
 #[inline(always)]
 pub(super) fn unit(vector: DVec3) -> DVec3 {
     let length = vector.length();
@@ -163,7 +186,7 @@ pub(super) fn unit(vector: DVec3) -> DVec3 {
     }
 }
 
-/// Corner values at barycentrics (u, v).
+/// Values at the corners interpolated at barycentrics (u, v).
 pub(super) fn blend<T>([a, b, c]: [T; 3], u: f32, v: f32) -> T
 where
     T: std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>,

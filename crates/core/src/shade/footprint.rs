@@ -1,4 +1,4 @@
-//! What a pixel sees of a texture, and its colour there.
+//! A pixel's footprint on a texture, and the texture's colour over it.
 
 use super::Filter;
 use super::mipmap::{level, levels};
@@ -9,26 +9,26 @@ use crate::scene::Texture;
 use glam::DVec2;
 use std::sync::LazyLock;
 
-/// How many times as long as wide a pixel's footprint may be; a longer one is taken for wider. It bounds the
-/// texels that a pixel reads, at some 600.
+/// The largest anisotropy (length by width) of a footprint; a longer one is widened. It bounds the texels that a
+/// pixel reads at some 600; with a smaller limit textures at grazing angles blur.
 const MOST_ANISOTROPY: f64 = 16.0;
 
-/// The variance of a box a pixel wide, along an axis: the Gaussian of [`ewa`] has the same, so that it
+/// The variance of a box one pixel wide, along an axis. The Gaussian of [`ewa`] has the same variance, so that it
 /// agrees with the mean over the pixel to the second moment.
 const PIXEL_VARIANCE: f64 = 1.0 / 12.0;
 
-/// The variance of what is between texels in bilinear interpolation, a tent two texels wide.
+/// The variance of bilinear interpolation between texels, a tent two texels wide.
 const TEXEL_VARIANCE: f64 = 1.0 / 6.0;
 
-/// How far an ellipse may reach, in texels of its level: 16 times the four of its short axis, 2.5 standard
+/// The farthest that an ellipse may reach, in texels of its level: 16 times the four of its short axis, 2.5 standard
 /// deviations of 0.29, are 46.
 const MOST_REACH: f64 = 64.0;
 
-/// Where the Gaussian ends, as a squared distance in standard deviations: at 2.5 of them, where it is 4 % of
-/// its middle.
+/// The cut-off of the Gaussian, as a squared distance in standard deviations: at 2.5 of them it is 4 % of its
+/// maximum.
 const END: f64 = 6.25;
 
-/// Places of the Gaussian's table.
+/// The length of the Gaussian's table.
 const WEIGHTS: usize = 256;
 
 /// exp(−r² / 2) at the middle of each 256th part of 0 ≤ r² < [`END`].
@@ -39,16 +39,16 @@ static GAUSSIAN: LazyLock<[f32; WEIGHTS]> = LazyLock::new(|| {
     })
 });
 
-/// The change of texture coordinates along a pixel's step to the right and one down.
+/// The change of texture coordinates from pixel to pixel, to the right and down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Footprint {
     pub(super) across: DVec2,
     pub(super) down: DVec2,
 }
 
-/// The texture over a pixel's footprint about (u, v): linear light with alpha multiplied in.
+/// The texture's colour over a pixel's footprint around (u, v): linear light, premultiplied alpha.
 ///
-/// A footprint that has no end, or is no number, shows the mean of the whole texture.
+/// A footprint that is infinite or NaN gives the mean of the whole texture.
 pub(super) fn sample_over(
     tables: &Tables,
     texture: &Texture,
@@ -60,7 +60,7 @@ pub(super) fn sample_over(
     let (across, down) = (footprint.across * size, footprint.down * size);
     let longest = across.length().max(down.length());
     let bilinear = |texture: &Texture| sample(tables, texture, uv.x, uv.y, Filter::Bilinear);
-    // NaN is not above one either.
+    // NaN fails this comparison.
     if longest <= 1.0 {
         return bilinear(texture);
     }
@@ -80,7 +80,7 @@ pub(super) fn sample_over(
         }
         Filter::Ewa => {
             let color = ewa(tables, texture, levels, uv, [across, down]);
-            // From what stands between texels to what is over them, without a step.
+            // Blends from interpolation between texels to the mean over them, without a step.
             if longest < 2.0 {
                 mixed(bilinear(texture), color, (longest - 1.0) as f32)
             } else {
@@ -88,7 +88,7 @@ pub(super) fn sample_over(
             }
         }
     };
-    // Sums of rounded shares may pass one by a rounding.
+    // Rounded weights may sum to slightly more than one.
     color.map(|channel| channel.min(1.0))
 }
 
@@ -96,10 +96,10 @@ fn mixed(a: [f32; 4], b: [f32; 4], share: f32) -> [f32; 4] {
     std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share)
 }
 
-/// The mean of a texture under an elliptical Gaussian, the image of a round one about the pixel's middle (P.
-/// Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989, section 3.5), over the level of the
-/// texture where the ellipse's short axis is two to four texels a pixel: fewer would be too coarse a sum for
-/// a Gaussian, whose standard deviation is 0.29 pixels.
+/// The mean of a texture under an elliptical Gaussian, the image of a round one around the pixel's middle (P.
+/// Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989, section 3.5). It uses the mip level on which
+/// the ellipse's short axis has two to four texels a pixel: with fewer the sum would be too coarse for a Gaussian,
+/// whose standard deviation is 0.29 pixels.
 ///
 /// `steps` are the pixel's, in texels of the whole texture.
 fn ewa(
@@ -120,7 +120,7 @@ fn ewa(
     let longest = middle + reach;
     let least = longest / (MOST_ANISOTROPY * MOST_ANISOTROPY);
     let shortest = (middle - reach).max(least);
-    // Widened where it is too narrow: the same axes, with the shortest made as long as it must be.
+    // Widened where it is too narrow: the same axes, the shortest lengthened to the least length.
     let share = if reach > 0.0 {
         (longest - shortest) * 0.5 / reach
     } else {
@@ -134,7 +134,7 @@ fn ewa(
     // In texels of that level, whose sides may have been odd.
     let size = DVec2::new(chosen.width().into(), chosen.height().into());
     let scale = size / DVec2::new(texture.width().into(), texture.height().into());
-    // Below two texels a pixel there is no finer level, and what is between texels widens it.
+    // Below two texels a pixel there is no finer level, and interpolation between texels widens it.
     let short = shortest.sqrt() * scale.x.min(scale.y);
     let between = TEXEL_VARIANCE * (2.0 - short).clamp(0.0, 1.0);
     let xx = xx * scale.x * scale.x * PIXEL_VARIANCE + between;
@@ -149,12 +149,12 @@ fn ewa(
         wrap_u.near(uv.x) * size.x - 0.5,
         (1.0 - wrap_v.near(uv.y)) * size.y - 0.5,
     );
-    // Rows point down, v up: the mixed term changes its sign.
+    // Rows point down and v points up: the mixed term changes its sign.
     let b = -b;
     let tall = (END * yy).sqrt();
     let wide = (END * xx).sqrt();
     if tall.max(wide) > MOST_REACH {
-        // The whole image many times over: beyond its last level, or along its shorter side.
+        // The footprint covers the whole image many times: beyond its last level, or along its shorter side.
         return sample(tables, chosen, uv.x, uv.y, Filter::Bilinear);
     }
     let gaussian = &*GAUSSIAN;
@@ -182,7 +182,7 @@ fn ewa(
     if weights > 0.0 {
         sum.map(|channel| channel / weights)
     } else {
-        // The ellipse has no texel's middle in it.
+        // The ellipse contains no texel's centre.
         sample(tables, chosen, uv.x, uv.y, Filter::Bilinear)
     }
 }
@@ -205,7 +205,7 @@ mod tests {
         f64::from(sample_over(tables(), texture, uv, footprint, filter)[0])
     }
 
-    /// The truth: the mean of 64 × 64 places of the pixel.
+    /// The truth is the mean over 64 × 64 points of the pixel.
     fn mean(texture: &Texture, uv: DVec2, footprint: Footprint) -> f64 {
         let mut sum = 0.0;
         for i in 0..64 {
@@ -253,7 +253,7 @@ mod tests {
         let mut random = Random(5);
         let flat = texture(64, |_, _| 120);
         let expected = f64::from(tables().decode(120));
-        // Light that grows evenly: its mean is that of the middle.
+        // Linear light with a constant gradient: its mean is the value at the middle.
         let slope = texture(128, |x, _| tables().encode(0.1 + x as f32 * 0.006));
         let slope = slope.wrapped([Wrap::Clamp; 2]);
         for _ in 0..200 {
@@ -267,7 +267,7 @@ mod tests {
                 down: vector(&mut random),
             };
             for filter in [Filter::Trilinear, Filter::Ewa] {
-                // The levels round to bytes: half of one is 0.002 of the light there.
+                // Levels are rounded to bytes: half a step is 0.002 of the light there.
                 let found = color(&flat, uv, footprint, filter);
                 assert!((found - expected).abs() < 1e-5, "{filter:?} {found}");
                 let found = color(&slope, uv, footprint, filter);
@@ -304,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_near_is_bilinear() {
+    fn magnified_textures_are_bilinear() {
         let texture = texture(16, |x, y| (x * 16 + y) as u8);
         let footprint = Footprint {
             across: DVec2::X / 17.0,

@@ -1,4 +1,4 @@
-//! Lines on a level plane, which tell what is upright and how large things are.
+//! A grid of lines on a horizontal plane, which shows the vertical and the scale.
 
 use super::Ground;
 use super::edges::covered;
@@ -8,43 +8,43 @@ use crate::math;
 use crate::scene::Scene;
 use glam::{DVec3, Vec3};
 
-/// How many cells of the coarser lines' width a finer one's is.
+/// The distance of the stronger lines, in cells.
 const COARSER: f64 = 10.0;
 
-/// A line of each kind: how much of what lies behind it it covers.
+/// The opacity of each type of line.
 const FINE: f64 = 0.28;
 const COARSE: f64 = 0.55;
 const AXIS: f64 = 0.85;
 
-/// Lines fade where cells are seen from this many pixels down to [`CLOSEST`] wide: nearer to one another they would be a
-/// grey veil, and shimmer.
+/// Lines fade where cells are seen this many pixels wide, down to [`CLOSEST`]. With smaller limits dense lines would
+/// become a shimmering grey; with larger ones the grid would end near the viewer.
 const APART: f64 = 12.0;
 const CLOSEST: f64 = 3.0;
 
-/// How much nearer than a pixel's hit the ground has to be, in shares of its distance, to be before it: the hit's is in
-/// single precision, at the end of a few roundings of 2⁻²⁴ each. What stands on the ground hides it.
+/// How much nearer than a pixel's hit the ground must be to be in front, relative to its distance: the hit is in
+/// single precision, after a few roundings of 2⁻²⁴ each. So objects that stand on the ground hide it.
 const NEARER: f64 = 1.0 / (1 << 21) as f64;
 
-/// The ground of a picture. A ray meets it once; how fast the place there moves from pixel to pixel says how wide a
-/// line of one pixel is.
+/// The ground of a picture. A ray intersects it in one point; the change of that point from pixel to pixel gives the
+/// width there of a line of one pixel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GroundGrid {
     height: f64,
-    /// A cell's width: a power of ten, a fifth to a fiftieth of the scene's size.
+    /// A cell's width: a power of ten, between a fifth and a fiftieth of the scene's size.
     cell: f64,
     lines: Vec3,
     axes: [Vec3; 2],
 }
 
-/// Where a ray meets the ground, and how that place moves with a pixel to the right and down.
-struct Meeting {
+/// Where a ray intersects the ground, and the change of that point from pixel to pixel, to the right and down.
+struct Intersection {
     distance: f64,
     point: DVec3,
     steps: [DVec3; 2],
 }
 
 impl GroundGrid {
-    /// `None` where the scene is empty.
+    /// `None` for an empty scene.
     pub(super) fn new(scene: &Scene, ground: Ground) -> Option<Self> {
         let bounds = scene.bounds();
         let size = (bounds.max - bounds.min).max_element();
@@ -56,7 +56,7 @@ impl GroundGrid {
             return None;
         }
         let size = if size > 0.0 { size } else { 1.0 };
-        // log₁₀ of a fifth of it, rounded down.
+        // log₁₀ of a fifth of the size, rounded down.
         let digits = (math::log2(size / 5.0) / std::f64::consts::LOG2_10).floor();
         Some(Self {
             height,
@@ -66,7 +66,7 @@ impl GroundGrid {
         })
     }
 
-    /// The ground at a place of the picture, over what lies there at the distance `t`; infinite where nothing does.
+    /// The ground at a place of the picture, over a surface at the distance `t`; infinite for none.
     pub(super) fn over(
         &self,
         camera: &Camera,
@@ -74,18 +74,40 @@ impl GroundGrid {
         t: f32,
         under: [f32; 4],
     ) -> [f32; 4] {
-        match self.meeting(camera, x, y) {
-            Some(met) if f64::from(t) - met.distance > met.distance * NEARER => {
-                let (coverage, color) = self.line(&met);
+        match self.intersection(camera, x, y) {
+            Some(at) if f64::from(t) - at.distance > at.distance * NEARER => {
+                let (coverage, color) = self.line(&at);
                 over(color, coverage as f32, under)
             }
             _ => under,
         }
     }
 
-    fn meeting(&self, camera: &Camera, x: f64, y: f64) -> Option<Meeting> {
-        // Of one eye: how far the next column's is aside moves lines by far less than a pixel.
-        let camera = &camera.seen_at(x, y);
+    /// Whether the ground surely shows before no point between corners, relative to the eye of a picture whose rays all
+    /// begin there.
+    ///
+    /// Where the eye is above the ground, a ray meets it before a point p only where p is below it: t of p is (height of the
+    /// eye over p) / (height of the eye over the ground) of the ground's, at most 1 + 2⁻²³ here. t's rounding to single
+    /// precision adds 2⁻²⁴, and both are less than [`NEARER`]. What the eye's own height is rounded by is of no account.
+    pub(super) fn is_hidden_by(&self, eye: f64, origin: f64, corners: [DVec3; 3]) -> bool {
+        const LOWER: f64 = 1.0 + 1.0 / (1 << 23) as f64;
+        const COARSE_EYE: f64 = 1.0 / (1u64 << 26) as f64;
+        let down = self.height - (eye + origin);
+        let rounded = (eye.abs() + origin.abs() + self.height.abs()) * f64::EPSILON;
+        let lowest = down * LOWER;
+        let is_before = |corner: DVec3| (corner.y - lowest) * down <= 0.0;
+        rounded <= down.abs() * COARSE_EYE && corners.into_iter().all(is_before)
+    }
+
+    fn intersection(&self, camera: &Camera, x: f64, y: f64) -> Option<Intersection> {
+        // With one eye for all columns: the neighbouring column's eye would move lines by far less than a pixel.
+        let seen_at;
+        let camera = if camera.has_an_eye_a_column() {
+            seen_at = camera.seen_at(x, y);
+            &seen_at
+        } else {
+            camera
+        };
         let ray = camera.ray(x, y);
         let distance = (self.height - ray.origin.y) / ray.direction.y;
         if !(distance > 0.0 && distance.is_finite()) {
@@ -98,22 +120,28 @@ impl GroundGrid {
             let length = distance / camera.direction(x, y).length();
             camera.direction_slopes(x, y).map(|slope| slope * length)
         };
-        Some(Meeting {
+        Some(Intersection {
             distance,
             point: ray.at(distance),
-            // Along the ray back to the plane.
+            // Moved along the ray, back to the plane.
             steps: steps.map(|step| step - ray.direction * (step.y / ray.direction.y)),
         })
     }
 
-    /// How much of the pixel the lines there cover, and the colour of the one that covers most.
-    fn line(&self, met: &Meeting) -> (f64, Vec3) {
+    /// The fraction of the pixel that lines cover, and the colour of the line that covers most.
+    fn line(&self, at: &Intersection) -> (f64, Vec3) {
         let mut most = (0.0, self.lines);
-        // Lines across x run along z, and the reverse.
+        // Lines at constant x run along z, and conversely.
         for (axis, color) in [(0, self.axes[1]), (2, self.axes[0])] {
-            let place = met.point[axis] / self.cell;
+            let place = at.point[axis] / self.cell;
+            let [right, down] = at.steps.map(|step| step[axis].abs());
+            // Every line is at a whole number, and none reaches 2 pixels from its middle: a pixel's way is at most the sum
+            // of those to the right and down.
+            if (place - place.round()).abs() * self.cell > 2.0 * (right + down) {
+                continue;
+            }
             // Cells a pixel.
-            let rate = math::hypot(met.steps[0][axis], met.steps[1][axis]) / self.cell;
+            let rate = math::hypot(at.steps[0][axis], at.steps[1][axis]) / self.cell;
             if !(rate > 0.0 && rate.is_finite() && place.is_finite()) {
                 continue;
             }
@@ -153,7 +181,7 @@ mod tests {
     use crate::scene::{Mesh, MeshData, Object};
     use std::sync::Arc;
 
-    /// A triangle whose lowest point is at −0.5, four units long.
+    /// A triangle four units long whose lowest point is at −0.5.
     fn scene() -> Scene {
         let mesh = Mesh::new(MeshData {
             positions: vec![
@@ -169,7 +197,7 @@ mod tests {
         }
     }
 
-    /// From which cells are 15 pixels wide and more: no line fades.
+    /// Cameras for which cells are at least 15 pixels wide, so that no line fades.
     fn cameras() -> Vec<Camera> {
         let placement = Placement {
             eye: DVec3::new(0.7, 1.5, 3.0),
@@ -185,7 +213,7 @@ mod tests {
 
     const CLEAR: [f32; 4] = [0.0; 4];
 
-    /// The truth is [`Camera::project`]: where points of lines, and of the middles of cells, are seen.
+    /// The truth is [`Camera::project`]: where points of lines, and the middles of cells, are seen.
     #[test]
     fn lines_are_where_their_points_are_seen() {
         let mut random = Random(3);
@@ -246,8 +274,8 @@ mod tests {
             let point = DVec3::new(0.3, -0.5, 0.6);
             let place = camera.project(point).expect("in the picture");
             let distance = ground
-                .meeting(&camera, place.0, place.1)
-                .expect("met")
+                .intersection(&camera, place.0, place.1)
+                .expect("the ray meets the ground")
                 .distance;
             let shown = |t: f64| ground.over(&camera, place, t as f32, CLEAR)[3] > 0.0;
             assert!(!shown(distance * 0.9) && !shown(distance));

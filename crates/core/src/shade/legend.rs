@@ -1,4 +1,4 @@
-//! What a picture's colours stand for, as values and drawn into the picture.
+//! Legends of colour scales, as values and drawn into the picture.
 
 use super::own_color::fitted_range;
 use super::{Shading, srgb};
@@ -7,19 +7,19 @@ use crate::scene::{COLOR_MAP_STEPS, ColorRule, ColorScale, Curvature, Quantity, 
 use ab_glyph::{Font, FontRef, GlyphId, PxScale, ScaleFont, point};
 use glam::Vec3;
 
-/// What a picture's scale shows: which numbers, in which colours, over which range.
+/// The legend of a picture's colour scale: the quantity, its colours and its range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Legend {
-    /// What the numbers are: `distance`, `area`, a scalar's name.
+    /// The name of the quantity: `distance`, `area`, a scalar's name.
     pub title: String,
-    /// The scale's colours and its range, which is known.
+    /// The scale; its range is set.
     pub scale: ColorScale,
 }
 
 /// The most marks along a legend.
 const MARKS: f64 = 5.0;
 
-/// At 720 rows, in pixels; it grows with the picture, and shrinks as far as its numbers can be read.
+/// In pixels at 720 rows; scales with the picture, but stays large enough for its numbers to be readable.
 const WIDTH: f32 = 150.0;
 const HEIGHT: f32 = 252.0;
 const MARGIN: f32 = 16.0;
@@ -27,13 +27,13 @@ const PADDING: f32 = 12.0;
 const BAR: f32 = 18.0;
 const TEXT: f32 = 15.0;
 
-/// Light text on dark glass can be read over anything.
+/// The opacity of the dark background: light text on it is readable over anything.
 const GLASS: f32 = 0.72;
 const GLASS_LIGHT: Vec3 = Vec3::new(0.010, 0.012, 0.015);
 const INK: Vec3 = Vec3::new(0.84, 0.86, 0.88);
 
 impl Legend {
-    /// That of the first visible object whose rule shows numbers.
+    /// The legend of the first visible object whose rule shows numbers.
     pub(super) fn of_objects(scene: &Scene, camera: &Camera, shading: &Shading) -> Option<Self> {
         let mut objects = scene.objects.iter().filter(|object| object.visible);
         let quantity = objects.find_map(|object| match &object.color {
@@ -62,15 +62,15 @@ impl Legend {
         self.scale.range.unwrap_or_default()
     }
 
-    /// Round numbers within the range, rising, each with its share of the way from the low end: one, two or five
-    /// times a power of ten apart.
+    /// Round numbers within the range, ascending, each with its position between the low end (0) and the high end
+    /// (1). They are one, two or five times a power of ten apart.
     pub fn marks(&self) -> Vec<(f64, String)> {
         let [low, high] = self.range();
         let length = high - low;
         if !(length > 0.0 && length.is_finite()) {
             return vec![(0.0, plain(low, None))];
         }
-        // As text, since logarithms differ from machine to machine.
+        // By formatting as text, since logarithms differ from machine to machine.
         let text = format!("{:e}", length / MARKS);
         let Some((mantissa, power)) = text.split_once('e') else {
             return Vec::new();
@@ -89,14 +89,14 @@ impl Legend {
         (0..=count.min(12))
             .map(|index| {
                 let times = first + index as f64;
-                // A multiple of the step as people write it, not as it is rounded.
+                // Parsed from decimals, so that it is the nearest double to the mark's number.
                 let number = format!("{}e{power}", times * digit).parse().unwrap_or(0.0);
                 ((number - low) / length, plain(number, Some(power)))
             })
             .collect()
     }
 
-    /// Where a picture of so many columns and rows has its legend; `None` where it is too small for one.
+    /// The rectangle of the legend in a picture of this size; `None` if the picture is too small.
     pub fn place(columns: u32, rows: u32) -> Option<Rect> {
         let zoom = zoom(rows);
         let [width, height, margin] =
@@ -115,7 +115,7 @@ fn zoom(rows: u32) -> f32 {
     (rows as f32 / 720.0).max(0.72)
 }
 
-/// A number in as few digits as its marks need.
+/// A number with as few digits as its marks need.
 fn plain(number: f64, power: Option<i32>) -> String {
     match power {
         _ if number == 0.0 => "0".to_owned(),
@@ -127,7 +127,7 @@ fn plain(number: f64, power: Option<i32>) -> String {
     }
 }
 
-/// A legend drawn: linear light with alpha multiplied in, over a rectangle of the picture.
+/// A drawn legend: linear light with premultiplied alpha, over a rectangle of the picture.
 #[derive(Clone, Debug)]
 pub(crate) struct DrawnLegend {
     rect: Rect,
@@ -135,7 +135,7 @@ pub(crate) struct DrawnLegend {
 }
 
 impl DrawnLegend {
-    /// `None` where the picture is too small.
+    /// `None` if the picture is too small.
     pub(crate) fn new(legend: &Legend, columns: u32, rows: u32) -> Option<Self> {
         let rect = Legend::place(columns, rows)?;
         let glass = GLASS_LIGHT * GLASS;
@@ -176,7 +176,7 @@ impl DrawnLegend {
         Some(drawn)
     }
 
-    /// Covers a part of a pixel.
+    /// Composites a colour over a fraction of a pixel.
     fn cover(&mut self, x: u32, y: u32, color: Vec3, part: f32) {
         if x >= self.rect.width || y >= self.rect.height {
             return;
@@ -186,7 +186,7 @@ impl DrawnLegend {
         *pixel = over([color.x, color.y, color.z, part], *pixel);
     }
 
-    /// A line of text below `top`, no wider than `width`: what is longer ends early.
+    /// A line of text below `top`, truncated at `width`.
     fn text(&mut self, left: f32, top: f32, size: f32, width: f32, text: &str) {
         let Ok(font) = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT) else {
             return;
@@ -216,8 +216,8 @@ impl DrawnLegend {
         }
     }
 
-    /// Draws it over a part of the picture: its 8-bit pixels row by row, and where there are any, its colours in
-    /// linear light with alpha multiplied in.
+    /// Composites the legend over a part of the picture: its 8-bit pixels row by row, and its colours in linear light
+    /// with premultiplied alpha, if there are any.
     pub(crate) fn over(&self, part: Rect, pixels: &mut [[u8; 4]], colors: Option<&mut [[f32; 4]]>) {
         let top = self.rect.y.max(part.y);
         let bottom = self.rect.bottom().min(part.bottom());
@@ -239,7 +239,7 @@ impl DrawnLegend {
     }
 }
 
-/// One colour over another, alpha multiplied in (Porter, Duff, "Compositing Digital Images", 1984).
+/// One colour over another, with premultiplied alpha (Porter, Duff, "Compositing Digital Images", 1984).
 fn over(above: [f32; 4], below: [f32; 4]) -> [f32; 4] {
     std::array::from_fn(|channel| above[channel] + below[channel] * (1.0 - above[3]))
 }
@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_drawn_at_its_place_and_the_same_in_parts() {
+    fn a_legend_is_drawn_the_same_whole_and_in_parts() {
         assert_eq!(Legend::place(200, 100), None);
         let rect = Legend::place(640, 480).expect("it fits");
         let drawn = DrawnLegend::new(&legend(0.0, 1.0), 640, 480).expect("it fits");
@@ -294,7 +294,7 @@ mod tests {
         let changed =
             |pixels: &[[u8; 4]]| pixels.iter().filter(|p| **p != [9, 90, 200, 255]).count();
         assert_eq!(changed(&picture), rect.area());
-        // The bar's ends.
+        // The ends of the bar.
         let colors = ColorScale::default().map.colors();
         for end in [colors[0], colors[255]] {
             let [r, g, b] = end.0;

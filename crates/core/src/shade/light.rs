@@ -1,4 +1,4 @@
-//! The light of lit modes.
+//! The lights of lit modes.
 
 use super::LightSet;
 use crate::camera::Camera;
@@ -7,37 +7,37 @@ use glam::Vec3;
 /// Brightness of the key light on a surface that faces it.
 pub(super) const KEY: f32 = 0.80;
 
-/// How far round the key light reaches past a right angle, as a cosine: the edge of its shadow
-/// side is soft, so that shapes there can still be read.
+/// How far the key light reaches beyond a right angle, as a cosine. It softens the edge of the shadow side, so that
+/// shapes there stay recognisable; with more, shapes look flat.
 pub(super) const WRAP: f32 = 0.10;
 
-/// Fill from above the camera, a little cool, and from below, a little warm and much darker.
+/// Fill light from above the camera, slightly cool, and from below, slightly warm and much darker.
 pub(super) const SKY: Vec3 = Vec3::new(0.160, 0.168, 0.184);
 pub(super) const GROUND: Vec3 = Vec3::new(0.066, 0.060, 0.055);
 
-/// Brightness of the rim where a surface turns away from the eye.
+/// Brightness of the rim light on surfaces that turn away from the eye.
 pub(super) const RIM: f32 = 0.10;
 
-/// A light so far away that it shines from one direction.
+/// A directional light.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Source {
     /// The unit vector to it; `None` where it is at the eye.
     pub(super) direction: Option<Vec3>,
-    /// What a white surface that faces it sends back.
+    /// The light that a white surface facing it reflects.
     pub(super) color: Vec3,
 }
 
-/// The lights of a [`LightSet`], which move with the camera, and light from all around.
+/// The lights of a [`LightSet`], which move with the camera, and ambient light.
 ///
 /// Brightness is in linear light. White that faces the key light, or the eye under a headlight, is at about 0.95.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lights {
-    /// Whether the first source, the key light, is wrapped round the shape, and surfaces have a rim.
+    /// Whether the first source, the key light, reaches beyond a right angle, and surfaces have a rim.
     pub(super) is_soft: bool,
-    /// Those there are: the others are black.
+    /// The sources; unused ones are black.
     pub(super) sources: [Source; 3],
     pub(super) up: Vec3,
-    /// Light from all around, on surfaces that face up and on those that face down.
+    /// Ambient light on surfaces that face up; `ground` is that on surfaces that face down.
     pub(super) sky: Vec3,
     pub(super) ground: Vec3,
 }
@@ -61,7 +61,7 @@ impl Lights {
         let (sources, sky, ground) = match set {
             LightSet::Soft => {
                 let key = Source {
-                    // In this order: the bits of pictures depend on it.
+                    // The order of operations decides the bits of pictures.
                     direction: Some((up * 0.7 - right * 0.6 + back * 0.9).normalize()),
                     color: Vec3::splat(KEY),
                 };
@@ -94,7 +94,7 @@ impl Lights {
         }
     }
 
-    /// What a white surface sends back: `normal` and `to_eye` are unit vectors in world space.
+    /// The light that a white surface reflects; `normal` and `to_eye` are unit vectors in world space.
     pub(super) fn on(&self, normal: Vec3, to_eye: Vec3) -> Vec3 {
         if self.is_soft {
             return self.soft(normal, to_eye);
@@ -115,7 +115,7 @@ impl Lights {
         GROUND + (SKY - GROUND) * above + Vec3::splat(KEY * key + RIM * rim)
     }
 
-    /// The light from all around on a surface with this unit normal.
+    /// The ambient light on a surface with this unit normal.
     pub(super) fn around(&self, normal: Vec3) -> Vec3 {
         let above = 0.5 + 0.5 * normal.dot(self.up);
         self.ground + (self.sky - self.ground) * above

@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3, Vec2};
 use rayon::prelude::*;
 
 /// The side of a cell, in pixels. Smaller ones take more memory, larger ones more lines a pixel.
-const CELL: f64 = 32.0;
+const CELL: f64 = 16.0;
 
 /// How much nearer than a pixel's hit a silhouette has to be, in shares of its distance: either is in single
 /// precision, at the end of a few roundings of 2⁻²⁴ each.
@@ -392,8 +392,9 @@ mod tests {
                     assert!(distance < 1e-3, "{distance} at {x} {y} of {segment:?}");
                     // And its cell knows of it.
                     let mut found = false;
-                    let own = (y / CELL) as usize * 7 + (x / CELL) as usize;
-                    cells(&segment, 2.0, (7, 4), |cell| found |= cell == own);
+                    let [columns, rows] = projector.size.map(|side| (side / CELL).ceil() as usize);
+                    let own = (y / CELL) as usize * columns + (x / CELL) as usize;
+                    cells(&segment, 2.0, (columns, rows), |cell| found |= cell == own);
                     assert!(found, "{x} {y}");
                 }
             }

@@ -1,4 +1,4 @@
-//! Lines of chosen edges, hidden ones and silhouettes, against projected points and plane geometry.
+//! Lines of chosen edges, hidden lines and silhouettes, against projected points and plane geometry.
 
 use super::edge_choice::EdgeChoice;
 use super::edges::LineStyle;
@@ -33,7 +33,7 @@ fn camera(projection: Projection, eye: DVec3) -> Camera {
     Camera::new(placement, projection, plane)
 }
 
-/// A picture of red surfaces before a black background, with white lines.
+/// A picture of red surfaces in front of a black background, with white lines.
 fn picture(mesh: Mesh, camera: Camera, lines: Wireframe, clip: ClippingPlanes) -> Picture {
     let mut object = Object::new("it", Arc::new(mesh));
     object.color = crate::scene::ColorRule::Uniform(Color([255, 0, 0]));
@@ -65,7 +65,7 @@ fn picture(mesh: Mesh, camera: Camera, lines: Wireframe, clip: ClippingPlanes) -
         .expect("nobody cancels")
 }
 
-/// Of how much of a line's white a pixel shows, by its blue, which nothing else has: linear light.
+/// The fraction of white that a pixel shows, by its blue channel, which nothing else has: linear light.
 fn white(picture: &Picture, x: u32, y: u32) -> f64 {
     let [_, _, blue, _] = picture.pixels[(y * SIZE.0 + x) as usize];
     let blue = f64::from(blue) / 255.0;
@@ -76,7 +76,7 @@ fn white(picture: &Picture, x: u32, y: u32) -> f64 {
     }
 }
 
-/// How far a place is from a segment between two others.
+/// The distance of a point from a segment.
 fn to_segment(place: DVec2, a: DVec2, b: DVec2) -> f64 {
     let share = (place - a).dot(b - a) / (b - a).length_squared();
     place.distance(a + (b - a) * share.clamp(0.0, 1.0))
@@ -94,7 +94,7 @@ fn cube_edges() -> Vec<[DVec3; 2]> {
         .collect()
 }
 
-/// The truth: the cube's edges as projected points have them, and which pixels show the cube at all.
+/// The truth is the cube's edges as projected points, and the pixels that show the cube at all.
 #[test]
 fn hidden_edges_of_a_cube_are_where_its_corners_are_seen() {
     let eye = DVec3::new(1.5, 1.1, 2.4);
@@ -118,14 +118,14 @@ fn hidden_edges_of_a_cube_are_where_its_corners_are_seen() {
                 let nearest = distances.fold(f64::INFINITY, f64::min);
                 let faint = 0.5 * (1.5 - nearest).clamp(0.0, 1.0);
                 let found = white(&picture, x, y);
-                // Visible lines are no weaker, and bytes are rounded.
+                // Visible lines are at least as strong, and bytes are rounded.
                 assert!(found > faint - 0.02, "{found} for {faint} at {x} {y}");
                 let [r, ..] = picture.pixels[(y * SIZE.0 + x) as usize];
                 if nearest > 1.6 {
                     assert_eq!(found, 0.0, "{x} {y}");
                     seen[0] += 1;
                 } else if r != 255 {
-                    // Beside the cube: a faint half of a line.
+                    // Beside the cube: half of a faint line.
                     assert!((found - faint).abs() < 0.02, "{found} for {faint}");
                     seen[1] += 1;
                 } else if (found - 0.5).abs() < 0.01 {
@@ -161,7 +161,7 @@ fn features_are_whole_edges_without_diagonals() {
             assert!(found <= (1.5 - nearest).clamp(0.0, 1.0) + 0.02, "{x} {y}");
         }
     }
-    // The diagonal of the front and all else that is no right angle.
+    // The front's diagonal and every other edge that is no right angle.
     assert_ne!(of("all").pixels, features.pixels);
     assert!((0..SIZE.1).any(|y| (0..SIZE.0).any(|x| white(&features, x, y) > 0.99)));
     // No edge turns by more than a right angle.
@@ -171,7 +171,7 @@ fn features_are_whole_edges_without_diagonals() {
     assert!((0..SIZE.1).all(|y| (0..SIZE.0).all(|x| white(&none, x, y) == 0.0)));
 }
 
-/// The truth is the disc that a fine sphere is seen as.
+/// The truth is the disc as which a fine sphere is seen.
 #[test]
 fn silhouettes_lie_around_a_sphere_and_nowhere_on_it() {
     let sphere = Shape::Sphere {
@@ -194,7 +194,7 @@ fn silhouettes_lie_around_a_sphere_and_nowhere_on_it() {
             let middle = DVec2::new(60.0, 45.0);
             let outside = place.distance(middle) - 1.0 / 0.03;
             let found = white(&picture, x, y);
-            // Faces lie some 0.01 pixels within the sphere.
+            // Faces lie some 0.01 pixels inside the sphere.
             if outside < -0.1 {
                 assert_eq!(found, 0.0, "{x} {y}");
                 counts[0] += 1;
@@ -212,7 +212,7 @@ fn silhouettes_lie_around_a_sphere_and_nowhere_on_it() {
 
 #[test]
 fn silhouettes_behind_a_surface_are_not_seen_and_faintly_where_hidden_lines_are() {
-    // A wide square before a small one.
+    // A wide square in front of a small one.
     let square = |half: f64, z: f64| {
         [(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)].map(|(x, y)| DVec3::new(x * half, y * half, z))
     };
@@ -232,19 +232,19 @@ fn silhouettes_behind_a_surface_are_not_seen_and_faintly_where_hidden_lines_are(
         };
         picture(mesh(), camera, lines, clip)
     };
-    // The small square's upper edge: half a unit above the middle, as far away as the target.
+    // The small square's upper edge: half a unit above the middle, at the target's distance.
     let (x, y) = (60, (45.0 - 0.5 / 0.03) as u32);
     assert_eq!(white(&of(0.0, ClippingPlanes::NONE), x, y), 0.0);
     assert!((white(&of(0.5, ClippingPlanes::NONE), x, y) - 0.5).abs() < 0.2);
-    // Cut away with all that has it.
+    // The plane removes the triangles that have it.
     let plane = ClippingPlane::new(DVec3::Z, 0.25).expect("a plane");
     let clip = ClippingPlanes::new(&[plane]).expect("one plane");
     assert_eq!(white(&of(0.5, clip), x, y), 0.0);
 }
 
 #[test]
-fn edges_have_the_styles_of_what_lies_across() {
-    // A quad that is bent along its diagonal by 90 degrees, and a third triangle on one of its sides.
+fn edge_styles_follow_from_adjacent_triangles() {
+    // A quad that is bent along its diagonal by 90 degrees, and a third triangle at one of its sides.
     let mesh = Mesh::new(MeshData {
         positions: [
             [0., 0., 0.],
@@ -272,7 +272,7 @@ fn edges_have_the_styles_of_what_lies_across() {
             [Some(Plain), Some(Boundary), Some(Boundary)]
         ]
     );
-    // The surface goes on flat over the edge from 1 to 2.
+    // The surface is flat across the edge from 1 to 2.
     assert_eq!(styles("feature:1,boundary")[0][1], None);
     assert_eq!(styles("feature:0")[0][1], Some(Feature));
     assert!(EdgeChoice::new(&scene, EdgeKinds::ALL).is_none());

@@ -1,4 +1,4 @@
-//! How textures lie on objects and triangles.
+//! How textures are mapped to objects and triangles.
 
 use super::TextureProjection;
 use super::facet::{Mapping, unit};
@@ -9,24 +9,24 @@ use super::triplanar::Triplanar;
 use crate::scene::{Object, Projector};
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 
-/// What triangles of one object have in common.
+/// What all triangles of an object share.
 #[derive(Clone, Debug)]
 pub(super) enum ObjectMapping {
     /// By the mesh's texture coordinates.
     Uv,
-    /// Each triangle in its own shape.
+    /// Each triangle laid flat into the image.
     PerTriangle,
-    /// From three sides.
+    /// Along three axes.
     Triplanar(Triplanar),
-    /// From where the image stands.
+    /// From a placed image.
     Placed(Placed),
-    /// From where the image was taken.
+    /// From the camera that took the image.
     Photographed(Box<Photographed>),
 }
 
 impl ObjectMapping {
-    /// How an object's texture lies on it: as the object says, else as `projection` does. `None` where its
-    /// projector places nothing, or it was taken from nowhere. Corners in the world are relative to `origin`.
+    /// An object's mapping: its own, else by `projection`. `None` where its projector or photograph is invalid.
+    /// Corners in world space are relative to `origin`.
     pub(super) fn new(
         object: &Object,
         projection: TextureProjection,
@@ -55,7 +55,8 @@ impl ObjectMapping {
         }
     }
 
-    /// How it lies on one triangle, whose corners `in_world` gives; `None` where it has no place or no image.
+    /// The mapping of one triangle, whose corners `in_world` gives; `None` where it has no texture coordinates or no
+    /// image.
     pub(super) fn on(
         &self,
         object: &Object,
@@ -90,14 +91,14 @@ fn flat_normal(corners: [Vec3; 3]) -> Vec3 {
     unit((b - a).cross(c - a)).as_vec3()
 }
 
-/// Where an object's texture has the corners of one of its triangles: (u, v) in sides of the image from its
-/// bottom left, beyond 0 to 1 where the texture wraps. From three sides it is the side that the triangle
-/// faces most; where it goes round an axis, the corners are on one side of the seam. In a photograph it is where
-/// the camera shows them, hidden or not.
+/// The texture coordinates of a triangle's corners: (u, v) in sides of the image from its bottom left, outside 0 to 1
+/// where the texture wraps. For a triplanar mapping they are those along the axis that the triangle faces most. Where
+/// u goes around an axis, the corners are on one side of the seam. For a photograph they are where the camera sees
+/// the corners, hidden or not.
 ///
-/// Between the corners straight lines stay straight but for [`TextureProjection::Sphere`],
+/// Straight lines between corners stay straight, except with [`TextureProjection::Sphere`],
 /// [`TextureProjection::Cylinder`] and a [`TextureProjection::Camera`] with a lens. `None` where the triangle has no
-/// texture, or no place in it.
+/// texture, or no coordinates in it.
 pub fn texture_corners(
     object: &Object,
     triangle: u32,
@@ -116,11 +117,7 @@ pub fn texture_corners(
     }
     match (mapping.on(object, triangle, || corners)?, mapping) {
         (Mapping::Triplanar(corners, _), ObjectMapping::Triplanar(triplanar)) => {
-            let normal = flat_normal(corners);
-            let sizes = normal.abs().to_array();
-            let side = (0..3).fold(0, |best, i| if sizes[i] > sizes[best] { i } else { best });
-            let on_side = |corner| DVec2::from_array(triplanar.sides(corner, normal)[side].uv);
-            Some(corners.map(on_side))
+            Some(corners.map(|corner| faced_most(&triplanar, corners, corner)))
         }
         (Mapping::Placed(_), ObjectMapping::Placed(placed)) => {
             let [a, b, c] = corners.map(|corner| placed.at(corner.as_dvec3()));
@@ -135,6 +132,47 @@ pub fn texture_corners(
     }
 }
 
+/// Where an object's texture has a point of one of its triangles, which the weights of the second and the third corner
+/// give: (u, v) in sides of the image from its bottom left, beyond 0 to 1 where the texture wraps. As
+/// [`texture_corners`] has the corners, but round an axis and through a lens as well.
+///
+/// `None` where the triangle has no texture, or the point no place in it.
+pub fn texture_point(
+    object: &Object,
+    (triangle, [u, v]): (u32, [f64; 2]),
+    projection: TextureProjection,
+    world_from_object: &DAffine3,
+) -> Option<DVec2> {
+    let texture = object.texture_on(triangle)?;
+    let mapping = ObjectMapping::new(object, projection, DVec3::ZERO)?;
+    let corners = object.mesh.corners(triangle)?;
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    let point = a * (1.0 - u - v) + b * u + c * v;
+    match (mapping.on(object, triangle, || corners)?, mapping) {
+        (Mapping::Uv(uvs), _) => {
+            let [a, b, c] = uvs.map(|uv| uv.as_dvec2());
+            Some(a * (1.0 - u - v) + b * u + c * v)
+        }
+        (Mapping::Triplanar(corners, _), ObjectMapping::Triplanar(triplanar)) => {
+            Some(faced_most(&triplanar, corners, point.as_vec3()))
+        }
+        (_, ObjectMapping::Placed(placed)) => Some(placed.at(point)),
+        (_, ObjectMapping::Photographed(photographed)) => {
+            let in_object = object.mesh.offset() + point;
+            photographed.place(world_from_object.transform_point3(in_object), texture)
+        }
+        _ => None,
+    }
+}
+
+/// Where the side that a triangle faces most has a point.
+fn faced_most(triplanar: &Triplanar, corners: [Vec3; 3], point: Vec3) -> DVec2 {
+    let normal = flat_normal(corners);
+    let sizes = normal.abs().to_array();
+    let side = (0..3).fold(0, |best, i| if sizes[i] > sizes[best] { i } else { best });
+    DVec2::from_array(triplanar.sides(point, normal)[side].uv)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -142,8 +180,7 @@ mod tests {
     use glam::Vec2;
     use std::sync::Arc;
 
-    /// Two triangles of a square in the plane z = 1, far from the origin, the first alone with texture
-    /// coordinates.
+    /// Two triangles of a square in the plane z = 1, far from the origin; only the first has texture coordinates.
     fn object() -> Object {
         let far = DVec3::new(1e7, 0.0, 0.0);
         let corners = [(-1.0, 0.0), (1.0, 0.0), (1.0, 4.0), (-1.0, 4.0)];
@@ -173,6 +210,42 @@ mod tests {
         texture_corners(object, triangle, projection, &DAffine3::IDENTITY)
     }
 
+    #[test]
+    fn a_point_lies_where_its_weights_put_it_between_the_corners() {
+        let mut object = object();
+        object.mapping.photograph = Some(Photograph {
+            eye: DVec3::new(1e7, 2.0, 9.0),
+            target: DVec3::new(1e7, 2.0, 1.0),
+            up: DVec3::Y,
+            fov: 60.0,
+            shift: [0.0; 2],
+            lens: None,
+        });
+        // What keeps straight lines straight; a photograph of a plane that it faces does.
+        for projection in [
+            TextureProjection::Uv,
+            TextureProjection::PerTriangle,
+            TextureProjection::Triplanar,
+            TextureProjection::Plane,
+            TextureProjection::Camera,
+        ] {
+            let [a, b, c] = corners(&object, 0, projection);
+            for [u, v] in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.25, 0.5]] {
+                let hit = (0, [u, v]);
+                let found = texture_point(&object, hit, projection, &DAffine3::IDENTITY);
+                let expected = a * (1.0 - u - v) + b * u + c * v;
+                let found = found.expect("a place");
+                assert!(
+                    (found - expected).length() < 1e-6,
+                    "{projection:?} {found} {expected}"
+                );
+            }
+        }
+        let hit = (1, [0.25, 0.25]);
+        let none = texture_point(&object, hit, TextureProjection::Uv, &DAffine3::IDENTITY);
+        assert_eq!(none, None);
+    }
+
     fn near(found: [DVec2; 3], expected: [(f64, f64); 3]) {
         for (found, (u, v)) in found.iter().zip(expected) {
             assert!(
@@ -190,7 +263,7 @@ mod tests {
             [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)],
         );
         assert_eq!(unplaced(&object, 1, TextureProjection::Uv), None);
-        // One repeat over the longest side, 4, about the middle, (1e7, 2, 1).
+        // One repeat over the longest side, 4, around the middle, (1e7, 2, 1).
         near(
             corners(&object, 0, TextureProjection::Triplanar),
             [(0.25, 0.0), (0.75, 0.0), (0.75, 1.0)],
@@ -200,7 +273,7 @@ mod tests {
             corners(&object, 1, TextureProjection::Plane),
             [(0.0, 0.0), (1.0, 1.0), (0.0, 1.0)],
         );
-        // An axis through x = 1e7, z = 0: the corners stand at 45 degrees to both sides of the front.
+        // An axis through x = 1e7, z = 0: the corners are at 45 degrees on both sides of the front.
         object.mapping.projector = Some(Projector {
             center: DVec3::new(1e7, 2.0, 0.0),
             front: DVec3::Z,
@@ -209,10 +282,10 @@ mod tests {
         });
         let right = [(0.375, 0.25), (0.625, 0.25), (0.625, 0.75)];
         near(corners(&object, 0, TextureProjection::Cylinder), right);
-        // What the object says goes before what the picture does.
+        // The object's own mapping takes precedence.
         object.mapping.projection = Some(TextureProjection::Cylinder);
         near(corners(&object, 0, TextureProjection::Uv), right);
-        // The square, moved, is 4 from the camera, as high as the frame there, and half as wide.
+        // The moved square is 4 from the camera, as high as the frame there, and half as wide.
         let moved = DAffine3::from_translation(DVec3::new(0.0, 5.0, 0.0));
         let eye = DVec3::new(1e7, 7.0, 5.0);
         object.mapping.photograph = Some(Photograph {
@@ -229,7 +302,7 @@ mod tests {
             taken.expect("a place"),
             [(0.25, 0.0), (0.75, 0.0), (0.75, 1.0)],
         );
-        // Behind the eye there is no place.
+        // Behind the eye there are no coordinates.
         let behind = DAffine3::from_translation(DVec3::Z * 9.0);
         assert_eq!(
             texture_corners(&object, 0, TextureProjection::Uv, &behind),
@@ -245,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn no_texture_is_no_place() {
+    fn triangles_without_texture_have_no_coordinates() {
         let mut object = object();
         object.mapping.projector = Some(Projector {
             size: DVec2::ZERO,

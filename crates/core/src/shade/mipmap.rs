@@ -1,23 +1,23 @@
-//! A texture's smaller versions: L. Williams, "Pyramidal Parametrics", 1983.
+//! Mip levels of textures: L. Williams, "Pyramidal Parametrics", 1983.
 
 use super::srgb::{self, Tables};
 use crate::scene::Texture;
 
-/// The texture at half its size, at a quarter, and so on down to one texel: made when first asked for, and
-/// kept with the texture. They take a third of its memory.
+/// The texture at half its size, a quarter, and so on down to one texel: computed on first use and kept with the
+/// texture. They take a third of its memory.
 pub(super) fn levels(texture: &Texture) -> &[Texture] {
     texture.levels(|texture| {
         let mut levels: Vec<Texture> = Vec::new();
         for size in texture.level_sizes() {
             let larger = levels.last().unwrap_or(texture);
-            // Its texels are as many as its sides say.
+            // The number of texels fits the sides.
             levels.extend(halved(larger, size));
         }
         levels
     })
 }
 
-/// The texture at a level, from 0, the whole; beyond the last it is the last.
+/// A mip level by number: 0 is the texture itself, beyond the last it is the last.
 pub(super) fn level<'t>(texture: &'t Texture, levels: &'t [Texture], number: usize) -> &'t Texture {
     match number.min(levels.len()) {
         0 => texture,
@@ -27,8 +27,8 @@ pub(super) fn level<'t>(texture: &'t Texture, levels: &'t [Texture], number: usi
 
 /// A texture of half as many columns and rows.
 ///
-/// Each texel is the mean of those that it covers, by their parts (of an odd side three in place of two),
-/// in linear light with alpha multiplied in, rounded to 8-bit sRGB: by half a byte a level at most.
+/// Each texel is the mean of the texels that it covers, weighted by area (three instead of two on an odd side), in
+/// linear light with premultiplied alpha, and rounded to 8-bit sRGB: by at most half a step a level.
 fn halved(texture: &Texture, (width, height): (u32, u32)) -> Option<Texture> {
     let (columns, rows) = (texture.width(), texture.height());
     let across: Vec<Span> = (0..width).map(|x| Span::new(x, width, columns)).collect();
@@ -53,7 +53,7 @@ fn halved(texture: &Texture, (width, height): (u32, u32)) -> Option<Texture> {
     Texture::new(width, height, texels).map(|smaller| smaller.wrapped(texture.wrap()))
 }
 
-/// The texels along a side that one of a smaller version covers.
+/// The range of texels along a side that one texel of the next level covers.
 struct Span {
     first: u32,
     count: u32,
@@ -75,7 +75,7 @@ impl Span {
         }
     }
 
-    /// Each texel, and its share in the whole; together one.
+    /// Each texel and its weight; the weights sum to one.
     fn parts(&self) -> impl Iterator<Item = (u32, f32)> {
         (self.first..self.first + self.count).map(|texel| {
             let covered = f64::from(texel + 1).min(self.to) - f64::from(texel).max(self.from);
@@ -114,7 +114,7 @@ mod tests {
 
     #[test]
     fn every_level_has_the_light_of_the_whole() {
-        // The truth is the mean of all texels; each level's rounding may move it by half a byte.
+        // The truth is the mean of all texels; each level's rounding may move it by half a step of a byte.
         let mean = |texture: &Texture| {
             let sum = texture.texels().iter().fold([0.0f64; 3], |sum, texel| {
                 let [r, g, b, _] = light(srgb::tables(), *texel);

@@ -1,8 +1,11 @@
 //! From hits to colours.
 
+mod depth_colors;
 mod edge_choice;
 mod edge_kinds;
 mod edges;
+mod eight;
+mod eight_colors;
 mod facet;
 mod footprint;
 mod ground;
@@ -36,6 +39,7 @@ mod tests;
 mod texture_map;
 mod texturing;
 mod tile;
+mod tile_rays;
 mod translucent;
 mod triplanar;
 #[cfg(test)]
@@ -45,7 +49,7 @@ pub use crate::scene::TextureProjection;
 pub use edge_kinds::{EdgeKinds, EdgeKindsError};
 pub(crate) use legend::DrawnLegend;
 pub use legend::Legend;
-pub use mapping::texture_corners;
+pub use mapping::{texture_corners, texture_point};
 pub use mode::{Background, Filter, Ground, GroundError, LightSet, Mode, Shading, Wireframe};
 pub use photograph::PhotographError;
 pub(crate) use section::{Cut, Section, Shown};

@@ -1,4 +1,5 @@
 use super::EdgeKinds;
+use crate::camera::Projection;
 use crate::scene::{Color, ColorScale, TextureProjection};
 use std::fmt;
 use std::str::FromStr;
@@ -10,30 +11,29 @@ pub enum Mode {
     Color,
     /// Lit, one brightness a triangle.
     Flat,
-    /// Lit, with the mesh's own normals between corners; as [`Mode::Flat`] where there are none.
+    /// Lit, with the mesh's interpolated normals; as [`Mode::Flat`] where there are none.
     #[default]
     Smooth,
-    /// Lit, as metals and dielectrics of their file's roughness are, with light of their own, over normals as
-    /// [`Mode::Smooth`] has.
+    /// Lit by the metallic-roughness model of the file's materials, with emission; normals as in [`Mode::Smooth`].
     Material,
-    /// Directions of the surface as colours: x red, y green, z blue.
+    /// Surface normals as colours: x red, y green, z blue.
     Normals,
     /// Distance: near is light, far is dark.
     Depth,
-    /// The weights of a triangle's corners as red, green and blue.
+    /// Barycentrics of the corners as red, green and blue.
     Barycentric,
     /// Texture coordinates as red and green.
     Uv,
     /// The texture, unlit; the object's colours where there is none.
     Texture,
-    /// Lines alone, over the background.
+    /// Only lines, over the background.
     Wireframe,
-    /// All layers, each faint and lit as in [`Mode::Smooth`], the nearest over those behind it.
+    /// All layers, each faint and lit as in [`Mode::Smooth`], composited front to back.
     XRay,
 }
 
 impl Mode {
-    /// Whether it shows normals between corners.
+    /// Whether it shows interpolated normals.
     pub(crate) fn shows_normals(self) -> bool {
         matches!(
             self,
@@ -57,24 +57,24 @@ impl Mode {
     ];
 }
 
-/// How a texture is read between its texels.
+/// Texture filtering.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filter {
     /// The nearest texel.
     Nearest,
-    /// Four texels, blended in linear light.
+    /// Four texels, interpolated in linear light.
     #[default]
     Bilinear,
-    /// Four texels of each of two of the image's smaller versions, by the longer side of what the pixel
-    /// sees of it: what is far away does not shimmer, but blurs where it is seen at a slant.
+    /// Four texels of each of two mip levels, chosen by the longer side of the pixel's footprint: distant textures do
+    /// not shimmer, but blur at grazing angles.
     Trilinear,
-    /// All texels that the pixel sees, under an elliptical Gaussian: it neither shimmers nor blurs.
+    /// All texels in the pixel's footprint, under an elliptical Gaussian (elliptical weighted average): neither
+    /// shimmers nor blurs.
     Ewa,
 }
 
 impl Filter {
-    /// Whether a pixel's colour depends on how much of the texture it sees; the texture's smaller versions are then
-    /// needed.
+    /// Whether a pixel's colour depends on its footprint, so that mip levels are needed.
     pub fn has_footprint(self) -> bool {
         matches!(self, Self::Trilinear | Self::Ewa)
     }
@@ -85,18 +85,17 @@ impl Filter {
 pub struct Wireframe {
     /// Width in pixels.
     pub width: f32,
-    /// Colour of all lines but those of [`EdgeKinds::boundary`] and [`EdgeKinds::non_manifold`] edges, which have
+    /// The colour of all lines except along [`EdgeKinds::boundary`] and [`EdgeKinds::non_manifold`] edges, which have
     /// [`Wireframe::BOUNDARY`] and [`Wireframe::NON_MANIFOLD`].
     pub color: Color,
     /// Which edges have lines.
     pub edges: EdgeKinds,
-    /// How strongly lines show through what hides them, from 0 (not at all) to 1; not in panoramas.
+    /// The opacity of lines behind surfaces, from 0 (invisible) to 1; not in panoramas.
     pub hidden: f32,
 }
 
 impl Wireframe {
-    /// Lines that stand by themselves before a dark background: what [`Mode::Wireframe`] draws
-    /// where none are set.
+    /// Lines in front of a dark background: the default of [`Mode::Wireframe`].
     pub const ALONE: Self = Self {
         width: 1.0,
         color: Color([0xd6, 0xde, 0xe8]),
@@ -110,12 +109,24 @@ impl Wireframe {
     /// The colour of non-manifold edges.
     pub const NON_MANIFOLD: Color = Color([0xff, 0x3b, 0x5c]);
 
-    /// How strongly hidden lines show where nobody says how strongly.
+    /// The default opacity of hidden lines.
     pub const FAINT: f32 = 0.25;
+
+    /// Which of the lines a picture of this projection leaves out, in words: of a panorama those where no triangle at a
+    /// pixel has them, since its edges are no straight lines.
+    pub fn left_out(&self, projection: Projection) -> Option<&'static str> {
+        projection.panorama()?;
+        match (self.edges.silhouette, self.hidden > 0.0) {
+            (true, true) => Some("hidden lines and silhouettes"),
+            (true, false) => Some("silhouettes"),
+            (false, true) => Some("hidden lines"),
+            (false, false) => None,
+        }
+    }
 }
 
 impl Default for Wireframe {
-    /// Dark lines, a pixel wide, over a surface.
+    /// Dark lines, one pixel wide, over a surface.
     fn default() -> Self {
         Self {
             width: 1.0,
@@ -126,12 +137,12 @@ impl Default for Wireframe {
     }
 }
 
-/// What lies behind everything.
+/// The background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Background {
-    /// From the first colour at the top of the picture to the second at its bottom.
+    /// A vertical gradient from the first colour at the top of the picture to the second at its bottom.
     Gradient(Color, Color),
-    /// Nothing: alpha is zero.
+    /// Transparent: alpha is zero.
     Transparent,
 }
 
@@ -141,7 +152,7 @@ impl Default for Background {
     }
 }
 
-/// How high the ground lies, in world space.
+/// The height of the ground, in world space.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Ground {
     /// At the lowest point of the scene.
@@ -161,7 +172,7 @@ impl fmt::Display for Ground {
     }
 }
 
-/// A text that says no [`Ground`].
+/// A text that is no [`Ground`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("expected lowest, or a height within 1e18 of zero")]
 pub struct GroundError;
@@ -181,67 +192,68 @@ impl FromStr for Ground {
 }
 
 impl Ground {
-    /// Lines across which x or z is a whole number of tens of cells.
+    /// Lines at which x or z is a multiple of ten cells.
     pub const LINES: Color = Color([0x8c, 0x94, 0xa0]);
-    /// The line along which x grows.
+    /// The x axis.
     pub const X_AXIS: Color = Color([0xd8, 0x4c, 0x4c]);
-    /// The line along which z grows.
+    /// The z axis.
     pub const Z_AXIS: Color = Color([0x4c, 0x7c, 0xe0]);
 }
 
-/// The lights of lit modes. They stand still to the camera, so that whatever one looks at is lit.
+/// The lights of lit modes. They are fixed to the camera, so that whatever it looks at is lit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LightSet {
-    /// A key light up and to the left, whose shadow side is soft, a fill from all around, lighter from above, and a faint
-    /// rim where surfaces turn away.
+    /// A key light from the upper left with a soft shadow side, an ambient fill that is lighter from above, and a
+    /// faint rim where surfaces turn away.
     #[default]
     Soft,
-    /// One light at the eye, where a mesh's faults show best: brightness tells the angle between surface and view.
+    /// One light at the eye, which shows a mesh's faults best: brightness depends only on the angle between surface
+    /// and view.
     Headlight,
-    /// A warm key light up and to the left, a cool fill light from the right, a rim light from behind and above, and a
-    /// little light from all around: a photographer's.
+    /// A photographer's set: a warm key light from the upper left, a cool fill light from the right, a rim light from
+    /// behind and above, and a little ambient light.
     ThreePoint,
 }
 
-/// All that decides a picture's colours, besides the scene and the camera.
+/// The settings that decide a picture's colours, besides scene and camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shading {
-    /// What to show.
+    /// What the picture shows.
     pub mode: Mode,
-    /// Lines over it. [`Mode::Wireframe`] draws lines with or without this.
+    /// Lines over the surfaces. [`Mode::Wireframe`] draws lines with or without this.
     pub wireframe: Option<Wireframe>,
-    /// What lies behind.
+    /// The background.
     pub background: Background,
-    /// Lines on a level plane: a cell is a power of ten wide, a fifth to a fiftieth of the scene. What surfaces let
-    /// through shows it behind them all.
+    /// A grid on a horizontal plane, whose cells are a power of ten wide, between a fifth and a fiftieth of the
+    /// scene's size. It is visible behind translucent surfaces.
     pub ground: Option<Ground>,
-    /// From the object's colours (0) to its texture (1).
+    /// How much of the texture shows: from the object's colours only (0) to the texture only (1).
     pub blend: f32,
     /// How textures are read.
     pub filter: Filter,
-    /// How surfaces find their place in textures, where their object does not say it.
+    /// How textures are mapped to objects without a mapping of their own.
     pub projection: TextureProjection,
-    /// Below which angle between two triangles, in degrees, the edge that they share is smooth, in meshes without
-    /// normals; zero leaves every triangle flat. It is for light and for [`Mode::Normals`]; a picture's layers keep
+    /// The angle between two triangles, in degrees, up to which their common edge is smooth, in meshes without
+    /// normals; zero leaves every triangle flat. It affects lighting and [`Mode::Normals`]; a picture's layers keep
     /// the file's normals.
     pub crease: f32,
-    /// Where light comes from.
+    /// The lights.
     pub lights: LightSet,
     /// The colour of triangles to which neither their file nor a rule gives one.
     pub plain_color: Color,
-    /// How numbers become colours: those of [`ColorRule::Value`](crate::scene::ColorRule::Value), which have
-    /// the default scale where this is `None`, and distances in [`Mode::Depth`], which are then greys over the
-    /// scene's box. Fitted, depth is over what is seen.
+    /// The colour scale of numbers: of [`ColorRule::Value`](crate::scene::ColorRule::Value), with the default scale
+    /// for `None`, and of distances in [`Mode::Depth`], which for `None` are greys over the scene's box. Without a
+    /// given range, depth is fitted to the visible surfaces.
     pub scale: Option<ColorScale>,
-    /// The colour of triangles that are seen from behind, in place of their own and their texture's; `None` for the
-    /// same as in front. In modes that show what surfaces look like.
+    /// The colour of back faces, instead of their own and their texture's; `None` for the same as front faces. It
+    /// applies in modes that show what surfaces look like.
     pub back_faces: Option<Color>,
-    /// In [`Mode::XRay`], how much of what lies behind it a surface covers that is seen from above: 0 to 1.
+    /// In [`Mode::XRay`], the opacity of a surface seen perpendicularly, 0 to 1.
     pub x_ray_opacity: f32,
 }
 
 impl Shading {
-    /// Where none is given.
+    /// The default opacity.
     pub const X_RAY_OPACITY: f32 = 0.2;
 }
 
@@ -271,8 +283,8 @@ impl Shading {
         self.crease > 0.0 && self.mode.shows_normals()
     }
 
-    /// What windows begin with, where the files say nothing: edges of up to 40° smooth, three lights, and a
-    /// warm grey.
+    /// The initial settings of windows, where files set nothing: smooth edges up to 40°, three lights, and a warm
+    /// grey.
     pub fn studio() -> Self {
         Self {
             crease: 40.0,

@@ -1,4 +1,4 @@
-//! The colours that objects have by their rules, before light and texture.
+//! The colours of objects by their rules, before lighting and textures.
 
 use super::facet::{Varied, blend, unit};
 use super::ramp::{Ramp, Span};
@@ -7,26 +7,26 @@ use crate::camera::{Camera, Projection};
 use crate::scene::{Bounds, Color, ColorRule, Object, Quantity, Scene, TriangleValues};
 use glam::{DVec3, Mat3, Vec3};
 
-/// Every object's rule, made ready for one picture.
+/// Every object's colour rule, prepared for one picture.
 #[derive(Debug)]
 pub(super) struct OwnColors {
-    /// For each object what its numbers are spread over, where its rule shows numbers.
+    /// For each object whose rule shows numbers, the span of the colours.
     spans: Vec<Option<Span>>,
     ramp: Option<Box<Ramp>>,
-    /// Unlit, a file without materials would be one flat patch: there each triangle has a colour of its own.
+    /// In unlit pictures a file without materials would be one flat patch, so each triangle gets a colour of its own.
     colorless_differ: bool,
-    /// For triangles to which neither their file nor a rule gives a colour.
+    /// The colour of triangles to which neither their file nor a rule gives one.
     plain: Color,
-    /// Whether colours may change within a triangle.
+    /// Whether colours may vary within a triangle.
     pub(super) vary: bool,
 }
 
-/// A triangle in its place, as far as rules ask for it.
+/// A triangle's position, as far as rules need it.
 pub(super) struct Placed {
     /// Relative to the eye.
     pub(super) corners: [DVec3; 3],
     pub(super) camera: Camera,
-    /// World-space normals from the object's own.
+    /// The map of the object's own normals to world space.
     pub(super) world_normals: Option<Mat3>,
 }
 
@@ -41,7 +41,7 @@ impl OwnColors {
         let rules = || objects.iter().map(|object| &object.color);
         let values = rules().any(|rule| matches!(rule, ColorRule::Value(_)));
         let scale = shading.scale.unwrap_or_default();
-        // Of a thousand objects most show the same.
+        // Of a thousand objects most show the same quantity.
         let mut known: Vec<(&Quantity, Span)> = Vec::new();
         let mut span = |rule: &'s ColorRule| {
             let ColorRule::Value(quantity) = rule else {
@@ -78,7 +78,7 @@ impl OwnColors {
         }
     }
 
-    /// A triangle's own colour, linear light; `place` tells where it is.
+    /// A triangle's own colour in linear light; `place` gives its position.
     #[inline]
     pub(super) fn of_triangle(
         &self,
@@ -118,7 +118,7 @@ impl OwnColors {
     fn of_value(&self, number: u32, object: &Object, quantity: &Quantity, triangle: u32) -> Vec3 {
         let value = match object.mesh.values(quantity, triangle) {
             Some(TriangleValues::One(value)) => f64::from(value),
-            // Those with values at corners are not asked for one.
+            // Quantities with values at corners have no single value.
             _ => f64::NAN,
         };
         match (&self.ramp, self.span(number)) {
@@ -131,7 +131,7 @@ impl OwnColors {
         self.spans.get(number as usize).copied().flatten()
     }
 
-    /// How a triangle's colours change within it.
+    /// How a triangle's colours vary within it.
     pub(super) fn within(
         &self,
         number: u32,
@@ -205,15 +205,15 @@ impl OwnColors {
     }
 }
 
-/// A direction as a colour, as [`Mode::Normals`] shows it, linear light.
+/// A direction as a colour, as in [`Mode::Normals`]: linear light.
 fn displayed(direction: Vec3) -> Vec3 {
     let tables = srgb::tables();
     let shown = (direction * 0.5 + 0.5).to_array();
     shown.map(|value| tables.display(value)).into()
 }
 
-/// The range that the colours of a quantity are fitted to, over all visible objects that show it: `None` where
-/// none has values. Distances are fitted to the scene's box.
+/// The range that the colours of a quantity are fitted to, over all visible objects that show it; `None` where none
+/// has values. Distances are fitted to the scene's box.
 pub(super) fn fitted_range(
     scene: &Scene,
     camera: &Camera,
@@ -232,7 +232,7 @@ pub(super) fn fitted_range(
         .reduce(|[low, high], [less, more]| [low.min(less), high.max(more)])
 }
 
-/// From a box's nearest point to its farthest corner; `None` for an empty box.
+/// The distances to a box's nearest point and to its farthest corner; `None` for an empty box.
 pub(super) fn distance_range(
     bounds: &Bounds,
     camera: &Camera,

@@ -1,4 +1,4 @@
-//! Pictures of each colour rule, against values worked out by hand.
+//! Pictures of each colour rule, against values computed by hand.
 
 use super::ramp::NO_NUMBER;
 use super::*;
@@ -13,7 +13,7 @@ use crate::scene::{
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// Two triangles from −1 to 1 at z = 0; a scalar x + 10 at vertices, and one of 5 and 7 on triangles.
+/// Two triangles from −1 to 1 at z = 0, with a scalar x + 10 at vertices, and one of 5 and 7 on triangles.
 fn square(rule: &str) -> Object {
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let scalar = |name: &str, at, values: &[f32]| Scalar {
@@ -183,7 +183,7 @@ fn normals_are_those_of_corners_that_turn_left() {
         Picture::of(vec![object], Projection::Perspective, scale(0.0, 1.0))
     };
     assert_eq!(shown(&of(0.0)), [128, 128, 255, 255]);
-    // Seen from behind they point away.
+    // Back faces point away.
     assert_eq!(shown(&of(180.0)), [128, 128, 0, 255]);
 }
 
@@ -255,7 +255,7 @@ fn tiles_show_what_single_samples_do() {
 }
 
 #[test]
-fn a_legend_tells_what_is_shown_over_which_range() {
+fn a_legend_names_the_quantity_and_its_range() {
     let of = |rule: &str, mode, scale| {
         let mut picture = Picture::of(vec![square(rule)], Projection::Perspective, scale);
         picture.shading.mode = mode;

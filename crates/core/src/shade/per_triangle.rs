@@ -1,15 +1,14 @@
-//! A triangle laid flat into an image, in its own shape.
+//! Mapping a triangle into an image without distortion.
 
 use glam::{DVec2, DVec3};
 
-/// The texture coordinates of a triangle's corners where it is laid into an image of `width × height` texels:
-/// similar to itself, unmirrored seen from its front, as large as it fits, its longest edge (of equal ones
-/// the first) along the bottom, in the middle.
+/// The texture coordinates of a triangle's corners when it is laid into an image of `width × height` texels: similar
+/// to itself, unmirrored as seen from its front, as large as fits, centred, its longest edge (of equal ones the
+/// first) along the bottom.
 ///
-/// It fits between the centres of the outermost texels, so that no filter over 2 × 2 texels reads beyond
-/// the image. In double precision from corners that are scaled to the range −1 to 1: coordinates are good
-/// to some 2⁻⁴⁸ of the image. A triangle whose corners are one point lies in the image's middle, one
-/// without height along its middle row.
+/// It fits between the centres of the outermost texels, so that no 2 × 2 filter reads beyond the image. Computed in
+/// double precision from corners scaled to −1 to 1: coordinates are accurate to some 2⁻⁴⁸ of the image. A triangle
+/// whose corners coincide lies in the image's middle, one without height along its middle row.
 pub(super) fn laid(corners: [DVec3; 3], width: u32, height: u32) -> [DVec2; 3] {
     let [a, b, c] = corners;
     let largest = [b - a, c - b, a - c]
@@ -19,7 +18,7 @@ pub(super) fn laid(corners: [DVec3; 3], width: u32, height: u32) -> [DVec2; 3] {
         });
     let (width, height) = (f64::from(width), f64::from(height));
     let room = DVec2::new(width - 1.0, height - 1.0);
-    // Unit of length: the longest extent along an axis, so that no square leaves the numbers' range.
+    // In units of the longest extent along an axis, so that squares stay in range.
     let edges = [b - a, c - b, a - c].map(|edge| edge / largest);
     let lengths = edges.map(|edge| edge.length());
     if !(largest > 0.0 && lengths.iter().all(|length| length.is_finite())) {
@@ -81,7 +80,7 @@ mod tests {
     #[test]
     fn the_longest_edge_is_the_bottom() {
         let corners = [DVec3::X * 4.0, DVec3::new(1.0, 2.0, 0.0), DVec3::ZERO];
-        // Of 9 × 9 texels: 8 between the outermost centres, and 4 wide is 8 wide.
+        // 9 × 9 texels have a distance of 8 between the outermost centres; a width of 4 becomes 8.
         let laid = laid(corners, 9, 9).map(|uv| uv * 9.0);
         let expected = [(8.5, 2.5), (2.5, 6.5), (0.5, 2.5)].map(|(x, y)| DVec2::new(x, y));
         for (found, expected) in laid.iter().zip(expected) {
@@ -90,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn triangles_without_area_have_a_place() {
+    fn triangles_without_area_are_laid_into_the_image() {
         let middle = [DVec2::splat(0.5); 3];
         assert_eq!(laid([DVec3::ONE; 3], 10, 10), middle);
         let nan = [DVec3::NAN, DVec3::X, DVec3::Y];

@@ -1,5 +1,5 @@
-//! Images that lie on what the camera saw that took them (Segal, Korobkin, van Widenfelt, Foran and Haeberli, "Fast
-//! Shadows and Lighting Effects Using Texture Mapping", 1992: projective textures).
+//! Projective textures: an image on the surfaces that the camera saw that took it (Segal, Korobkin, van Widenfelt,
+//! Foran and Haeberli, "Fast Shadows and Lighting Effects Using Texture Mapping", 1992).
 
 use crate::camera::{
     BrownConrady, Camera, ImagePlane, LensError, Placement, PlacementError, PlaneError, Projection,
@@ -8,25 +8,25 @@ use crate::ranges::OutOfRange;
 use crate::scene::{Photograph, Texture};
 use glam::{DVec2, DVec3};
 
-/// Why no image can have been taken by a [`Photograph`].
+/// Why a [`Photograph`] is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PhotographError {
-    /// Nothing to look at, or no up.
+    /// A placement without a view direction, or without an up direction.
     #[error(transparent)]
     Placement(#[from] PlacementError),
-    /// A lens whose numbers are not finite.
+    /// A lens with a coefficient that is not finite.
     #[error(transparent)]
     Lens(#[from] LensError),
-    /// A field of view that no plane has.
+    /// A field of view out of range for a plane.
     #[error(transparent)]
     Fov(#[from] OutOfRange),
-    /// An eye too near its target.
+    /// An eye too close to its target.
     #[error(transparent)]
     Plane(#[from] PlaneError),
 }
 
 impl Photograph {
-    /// Whether an image can have been taken so.
+    /// Checks the camera of a photograph.
     ///
     /// # Errors
     /// What is wrong with it, in one line.
@@ -34,7 +34,7 @@ impl Photograph {
         self.camera().map(|_| ())
     }
 
-    /// Its camera over a plane [`SIDE`] pixels high and wide.
+    /// Its camera, with an image plane of [`SIDE`] × [`SIDE`] pixels.
     fn camera(&self) -> Result<Camera, PhotographError> {
         let Self {
             eye,
@@ -57,31 +57,32 @@ impl Photograph {
     }
 }
 
-/// Pixels along a side of the camera's plane: images have what sizes they have, and the middle of each is the plane's.
+/// Columns and rows of the camera's image plane. Images have any size; the middle of each is the middle of this
+/// plane.
 const SIDE: u32 = 2;
 
-/// From points of the scene to places in an image that was taken of it.
+/// The map from points of the scene to texture coordinates in a photograph.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Photographed {
     camera: Camera,
-    /// What points are relative to, in world space.
+    /// The point that points are relative to, in world space.
     origin: DVec3,
 }
 
 impl Photographed {
-    /// For points relative to `origin`; `None` where no image can have been taken so.
+    /// For points relative to `origin`; `None` where the photograph is invalid.
     pub(super) fn new(photograph: &Photograph, origin: DVec3) -> Option<Self> {
         let camera = photograph.camera().ok()?;
         Some(Self { camera, origin })
     }
 
-    /// Where the camera stood, in world space.
+    /// The camera's eye, in world space.
     pub(super) fn eye(&self) -> DVec3 {
         self.camera.placement().eye
     }
 
-    /// The texture coordinates of a point, in the frame or beyond it; `None` behind the eye, and where the lens sees
-    /// nothing.
+    /// The texture coordinates of a point, inside or outside the frame; `None` behind the eye, and where the lens
+    /// sees nothing.
     pub(super) fn place(&self, point: DVec3, texture: &Texture) -> Option<DVec2> {
         let (x, y) = self.camera.project(self.origin + point)?;
         let side = f64::from(SIDE);
@@ -91,8 +92,8 @@ impl Photographed {
         ))
     }
 
-    /// The texture coordinates of a point that is in the frame, at most half a texel from the frame's border away from
-    /// it: what lies beyond the image is not read.
+    /// The texture coordinates of a point in the frame, clamped to half a texel from the frame's border so that
+    /// nothing beyond the image is read. `None` outside the frame.
     pub(super) fn within(&self, point: DVec3, texture: &Texture) -> Option<DVec2> {
         let place = self.place(point, texture)?;
         let is_within = (0.0..=1.0).contains(&place.x) && (0.0..=1.0).contains(&place.y);
@@ -103,11 +104,11 @@ impl Photographed {
         is_within.then(|| place.clamp(half, 1.0 - half))
     }
 
-    /// The derivative of [`Photographed::place`] along a step; infinite or no number where there is none.
+    /// The derivative of [`Photographed::place`] along a step; infinite or NaN where it is undefined.
     ///
-    /// The point is λ·D from the eye, D the direction through its pixel (x, y). As D changes by r from a pixel to the
-    /// next on the right and by s to the one below, a step is λ·(r·dx + s·dy) + D·dλ: the products with s × D and D × r
-    /// leave dx and dy alone.
+    /// The point is λ·D from the eye, with D the direction through its pixel (x, y). As D changes by r from a pixel
+    /// to the next on the right and by s to the one below, a step is λ·(r·dx + s·dy) + D·dλ; its products with s × D
+    /// and D × r isolate dx and dy.
     pub(super) fn along(&self, point: DVec3, step: DVec3, texture: &Texture) -> DVec2 {
         let point = self.origin + point;
         let Some((x, y)) = self.camera.project(point) else {
@@ -182,7 +183,7 @@ mod tests {
                 };
                 let found = found.expect("a place");
                 let truth = DVec2::new(x / 32.0, 1.0 - y / 16.0);
-                // The shift is rounded to 2⁻²⁴ pixels, of which the one picture has sixteen and the other two.
+                // The shift is rounded to 2⁻²⁴ pixels; one picture has sixteen pixels a side and the other two.
                 assert!(
                     (found - truth).length() < 1e-7 * truth.length().max(1.0),
                     "{found} {truth}"
@@ -195,7 +196,7 @@ mod tests {
         }
     }
 
-    /// The truth is a difference over a millionth of a step to both sides.
+    /// The truth is a difference over a millionth of a step in both directions.
     #[test]
     fn derivatives_are_differences() {
         let mut random = Random(5);
@@ -223,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn cameras_that_can_take_nothing_are_told() {
+    fn invalid_photograph_cameras_are_refused() {
         let told = |photograph: Photograph| photograph.check().expect_err("refused").to_string();
         let nowhere = told(Photograph {
             target: PHOTOGRAPH.eye,

@@ -1,4 +1,4 @@
-//! Images that stand in an object's space: on a rectangle, a sphere, a cylinder.
+//! Images placed in an object's space: on a rectangle, a sphere, a cylinder.
 
 use crate::math;
 use crate::scene::{Projector, TextureProjection};
@@ -23,7 +23,7 @@ enum Surface {
 }
 
 impl Placed {
-    /// `None` where the projection has no place of its own, or the projector places nothing.
+    /// `None` where the projection is not placed, or the projector is invalid.
     pub(super) fn new(
         projection: TextureProjection,
         projector: &Projector,
@@ -46,7 +46,7 @@ impl Placed {
         })
     }
 
-    /// Whether u goes round an axis.
+    /// Whether u goes around an axis.
     pub(super) fn goes_round(&self) -> bool {
         !matches!(self.surface, Surface::Plane)
     }
@@ -58,7 +58,7 @@ impl Placed {
     /// - sphere: (½ + atan2(x, z) / 2π, ½ + atan2(y, √(x² + z²)) / π), each 0 to 1;
     /// - cylinder: (½ + atan2(x, z) / 2π, ½ + y / height).
     ///
-    /// On the axis, where there is no angle, u is ½; in the centre of a sphere v is ½ too.
+    /// On the axis, where the angle is undefined, u is ½; in the centre of a sphere v is ½ as well.
     pub(super) fn at(&self, point: DVec3) -> DVec2 {
         let [x, y, z] = self.axes.map(|axis| (point - self.center).dot(axis));
         let turn = || 0.5 + math::atan2(x, z) / TAU;
@@ -74,7 +74,7 @@ impl Placed {
 }
 
 impl Placed {
-    /// The derivative of [`Placed::at`] along a step; infinite or no number where there is none.
+    /// The derivative of [`Placed::at`] along a step; infinite or NaN where it is undefined.
     pub(super) fn along(&self, point: DVec3, step: DVec3) -> DVec2 {
         let [x, y, z] = self.axes.map(|axis| (point - self.center).dot(axis));
         let [dx, dy, dz] = self.axes.map(|axis| step.dot(axis));
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn known_points_have_known_places() {
-        // The front gives way to up: it is +Z, and the right is +X.
+        // The front is made perpendicular to up: it is +Z, and the right is +X.
         check(
             TextureProjection::Plane,
             &[
@@ -152,7 +152,7 @@ mod tests {
         );
     }
 
-    /// The truth is a difference over a small step to both sides.
+    /// The truth is a difference over a small step in both directions.
     #[test]
     fn derivatives_are_those_of_differences() {
         let point = DVec3::new(0.7, -0.4, 1.1) + PROJECTOR.center;
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn projectors_without_directions_or_size_place_nothing() {
+    fn invalid_projectors_are_refused() {
         let bad = [
             Projector {
                 front: DVec3::Y,

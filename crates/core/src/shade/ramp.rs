@@ -1,10 +1,10 @@
-//! A colour map made ready for pixels.
+//! A colour map prepared for pixels.
 
 use super::srgb;
 use crate::scene::{COLOR_MAP_STEPS, Color, ColorMap};
 use glam::Vec3;
 
-/// What shows where there is no number: grey, which no map has.
+/// The colour where there is no number: grey, which no map contains.
 pub(super) const NO_NUMBER: Color = Color([0x80; 3]);
 
 /// The map's colours, linear light.
@@ -22,8 +22,8 @@ impl Ramp {
         }
     }
 
-    /// The colour at a share of the range, 0 to 1, the ends' beyond it: between two of the map's colours linear
-    /// in linear light.
+    /// The colour at a fraction of the range, clamped to 0 to 1; interpolated in linear light between two of the
+    /// map's colours.
     #[inline(never)]
     pub(super) fn at(&self, share: f32) -> Vec3 {
         if share.is_nan() {
@@ -37,16 +37,16 @@ impl Ramp {
     }
 }
 
-/// The numbers that a ramp is spread over.
+/// The range of numbers that a ramp covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Span {
     pub(super) low: f64,
-    /// One over the range's length; zero if it has none.
+    /// One over the range's length; zero for an empty range.
     pub(super) per_unit: f64,
 }
 
 impl Span {
-    /// Of a range, low and high; none is over no length, from zero.
+    /// For a range, low and high; `None` is an empty range at zero.
     pub(super) fn of(range: Option<[f64; 2]>) -> Self {
         let [low, high] = range.unwrap_or_default();
         let per_unit = 1.0 / (high - low);
@@ -60,7 +60,7 @@ impl Span {
         }
     }
 
-    /// Where in the range a number lies: 0 at its low end, 1 at its high one.
+    /// The position of a number in the range: 0 at its low end, 1 at its high end.
     pub(super) fn share(&self, number: f64) -> f32 {
         ((number - self.low) * self.per_unit) as f32
     }

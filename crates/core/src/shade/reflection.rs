@@ -1,17 +1,20 @@
-//! What metals and dielectrics of any roughness send back: a microfacet model under the picture's lights.
+//! Reflection by metals and dielectrics of any roughness: a microfacet model under the picture's lights.
 
 use super::light::{Lights, Source};
+use super::smooth::Vectors;
 use crate::math;
+use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use glam::Vec3;
 
-/// The least α = roughness²: highlights are never sharper than of a light some 3° wide. Lights that are points would
-/// be seen in a mirror by no ray. Below it, a ray in 10⁵ pixels would decide a highlight's brightness.
+/// The least α = roughness²: highlights are at least as wide as those of a light 3° wide. Without a limit no ray
+/// would hit the mirror image of a point light; with a smaller one, one ray in 10⁵ pixels would decide a highlight's
+/// brightness.
 const LEAST_ALPHA: f32 = 0.03;
 
-/// What a dielectric reflects head-on: of glass and plastics, with an index of refraction of 1.5.
+/// The reflectance of dielectrics at normal incidence: of glass and plastics, with an index of refraction of 1.5.
 const DIELECTRIC: f32 = 0.04;
 
-/// A surface, as light falls on it.
+/// A surface's reflectance at a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Surface {
     /// Base colour, linear light.
@@ -20,6 +23,17 @@ pub(super) struct Surface {
     pub(super) metallic: f32,
     /// 0 to 1.
     pub(super) roughness: f32,
+}
+
+/// How a material reflects light, without images.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlainReflectance {
+    /// Metallic share and roughness, 0 to 1.
+    pub(super) factors: [f32; 2],
+    /// Its own light, linear.
+    pub(super) emission: Vec3,
+    /// Whether its colour is shown as it is.
+    pub(super) is_unlit: bool,
 }
 
 /// Linear light from a surface; `normal` and `to_eye` are unit vectors in world space.
@@ -57,6 +71,9 @@ pub(super) fn reflected(lights: &Lights, surface: Surface, normal: Vec3, to_eye:
     let mut seen = lights.around(mirrored);
     let mut light = diffuse * (Vec3::ONE - all) * lights.around(normal);
     for Source { direction, color } in lights.sources {
+        if color == Vec3::ZERO {
+            continue;
+        }
         let to_light = direction.unwrap_or(to_eye);
         let glow = mirrored.dot(to_light).max(0.0);
         seen += color * (0.5 * (1.0 - alpha) * (glow * glow));
@@ -79,7 +96,7 @@ pub(super) fn reflected(lights: &Lights, surface: Surface, normal: Vec3, to_eye:
     light + all * seen
 }
 
-/// What microfacets reflect of light that is the same from all around.
+/// The fraction of uniform light from all directions that microfacets reflect.
 fn reflected_of_all(head_on: Vec3, roughness: f32, facing: f32) -> Vec3 {
     let x = 1.0 - roughness;
     let y = 0.0425 - 0.0275 * roughness;
@@ -89,4 +106,190 @@ fn reflected_of_all(head_on: Vec3, roughness: f32, facing: f32) -> Vec3 {
     let grazing = math::exp(f64::from(facing) * (-9.28 * std::f64::consts::LN_2)) as f32;
     let a = (x * x).min(grazing) * x + y;
     head_on * (z - 1.04 * a) + Vec3::splat((1.04 * a + w).max(0.0))
+}
+
+/// Eight surfaces, as light falls on them.
+pub(super) struct Surfaces<L: Lanes> {
+    /// Base colours, linear light.
+    pub(super) base: Vectors<L>,
+    /// 0 to 1.
+    pub(super) metallic: L::F32,
+    /// 0 to 1.
+    pub(super) roughness: L::F32,
+}
+
+/// [`reflected`] of eight surfaces.
+#[inline(always)]
+pub(super) fn eight_reflected<L: Lanes>(
+    lanes: L,
+    lights: &Lights,
+    surfaces: &Surfaces<L>,
+    normal: Vectors<L>,
+    to_eye: Vectors<L>,
+) -> Vectors<L> {
+    let &Surfaces {
+        base,
+        metallic,
+        roughness,
+    } = surfaces;
+    let splat = |vector| Vectors::splat(lanes, vector);
+    let [zero, half, one] = [0.0, 0.5, 1.0].map(|number| lanes.splat(number));
+    let alpha = (roughness * roughness).max(lanes.splat(LEAST_ALPHA));
+    let square = alpha * alpha;
+    let rest = one - square;
+    let diffuse = base.scaled(one - metallic);
+    let dielectric = lanes.splat(DIELECTRIC) * (one - metallic);
+    let head_on = (base.scaled(metallic)).plus(Vectors::all(lanes, dielectric));
+    let along = normal.dot(to_eye);
+    let facing = along.abs().min(one);
+    let mirrored = normal.scaled(along * 2.0).minus(to_eye);
+
+    let all = eight_reflected_of_all(lanes, head_on, roughness, facing);
+    let ones = splat(Vec3::ONE);
+    let mut seen = eight_around(lanes, lights, mirrored);
+    let around = eight_around(lanes, lights, normal);
+    let mut light = diffuse.times(ones.minus(all)).times(around);
+    for Source { direction, color } in lights.sources {
+        if color == Vec3::ZERO {
+            continue;
+        }
+        let to_light = direction.map_or(to_eye, splat);
+        let glow = mirrored.dot(to_light).max(zero);
+        seen = seen.plus(splat(color).scaled(half * (one - alpha) * (glow * glow)));
+        let lit = normal.dot(to_light);
+        let between = to_light.plus(to_eye).unit_or_zero();
+        let (peak, off) = (normal.dot(between), normal.cross(between));
+        let spread = square * (peak * peak) + off.dot(off);
+        let distribution = square / (spread * spread);
+        let light_side = lit * (square + rest * (facing * facing)).sqrt();
+        let eye_side = facing * (square + rest * (lit * lit)).sqrt();
+        let visibility = half / (light_side + eye_side);
+        let away = one - to_eye.dot(between);
+        let away = away.lt(zero).select(zero, away);
+        let away = one.lt(away).select(one, away);
+        let away2 = away * away;
+        let fresnel = head_on.plus(ones.minus(head_on).scaled(away2 * away2 * away));
+        let specular = fresnel.scaled(distribution * visibility);
+        let sent = diffuse.times(ones.minus(fresnel)).plus(specular);
+        let more = light.plus(splat(color).scaled(lit).times(sent));
+        light = light.replaced(zero.lt(lit), more);
+    }
+    light.plus(all.times(seen))
+}
+
+/// [`Lights::around`] eight directions.
+#[inline(always)]
+fn eight_around<L: Lanes>(lanes: L, lights: &Lights, direction: Vectors<L>) -> Vectors<L> {
+    let up = Vectors::splat(lanes, lights.up);
+    let above = lanes.splat(0.5) + lanes.splat(0.5) * direction.dot(up);
+    let more = Vectors::splat(lanes, lights.sky - lights.ground).scaled(above);
+    Vectors::splat(lanes, lights.ground).plus(more)
+}
+
+/// [`reflected_of_all`] of eight surfaces.
+#[inline(always)]
+fn eight_reflected_of_all<L: Lanes>(
+    lanes: L,
+    head_on: Vectors<L>,
+    roughness: L::F32,
+    facing: L::F32,
+) -> Vectors<L> {
+    let splat = |number| lanes.splat(number);
+    let x = splat(1.0) - roughness;
+    let y = splat(0.0425) - roughness * 0.0275;
+    let z = splat(1.04) - roughness * 0.572;
+    let w = roughness * 0.022 - 0.04;
+    let mut grazing = [0.0; LANES];
+    facing.store(&mut grazing);
+    for share in &mut grazing {
+        *share = math::exp(f64::from(*share) * (-9.28 * std::f64::consts::LN_2)) as f32;
+    }
+    let a = (x * x).min(lanes.load(&grazing)) * x + y;
+    let fixed = (a * 1.04 + w).max(splat(0.0));
+    (head_on.scaled(z - a * 1.04)).plus(Vectors::all(lanes, fixed))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::LightSet;
+    use super::super::smooth::Rows;
+    use super::*;
+    use crate::Simd;
+    use crate::camera::{Camera, ImagePlane, Placement, Projection};
+    use crate::num::simd::{Work, dispatch};
+    use crate::random::Random;
+    use glam::DVec3;
+
+    /// Eight surfaces: base colour, normal, way to the eye, and metallic share and roughness.
+    struct Eight<'a> {
+        lights: &'a Lights,
+        vectors: [&'a Rows; 3],
+        numbers: [&'a [f32; LANES]; 2],
+        found: &'a mut Rows,
+    }
+
+    impl Work for Eight<'_> {
+        #[inline(always)]
+        fn run(self, lanes: impl Lanes) {
+            let [base, normal, to_eye] = self.vectors.map(|rows| Vectors::load(lanes, rows));
+            let [metallic, roughness] = self.numbers.map(|row| lanes.load(row));
+            let surfaces = Surfaces {
+                base,
+                metallic,
+                roughness,
+            };
+            *self.found = eight_reflected(lanes, self.lights, &surfaces, normal, to_eye).store();
+        }
+    }
+
+    #[test]
+    fn every_instruction_set_reflects_what_one_pixel_reflects_to_the_bit() {
+        let plane = ImagePlane::new(64, 64, 0.1).expect("a good plane");
+        let placement = Placement {
+            eye: DVec3::new(3.0, 4.0, 5.0),
+            target: DVec3::ZERO,
+            up: DVec3::Y,
+        };
+        let camera = Camera::new(placement, Projection::Perspective, plane);
+        let sets = [LightSet::Soft, LightSet::Headlight, LightSet::ThreePoint];
+        let mut random = Random(5);
+        for round in 0..2000 {
+            let lights = Lights::new(&camera, sets[round % 3]);
+            let surface = |random: &mut Random| Surface {
+                base: random.point().as_vec3().abs(),
+                metallic: [0.0, 1.0, random.unit() as f32][round / 3 % 3],
+                roughness: [0.0, 1.0, random.unit() as f32][round / 9 % 3],
+            };
+            let all: [_; LANES] = std::array::from_fn(|_| {
+                let surface = surface(&mut random);
+                let mut unit = || random.point().as_vec3().normalize_or_zero();
+                (surface, unit(), unit())
+            });
+            let mut vectors = [Rows::ZERO; 3];
+            let mut numbers = [[0.0; LANES]; 2];
+            for (lane, (surface, normal, to_eye)) in all.iter().enumerate() {
+                vectors[0].set(lane, surface.base);
+                vectors[1].set(lane, *normal);
+                vectors[2].set(lane, *to_eye);
+                numbers[0][lane] = surface.metallic;
+                numbers[1][lane] = surface.roughness;
+            }
+            for simd in [Simd::Plain, Simd::best()] {
+                let mut found = Rows::ZERO;
+                let eight = Eight {
+                    lights: &lights,
+                    vectors: vectors.each_ref(),
+                    numbers: numbers.each_ref(),
+                    found: &mut found,
+                };
+                dispatch(simd, eight);
+                for (lane, &(surface, normal, to_eye)) in all.iter().enumerate() {
+                    let expected = reflected(&lights, surface, normal, to_eye);
+                    let found = found.0.map(|row| row[lane].to_bits());
+                    let expected = expected.to_array().map(f32::to_bits);
+                    assert_eq!(found, expected, "{simd:?}, round {round}, lane {lane}");
+                }
+            }
+        }
+    }
 }

@@ -1,13 +1,13 @@
-//! Reading textures: in linear light, wrapped beyond the image.
+//! Reading textures in linear light, wrapped beyond the image.
 
 use super::Filter;
 use super::srgb::Tables;
 use crate::scene::{Texture, Wrap};
 
-/// The texture at (u, v): origin bottom-left, one repeat a unit, linear light with alpha multiplied
-/// in. Texel centres lie half a texel from the texture's edges. Beyond the image it is wrapped.
+/// The texture at (u, v): origin bottom left, one repeat a unit, linear light with premultiplied alpha. Texel centres
+/// lie half a texel from the texture's edges. Beyond the image it is wrapped.
 ///
-/// Coordinates that are not finite read as zero.
+/// Coordinates that are not finite count as zero.
 pub(super) fn sample(
     tables: &Tables,
     texture: &Texture,
@@ -22,7 +22,7 @@ pub(super) fn sample(
     let y = (1.0 - within(v)) * f64::from(texture.height());
     match filter {
         Filter::Nearest => texel(tables, texture, x as u32, y as u32),
-        // The others read a texture's levels this way.
+        // The other filters read mip levels in this way.
         Filter::Bilinear | Filter::Trilinear | Filter::Ewa => {
             let (left, right, across) = neighbors(x, texture.width());
             let (top, bottom, down) = neighbors(y, texture.height());
@@ -42,7 +42,7 @@ pub(super) fn sample(
     }
 }
 
-/// [`sample`] of a texture that is not repeated.
+/// As [`sample`], for a texture that does not repeat.
 #[inline(never)]
 fn sample_wrapped(tables: &Tables, texture: &Texture, u: f64, v: f64, filter: Filter) -> [f32; 4] {
     let [across, down] = texture.wrap();
@@ -68,7 +68,7 @@ fn sample_wrapped(tables: &Tables, texture: &Texture, u: f64, v: f64, filter: Fi
     }
 }
 
-/// The texel at any column and row: linear light with alpha multiplied in.
+/// The texel at any column and row: linear light with premultiplied alpha.
 pub(super) fn wrapped_texel(tables: &Tables, texture: &Texture, x: i64, y: i64) -> [f32; 4] {
     let [across, down] = texture.wrap();
     match (
@@ -89,7 +89,7 @@ fn border(tables: &Tables, wrap: Wrap) -> [f32; 4] {
     [r, g, b, 1.0]
 }
 
-/// What is left of a coordinate after whole repeats: 0 to 1.
+/// The fractional part of a coordinate, 0 to 1.
 fn within(coordinate: f64) -> f64 {
     if coordinate.is_finite() {
         coordinate - coordinate.floor()
@@ -98,7 +98,7 @@ fn within(coordinate: f64) -> f64 {
     }
 }
 
-/// The texels whose centres lie at or before a place and after it, and how far it is between them.
+/// The texels whose centres are at or before a position and after it, and the position's fraction between them.
 fn neighbors(place: f64, size: u32) -> (u32, u32, f32) {
     let from_center = place - 0.5;
     let before = from_center.floor();
@@ -107,7 +107,7 @@ fn neighbors(place: f64, size: u32) -> (u32, u32, f32) {
     (first, second, (from_center - before) as f32)
 }
 
-/// A texel; the one past the last is the first.
+/// A texel; the one after the last is the first.
 fn texel(tables: &Tables, texture: &Texture, x: u32, y: u32) -> [f32; 4] {
     let x = if x < texture.width() { x } else { 0 };
     let y = if y < texture.height() { y } else { 0 };
@@ -220,9 +220,9 @@ mod tests {
     const RED: [f32; 4] = [1.0, 0.0, 0.0, 1.0];
 
     #[test]
-    fn wraps_show_what_they_say_beyond_the_image() {
+    fn each_wrap_shows_its_texels_beyond_the_image() {
         let red = Wrap::Border(Some(crate::scene::Color([255, 0, 0])));
-        // The column, and a place half a texel's side from its left, beyond the image on the right.
+        // The column, and a position half a texel from its left, beyond the image on the right.
         for (wrap, third, ninth) in [
             (Wrap::Mirror, Some(1), Some(0)),
             (Wrap::Clamp, Some(3), Some(3)),

@@ -23,10 +23,10 @@ use glam::{DVec3, Vec3};
 /// sRGB colour of sections: no material is likely to have it.
 pub(crate) const SECTION: Color = Color([0xe0, 0x7b, 0x39]);
 
-/// And of their outlines.
+/// The sRGB colour of their outlines.
 pub(crate) const OUTLINE: Color = Color([0x2b, 0x15, 0x08]);
 
-/// A plane and the object that it cuts there; `None` where no section is seen.
+/// A plane and the object that it cuts; `None` where no section is visible.
 pub(crate) type Cut = Option<(usize, u32)>;
 
 /// What a sample shows of sections: nothing, an outline, or the inside of one.
@@ -43,29 +43,30 @@ pub(crate) struct Section<'a> {
     accel: &'a Accel,
     camera: Camera,
     sides: Sides,
-    /// Those through which rays enter what is kept: the same for all rays that get there.
+    /// The planes through which rays enter the kept side: the same for all rays that get there.
     planes: Vec<Plane>,
-    /// What those alone leave of the triangles.
+    /// The triangles as those planes alone keep them.
     entered: Clipped<'a>,
     masks: Option<Masks<'a>>,
-    /// Those through which rays leave what is kept.
+    /// The planes through which rays leave the kept side.
     exits: Vec<Plane>,
-    /// Whether an object's transform turns its triangles' fronts to the inside.
+    /// For each object, whether its transform mirrors it.
     mirrored: Vec<bool>,
-    /// Of the outline, then of each plane.
+    /// The colour of the outline, then of each plane.
     colors: Vec<([f32; 4], [u8; 4])>,
 }
 
 #[derive(Debug)]
 struct Plane {
-    /// Unit vector towards what is kept.
+    /// The unit vector towards the kept side.
     normal: DVec3,
-    /// How far before the plane the eye, or the image plane's middle, stands: in scene units.
+    /// The distance of the eye, or of the image plane's middle, in front of the plane, in scene units.
     depth: f64,
 }
 
 impl Plane {
-    /// How fast a ray comes towards what is kept, per t, and the t of its crossing; from a start as seen from the eye.
+    /// How fast a ray approaches the kept side, per t, and the t at which it crosses the plane; its start is relative
+    /// to the eye.
     fn crossing(&self, start: DVec3, direction: DVec3) -> (f64, f64) {
         let along = self.normal.dot(direction);
         (along, (self.depth - self.normal.dot(start)) / along)
@@ -73,8 +74,8 @@ impl Plane {
 }
 
 impl<'a> Section<'a> {
-    /// `None` where the picture has none: no plane that any ray enters through, rays that pass through backs, an eye for
-    /// each column, or a mode that shows what hits are rather than what they look like.
+    /// `None` where the picture has no sections: no plane through which rays enter, culled back faces, an eye for
+    /// each column, or a mode that shows properties of hits rather than surfaces.
     pub(crate) fn new(
         scene: &'a Scene,
         accel: &'a Accel,
@@ -99,7 +100,7 @@ impl<'a> Section<'a> {
             };
             (plane, *given)
         });
-        // What leaves the range of double precision has no section rather than a wrong one.
+        // Without sections where numbers leave the range of double precision, rather than with wrong ones.
         let planes =
             planes.filter(|(plane, _)| plane.normal.is_finite() && plane.depth.is_finite());
         let is_entered = |(plane, _): &(Plane, ClippingPlane)| match camera.projection() {
@@ -133,7 +134,7 @@ impl<'a> Section<'a> {
         !self.exits.is_empty()
     }
 
-    /// What the sample at (x, y) of the picture shows of sections, where its ray hits this triangle first.
+    /// The section at the sample (x, y) of the picture, whose ray hits this triangle first.
     pub(crate) fn at(&self, x: f64, y: f64, primitive: u32) -> Cut {
         let primitive = match primitive {
             MISS => self.beyond_exit(x, y)?,
@@ -143,7 +144,8 @@ impl<'a> Section<'a> {
         if (self.sides).is_back(self.accel.corners(primitive)) == self.mirrored[object as usize] {
             return None;
         }
-        // A hit is kept, so its ray has entered through every plane that it goes through this way: the last one counts.
+        // A hit is kept, so its ray has entered through every plane that it crosses in this direction: the last one
+        // counts.
         if self.planes.len() == 1 && !self.camera.projection().is_parallel() {
             return Some((0, object));
         }
@@ -151,7 +153,7 @@ impl<'a> Section<'a> {
         Some((number, object))
     }
 
-    /// The ray's start, as seen from the eye, and its direction.
+    /// The ray's start, relative to the eye, and its direction.
     fn ray(&self, x: f64, y: f64) -> (DVec3, DVec3) {
         let start = match self.camera.projection() {
             Projection::Orthographic => self.camera.on_plane(x, y),
@@ -160,7 +162,7 @@ impl<'a> Section<'a> {
         (start, self.camera.direction(x, y))
     }
 
-    /// Where a ray enters what is kept: t, and the plane.
+    /// Where a ray enters the kept side: t, and the plane.
     fn entry(&self, (start, direction): (DVec3, DVec3)) -> Option<(f64, usize)> {
         let mut last = None;
         for (number, plane) in self.planes.iter().enumerate() {
@@ -172,7 +174,8 @@ impl<'a> Section<'a> {
         last
     }
 
-    /// What a ray that crosses what is kept, and hits nothing there, would hit first if it did not leave it again.
+    /// The triangle that a ray which crosses the kept side without a hit would hit first, if it did not leave it
+    /// again.
     fn beyond_exit(&self, x: f64, y: f64) -> Option<u32> {
         if self.exits.is_empty() {
             return None;
@@ -198,7 +201,7 @@ impl<'a> Section<'a> {
         (!hit.is_miss()).then_some(hit.primitive)
     }
 
-    /// What a sample shows, whose section is this and is on its outline or not.
+    /// What a sample shows, given its section and whether it is on the outline.
     pub(crate) fn shown(cut: Cut, is_outline: bool) -> Shown {
         match cut {
             None => Shown::NONE,
@@ -207,7 +210,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// The colour of what is shown of sections, if anything is: linear light, alpha not multiplied in.
+    /// The colour of a section or an outline, if the sample shows one: linear light, straight alpha.
     pub(crate) fn color(&self, shown: Shown) -> Option<[f32; 4]> {
         let number = shown.0.checked_sub(1)?;
         self.colors
@@ -215,7 +218,7 @@ impl<'a> Section<'a> {
             .map(|(color, _)| *color)
     }
 
-    /// The same as a picture holds it.
+    /// As [`Section::color`], in 8 bits.
     pub(crate) fn color8(&self, shown: Shown) -> Option<[u8; 4]> {
         let number = shown.0.checked_sub(1)?;
         self.colors
@@ -224,7 +227,7 @@ impl<'a> Section<'a> {
     }
 }
 
-/// For each object whether its place mirrors it.
+/// For each object, whether its transform mirrors it.
 fn mirrored(scene: &Scene) -> Vec<bool> {
     let transforms = scene.world_from_objects();
     transforms.map_or_else(

@@ -1,13 +1,15 @@
+use super::depth_colors::DepthColors;
 use super::edge_choice::EdgeChoice;
 use super::edges::{EdgeLines, LineStyle};
-use super::facet::{Facet, Mapping, Needs, Varied, blend, facing_normal, unit};
+use super::eight_colors::EightColors;
+use super::facet::{Facet, Mapping, Needs, SurfaceTriangle, Varied, blend, facing_normal, unit};
 use super::ground::GroundGrid;
 use super::legend::Legend;
 use super::light::Lights;
 use super::line_overlay::{LineOverlay, Wanted};
 use super::own_color::{OwnColors, Placed, distance_range};
-use super::ramp::{Ramp, Span};
-use super::reflection::{self, Surface};
+use super::ramp::Span;
+use super::reflection::{self, PlainReflectance, Surface, Surfaces};
 use super::section::Section;
 use super::sides::Sides;
 use super::slopes::slopes;
@@ -18,7 +20,7 @@ use super::translucent::Translucent;
 use super::{Background, Mode, Shading, Wireframe};
 use crate::bvh::Accel;
 use crate::camera::{Camera, PanoramaRays, Projection, Rect};
-use crate::hit::{Cull, Detail, MISS, PrimitiveHit};
+use crate::hit::{Cull, Detail, HitNumbers, MISS, PrimitiveHit};
 use crate::num::simd::{LANES, Lanes, Simd};
 use crate::scene::{
     Attribute, ClippingPlanes, ColorScale, Masks, Object, Reflectance, Scene, Texture,
@@ -136,67 +138,18 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// How the depth mode shows distances.
-#[derive(Debug)]
-enum DepthColors {
-    /// In greys: distances below this are lightest, and one over how far the greys reach; zero if it has no
-    /// length.
-    Greys { near: f32, per_unit: f32 },
-    /// Through a colour map.
-    Map(Box<Ramp>, Span),
-}
-
-impl DepthColors {
-    /// sRGB grey at the near and the far end.
-    const NEAR_GREY: f32 = 0.96;
-    const FAR_GREY: f32 = 0.08;
-
-    /// Greys over no distance at all.
-    const NONE: Self = Self::Greys {
-        near: 0.0,
-        per_unit: 0.0,
-    };
-
-    fn new(scene: &Scene, camera: &Camera, scale: Option<ColorScale>) -> Self {
-        let range = distance_range(&scene.bounds(), camera, None);
-        match scale {
-            Some(scale) => Self::Map(
-                Box::new(Ramp::new(scale.map)),
-                Span::of(scale.range.or(range)),
-            ),
-            None => match range {
-                None => Self::NONE,
-                Some([near, far]) => Self::Greys {
-                    near: near as f32,
-                    per_unit: if far > near {
-                        (1.0 / (far - near)) as f32
-                    } else {
-                        0.0
-                    },
-                },
-            },
-        }
-    }
-
-    /// Linear light.
-    fn at(&self, t: f32, tables: &Tables) -> Vec3 {
-        match self {
-            Self::Greys { near, per_unit } => {
-                let share = ((t - near) * per_unit).clamp(0.0, 1.0);
-                let grey = Self::NEAR_GREY + (Self::FAR_GREY - Self::NEAR_GREY) * share;
-                Vec3::splat(tables.display(grey))
-            }
-            Self::Map(ramp, span) => ramp.at(span.share(t.into())),
-        }
-    }
-}
-
 impl<'a> Shader<'a> {
     /// A shader for one picture. `accel` must have been built over this `scene`.
     pub fn new(scene: &'a Scene, accel: &'a Accel, camera: Camera, shading: Shading) -> Self {
         let colored = is_colored(shading.mode);
         let own_colors = OwnColors::new(scene, &camera, &shading, colored);
-        let needs = needs(scene, &shading, &own_colors);
+        let ground = (shading.ground).and_then(|ground| GroundGrid::new(scene, ground));
+        let needs = Needs {
+            ground: ground.is_some()
+                && !camera.projection().is_parallel()
+                && !camera.has_an_eye_a_column(),
+            ..needs(scene, &shading, &own_colors)
+        };
         let lines = shading.wireframe.unwrap_or(Wireframe::ALONE);
         Self {
             scene,
@@ -225,7 +178,7 @@ impl<'a> Shader<'a> {
             },
             backdrops: Vec::new(),
             lines: Lines::new(scene, lines, needs),
-            ground: (shading.ground).and_then(|ground| GroundGrid::new(scene, ground)),
+            ground,
             section: None,
             masks: Masks::of(scene),
             translucent: Translucent::of(scene, &shading),
@@ -352,6 +305,18 @@ impl<'a> Shader<'a> {
         }
     }
 
+    /// Which of a hit's numbers the picture asks for.
+    pub(crate) fn hit_numbers(&self) -> HitNumbers {
+        let has_lines = self.needs.edges || self.ground.is_some();
+        match self.shading.mode {
+            _ if has_lines || self.has_photographs() || self.translucent.is_some() => {
+                HitNumbers::All
+            }
+            Mode::Depth => HitNumbers::T,
+            _ => HitNumbers::Weights,
+        }
+    }
+
     /// The colour of the sample at (x, y) of the picture, in pixels from its top left corner:
     /// linear light, alpha not multiplied in. A texture that was taken by a camera shows as if that saw the hit:
     /// whether it does is for who casts rays.
@@ -375,27 +340,27 @@ impl<'a> Shader<'a> {
         if hit.primitive == MISS {
             return ([0.0; 3], [0.0; 2]);
         }
-        let (object, triangle) = self.accel.identify(hit.primitive);
+        self.surface_triangle(hit.primitive, x).at(hit.u, hit.v)
+    }
+
+    /// A triangle made ready for [`Shader::surface`] of pixels at `x` or, where they have one eye, of all.
+    pub(super) fn surface_triangle(&self, primitive: u32, x: f64) -> SurfaceTriangle {
+        let (object, triangle) = self.accel.identify(primitive);
         let mesh = &self.scene.objects[object as usize].mesh;
         let needs = Needs {
             normal: true,
             ..Needs::default()
         };
-        let mut facet = self.facet(hit.primitive, needs, x);
+        let mut facet = self.facet(primitive, needs, x);
         if mesh.has_normals() {
             facet.normals = self.normals_in_world(object, mesh.corner_normals(triangle));
         }
-        let uv = mesh
-            .corner_uvs(triangle)
-            .map_or(Vec2::ZERO, |uvs| blend(uvs, hit.u, hit.v));
-        (
-            facet.normal_at(hit.u, hit.v).to_array(),
-            if uv.is_finite() {
-                uv.to_array()
-            } else {
-                [0.0; 2]
-            },
-        )
+        facet.uvs = mesh.corner_uvs(triangle);
+        SurfaceTriangle {
+            object,
+            triangle,
+            facet,
+        }
     }
 
     /// As [`TileShader::shade`](super::TileShader::shade) where no ray hits anything.
@@ -430,7 +395,12 @@ impl<'a> Shader<'a> {
 
     /// Whether all pixels of a triangle have one colour.
     pub(super) fn is_constant(&self) -> bool {
-        matches!(self.shading.mode, Mode::Color | Mode::Flat)
+        let is_flat = match self.shading.mode {
+            Mode::Color | Mode::Flat | Mode::Texture => true,
+            Mode::Normals => !self.needs.smooth,
+            _ => false,
+        };
+        is_flat
             && !self.needs.texture
             && !self.needs.varied
             && !self.needs.edges
@@ -458,10 +428,37 @@ impl<'a> Shader<'a> {
         self.accel.simd()
     }
 
-    /// Whether pixels are shaded by the mesh's normals, with no lines over them.
-    pub(super) fn is_smooth(&self) -> bool {
-        let has_lines = self.needs.edges || self.ground.is_some();
-        self.shading.mode == Mode::Smooth && !has_lines && !self.has_many_eyes()
+    /// Whether eight pixels' colours depend on where the eye is.
+    pub(super) fn looks_at_eyes(&self) -> bool {
+        let colors = self.eight_colors();
+        matches!(colors, Some(EightColors::Smooth | EightColors::Material))
+    }
+
+    /// What pixels are coloured by where eight are shaded at once; `None` where they are shaded one by one.
+    pub(super) fn eight_colors(&self) -> Option<EightColors> {
+        let is_parallel = self.camera.projection().is_parallel();
+        let shows_ground = self.ground.is_some() && is_parallel;
+        if self.needs.edges || shows_ground || self.has_many_eyes() {
+            return None;
+        }
+        match self.shading.mode {
+            Mode::Color | Mode::Texture => Some(EightColors::Own),
+            Mode::Flat => Some(EightColors::Flat),
+            Mode::Smooth => Some(EightColors::Smooth),
+            // Images of metal and roughness are read one by one.
+            Mode::Material if !self.needs.uvs => Some(EightColors::Material),
+            Mode::Normals => Some(EightColors::Normals),
+            Mode::Depth if self.depth.are_grey() => Some(EightColors::Depth),
+            Mode::Barycentric => Some(EightColors::Barycentric),
+            Mode::Uv => Some(EightColors::Uv),
+            _ => None,
+        }
+    }
+
+    /// sRGB greys of eight distances in the depth mode, 0 to 1.
+    #[inline(always)]
+    pub(super) fn eight_greys<L: Lanes>(&self, lanes: L, t: L::F32) -> L::F32 {
+        self.depth.eight_greys(lanes, t)
     }
 
     /// The light on eight pixels of a row whose triangles and weights are known.
@@ -530,6 +527,11 @@ impl<'a> Shader<'a> {
         }
     }
 
+    /// [`Shader::behind`] at a height in the picture, where that is the same in all of its width.
+    pub(crate) fn behind_row(&self, y: f64) -> Option<[f32; 4]> {
+        (!self.has_overlay() && !self.is_panoramic()).then(|| self.backdrop(y))
+    }
+
     /// The ground over what lies behind it, at `t`.
     fn grounded(&self, x: f64, y: f64, t: f32, behind: [f32; 4]) -> [f32; 4] {
         match &self.ground {
@@ -561,13 +563,17 @@ impl<'a> Shader<'a> {
         let (number, triangle) = self.accel.identify(primitive);
         let object = &self.scene.objects[number as usize];
         facet.object = number;
-        if needs.normal || needs.middle || needs.edges {
+        if needs.normal || needs.middle || needs.edges || needs.ground {
             let corners = self.corners(primitive, x);
             if needs.normal {
                 facet.normal = self.normal(corners);
             }
             if needs.middle {
                 facet.to_eye = self.middle_to_eye(corners);
+            }
+            if let (true, Some(ground)) = (needs.ground, &self.ground) {
+                let origin = self.accel.origin().y;
+                facet.shows_ground = !ground.is_hidden_by(self.eye.y, origin, corners);
             }
             if needs.edges {
                 // Where the picture is no plane, `color_on` has them at each place.
@@ -667,6 +673,10 @@ impl<'a> Shader<'a> {
     /// [`Shader::color`] where all pixels of a triangle have one colour: the same, with nothing made
     /// ready that a single answer does not need.
     pub(super) fn constant_color(&self, primitive: u32) -> [f32; 4] {
+        if self.shading.mode == Mode::Normals {
+            let normal = self.normal(self.corners(primitive, 0.0));
+            return self.displayed(normal * 0.5 + 0.5);
+        }
         let (number, triangle) = self.accel.identify(primitive);
         let object = &self.scene.objects[number as usize];
         let place = || self.placed(number, primitive, 0.0);
@@ -674,7 +684,7 @@ impl<'a> Shader<'a> {
             Some(color) => color,
             None => (self.own_colors).of_triangle(number, object, triangle, place),
         };
-        if self.shading.mode == Mode::Color {
+        if matches!(self.shading.mode, Mode::Color | Mode::Texture) {
             return opaque(color);
         }
         let corners = self.corners(primitive, 0.0);
@@ -729,13 +739,11 @@ impl<'a> Shader<'a> {
 
     /// The colour of a sample on a triangle, without lines.
     fn inside(&self, facet: &Facet, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
-        let display = |value: Vec3| opaque(value.to_array().map(|v| self.tables.display(v)).into());
         match self.shading.mode {
             Mode::Color => opaque(self.own_color(facet, hit.u, hit.v)),
             Mode::Texture => opaque(self.surface_color(facet, || (x, y), hit)),
             Mode::Flat => {
-                let light = self.lights.on(facet.normal, facet.to_eye);
-                opaque(self.surface_color(facet, || (x, y), hit) * light)
+                opaque(self.surface_color(facet, || (x, y), hit) * self.flat_light(facet))
             }
             Mode::Smooth | Mode::XRay => {
                 let to_eye = self.to_eye_at(x, y);
@@ -743,37 +751,42 @@ impl<'a> Shader<'a> {
                 opaque(self.surface_color(facet, || (x, y), hit) * light)
             }
             Mode::Material => opaque(self.reflected(facet, (x, y), hit)),
-            Mode::Normals => display(facet.normal_at(hit.u, hit.v) * 0.5 + 0.5),
+            Mode::Normals => self.displayed(facet.normal_at(hit.u, hit.v) * 0.5 + 0.5),
             Mode::Depth => opaque(self.depth.at(hit.t, self.tables)),
-            Mode::Barycentric => display(Vec3::new(1.0 - hit.u - hit.v, hit.u, hit.v)),
+            Mode::Barycentric => self.displayed(Vec3::new(1.0 - hit.u - hit.v, hit.u, hit.v)),
             Mode::Uv => {
                 let uv = facet.uvs.map_or(Vec2::ZERO, |uvs| blend(uvs, hit.u, hit.v));
                 let uv = uv - uv.floor();
-                display(Vec3::new(uv.x, uv.y, 0.25))
+                self.displayed(Vec3::new(uv.x, uv.y, 0.25))
             }
             Mode::Wireframe => self.backdrop(y),
         }
     }
 
+    /// The light on all of a triangle.
+    pub(super) fn flat_light(&self, facet: &Facet) -> Vec3 {
+        self.lights.on(facet.normal, facet.to_eye)
+    }
+
+    /// A colour that is meant as sRGB, 0 to 1.
+    fn displayed(&self, value: Vec3) -> [f32; 4] {
+        opaque(value.to_array().map(|v| self.tables.display(v)).into())
+    }
+
     /// What a material sends back, and its own light.
     fn reflected(&self, facet: &Facet, (x, y): (f64, f64), hit: &PrimitiveHit) -> Vec3 {
         let base = self.surface_color(facet, || (x, y), hit);
-        let material = facet.material.and_then(|number| {
-            let materials = self.scene.objects[facet.object as usize].mesh.materials();
-            materials.get(number as usize)?.reflectance.as_deref()
-        });
-        let (factors, emission) = match material {
-            None => {
-                let Reflectance {
-                    metallic,
-                    roughness,
-                    ..
-                } = Reflectance::default();
-                ([metallic, roughness], Vec3::ZERO)
-            }
-            Some(material) if material.is_unlit => return base,
-            Some(material) => self.texturing.reflectance(material, facet.uvs, hit),
-        };
+        let PlainReflectance {
+            mut factors,
+            mut emission,
+            is_unlit,
+        } = self.plain_reflectance(facet);
+        if is_unlit {
+            return base;
+        }
+        if let Some(material) = self.reflectance(facet) {
+            (factors, emission) = self.texturing.reflectance(material, facet.uvs, hit);
+        }
         let [metallic, roughness] = factors;
         let surface = Surface {
             base,
@@ -783,6 +796,47 @@ impl<'a> Shader<'a> {
         let to_eye = self.to_eye_at(x, y);
         let normal = facet.normal_at(hit.u, hit.v);
         reflection::reflected(&self.lights, surface, normal, to_eye) + emission
+    }
+
+    /// How a triangle's material reflects light, where the mesh says it.
+    fn reflectance(&self, facet: &Facet) -> Option<&Reflectance> {
+        let materials = self.scene.objects[facet.object as usize].mesh.materials();
+        let material = materials.get(facet.material? as usize)?;
+        material.reflectance.as_deref()
+    }
+
+    /// How a triangle's material reflects light, without its images.
+    pub(super) fn plain_reflectance(&self, facet: &Facet) -> PlainReflectance {
+        let default = Reflectance::default();
+        let material = self.reflectance(facet);
+        let &Reflectance {
+            metallic,
+            roughness,
+            emission,
+            is_unlit,
+            ..
+        } = material.unwrap_or(&default);
+        PlainReflectance {
+            // What a mesh says is held to its range; the default is within it.
+            factors: [metallic, roughness].map(|factor| factor.clamp(0.0, 1.0)),
+            emission: match material {
+                Some(_) => Vec3::from(emission),
+                None => Vec3::ZERO,
+            },
+            is_unlit,
+        }
+    }
+
+    /// What eight surfaces send back.
+    #[inline(always)]
+    pub(super) fn eight_reflected<L: Lanes>(
+        &self,
+        lanes: L,
+        surfaces: &Surfaces<L>,
+        normal: Vectors<L>,
+        to_eye: Vectors<L>,
+    ) -> Vectors<L> {
+        reflection::eight_reflected(lanes, &self.lights, surfaces, normal, to_eye)
     }
 
     /// The unit vector from a sample to the eye.
@@ -902,6 +956,7 @@ fn needs(scene: &Scene, shading: &Shading, own_colors: &OwnColors) -> Needs {
         uvs: shading.mode == Mode::Uv || reflects && has_images(),
         reflectance: reflects,
         edges: shading.wireframe.is_some() || shading.mode == Mode::Wireframe,
+        ground: false,
     }
 }
 

@@ -5,18 +5,18 @@ use glam::{DVec3, Vec3};
 use num_bigint::BigInt;
 use std::cmp::Ordering;
 
-/// Which side of triangles a camera's rays see: by the same exact sign as [`Cull`](crate::hit::Cull) goes by, which is
-/// that of one determinant for all rays that hit a triangle.
+/// Decides which side of a triangle a camera's rays see, by the exact sign that [`Cull`](crate::hit::Cull) uses: that
+/// of one determinant for all rays that hit the triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sides {
-    /// Where rays start, in world space, or the way that all of them run.
+    /// The rays' common origin, in world space, or their common direction.
     eye: Result<DVec3, DVec3>,
     /// The point that corners are relative to.
     origin: DVec3,
 }
 
 impl Sides {
-    /// Of triangles whose corners are relative to `origin`.
+    /// For triangles whose corners are relative to `origin`.
     pub(super) fn new(camera: &Camera, origin: DVec3) -> Self {
         let eye = match camera.projection().is_parallel() {
             true => Err(camera.forward()),
@@ -25,8 +25,8 @@ impl Sides {
         Self { eye, origin }
     }
 
-    /// Whether rays that hit a triangle see its back: its corners run clockwise. Where they run along it, they hit
-    /// neither.
+    /// Whether rays that hit a triangle see its back: its corners run clockwise. Rays along the triangle hit neither
+    /// side.
     pub(super) fn is_back(&self, corners: [Vec3; 3]) -> bool {
         let [a, b, c] = corners.map(Vec3::as_dvec3);
         let (along, size) = match self.eye {
@@ -39,8 +39,8 @@ impl Sides {
         let (p, q) = (b - a, c - a);
         let value = p.cross(q).dot(along);
         // No term has more than nine roundings: the differences of corners, their two products, the difference of
-        // these, the eye's place and the difference to it (both relative to `size`), a product and two sums. 16 times
-        // the unit roundoff, 2⁻⁵³, covers them with all higher orders and the bound's own.
+        // these, the eye's position and the difference from it (both relative to `size`), a product and two sums. 16
+        // times the unit roundoff, 2⁻⁵³, covers them with all higher orders and the bound's own rounding.
         let (p, q) = (p.abs(), q.abs());
         let products = DVec3::new(
             p.y * q.z + p.z * q.y,
@@ -81,9 +81,9 @@ mod tests {
     use crate::random::Random;
     use crate::scene::{Mesh, MeshData, Scene};
 
-    /// Planes through the eye but for 2⁻⁵¹, which rounding hides: exact arithmetic sees the side.
+    /// Planes through the eye except for 2⁻⁵¹, which rounding hides: exact arithmetic decides the side.
     #[test]
-    fn what_rounding_hides_is_decided_exactly() {
+    fn sides_within_rounding_are_decided_exactly() {
         let corners = [[5.0, -3.0, -2.0], [-3.0, 5.0, -2.0], [-2.0, -3.0, 5.0]];
         let corners = corners.map(Vec3::from_array);
         let plane = ImagePlane::new(9, 9, 0.1).expect("a good plane");
@@ -105,8 +105,8 @@ mod tests {
         }
     }
 
-    /// Culling is the truth: it drops what is a back, hit by hit. Triangles are nearly in the planes through the eye, and
-    /// far from the origin too.
+    /// The truth is culling, which drops back faces hit by hit. Triangles lie nearly in planes through the eye, also
+    /// far from the origin.
     #[test]
     fn backs_are_what_culling_drops() {
         let mut random = Random(5);
@@ -116,7 +116,7 @@ mod tests {
             let thin = [1.0, 1e-9, 1e-14][round % 3];
             let eye = away + random.point() * 3.0;
             let (p, q) = (random.point(), random.point());
-            // In the plane of the eye, p and q, but for a little.
+            // Nearly in the plane of the eye, p and q.
             let mut corner = || {
                 let (x, y) = (random.signed(), random.signed());
                 eye + p * x + q * y + random.point() * thin

@@ -1,16 +1,15 @@
-//! How fast a triangle's barycentrics change from pixel to pixel.
+//! The change of a triangle's barycentrics from pixel to pixel.
 
 use crate::camera::{Camera, Projection};
 use glam::{DVec2, DVec3};
 
-/// The derivatives of a hit's barycentrics (u, v) along a pixel's step to the right and one down, on the
-/// picture's own lattice of rays; `corners` are relative to the eye, (x, y) is in pixels.
+/// The derivatives of a hit's barycentrics (u, v) from pixel to pixel, to the right and down, on the picture's own
+/// lattice of rays; `corners` are relative to the eye, (x, y) is in pixels.
 ///
-/// Through an eye, u = d · (c × a) / d · n and v = d · (a × b) / d · n with n = (b − a) × (c − a), where the
-/// ray's direction d, before it is made unit length, is linear in the place on a planar picture, and has
-/// derivatives on others; parallel rays have u and v themselves linear in it (Igehy, "Tracing Ray
-/// Differentials", 1999, for one bounce of none). Where a ray lies in the triangle's plane they are infinite or
-/// no numbers.
+/// Through an eye, u = d · (c × a) / d · n and v = d · (a × b) / d · n with n = (b − a) × (c − a). The ray's
+/// direction d before normalising is linear in the place on a planar picture, and has derivatives on others; for
+/// parallel rays u and v themselves are linear (Igehy, "Tracing Ray Differentials", 1999, without bounces). Where a
+/// ray lies in the triangle's plane they are infinite or NaN.
 pub(super) fn slopes(
     camera: &Camera,
     corners: [DVec3; 3],
@@ -23,7 +22,7 @@ pub(super) fn slopes(
         Projection::Perspective | Projection::Panoramic(_) => {
             let steps = camera.direction_slopes(x, y);
             let normal = ab.cross(ac);
-            // From edges, which keep their digits where corners are far away.
+            // From edges, which keep their significant bits where corners are far away.
             let (for_u, for_v) = (ac.cross(a), a.cross(ab));
             let along = camera.direction(x, y).dot(normal);
             steps.map(|step| {
@@ -50,7 +49,7 @@ mod tests {
     use super::*;
     use crate::camera::{ImagePlane, Panorama, Placement};
 
-    /// Barycentrics of the place where a ray intersects the plane of a triangle, in double precision.
+    /// Barycentrics of the point where a ray intersects the plane of a triangle, in double precision.
     fn weights(camera: &Camera, [a, b, c]: [DVec3; 3], (x, y): (f64, f64)) -> DVec2 {
         let direction = camera.direction(x, y);
         let plane = camera.plane();
@@ -71,7 +70,7 @@ mod tests {
         )
     }
 
-    /// The truth is a difference over a hundredth of a pixel to both sides.
+    /// The truth is a difference over a hundredth of a pixel in both directions.
     #[test]
     fn slopes_are_the_differences_of_neighbouring_rays() {
         let corners = [

@@ -46,12 +46,24 @@ impl<L: Lanes> Vectors<L> {
         Self { lanes, xyz }
     }
 
+    /// Of coordinates side by side.
+    #[inline(always)]
+    pub(super) fn new(lanes: L, xyz: [L::F32; 3]) -> Self {
+        Self { lanes, xyz }
+    }
+
     /// From memory.
     #[inline(always)]
     pub(super) fn load(lanes: L, rows: &Rows) -> Self {
         let [x, y, z] = &rows.0;
         let xyz = [lanes.load(x), lanes.load(y), lanes.load(z)];
         Self { lanes, xyz }
+    }
+
+    /// Coordinates side by side.
+    #[inline(always)]
+    pub(super) fn xyz(self) -> [L::F32; 3] {
+        self.xyz
     }
 
     /// To memory.
@@ -72,8 +84,9 @@ impl<L: Lanes> Vectors<L> {
         Self { lanes, xyz }
     }
 
+    /// Vectors whose coordinates are all the same number.
     #[inline(always)]
-    fn all(lanes: L, number: L::F32) -> Self {
+    pub(super) fn all(lanes: L, number: L::F32) -> Self {
         let xyz = [number; 3];
         Self { lanes, xyz }
     }
@@ -84,8 +97,9 @@ impl<L: Lanes> Vectors<L> {
         self.with(others, |mine, theirs| mask.select(theirs, mine))
     }
 
+    /// Sums.
     #[inline(always)]
-    fn plus(self, other: Self) -> Self {
+    pub(super) fn plus(self, other: Self) -> Self {
         self.with(other, |a, b| a + b)
     }
 
@@ -107,15 +121,41 @@ impl<L: Lanes> Vectors<L> {
         self.with(other, |a, b| a * b)
     }
 
+    /// Differences.
     #[inline(always)]
-    fn scaled(self, factor: L::F32) -> Self {
+    pub(super) fn minus(self, other: Self) -> Self {
+        self.with(other, |a, b| a - b)
+    }
+
+    /// Multiples.
+    #[inline(always)]
+    pub(super) fn scaled(self, factor: L::F32) -> Self {
         self.times(Self::all(self.lanes, factor))
     }
 
+    /// Dot products.
     #[inline(always)]
-    fn dot(self, other: Self) -> L::F32 {
+    pub(super) fn dot(self, other: Self) -> L::F32 {
         let [x, y, z] = self.times(other).xyz;
         x + y + z
+    }
+
+    /// Cross products.
+    #[inline(always)]
+    pub(super) fn cross(self, other: Self) -> Self {
+        let ([a, b, c], [x, y, z]) = (self.xyz, other.xyz);
+        let xyz = [b * z - y * c, c * x - z * a, a * y - x * b];
+        Self { xyz, ..self }
+    }
+
+    /// Unit vectors; zero where there is no direction: [`Vec3::normalize_or_zero`].
+    #[inline(always)]
+    pub(super) fn unit_or_zero(self) -> Self {
+        let lanes = self.lanes;
+        let (zero, one) = (lanes.splat(0.0), lanes.splat(1.0));
+        let inverse = one / self.length();
+        let is_good = zero.lt(inverse) & inverse.lt(lanes.splat(f32::INFINITY));
+        Vectors::splat(lanes, Vec3::ZERO).replaced(is_good, self.scaled(inverse))
     }
 
     #[inline(always)]
@@ -176,7 +216,7 @@ impl<L: Lanes> Facets<L> {
 
     /// [`Facet::normal_at`].
     #[inline(always)]
-    fn normal_at(&self, lanes: L, u: L::F32, v: L::F32) -> Vectors<L> {
+    pub(super) fn normal_at(&self, lanes: L, u: L::F32, v: L::F32) -> Vectors<L> {
         let [a, b, c] = self.corners;
         let (zero, one) = (lanes.splat(0.0), lanes.splat(1.0));
         let w = one - u - v;

@@ -3,7 +3,7 @@
 
 use super::smooth::Vectors;
 use crate::math;
-use crate::num::simd::{LANES, Lanes};
+use crate::num::simd::{F32x8, LANES, Lanes};
 use crate::scene::Color;
 use glam::Vec3;
 use std::sync::LazyLock;
@@ -26,6 +26,12 @@ const BUCKET_SHIFT: u32 = 23 - 7;
 /// Buckets from [`DARKEST`] to one: 13 binades.
 const BUCKETS: usize = 13 * 128;
 
+/// The next power of two: a bucket's number needs no check against it.
+const ALL_BUCKETS: usize = BUCKETS.next_power_of_two();
+
+/// Adding it to a whole number from 0 to 2²² puts that into the lowest bits.
+const WHOLE: f32 = (1 << 23) as f32;
+
 /// Both directions.
 #[derive(Debug)]
 pub(crate) struct Tables {
@@ -33,7 +39,7 @@ pub(crate) struct Tables {
     linear: [f32; 256],
     /// Of each bucket the byte at its lower end, times [`BUCKET`], plus what a number's bits within the
     /// bucket lack of [`BUCKET`] where the next byte begins.
-    steps: [u32; BUCKETS],
+    steps: [u32; ALL_BUCKETS],
 }
 
 /// How many numbers a bucket has.
@@ -63,6 +69,9 @@ impl Tables {
     fn new() -> Self {
         let begins: [f32; 256] = std::array::from_fn(|byte| begin(byte as u8));
         let step = |index: usize| {
+            if index >= BUCKETS {
+                return u32::from(u8::MAX) * BUCKET;
+            }
             let lower = DARKEST.to_bits() + index as u32 * BUCKET;
             let reached = |&begin: &f32| begin.to_bits() <= lower;
             let byte = begins.partition_point(reached) as u32 - 1;
@@ -108,19 +117,49 @@ impl Tables {
         colors: Vectors<L>,
         pixels: &mut [[u8; 4]; LANES],
     ) {
-        let [x, y, z] = colors
+        let rows = colors
             .max(Vectors::splat(lanes, Vec3::splat(DARKEST)))
             .min(Vectors::splat(lanes, Vec3::splat(BRIGHTEST)))
             .store()
             .0;
-        for (lane, pixel) in pixels.iter_mut().enumerate() {
-            *pixel = [
-                self.encode_within(x[lane]),
-                self.encode_within(y[lane]),
-                self.encode_within(z[lane]),
-                u8::MAX,
-            ];
+        // Loops of one kind each, which compilers vectorise but for the looking up.
+        let mut bytes = [[0; LANES]; 3];
+        for (row, bytes) in rows.iter().zip(&mut bytes) {
+            let (mut above, mut steps) = ([0; LANES], [0; LANES]);
+            for lane in 0..LANES {
+                above[lane] = row[lane].to_bits().wrapping_sub(DARKEST.to_bits());
+            }
+            for lane in 0..LANES {
+                steps[lane] = self.steps[(above[lane] / BUCKET) as usize % ALL_BUCKETS];
+            }
+            for lane in 0..LANES {
+                bytes[lane] = (steps[lane] + above[lane] % BUCKET) / BUCKET;
+            }
         }
+        pack(&bytes, pixels);
+    }
+
+    /// The bytes of eight opaque colours that are meant as sRGB, 0 to 1: what [`Tables::encode`] gives of
+    /// [`Tables::display`].
+    #[inline(always)]
+    pub(super) fn display_row<L: Lanes>(
+        &self,
+        lanes: L,
+        values: Vectors<L>,
+        pixels: &mut [[u8; 4]; LANES],
+    ) {
+        let (zero, most) = (lanes.splat(0.0), lanes.splat(255.0));
+        let mut bytes = [[0; LANES]; 3];
+        for (value, bytes) in values.xyz().into_iter().zip(&mut bytes) {
+            // No number becomes zero.
+            let whole = (value * 255.0 + 0.5).max(zero).min(most).floor() + WHOLE;
+            let mut row = [0.0; LANES];
+            whole.store(&mut row);
+            for lane in 0..LANES {
+                bytes[lane] = row[lane].to_bits() % 256;
+            }
+        }
+        pack(&bytes, pixels);
     }
 
     /// The bytes of an opaque colour.
@@ -138,6 +177,15 @@ impl Tables {
     pub(crate) fn display(&self, value: f32) -> f32 {
         // The cast is saturating, and NaN becomes zero.
         self.decode((value * 255.0 + 0.5) as u8)
+    }
+}
+
+/// Eight opaque pixels of these bytes.
+#[inline(always)]
+fn pack([r, g, b]: &[[u32; LANES]; 3], pixels: &mut [[u8; 4]; LANES]) {
+    for lane in 0..LANES {
+        let all = r[lane] | g[lane] << 8 | b[lane] << 16 | u32::from(u8::MAX) << 24;
+        pixels[lane] = all.to_le_bytes();
     }
 }
 

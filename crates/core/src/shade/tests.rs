@@ -54,7 +54,7 @@ fn front() -> Camera {
     camera(Projection::Perspective, DVec3::new(0.0, 0.0, 5.0))
 }
 
-/// A scene ready to be asked for the colours of its samples.
+/// A scene with a shader, for the colours of samples.
 struct Bench {
     scene: Scene,
     accel: Accel,
@@ -105,7 +105,7 @@ fn colors_are_the_triangles_own() {
         bench.color(mode(Mode::Color), 20.5, 15.5),
         linear([200, 100, 50])
     );
-    // Without a texture that mode shows the object's colours too.
+    // Without a texture that mode shows the object's colours as well.
     assert_eq!(
         bench.color(mode(Mode::Texture), 20.5, 15.5),
         linear([200, 100, 50])
@@ -155,8 +155,8 @@ fn backs_are_lit_as_fronts() {
 
 #[test]
 fn normals_follow_a_transform_as_planes_do() {
-    // The mesh's own normal at 45° in the xy plane; stretched twice along x, a plane with that
-    // normal has (1/2, 1, 0) by its equation.
+    // The mesh's own normal is at 45° in the xy plane; stretched by two along x, a plane with that normal has (1/2,
+    // 1, 0) by its equation.
     let mut data = square();
     data.normals = Some(Attribute {
         values: vec![Vec3::new(1.0, 1.0, 0.5).normalize(); 4],
@@ -218,7 +218,7 @@ fn near_is_lighter_than_far() {
     }
 }
 
-/// Of a square as high as half of the image.
+/// A photograph of a square that is half as high as the image.
 const FROM_THE_FRONT: Photograph = Photograph {
     eye: DVec3::new(0.0, 0.0, 5.0),
     target: DVec3::ZERO,
@@ -255,10 +255,10 @@ fn textures_mix_with_colors_in_linear_light() {
     }
 }
 
-/// Of two triangles one has a material with an image; an object's own image goes before it, and no
-/// colour but the file's leaves it.
+/// One of two triangles has a material with an image. An object's own image takes precedence, and colour rules other
+/// than the file's hide the material's.
 #[test]
-fn a_material_puts_its_texture_on_its_triangles_alone() {
+fn a_materials_texture_shows_on_its_triangles_only() {
     let texture = |texel: [u8; 3]| {
         let [r, g, b] = texel;
         Texture::new(1, 1, vec![[r, g, b, 255]]).map(Arc::new)
@@ -302,7 +302,7 @@ fn a_texture_stands_upright() {
     textured.texture = texture.map(Arc::new);
     textured.mapping.photograph = Some(FROM_THE_FRONT);
     let bench = Bench::new(vec![textured], front());
-    // Its diagonal is the bottom of a triangle that is laid into the image.
+    // The square's diagonal is the bottom of a triangle that is laid into the image.
     let upright = TextureProjection::ALL
         .iter()
         .filter(|p| **p != TextureProjection::PerTriangle);
@@ -317,7 +317,7 @@ fn a_texture_stands_upright() {
     }
 }
 
-/// The truth is the line between the two colours, at the number between the corners'.
+/// The truth is the line between the two colours, at the interpolated number.
 #[test]
 fn a_scalar_blends_the_texture_in() {
     let with = |values: [f32; 4]| {
@@ -338,7 +338,7 @@ fn a_scalar_blends_the_texture_in() {
         ..mode(Mode::Texture)
     };
     let (own, image) = (linear([200, 100, 50]), linear([0, 255, 0]));
-    // From 0 on the left to 1 on the right; beyond these numbers it is they.
+    // From 0 on the left to 1 on the right, clamped beyond.
     for (values, least) in [([0.0, 1.0, 1.0, 0.0], 0.0), ([-9.0, 1.0, 1.0, -9.0], -9.0)] {
         let bench = with(values);
         for x in [10.5, 15.5, 20.5, 29.5] {
@@ -351,7 +351,7 @@ fn a_scalar_blends_the_texture_in() {
             }
         }
     }
-    // Where there is no number, all of the picture's blend shows.
+    // Without a number, all of the picture's blend shows.
     let mut plain = with([f32::NAN; 4]);
     let none = plain.color(shading, 15.5, 15.3);
     plain.scene.objects[0].blend_by = None;
@@ -382,7 +382,7 @@ fn lines_lie_on_edges_alone() {
     };
     assert_eq!(bench.color(over, 24.5, 19.5), linear([200, 100, 50]));
     assert_eq!(bench.color(over, 10.25, 15.5), linear([255, 0, 255]));
-    // Without lines of its own that mode draws some all the same.
+    // The mode draws lines even if none are set.
     let bare = Shading {
         wireframe: None,
         ..shading
@@ -397,12 +397,12 @@ fn tiles_remember_without_a_trace() {
 
 /// One object has normals and a texture, the one beside it has neither.
 #[test]
-fn tiles_remember_what_each_object_has() {
+fn cached_triangles_keep_their_own_objects_normals_and_textures() {
     check_tiles(true);
 }
 
 fn check_tiles(with_normals: bool) {
-    // More triangles than a tile remembers, so that places are taken again.
+    // More triangles than a tile caches, so that entries are reused.
     let size = 20;
     let mut data = MeshData::default();
     for y in 0..=size {
@@ -445,7 +445,12 @@ fn check_tiles(with_normals: bool) {
         .collect();
     let hits: Hits = places.iter().map(|&(x, y)| bench.hit(x, y)).collect();
     for shown in Mode::ALL {
-        for wireframe in [None, Some(Wireframe::default())] {
+        for (wireframe, ground) in [
+            (None, None),
+            (Some(Wireframe::default()), None),
+            (None, Some(Ground::Lowest)),
+            (None, Some(Ground::At(0.1))),
+        ] {
             let filters = [
                 Filter::Nearest,
                 Filter::Bilinear,
@@ -455,6 +460,7 @@ fn check_tiles(with_normals: bool) {
             for (index, projection) in TextureProjection::ALL.into_iter().enumerate() {
                 let shading = Shading {
                     wireframe,
+                    ground,
                     blend: if index == 0 { 0.0 } else { 0.7 },
                     projection,
                     filter: filters[index % 4],

@@ -5,7 +5,7 @@ use glam::DVec2;
 /// The most repeats of a triangle along an axis that are drawn.
 const MOST_REPEATS: f64 = 16.0;
 
-/// A texture's image with what lies on it drawn over it: its crop, the triangles that show it.
+/// A texture's image with its crop and the triangles that show it drawn over it.
 #[derive(Clone, Debug)]
 pub struct TextureMap {
     width: u32,
@@ -17,8 +17,7 @@ pub struct TextureMap {
 }
 
 impl TextureMap {
-    /// The image of a whole texture, of which `crop` is used, as it is. `None` where the crop has no texel
-    /// or leaves the image.
+    /// The image of a whole texture, of which `crop` is used. `None` where the crop is empty or leaves the image.
     pub fn new(texture: &Texture, crop: Option<Crop>) -> Option<Self> {
         let (width, height) = (texture.width(), texture.height());
         let whole = Crop {
@@ -51,12 +50,12 @@ impl TextureMap {
         self.height
     }
 
-    /// The pixels, sRGB with alpha not multiplied in, row by row from the top.
+    /// The pixels, sRGB with straight alpha, row by row from the top.
     pub fn into_pixels(self) -> Vec<[u8; 4]> {
         self.pixels
     }
 
-    /// Draws the border of the crop, `width` pixels wide, about its outermost texels.
+    /// Draws the border of the crop, `width` pixels wide, around its outermost texels.
     pub fn draw_crop(&mut self, color: Color, width: f64) {
         let (low, high) = self.crop_corners();
         let corners = [
@@ -71,9 +70,9 @@ impl TextureMap {
         }
     }
 
-    /// Draws the edges of a triangle with these texture coordinates, `width` pixels wide, within the crop,
-    /// wherever the texture's wrapping shows it. Not drawn is what has coordinates that are not finite, and
-    /// what lies more than 16 times over the image along an axis.
+    /// Draws the edges of a triangle with these texture coordinates, `width` pixels wide, within the crop, wherever
+    /// the texture's wrapping shows it. Triangles with coordinates that are not finite, and triangles that repeat
+    /// more than 16 times along an axis, are not drawn.
     pub fn draw_triangle(&mut self, corners: [DVec2; 3], color: Color, width: f64) {
         let within = self.crop_corners();
         for corners in self.repeats(corners) {
@@ -83,8 +82,8 @@ impl TextureMap {
         }
     }
 
-    /// Lays a colour over the pixels whose centres are in a triangle with these texture coordinates;
-    /// `opacity` is 0 to 1.
+    /// Composites a colour over the pixels whose centres are in a triangle with these texture coordinates; `opacity`
+    /// is 0 to 1.
     pub fn fill_triangle(&mut self, corners: [DVec2; 3], color: Color, opacity: f32) {
         let (low, high) = self.crop_corners();
         for [a, b, c] in self.repeats(corners) {
@@ -120,8 +119,7 @@ impl TextureMap {
         (low, low + DVec2::new(width.into(), height.into()))
     }
 
-    /// A triangle in pixels from the image's top left, once for each time that a part of it may lie in the
-    /// crop.
+    /// A triangle in pixels from the image's top left, once for each repeat of which a part may lie in the crop.
     fn repeats(&self, corners: [DVec2; 3]) -> Vec<[DVec2; 3]> {
         let [a, b, c] = corners;
         let times = |axis: usize| {
@@ -157,7 +155,7 @@ impl TextureMap {
         all
     }
 
-    /// A line with round ends, antialiased over a pixel, within a rectangle.
+    /// A line with round ends, antialiased over a pixel, clipped to a rectangle.
     fn draw_line(
         &mut self,
         [a, b]: [DVec2; 2],
@@ -180,7 +178,7 @@ impl TextureMap {
         };
         for y in from.y.max(0.0) as u32..to.y.max(0.0) as u32 {
             let middle = f64::from(y) + 0.5;
-            // The columns that the line's band has in this row.
+            // The columns of the line's band in this row.
             let (mut left, mut right) = (from.x, to.x);
             if along.y != 0.0 {
                 let at = a.x + along.x * ((middle - a.y) / along.y);
@@ -198,7 +196,7 @@ impl TextureMap {
         }
     }
 
-    /// Lays a colour over a part of a pixel, in linear light.
+    /// Composites a colour over a fraction of a pixel, in linear light.
     fn cover(&mut self, x: u32, y: u32, color: Color, coverage: f32) {
         let index = y as usize * self.width as usize + x as usize;
         let Some(pixel) = self.pixels.get_mut(index) else {
@@ -281,14 +279,14 @@ mod tests {
             reds(filled)
         };
         let once = fill(Wrap::Repeat, 0.0, None);
-        // Half of 10 × 22.5 pixels, but for those that the slope cuts.
+        // Half of 10 × 22.5 pixels, except those that the slope cuts.
         assert!(once.len().abs_diff(112) <= 12, "{}", once.len());
         assert_eq!(fill(Wrap::Repeat, 1.0, None), once);
         assert_eq!(fill(Wrap::Repeat, -3.0, None), once);
         assert_eq!(fill(Wrap::Clamp, 1.0, None), []);
         let mirrored: Vec<u32> = fill(Wrap::Mirror, 1.0, None).iter().map(|p| p.0).collect();
         assert_eq!(mirrored.iter().max(), Some(&29));
-        // Within the crop, and nowhere else.
+        // Inside the crop, and nowhere else.
         let crop = Crop {
             x: 10,
             y: 5,

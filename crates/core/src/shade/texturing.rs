@@ -1,4 +1,4 @@
-//! The colours of textures on surfaces.
+//! Colours of textures on surfaces.
 
 use super::facet::{Mapping, blend};
 use super::footprint::{Footprint, sample_over};
@@ -11,17 +11,17 @@ use crate::scene::{Object, Reflectance, Scene, Texture};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
-/// How the textures of a scene's objects lie on them, and are read.
+/// The mappings of a scene's textures, and how they are filtered.
 #[derive(Debug)]
 pub(super) struct Texturing {
-    /// For each object; none where no texture is shown.
+    /// For each object; empty where no texture is shown.
     mappings: Vec<Option<ObjectMapping>>,
     shading: Shading,
     tables: &'static Tables,
 }
 
 impl Texturing {
-    /// For the objects of a scene, where textures are shown at all. Corners in the world are relative to `origin`.
+    /// For the objects of a scene, if textures are shown. Corners in world space are relative to `origin`.
     pub(super) fn new(scene: &Scene, shading: Shading, origin: DVec3, is_shown: bool) -> Self {
         let mapping = |object: &Object| {
             let has_texture = object.has_texture();
@@ -38,7 +38,7 @@ impl Texturing {
         }
     }
 
-    /// How an object's texture lies on a triangle, whose corners `in_world` gives; `None` where it has no place.
+    /// The mapping of an object's texture to a triangle, whose corners `in_world` gives; `None` where it has none.
     pub(super) fn mapping(
         &self,
         number: u32,
@@ -55,7 +55,7 @@ impl Texturing {
         mappings.any(|mapping| matches!(mapping, ObjectMapping::Photographed(_)))
     }
 
-    /// Where the texture was taken that a hit shows if it is seen from there.
+    /// The eye of the photograph that a hit shows if it is visible from there.
     pub(super) fn taken_from(
         &self,
         (number, texture): (u32, &Texture),
@@ -71,7 +71,7 @@ impl Texturing {
         place.map(|_| photographed.eye())
     }
 
-    /// The texture's colour at a hit: linear light, alpha multiplied in.
+    /// The texture's colour at a hit: linear light, premultiplied alpha.
     pub(super) fn sampled(
         &self,
         (number, texture): (u32, &Texture),
@@ -81,7 +81,7 @@ impl Texturing {
         let read = |u, v| sample(self.tables, texture, u, v, self.shading.filter);
         match mapping {
             Mapping::Uv(uvs) => {
-                // In double precision: large coordinates keep their place within a repeat.
+                // In double precision, so that large coordinates stay accurate within a repeat.
                 let [a, b, c] = uvs.map(|uv| uv.as_dvec2());
                 let (u, v) = (f64::from(hit.u), f64::from(hit.v));
                 let uv = a + (b - a) * u + (c - a) * v;
@@ -121,8 +121,8 @@ impl Texturing {
         }
     }
 
-    /// A material's metallic share and roughness at a hit, and its own light. Their images are read as textures are,
-    /// but over no footprint: between four texels, or at the nearest.
+    /// A material's metallic, roughness and emission at a hit. Their images are read as textures are, but without a
+    /// footprint: bilinear or nearest.
     pub(super) fn reflectance(
         &self,
         material: &Reflectance,
@@ -133,12 +133,12 @@ impl Texturing {
             Filter::Nearest => Filter::Nearest,
             Filter::Bilinear | Filter::Trilinear | Filter::Ewa => Filter::Bilinear,
         };
-        // An image without coordinates is as if it were not there.
+        // An image without texture coordinates is ignored.
         let read = |texture: &Option<Arc<Texture>>, tables| {
             let (texture, [a, b, c]) = (texture.as_ref()?, uvs?.map(|uv| uv.as_dvec2()));
             let uv = a + (b - a) * f64::from(hit.u) + (c - a) * f64::from(hit.v);
             let [r, g, b, alpha] = sample(tables, texture, uv.x, uv.y, filter);
-            // Opacity is not theirs.
+            // Alpha does not apply to them.
             (alpha > 0.0).then(|| Vec3::new(r, g, b) / alpha)
         };
         let factors = read(&material.texture, srgb::numbers()).unwrap_or(Vec3::ONE);
@@ -148,8 +148,8 @@ impl Texturing {
         ([metallic, roughness], Vec3::from(material.emission) * glow)
     }
 
-    /// The same over what the pixel sees of it; `slopes` are the change of the hit's barycentrics along a
-    /// pixel's step to the right and one down.
+    /// As [`Texturing::sampled`], over the pixel's footprint; `slopes` are the change of the hit's barycentrics from
+    /// pixel to pixel, to the right and down.
     pub(super) fn filtered(
         &self,
         (number, texture): (u32, &Texture),
@@ -218,7 +218,7 @@ fn between(corners: [Vec3; 3], hit: &PrimitiveHit) -> DVec3 {
     a + (b - a) * f64::from(hit.u) + (c - a) * f64::from(hit.v)
 }
 
-/// How far a point between corners moves where its barycentrics do.
+/// The movement of a point between corners for a change of its barycentrics.
 fn moved(corners: [Vec3; 3], by: DVec2) -> DVec3 {
     let [a, b, c] = corners.map(Vec3::as_dvec3);
     (b - a) * by.x + (c - a) * by.y

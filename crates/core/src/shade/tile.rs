@@ -1,9 +1,9 @@
-use super::facet::Facet;
-use super::smooth::{Facets, Row, Rows, Vectors};
+use super::facet::{Facet, SurfaceTriangle};
+use super::tile_rays::TileRays;
 use super::translucent::{Translucent, shell};
 use super::{Shader, srgb};
-use crate::camera::{PanoramaRays, Rect};
-use crate::num::simd::{LANES, Lanes, Work, dispatch};
+use crate::camera::Rect;
+use crate::num::simd::{Lanes, Work, dispatch};
 use crate::{Hits, MISS, PrimitiveHit};
 use glam::{DVec3, Vec3};
 
@@ -28,6 +28,8 @@ pub struct TileShader<'s> {
     colors: [(u32, [u8; 4]); COLORS],
     /// The triangles themselves, where every pixel has a colour of its own.
     facets: Vec<(u32, Facet)>,
+    /// The triangles as channels beside colours have them.
+    surfaces: Vec<(u32, SurfaceTriangle)>,
 }
 
 impl Shader<'_> {
@@ -43,7 +45,24 @@ impl<'s> TileShader<'s> {
             shader,
             colors: [(MISS, [0; 4]); COLORS],
             facets: Vec::new(),
+            surfaces: Vec::new(),
         }
+    }
+
+    /// Object and triangle of a hit of the pixels at `x`, and what [`Shader::surface`] says.
+    pub(crate) fn surface(&mut self, x: f64, hit: &PrimitiveHit) -> ([u32; 2], [f32; 3], [f32; 2]) {
+        let shader = self.shader;
+        let surface = |primitive| (primitive, shader.surface_triangle(primitive, x));
+        if self.surfaces.is_empty() {
+            self.surfaces = vec![surface(hit.primitive); FACETS];
+        }
+        let known = &mut self.surfaces[hit.primitive as usize % FACETS];
+        if known.0 != hit.primitive || shader.has_many_eyes() {
+            *known = surface(hit.primitive);
+        }
+        let (_, triangle) = known;
+        let (normal, uv) = triangle.at(hit.u, hit.v);
+        ([triangle.object, triangle.triangle], normal, uv)
     }
 
     /// What it shades as.
@@ -118,17 +137,8 @@ impl<'s> TileShader<'s> {
         hits: &Hits,
         rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
     ) {
-        if self.shader.is_smooth() {
-            dispatch(
-                self.shader.simd(),
-                ShadeSmooth {
-                    shader: self,
-                    rect,
-                    hits,
-                    rows,
-                },
-            );
-            return;
+        if let Some(colors) = self.shader.eight_colors() {
+            return self.shade_in_eights(colors, rect, hits, rows);
         }
         let columns = rect.width as usize;
         for (y, pixels) in rows.enumerate().take(rect.height as usize) {
@@ -140,7 +150,14 @@ impl<'s> TileShader<'s> {
     }
 
     /// Some pixels of a row, one by one: the hits from `first` on.
-    fn shade_hits(&mut self, left: u32, y: u32, hits: &Hits, first: usize, pixels: &mut [[u8; 4]]) {
+    pub(super) fn shade_hits(
+        &mut self,
+        left: u32,
+        y: u32,
+        hits: &Hits,
+        first: usize,
+        pixels: &mut [[u8; 4]],
+    ) {
         let backdrop = self.shader.backdrop8(y);
         let y = f64::from(y) + 0.5;
         for (column, pixel) in pixels.iter_mut().enumerate() {
@@ -151,105 +168,6 @@ impl<'s> TileShader<'s> {
             } else {
                 srgb::encode(self.color(x, y, &hit))
             };
-        }
-    }
-
-    /// Eight pixels of a row in the smooth mode, at barycentrics (u, v) of their triangles; `None` where
-    /// no triangle has normals or a texture, to which they matter.
-    #[inline(always)]
-    fn shade_smooth(
-        &mut self,
-        lanes: impl Lanes,
-        rays: &TileRays,
-        (left, y): (u32, u32),
-        primitives: &[u32; LANES],
-        weights: Option<(&Row, &Row)>,
-        pixels: &mut [[u8; 4]; LANES],
-    ) {
-        let shader = self.shader;
-        let one = *primitives == [primitives[0]; LANES];
-        if one && primitives[0] == MISS {
-            pixels.fill(shader.backdrop8(y));
-            return;
-        }
-        let hit = |lane: usize| PrimitiveHit {
-            primitive: primitives[lane],
-            u: weights.map_or(0.0, |(u, _)| u[lane]),
-            v: weights.map_or(0.0, |(_, v)| v[lane]),
-            ..PrimitiveHit::NONE
-        };
-        // Triangles from left to right, each over all lanes from its first on: registers alone, where
-        // lanes stored one by one would have to reach memory before eight could be loaded as one.
-        let mut facets = Facets::none(lanes);
-        let mut colors = Vectors::splat(lanes, Vec3::ZERO);
-        let mut each = Rows::ZERO;
-        let needs = shader.needs();
-        let varied = needs.texture || needs.varied;
-        let mut lane = 0;
-        while lane < LANES {
-            let primitive = primitives[lane];
-            let first = lane;
-            while lane < LANES && primitives[lane] == primitive {
-                lane += 1;
-            }
-            if primitive == MISS {
-                continue;
-            }
-            let facet = self.facet(primitive, f64::from(left));
-            let from = lanes.mask_from(first);
-            if varied {
-                for lane in first..lane {
-                    let place = || (f64::from(left) + lane as f64 + 0.5, f64::from(y) + 0.5);
-                    each.set(lane, shader.surface_color(facet, place, &hit(lane)));
-                }
-            } else {
-                colors = colors.replaced(from, Vectors::splat(lanes, facet.color));
-            }
-            facets = facets.replaced(from, Facets::one(lanes, facet));
-        }
-        if varied {
-            colors = Vectors::load(lanes, &each);
-        }
-        let to_eye = match &rays.around {
-            Some(around) => {
-                let to_eye = around.eight_to_eye(left - rays.first.0, y - rays.first.1);
-                Vectors::load(lanes, &Rows(to_eye))
-            }
-            None => {
-                let x = std::array::from_fn(|lane| left as f32 + lane as f32 + 0.5);
-                shader.eight_to_eye(lanes, (&x, y as f32 + 0.5))
-            }
-        };
-        let light = shader.light(lanes, &facets, weights, to_eye);
-        shader.tables.encode_row(lanes, colors.times(light), pixels);
-        if !one {
-            let backdrop = shader.backdrop8(y);
-            for (&primitive, pixel) in primitives.iter().zip(pixels) {
-                if primitive == MISS {
-                    *pixel = backdrop;
-                }
-            }
-        }
-    }
-
-    /// A row in the smooth mode of triangles that have no normals but their own.
-    #[inline(always)]
-    fn shade_smooth_row(
-        &mut self,
-        lanes: impl Lanes,
-        tile: &TileRays,
-        (mut left, y): (u32, u32),
-        primitives: &[u32],
-        pixels: &mut [[u8; 4]],
-    ) {
-        let (rows, rest) = primitives.as_chunks();
-        let (pixel_rows, pixels) = pixels.as_chunks_mut();
-        for (primitives, pixels) in rows.iter().zip(pixel_rows) {
-            self.shade_smooth(lanes, tile, (left, y), primitives, None, pixels);
-            left += LANES as u32;
-        }
-        for (x, (&primitive, pixel)) in (left..).zip(rest.iter().zip(pixels)) {
-            *pixel = self.pixel8(f64::from(x) + 0.5, f64::from(y) + 0.5, &on(primitive));
         }
     }
 
@@ -372,74 +290,11 @@ impl<'s> TileShader<'s> {
     }
 }
 
-/// The rays of a tile's pixels, where they are worked out eight at a time.
-struct TileRays {
-    /// Of a panorama in the smooth mode.
-    around: Option<PanoramaRays>,
-    /// Column and row of the first pixel.
-    first: (u32, u32),
-}
-
-impl TileRays {
-    fn new(shader: &Shader<'_>, rect: Rect) -> Self {
-        Self {
-            around: shader.is_smooth().then(|| shader.rays(rect)).flatten(),
-            first: (rect.x, rect.y),
-        }
-    }
-}
-
-/// What [`TileShader::shade`] is asked where it shades by the mesh's normals.
-struct ShadeSmooth<'t, 's, 'h, R> {
-    shader: &'t mut TileShader<'s>,
-    rect: Rect,
-    hits: &'h Hits,
-    rows: R,
-}
-
-impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadeSmooth<'_, '_, '_, R> {
-    #[inline(always)]
-    fn run(self, lanes: impl Lanes) {
-        let Self {
-            shader,
-            rect,
-            hits,
-            rows,
-        } = self;
-        let columns = rect.width as usize;
-        let rays = TileRays::new(shader.shader, rect);
-        for (y, pixels) in rows.enumerate().take(rect.height as usize) {
-            let mut first = y * columns;
-            let (mut left, y) = (rect.x, rect.y + y as u32);
-            let pixels = within(pixels, columns);
-            let (pixel_rows, rest) = pixels.as_chunks_mut();
-            for pixels in pixel_rows {
-                let weights = eight(&hits.u, first).zip(eight(&hits.v, first));
-                if let (Some(primitives), Some(weights)) = (eight(&hits.primitives, first), weights)
-                {
-                    let weights = Some(weights);
-                    shader.shade_smooth(lanes, &rays, (left, y), primitives, weights, pixels);
-                }
-                first += LANES;
-                left += LANES as u32;
-            }
-            shader.shade_hits(left, y, hits, first, rest);
-            shader.shader.clear_beyond(rect.x, y, pixels);
-        }
-    }
-}
-
 /// The pixels of a row that are within a rectangle of so many columns.
 #[inline(always)]
-fn within(pixels: &mut [[u8; 4]], columns: usize) -> &mut [[u8; 4]] {
+pub(super) fn within(pixels: &mut [[u8; 4]], columns: usize) -> &mut [[u8; 4]] {
     let count = pixels.len().min(columns);
     &mut pixels[..count]
-}
-
-/// Eight of a kind.
-#[inline(always)]
-fn eight<T>(all: &[T], first: usize) -> Option<&[T; LANES]> {
-    all.get(first..)?.first_chunk()
 }
 
 /// What [`TileShader::shade_primitives`] is asked.
@@ -456,7 +311,8 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadePrimitives<'_, '_,
         let columns = self.rect.width.max(1) as usize;
         let left = self.rect.x;
         let shader = self.shader;
-        let (constant, smooth) = (shader.shader.is_constant(), shader.shader.is_smooth());
+        let constant = shader.shader.is_constant();
+        let lit = (shader.shader.eight_colors()).filter(|_| shader.shader.looks_at_eyes());
         let has_overlay = shader.shader.has_overlay();
         let rays = TileRays::new(shader.shader, self.rect);
         let primitives = self.primitives.chunks(columns);
@@ -466,8 +322,8 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadePrimitives<'_, '_,
                     let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
                     *pixel = shader.pixel8(x, y, &on(primitive));
                 }
-            } else if smooth {
-                shader.shade_smooth_row(lanes, &rays, (left, y), primitives, pixels);
+            } else if let Some(colors) = lit {
+                shader.shade_lit_row(lanes, colors, &rays, (left, y), primitives, pixels);
             } else if constant {
                 shader.shade_row::<true>(left, y, primitives, pixels);
             } else {
@@ -479,7 +335,7 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadePrimitives<'_, '_,
 }
 
 /// A hit of which nothing is known but the triangle.
-fn on(primitive: u32) -> PrimitiveHit {
+pub(super) fn on(primitive: u32) -> PrimitiveHit {
     PrimitiveHit {
         primitive,
         ..PrimitiveHit::NONE

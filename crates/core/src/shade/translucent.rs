@@ -12,22 +12,22 @@ use super::{Mode, Shading};
 use crate::bvh::Accel;
 use crate::scene::{Opacity, Scene};
 
-/// Below this share of what is left to see nothing more is looked for: in an 8-bit picture it is a sixteenth of a step
-/// of the lightest colours, and a step of black at most.
+/// The remaining transparency below which no further layer is searched: in an 8-bit picture it is at most a sixteenth
+/// of a step of the lightest colours, and a step of black. With a smaller value more rays are cast for nothing
+/// visible.
 pub(crate) const SEEN: f32 = 1.0 / 4096.0;
 
-/// Which surfaces of a picture are translucent, and how much.
+/// The translucent surfaces of a picture, and their opacity.
 #[derive(Clone, Debug)]
 pub(crate) enum Translucent {
-    /// All of them, covering at least this much.
+    /// All surfaces, with at least this opacity.
     All(f32),
-    /// Those with blended materials, for each object whether it has any.
+    /// Surfaces with blended materials; for each object, whether it has any.
     Blended(Vec<bool>),
 }
 
 impl Translucent {
-    /// `None` where all surfaces cover what lies behind: of a mode that shows what hits are rather than what they look
-    /// like, too.
+    /// `None` where all surfaces are opaque, and in modes that show properties of hits rather than surfaces.
     pub(super) fn of(scene: &Scene, shading: &Shading) -> Option<Self> {
         match shading.mode {
             Mode::XRay => Some(Self::All(shading.x_ray_opacity.clamp(0.0, 1.0))),
@@ -38,7 +38,7 @@ impl Translucent {
         }
     }
 
-    /// Whether what lies behind a triangle shows through it.
+    /// Whether a triangle lets what lies behind it show.
     pub(crate) fn shows_through(&self, scene: &Scene, accel: &Accel, primitive: u32) -> bool {
         let Self::Blended(has_any) = self else {
             return true;
@@ -50,7 +50,7 @@ impl Translucent {
     }
 }
 
-/// What a thin shell covers that covers `alpha` where it is seen from above.
+/// The opacity, at an angle with this cosine, of a thin shell whose opacity is `alpha` seen perpendicularly.
 pub(super) fn shell(alpha: f32, cosine: f32) -> f32 {
     if alpha == 0.0 {
         return 0.0;

@@ -1,20 +1,20 @@
-//! A texture from three sides, for surfaces that have no place in it of their own.
+//! Triplanar mapping, for surfaces without texture coordinates.
 
 use crate::scene::{Bounds, Mesh};
 use glam::{DVec3, Vec3};
 
-/// How an object's texture lies on it: one repeat over the longest side of its box, centred, upright
-/// and unmirrored on the sides that face ±X and ±Z, and with −Z up on those that face ±Y.
+/// An object's triplanar mapping: one repeat over the longest side of its box, centred, upright and unmirrored on the
+/// sides that face ±X and ±Z, and with −Z up on those that face ±Y.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Triplanar {
     center: DVec3,
     scale: f64,
 }
 
-/// One side's part in a point's colour.
+/// The contribution of one axis to a point's colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Side {
-    /// 0 to 1; the three of a point add up to one.
+    /// 0 to 1; the three weights of a point sum to one.
     pub(super) weight: f32,
     /// Texture coordinates.
     pub(super) uv: [f64; 2],
@@ -25,7 +25,7 @@ impl Triplanar {
         Self::over(&mesh.bounds(), mesh.offset())
     }
 
-    /// Over a box, for points relative to `offset`.
+    /// For a box, with points relative to `offset`.
     fn over(bounds: &Bounds, offset: DVec3) -> Self {
         let longest = bounds.size().max_element();
         Self {
@@ -34,7 +34,7 @@ impl Triplanar {
         }
     }
 
-    /// The three sides' parts in the colour of a point with this unit normal, both in object space.
+    /// The three axes' contributions to the colour of a point with this unit normal, both in object space.
     pub(super) fn sides(&self, point: Vec3, normal: Vec3) -> [Side; 3] {
         let [x, y, z] = ((point.as_dvec3() - self.center) * self.scale).to_array();
         let squared = normal * normal;
@@ -53,13 +53,13 @@ impl Triplanar {
         ]
     }
 
-    /// The change of the three sides' texture coordinates along a step, for the same normal.
+    /// The change of the three axes' texture coordinates along a step, for the same normal.
     pub(super) fn along(&self, step: DVec3, normal: Vec3) -> [[f64; 2]; 3] {
         on_sides((step * self.scale).to_array(), normal)
     }
 }
 
-/// The texture coordinates on the three sides, from the middle of the box.
+/// The texture coordinates along the three axes, relative to the middle of the box.
 fn on_sides([x, y, z]: [f64; 3], normal: Vec3) -> [[f64; 2]; 3] {
     let sign = |component: f32| if component < 0.0 { -1.0 } else { 1.0 };
     [

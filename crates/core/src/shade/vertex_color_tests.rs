@@ -1,4 +1,4 @@
-//! Colours that a file gives to vertices.
+//! Vertex colours of files.
 
 use super::*;
 use crate::camera::{Camera, ImagePlane, Placement, Projection, Rect};
@@ -12,7 +12,7 @@ const RED: Color = Color([255, 0, 0]);
 const GREEN: Color = Color([0, 255, 0]);
 const GREY: Color = Color([100, 100, 100]);
 
-/// A triangle that fills the picture, and one beside it of which a corner has no colour.
+/// A triangle that fills the picture, and one beside it with a corner without colour.
 fn data() -> MeshData {
     let corner = |x: f64, y: f64| DVec3::new(x, y, 0.0);
     MeshData {
@@ -91,7 +91,7 @@ fn rules_and_materials_go_before_colours_of_vertices() {
     assert_eq!(shown, [100, 100, 100, 255]);
 }
 
-/// Pictures are made by other ways than single pixels, and show the same.
+/// Pictures are shaded tile by tile, and equal the shading of single pixels.
 #[test]
 fn pictures_show_what_single_pixels_do() {
     for mode in [Mode::Color, Mode::Flat, Mode::Smooth, Mode::Texture] {

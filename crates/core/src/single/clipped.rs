@@ -7,7 +7,7 @@ use crate::scene::{ClippingPlanes, Masks};
 use crate::triangle::clip::Clip;
 use crate::triangle::{Nearest, PreparedRay};
 
-/// What clipping planes and opacity masks leave of a tree's triangles: a hit counts where every plane keeps its exact
+/// A tree's triangles as clipping planes and opacity masks leave them: a hit counts where every plane keeps its exact
 /// point, and the mask of its material keeps its barycentrics, rounded to single precision.
 #[derive(Clone, Debug)]
 pub struct Clipped<'a> {
@@ -17,7 +17,8 @@ pub struct Clipped<'a> {
 }
 
 impl Accel {
-    /// The triangles as far as clipping planes keep them. It costs nothing to make, whatever the tree's size.
+    /// The triangles as clipping planes keep them. This only makes a view: it costs nothing, whatever the tree's
+    /// size.
     pub fn clipped(&self, planes: &ClippingPlanes) -> Clipped<'_> {
         Clipped {
             accel: self,
@@ -26,7 +27,7 @@ impl Accel {
         }
     }
 
-    /// [`Accel::intersect`], for hits whose points are kept.
+    /// As [`Accel::intersect`], for hits whose points the planes keep.
     #[inline(always)]
     pub(crate) fn intersect_kept(
         &self,
@@ -40,7 +41,7 @@ impl Accel {
         }
     }
 
-    /// Whether a ray hits a triangle at a point that is kept.
+    /// Whether a ray hits a triangle at a point that the planes keep.
     #[inline(never)]
     fn is_kept(&self, clip: &Clip, ray: &PreparedRay, primitive: u32) -> bool {
         let mut hit = Nearest::NONE;
@@ -50,23 +51,23 @@ impl Accel {
 }
 
 impl<'a> Clipped<'a> {
-    /// The same, of which masks reject hits: those of the scene that the tree was built over.
+    /// Also rejects the hits that masks reject; `masks` are those of the scene that the tree was built over.
     #[must_use]
     pub fn masked(self, masks: Option<&'a Masks<'a>>) -> Self {
         Self { masks, ..self }
     }
 
-    /// The closest hit that is kept, else as [`Accel::cast`].
+    /// As [`Accel::cast`], for the closest hit that is kept.
     pub fn cast(&self, ray: &Ray, cull: Cull) -> Option<Hit> {
         self.accel.to_hit(self.nearest(ray, cull, Precision::Exact))
     }
 
-    /// The closest hit that is kept, else as [`Accel::cast_primitive`].
+    /// As [`Accel::cast_primitive`], for the closest hit that is kept.
     pub fn cast_primitive(&self, ray: &Ray, cull: Cull, precision: Precision) -> PrimitiveHit {
         self.nearest(ray, cull, precision).to_primitive_hit()
     }
 
-    /// What [`Clipped::cast`] answers, found by testing every triangle: for tests.
+    /// As [`Clipped::cast`], by testing every triangle: for tests.
     pub fn cast_brute_force(&self, ray: &Ray, cull: Cull) -> Option<Hit> {
         let ray = PreparedRay::new(ray, self.accel.origin, cull, Precision::Exact)?;
         let mut nearest = Nearest::NONE;
@@ -80,11 +81,11 @@ impl<'a> Clipped<'a> {
         self.accel.to_hit(nearest)
     }
 
-    /// Where masks reject what the rays of a lattice hit first, the next hit that they keep takes its place: in
-    /// `primitives`, which the planes alone have kept. Returns how many rays have none left.
+    /// Replaces each hit of a lattice that a mask rejects by the next hit along its ray that is kept. `primitives`
+    /// are the closest hits that the planes keep. Returns how many rays have no hit left.
     ///
-    /// A ray that is not rejected costs a look at its material; others are traversed once more, however many layers
-    /// there are.
+    /// A ray that is not rejected costs one test of its material; a rejected one is traversed once more, however many
+    /// layers there are.
     pub(crate) fn reject_masked(
         &self,
         lattice: &Lattice,
@@ -111,7 +112,7 @@ impl<'a> Clipped<'a> {
                 continue;
             };
             let hit = ray.evaluate(*primitive, self.accel.corners(*primitive));
-            // In rounded arithmetic the ray alone may miss what its packet hit.
+            // With rounded arithmetic the single ray may miss what its packet hit.
             if hit.is_miss() || self.passes_mask(&hit) {
                 continue;
             }
@@ -129,8 +130,8 @@ impl<'a> Clipped<'a> {
         }
     }
 
-    /// The closest hit that planes and masks keep: a hit that is not kept is left out before it is compared with
-    /// others, so that equal distances need no rule of their own.
+    /// The closest hit that planes and masks keep. A hit that is not kept is rejected before it is compared with
+    /// others, so that the rule for equal distances holds as it is.
     fn nearest_kept(&self, ray: &PreparedRay) -> Nearest {
         let mut nearest = Nearest::NONE;
         traversal::visit(self.accel, ray, |primitives| {

@@ -4,19 +4,20 @@ use crate::ray::Ray;
 use crate::triangle::{Nearest, PreparedRay};
 use std::cmp::Ordering;
 
-/// The most hits of a ray that are kept: what lies behind 256 layers that each cover a fortieth is seen by less than
-/// a part in 600. It bounds the memory and the time of a ray through any number of triangles.
+/// The most hits that are kept of a ray. It bounds time and memory of a ray through any number of triangles; what
+/// lies behind 256 layers of which each covers a fortieth contributes less than a part in 600. With fewer, faint
+/// layers would be missing; with more, hostile scenes would take longer.
 pub(crate) const LAYERS: usize = 256;
 
-/// Every hit of a ray, from the nearest on.
+/// The hits of a ray, nearest first.
 #[derive(Debug, Default)]
 pub(crate) struct Layers {
     hits: Vec<Nearest>,
 }
 
 impl Layers {
-    /// Finds the hits of a ray that are kept, in exact order; equal distances go by object, then triangle. It ends with
-    /// the first of which `is_opaque` holds, and with the [`LAYERS`]-th.
+    /// Finds the hits of a ray that are kept, in exact order; equal distances go by object, then triangle. Ends with
+    /// the first hit for which `is_opaque` holds, or with the [`LAYERS`]-th.
     pub(crate) fn find(
         &mut self,
         kept: &Clipped<'_>,
@@ -32,7 +33,7 @@ impl Layers {
         let hits = &mut self.hits;
         let corners = |primitive| accel.corners(primitive);
         let id = |primitive| accel.id(primitive);
-        // Whether nothing behind the last of them counts.
+        // Whether the last hit hides everything behind it.
         let mut is_closed = false;
         traversal::visit(accel, &ray, |primitives| {
             for primitive in primitives {

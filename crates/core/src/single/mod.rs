@@ -1,4 +1,4 @@
-//! The single ray: the reference that packets agree with.
+//! Casting single rays: the reference that packets agree with.
 
 mod clipped;
 mod layers;
@@ -25,12 +25,13 @@ impl Accel {
         self.to_hit(self.nearest(ray, cull, Precision::Exact))
     }
 
-    /// The same for casting loops: a primitive index in place of the numbers, in single precision.
+    /// As [`Accel::cast`], with a primitive index in place of object and triangle numbers, in single precision: for
+    /// loops over many rays.
     pub fn cast_primitive(&self, ray: &Ray, cull: Cull, precision: Precision) -> PrimitiveHit {
         self.nearest(ray, cull, precision).to_primitive_hit()
     }
 
-    /// What [`Accel::cast`] answers, found by testing every triangle: for tests.
+    /// As [`Accel::cast`], by testing every triangle: for tests.
     pub fn cast_brute_force(&self, ray: &Ray, cull: Cull) -> Option<Hit> {
         let ray = PreparedRay::new(ray, self.origin, cull, Precision::Exact)?;
         let mut nearest = Nearest::NONE;
@@ -127,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn what_leaves_the_range_is_counted_and_the_rest_is_hit() {
+    fn placed_triangles_out_of_range_are_counted_and_the_others_are_hit() {
         let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::ONE * 1e10];
         let mesh = |triangles| {
             Arc::new(Mesh::new(MeshData {
@@ -149,7 +150,7 @@ mod tests {
             ],
         };
         let accel = Accel::build(&scene).expect("a valid scene");
-        // The third coincides with the first.
+        // The third triangle coincides with the first.
         assert_eq!((accel.out_of_range(), accel.len()), (1, 2));
         let hit = |x: f64, y: f64| {
             let ray = Ray::new(DVec3::new(x, y, 1.0), DVec3::NEG_Z);

@@ -1,4 +1,4 @@
-//! Whether a point of a triangle is seen from another eye.
+//! Whether a point of a triangle is visible from another eye.
 
 use super::{Clipped, traversal};
 use crate::hit::{Cull, Precision, PrimitiveHit};
@@ -7,19 +7,19 @@ use crate::triangle::{Nearest, PreparedRay};
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
 
-/// The least weight that a point's corners have: what single precision rounds a weight near one by, at most, so that a
-/// hit's point moves by no more than its weights are known to.
+/// The least barycentric weight that a point is given at each corner: the rounding error of a weight near one in
+/// single precision, so that the point moves by no more than its weights are known to.
 const LEAST_WEIGHT: f64 = f32::EPSILON as f64 / 2.0;
 
 impl Clipped<'_> {
-    /// Whether `eye`, in world space, sees the point of a hit: whether no other triangle that planes and masks keep is
-    /// exactly nearer along the ray from there to the point. What is as near hides nothing.
+    /// Whether the point of a hit is visible from `eye`, in world space: no other triangle that planes and masks keep
+    /// is exactly nearer along the ray from the eye to the point. A triangle at the same distance hides nothing.
     ///
-    /// The point is the triangle's at the hit's weights, each of the three made at least 2⁻²⁴ and divided by their sum.
-    /// So it is no point of a neighbour, which would hide it or not as rounding has it where the two meet in a fold; and
-    /// the ray, whose direction is rounded to double precision, hits the triangle, as it must to count. From a triangle
-    /// too far away for that, less than some 2⁻²⁶ of the distance high as the eye sees it, the middle is taken. One that
-    /// is hit there neither, edge on or culled, is not seen.
+    /// The point is computed from the hit's weights, each raised to at least 2⁻²⁴ and divided by their sum. So it is
+    /// strictly inside the triangle: a neighbour cannot hide it where the two join in a fold, and the ray, whose
+    /// direction is rounded to double precision, still hits the triangle, as it must to count. If the triangle is too
+    /// far away for that, with a height below some 2⁻²⁶ of its distance, the point is the triangle's middle. If the
+    /// ray does not hit the triangle there either, because it is edge-on or culled, the point is not visible.
     pub(crate) fn is_seen_from(&self, eye: DVec3, hit: &PrimitiveHit, cull: Cull) -> bool {
         let origin = self.accel.origin;
         let [a, b, c] = self.accel.corners(hit.primitive).map(Vec3::as_dvec3);
@@ -39,7 +39,7 @@ impl Clipped<'_> {
         false
     }
 
-    /// Whether a ray hits another triangle before one that it hits.
+    /// Whether a ray hits another triangle before its own.
     fn is_hidden(&self, ray: &PreparedRay, own: &Nearest) -> bool {
         let accel = self.accel;
         let is_nearer = |other: &Nearest| {
@@ -66,7 +66,7 @@ impl Clipped<'_> {
     }
 }
 
-/// The weights of the second and the third corner of a point that all three have a share in.
+/// The weights of the second and third corner, with at least [`LEAST_WEIGHT`] at each corner.
 fn inner(u: f32, v: f32) -> [f64; 2] {
     let [u, v] = [u, v].map(f64::from);
     let [a, b, c] = [1.0 - u - v, u, v].map(|weight| weight.max(LEAST_WEIGHT));
@@ -103,7 +103,7 @@ mod tests {
         }
     }
 
-    /// The same, found by the nearest kept hit of all triangles: seen where that is the triangle or no nearer.
+    /// Visibility by the closest hit over all triangles: visible where that is the triangle itself, or not nearer.
     fn by_all(accel: &Accel, planes: &ClippingPlanes, eye: DVec3, at: &PrimitiveHit) -> bool {
         let [a, b, c] = accel.corners(at.primitive).map(Vec3::as_dvec3);
         let [u, v] = inner(at.u, at.v);
@@ -148,8 +148,8 @@ mod tests {
         }
     }
 
-    /// A room: eight corners where three walls meet in folds, each wall of 2 n² triangles. Before the middle of each
-    /// triangle there may be a cover.
+    /// The corners of a room: eight corners where three walls join in folds, each wall of 2 n² triangles; optionally
+    /// with a cover in front of the middle of each triangle.
     fn room(n: u32, is_covered: bool) -> Accel {
         let mut positions = Vec::new();
         let mut triangles = Vec::new();
@@ -185,9 +185,9 @@ mod tests {
         accel(positions, triangles)
     }
 
-    /// From within a convex room all of its walls are seen, to their last edges and corners.
+    /// From inside a convex room all walls are visible, up to their edges and corners.
     #[test]
-    fn what_meets_in_a_fold_does_not_hide_itself() {
+    fn walls_that_join_in_a_fold_do_not_hide_one_another() {
         let accel = room(7, false);
         let kept = accel.clipped(&ClippingPlanes::NONE);
         let mut random = Random(13);
@@ -214,9 +214,10 @@ mod tests {
         }
     }
 
-    /// Edges are seen past what hides the middle: without the least weight half of the rays miss, and this fails.
+    /// Points at an edge are visible past what hides the triangle's middle. Without the least weight half of the rays
+    /// miss, and this fails.
     #[test]
-    fn a_point_at_an_edge_is_asked_for_itself() {
+    fn points_at_an_edge_are_visible_past_what_hides_the_middle() {
         let accel = room(1, true);
         let kept = accel.clipped(&ClippingPlanes::NONE);
         let mut random = Random(17);
@@ -236,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn copies_hide_nothing_and_backs_are_culled() {
+    fn coincident_triangles_hide_nothing_and_back_faces_are_culled() {
         let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
         let both = accel(corners.clone(), vec![[0, 1, 2], [2, 1, 0], [0, 1, 2]]);
         let planes = ClippingPlanes::NONE;
@@ -248,7 +249,7 @@ mod tests {
             let seen = both.clipped(&planes).is_seen_from(eye, &at, Cull::Back);
             assert_eq!(seen, triangle != 1);
         }
-        // In the triangle's own plane nothing of it is seen, nor from its own point.
+        // From within its own plane nothing of a triangle is visible, nor from the point itself.
         let one = accel(corners, vec![[0, 1, 2]]);
         for eye in [DVec3::new(5.0, 0.5, 0.0), DVec3::new(0.25, 0.25, 0.0)] {
             assert!(

@@ -1,46 +1,47 @@
-//! A ray against boxes, never missing one that it touches.
+//! Slab tests of a ray against boxes that never miss a box that the ray touches.
 //!
-//! After Ize, "Robust BVH Ray Traversal", JCGT 2013: the far end is moved outwards by what rounding may have moved
-//! the two ends together.
+//! After Ize, "Robust BVH Ray Traversal", JCGT 2013: the far end of the interval is moved outwards by a bound on the
+//! rounding error of both ends.
 
 use crate::bvh::tree::{Box32, BoxPair};
 use crate::triangle::PreparedRay;
 use glam::DVec3;
 
-/// The fraction of the longest component below which a direction's component counts as parallel to a box's faces. With a
-/// greater one slabs are widened by more, and rays enter boxes that they miss; with a lesser one reciprocals overflow.
+/// The component of a direction, relative to the longest, below which it counts as parallel to a box's faces. With a
+/// greater value slabs are widened by more, and rays enter boxes that they miss; with a lesser one reciprocals
+/// overflow.
 const PARALLEL: f64 = 1.0 / (1 << 24) as f64;
 
-/// By how much the far end of a box is moved outwards, relative to itself.
+/// The relative amount by which the far end of a box's interval is moved outwards.
 ///
 /// With u = 2⁻²⁴ each end carries three roundings (difference, reciprocal, product) and the reciprocal's second
-/// rounding: 3u and a little. Near and far together, and the product with this factor: 7u, doubled since it costs
+/// rounding: 3u to first order. Near and far together, and the product with this factor: 7u, doubled since that costs
 /// nothing.
 const SLACK: f32 = 14.0 / (1 << 24) as f32;
 
-/// The distance of a ray's origin, in lengths of the scene, beyond which distances are measured from a point of the ray
-/// next to the scene. Rays from nearer are rounded by a few units of the scene's size, and need no such point; from
-/// further away rounding by the distance would make them enter boxes that they miss.
+/// The distance of a ray's origin, in lengths of the scene, beyond which distances are measured from a point of the
+/// ray close to the scene. From nearer, rounding errors are a few units of the scene's size, and no such point is
+/// needed; from further away errors proportional to the distance would make rays enter boxes that they miss.
 const FAR: f64 = 4.0;
 
 /// The unit roundoff of double precision.
 const EPSILON: f64 = f64::EPSILON / 2.0;
 
-/// A ray prepared for boxes. Distances are measured in advances of its major axis from its start: the origin or,
-/// where that is far away, a point next to the scene, so that rounding is relative to the scene's size and not to the
-/// distance.
+/// A ray prepared for tests against boxes. Distances are in units of the advance along the major axis, measured from
+/// the ray's start: the origin or, where that is far away, a point close to the scene, so that rounding errors are
+/// relative to the scene's size and not to the distance.
 pub(super) struct SlabRay {
-    /// No more than the start, by axis.
+    /// A lower bound of the start's coordinates.
     low: [f32; 3],
-    /// No less than the start, by axis.
+    /// An upper bound of the start's coordinates.
     high: [f32; 3],
-    /// Advance of the major axis per advance of the axis.
+    /// Advance along the major axis per advance along each axis.
     inverse: [f32; 3],
-    /// Where the ray's range begins, rounded down.
+    /// The start of the ray's range, rounded down.
     begin: f32,
-    /// From the origin to the start.
+    /// The distance from the origin to the start.
     skipped: f64,
-    /// Advance of the major axis per unit of the ray's parameter.
+    /// Advance along the major axis per unit of the ray's parameter.
     advance: f64,
 }
 
@@ -54,15 +55,15 @@ impl SlabRay {
             away.max_element()
         };
         let skipped = if reach_from(ray.origin) > FAR * (max - min).max_element() {
-            // To the centre of the scene, or as near as the ray comes to it. Any point would do.
+            // The parameter of the ray's closest point to the scene's centre. Any point would be correct.
             let way = ((min + max) * 0.5 - ray.origin).dot(direction) / direction.length_squared();
             if way.is_finite() { way } else { 0.0 }
         } else {
             0.0
         };
         let start = ray.origin + direction * skipped;
-        // The direction is rounded to ε of itself, its components are at most 1, and the product is rounded:
-        // 2ε · |skipped|. The sum takes ε · (|origin| + |skipped|), and adding this to it as much again.
+        // The direction is rounded to ε of itself, its components are at most 1, and the product is rounded: 2ε ·
+        // |skipped|. The sum adds ε · (|origin| + |skipped|), and adding this to it as much again.
         let start_error = if skipped == 0.0 {
             0.0
         } else {
@@ -75,15 +76,15 @@ impl SlabRay {
         let mut inverse = [0.0; 3];
         for axis in 0..3 {
             let slope = direction[axis];
-            // On its way through the scene a nearly parallel ray moves by less than reach · PARALLEL across the slab.
-            // The slab is widened by sixteen times that, and a great factor in place of the infinite reciprocal keeps
-            // 0 · ∞ away.
+            // Within the scene a nearly parallel ray moves by less than reach · PARALLEL across the slab. The slab is
+            // widened by sixteen times that, and a large factor replaces the infinite reciprocal so that 0 · ∞ does
+            // not occur.
             let (pad, factor) = if slope.abs() < PARALLEL {
                 (reach * PARALLEL * 16.0, (1u64 << 60) as f64)
             } else {
                 (0.0, 1.0 / slope)
             };
-            // Twice the origin's own error: adding it is rounded by as much as that again.
+            // Twice the origin's own error, because adding it rounds by as much again.
             let pad = pad + 2.0 * ray.origin_error + start_error;
             low[axis] = round_down(start[axis] - pad);
             high[axis] = round_up(start[axis] + pad);
@@ -97,14 +98,14 @@ impl SlabRay {
             low,
             high,
             inverse,
-            // The slack of far ends would cover this, too.
+            // The slack of far ends would cover this as well.
             begin: begin - begin.abs() * SLACK,
             skipped,
             advance: ray.advance.abs(),
         }
     }
 
-    /// Upper bound of how far along the ray a hit at `t` ± `t_error` is.
+    /// An upper bound of the distance along the ray of a hit at `t` ± `t_error`.
     pub(super) fn limit(&self, t: f64, t_error: f64) -> f32 {
         let limit = (t + t_error) * self.advance;
         let rounding = 4.0 * EPSILON * self.skipped.abs();
@@ -112,15 +113,15 @@ impl SlabRay {
         limit + limit.abs() * SLACK
     }
 
-    /// Where the ray enters each child's box, and whether it touches it before `limit`.
+    /// For each child, where the ray enters its box, and whether it touches the box before `limit`.
     #[inline(always)]
     pub(super) fn enter(&self, boxes: &BoxPair, limit: f32) -> [(f32, bool); 2] {
         let mut near = [self.begin; 2];
         let mut far = [f32::INFINITY; 2];
         for axis in 0..3 {
             for child in 0..2 {
-                // Against the higher origin the lower face is never too far, and against the lower origin the higher
-                // face is never too near, whichever way the ray runs.
+                // The lower face is tested against the upper bound of the origin, and the upper face against the
+                // lower bound, so that errors widen the interval whichever way the ray runs.
                 let a = (boxes.min[axis][child] - self.high[axis]) * self.inverse[axis];
                 let b = (boxes.max[axis][child] - self.low[axis]) * self.inverse[axis];
                 near[child] = max(near[child], min(a, b));
@@ -134,7 +135,7 @@ impl SlabRay {
     }
 }
 
-// `f32::min` also handles NaN, which cannot occur here, at the cost of two more instructions.
+// `f32::min` would also handle NaN, which cannot occur here, with two more instructions.
 #[inline(always)]
 fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
@@ -174,10 +175,10 @@ mod tests {
     use crate::ray::Ray;
     use glam::Vec3;
 
-    /// From far away, where the way to the start cancels nearly all of a distance. The truth is twice double
-    /// precision; without the terms for rounding this fails.
+    /// From far away, where subtracting the skipped distance cancels nearly all of a distance. The truth is
+    /// double-double arithmetic; without the terms for rounding this fails.
     #[test]
-    fn a_range_begins_and_ends_no_later_and_no_sooner_than_it_should() {
+    fn ranges_begin_no_later_and_end_no_sooner_than_exact_ones() {
         let mut random = Random(65);
         let bounds = Box32 {
             min: Vec3::NEG_ONE,

@@ -1,4 +1,4 @@
-//! Single rays at the limits of the bounds: ties exactly at the traversal's limit, and boxes that are touched only
+//! Single rays where error bounds are tight: ties exactly at the traversal's limit, and boxes that are touched only
 //! within the origin's error.
 
 use super::slab::SlabRay;
@@ -13,17 +13,17 @@ use crate::triangle::PreparedRay;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// Hits at t = 0 leave no slack between where a box begins and where the nearest hit is: one that begins
-/// there may still hold a lower number.
+/// Hits at t = 0 leave no slack between the start of a box and the nearest hit: a box that starts there may still
+/// contain a lower number.
 #[test]
-fn ties_at_nothing_go_to_the_lowest_number() {
+fn ties_at_t_zero_go_to_the_lowest_number() {
     let count = 60;
     let around = |step: u32| {
         let (sin, cos) = math::sin_cos(std::f64::consts::TAU * f64::from(step) / f64::from(count));
         DVec3::new(cos, sin, 0.0)
     };
     for first in 0..count {
-        // A fan around the origin whose first triangle is at another place each time.
+        // A fan around the origin, each time with its first triangle in another direction.
         let mut positions = vec![DVec3::ZERO];
         positions.extend((0..=count).map(|step| around(step * 7 + first)));
         positions.extend((0..=count).map(|step| around(step * 7 + first + 1)));
@@ -51,10 +51,10 @@ fn ties_at_nothing_go_to_the_lowest_number() {
     }
 }
 
-/// The origin relative to the frame is rounded to a single's value, a nanometre beside the truth; the ray
-/// crosses that nanometre over a hundredth of a unit, and hits a box that is but a point there.
+/// The origin relative to the frame is rounded to single precision, a nanometre beside the truth. The ray crosses
+/// that nanometre over a hundredth of a unit, and hits a box that is a single point there.
 #[test]
-fn boxes_are_looked_for_within_the_origins_error() {
+fn boxes_touched_within_the_origins_error_are_entered() {
     let far = f64::from(1 << 25);
     let point = Vec3::new(far as f32, 0.01, 0.0);
     let slope = 1e-9 / f64::from(point.y);
@@ -78,10 +78,10 @@ fn boxes_are_looked_for_within_the_origins_error() {
     }
 }
 
-/// From far away distances are measured from next to the scene: of two boxes of 1e-12 at a
-/// distance of 5 the one that is hit is entered and the other is not, whatever the range.
+/// From far away distances are measured from a start close to the scene: of two boxes of 1e-12 at a distance of 5,
+/// the one that is hit is entered and the other is not, whatever the range.
 #[test]
-fn of_far_and_tiny_boxes_those_that_are_hit_are_entered() {
+fn of_far_tiny_boxes_only_those_that_are_hit_are_entered() {
     let size = 1e-12;
     let eye = DVec3::new(3.0, 2.0, 4.0);
     let bounds = Box32 {
@@ -130,10 +130,10 @@ fn of_far_and_tiny_boxes_those_that_are_hit_are_entered() {
     }
 }
 
-/// Rays begin 2³⁰ units away, where numbers are 2⁻²² apart, and go exactly through a box that is but a point:
-/// the start next to the scene is found within its rounding.
+/// Rays start 2³⁰ units away, where doubles are 2⁻²² apart, and go exactly through a box that is a single point: the
+/// start close to the scene is within its error bound.
 #[test]
-fn starts_next_to_the_scene_are_off_by_no_more_than_their_error() {
+fn starts_close_to_the_scene_are_within_their_error_bound() {
     let step = 2f64.powi(-22);
     let bounds = Box32 {
         min: Vec3::splat(-1e-3),
@@ -143,7 +143,7 @@ fn starts_next_to_the_scene_are_off_by_no_more_than_their_error() {
     for round in 0..2000 {
         let mut whole = |most: f64| (random.point() * most).round();
         let origin = whole(1e9);
-        // The difference has no more than 53 bits: it is the direction exactly.
+        // The difference has at most 53 bits, so it is exactly the direction.
         let target = whole(1000.0) * step;
         let ray = Ray::new(origin, target - origin);
         assert_eq!(ray.origin + ray.direction, target);

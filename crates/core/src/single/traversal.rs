@@ -1,4 +1,4 @@
-//! Traversal of one ray.
+//! Depth-first traversal of one ray.
 
 use super::slab::SlabRay;
 use crate::bvh::Accel;
@@ -6,7 +6,7 @@ use crate::bvh::tree::{DEPTH_LIMIT, Subtree};
 use crate::triangle::clip::Clip;
 use crate::triangle::{Nearest, PreparedRay};
 
-/// The closest hit that `clip` keeps.
+/// The closest hit whose point `clip` keeps.
 pub(crate) fn nearest(accel: &Accel, clip: &Clip, ray: &PreparedRay) -> Nearest {
     let mut nearest = Nearest::NONE;
     visit(accel, ray, |primitives| {
@@ -18,8 +18,8 @@ pub(crate) fn nearest(accel: &Accel, clip: &Clip, ray: &PreparedRay) -> Nearest 
     nearest
 }
 
-/// Hands `leaf` the primitives of each leaf that the ray may hit, near to far; boxes beyond the hit that it returns
-/// are skipped.
+/// Calls `leaf` with the primitives of each leaf that the ray may hit, front to back; skips boxes beyond the hit that
+/// it returns.
 #[inline(always)]
 pub(super) fn visit(
     accel: &Accel,
@@ -67,7 +67,7 @@ pub(super) fn visit(
                 limit = slab.limit(nearest.t, nearest.t_error);
             }
         }
-        // A box that begins beyond the limit holds nothing nearer; one that begins at it may tie.
+        // A box that begins beyond the limit contains nothing nearer; one that begins at it may contain a tie.
         loop {
             if depth == 0 {
                 return;

@@ -32,14 +32,14 @@ const EPSILON: f64 = f64::EPSILON / 2.0;
 
 const TINY: f64 = f64::MIN_POSITIVE;
 
-/// Clipping planes for triangles whose corners are relative to a point.
+/// The clipping planes, prepared for triangles whose corners are relative to `origin`.
 #[derive(Clone, Debug)]
 pub(crate) struct Clip {
     planes: Vec<Plane>,
     origin: DVec3,
 }
 
-/// What planes leave of a triangle.
+/// How much of a triangle the planes keep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kept {
     All,
@@ -47,8 +47,8 @@ pub(crate) enum Kept {
     Nothing,
 }
 
-/// A plane's function n·p − c at a triangle's corners, in units of its greatest value there, and a bound on its error.
-/// What the plane keeps of the triangle is where the mean of the three, weighted as the corners are, is not negative.
+/// A plane's function n·p − c at a triangle's corners, divided by its greatest magnitude there, and a bound on the
+/// error. The plane keeps the points where the mean of the three, weighted by the barycentrics, is not negative.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AtCorners {
     pub(crate) values: [f32; 3],
@@ -77,13 +77,13 @@ struct AtCorner {
 }
 
 impl Clip {
-    /// No planes.
+    /// No clipping planes.
     pub(crate) const NONE: Self = Self {
         planes: Vec::new(),
         origin: DVec3::ZERO,
     };
 
-    /// The planes that are enabled, for corners relative to `origin`.
+    /// The enabled planes, for corners relative to `origin`.
     pub(crate) fn new(planes: &ClippingPlanes, origin: DVec3) -> Self {
         Self {
             planes: planes
@@ -99,7 +99,8 @@ impl Clip {
         self.planes.is_empty()
     }
 
-    /// What is left of a triangle. Where two planes together leave nothing of it, the answer may be some.
+    /// How much of a triangle is kept. Where several planes together remove all of it, and none does alone, the
+    /// answer is [`Kept::Some`].
     pub(crate) fn of(&self, corners: [Vec3; 3]) -> Kept {
         let mut kept = Kept::All;
         for plane in &self.planes {
@@ -115,7 +116,7 @@ impl Clip {
         kept
     }
 
-    /// The exact signs of the first plane's function at corners; all positive where there is none.
+    /// The exact signs of the first plane's function at the corners; all positive where there is no plane.
     pub(crate) fn signs(&self, corners: [Vec3; 3]) -> [Ordering; 3] {
         corners.map(|corner| match self.planes.first() {
             Some(plane) => self.at(plane, corner).sign,
@@ -123,7 +124,7 @@ impl Clip {
         })
     }
 
-    /// The functions of the planes that go through a triangle.
+    /// The functions of the planes that cut a triangle.
     pub(crate) fn through(&self, corners: [Vec3; 3]) -> impl Iterator<Item = AtCorners> {
         self.planes.iter().filter_map(move |plane| {
             let at = corners.map(|corner| self.at(plane, corner));
@@ -134,13 +135,14 @@ impl Clip {
             let error = at.iter().fold(0.0, |most, at| at.error.max(most));
             Some(AtCorners {
                 values: at.map(|at| (at.value / greatest) as f32),
-                // The quotient is rounded too.
+                // The quotient is rounded as well.
                 error: (error / greatest * 1.001 + 2.0 * EPSILON) as f32,
             })
         })
     }
 
-    /// Whether nothing within a box is kept: surely, by its corner that is furthest along a plane's normal.
+    /// Whether the planes surely remove all points of a box: whether a plane removes the box's corner that is
+    /// furthest along its normal.
     #[inline]
     pub(crate) fn removes(&self, min: [f32; 3], max: [f32; 3]) -> bool {
         self.planes.iter().any(|plane| {
@@ -187,7 +189,7 @@ impl Clip {
         AtCorner { value, error, sign }
     }
 
-    /// The sign of n·(V + O) − c.
+    /// The exact sign of n·(V + O) − c.
     #[inline(never)]
     fn exact_sign(&self, plane: &Plane, corner: Vec3) -> Ordering {
         let corner = corner.as_dvec3();
@@ -205,8 +207,9 @@ impl Clip {
         )
     }
 
-    /// The sign of n·p − c at the point p of a triangle that a ray hits: the mean of the corners weighted by d·(B×C),
-    /// d·(C×A) and d·(A×B), with corners relative to the ray's origin. A sum of weights of zero is no hit.
+    /// The exact sign of n·p − c at the point p where a ray hits a triangle: the mean of the corners weighted by
+    /// d·(B×C), d·(C×A) and d·(A×B), with corners relative to the ray's origin. If the weights sum to zero there is
+    /// no hit.
     #[inline(never)]
     fn exact_sign_at_hit(&self, plane: &Plane, ray: &Ray, corners: [Vec3; 3]) -> Ordering {
         let corners = corners.map(Vec3::as_dvec3);
@@ -242,7 +245,7 @@ impl Plane {
         let ClippingPlane { normal, offset, .. } = *plane;
         let constant = normal.dot(origin) - offset;
         let is_axis = [DVec3::X, DVec3::Y, DVec3::Z].contains(&normal.abs());
-        // Of numbers a and b, a − b is exact where adding b gives a again and taking it from a gives b.
+        // The difference a − b is exact where adding b restores a and subtracting it from a restores b.
         let along = normal.dot(origin);
         let is_exact = constant + offset == along && along - constant == offset;
         let (constant_error, relative, absolute) = match is_axis {
@@ -272,7 +275,7 @@ impl Plane {
         (value, error)
     }
 
-    /// The sign of n·p − c at a hit of a ray, if it is sure.
+    /// The sign of n·p − c at a hit of a ray, where the bound decides it.
     fn sign_along(&self, ray: &Ray, hit: &Nearest) -> Option<Ordering> {
         let before = self.normal * ray.origin;
         let along = self.normal * ray.direction;
@@ -302,10 +305,11 @@ mod tests {
     use crate::num::double_double::DoubleDouble;
     use crate::random::Random;
 
-    /// Products that underflow, of planes through corners and hits but for that. The truth is integer arithmetic, and
-    /// twice double precision of larger numbers. Without [`TINY`] this fails, of corners and of hits.
+    /// Planes through corners and hits except for rounding, with products that underflow. The truth is integer
+    /// arithmetic, and double-double arithmetic on scaled numbers. Without [`TINY`] this fails, for corners and for
+    /// hits.
     #[test]
-    fn what_underflow_leaves_unsure_is_decided_exactly() {
+    fn underflow_is_decided_exactly() {
         let mut random = Random(72);
         let [mut close, mut sure] = [0; 2];
         for _ in 0..3000 {
@@ -344,10 +348,10 @@ mod tests {
         assert!(close > 1000, "{close} {sure}");
     }
 
-    /// Planes through corners but for rounding, near the origin and far from it. The truth is integer arithmetic, and
-    /// twice double precision. With any term of the bounds but the underflow's at zero this fails.
+    /// Planes through corners except for rounding, near the origin and far from it. The truth is integer arithmetic,
+    /// and double-double arithmetic. With any term of the bounds but the underflow's at zero this fails.
     #[test]
-    fn what_double_precision_decides_about_corners_is_so() {
+    fn what_double_precision_decides_about_corners_is_what_integers_decide() {
         let mut random = Random(71);
         let [mut sure, mut exact] = [0; 2];
         for round in 0..30_000 {
@@ -396,9 +400,10 @@ mod tests {
         assert!(sure > 5_000 && exact > 5_000, "{sure} {exact}");
     }
 
-    /// The hit is off by its bound: a plane that it may lie on either side of is left to exact arithmetic.
+    /// A hit is off by as much as its bound allows: a plane that it may lie on either side of is left to exact
+    /// arithmetic.
     #[test]
-    fn what_a_hit_is_off_by_leaves_planes_undecided() {
+    fn planes_within_a_hits_error_are_undecided() {
         let ray = Ray::new(DVec3::ZERO, DVec3::X);
         let hit = Nearest {
             primitive: 0,

@@ -1,11 +1,11 @@
-//! Determinants of a ray and a triangle in double precision, each with an error bound of its terms. They decide most of
-//! what the bounds of [`Edges`](super::edges::Edges), which go by the triangle's greatest coordinate, leave
-//! undecided.
+//! Determinants of a ray and a triangle in double precision, each with an error bound of its terms. They decide most
+//! of what [`Edges`](super::edges::Edges), whose bounds are proportional to the triangle's greatest coordinate,
+//! leaves undecided.
 //!
 //! The bound is relative to the determinant's permanent, the sum of its terms' magnitudes (Shewchuk, "Adaptive
-//! Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997): it is as small as the terms
-//! are. Coordinates of very different sizes do not spoil one another, and where all terms are zero the
-//! determinant surely is.
+//! Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997): it is as small as the terms are.
+//! A large coordinate does not widen the bound of products without it, and where all terms are zero the determinant
+//! is surely zero.
 //!
 //! # Error bounds
 //! ε = 2⁻⁵³. A corner's coordinate x relative to the ray's origin is off by ε|x| + η, η the error of that origin:
@@ -26,7 +26,7 @@ const EPSILON: f64 = f64::EPSILON / 2.0;
 const RANGE: (f64, f64) = (1.0 / POWER_300, POWER_300);
 const POWER_300: f64 = f64::from_bits((1023 + 300) << 52);
 
-/// A determinant: within `error` of `value`, and zero if `error` is.
+/// A determinant: its exact value is within `error` of `value`, and zero if `error` is.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Determinant {
     pub(super) value: f64,
@@ -61,7 +61,7 @@ impl Determinant {
     }
 }
 
-/// A vector, and for each component x the x' of which it is off by ε.
+/// A vector, and for each component x the magnitude x' whose product with ε bounds its error.
 #[derive(Clone, Copy)]
 struct Factor {
     value: DVec3,
@@ -80,7 +80,7 @@ impl Factor {
         Self::new(value, 0.0)
     }
 
-    /// Components of which products of three stay in range. NaN does not.
+    /// The components whose products of three stay in range; NaN does not.
     fn in_range(self) -> BVec3 {
         let (least, most) = RANGE;
         let within = self.size.cmpge(DVec3::splat(least)) & self.size.cmple(DVec3::splat(most));
@@ -98,8 +98,8 @@ pub(super) struct Determinants {
 }
 
 impl Determinants {
-    /// For a ray's direction and a triangle's corners relative to its origin, which is off by at most
-    /// `off` · ε. `None` where numbers are too large or too small.
+    /// The determinants of a ray's direction and a triangle's corners relative to the ray's origin, which is off by
+    /// at most `off` · ε. `None` where a factor is out of [`RANGE`].
     pub(super) fn new(direction: DVec3, corners: [DVec3; 3], off: f64) -> Option<Self> {
         let d = Factor::exact(direction);
         let [a, b, c] = corners.map(|corner| Factor::new(corner, off));
@@ -113,11 +113,11 @@ impl Determinants {
 }
 
 impl Determinants {
-    /// The same in twice double precision: `frame` is what corners are relative to, in world space. `None` where
-    /// numbers are too large or too small.
+    /// The determinants in double-double arithmetic; corners are relative to `frame`, a point in world space. `None`
+    /// where a factor is out of [`RANGE`].
     ///
-    /// B×C is B×u and C×u too, with u = C − B, and A·(B×C) is A·((B−A)×(C−A)): of these the one whose permanent is
-    /// least is worked out, so that triangles next to nothing beside their distance are decided as well.
+    /// B×C is B×u and C×u too, with u = C − B, and A·(B×C) is A·((B−A)×(C−A)): the form whose permanent is least is
+    /// computed, so that triangles that are tiny compared with their distance are decided as well.
     ///
     /// With u = 2⁻⁵³ a corner relative to the origin is off by 3.1u² of itself, since the frame relative to the origin
     /// is exact, as differences of corners are; a product of two by 12u² with its rounding, their difference by 3.1u²
@@ -159,7 +159,7 @@ impl Determinants {
     }
 }
 
-/// A vector in twice double precision, and rounded.
+/// A vector in double-double precision, and rounded to double precision.
 struct WideFactor {
     value: WideVector,
     size: Factor,
@@ -175,7 +175,7 @@ impl WideFactor {
     }
 }
 
-/// Of equal determinants u·(b×c) the one whose permanent is least.
+/// Computes, of several equal determinants u·(b×c), the one whose permanent is least.
 fn best_determinant(u: &WideFactor, pairs: &[(&WideFactor, &WideFactor)]) -> Determinant {
     const OFF: f64 = 32.0 * EPSILON * EPSILON;
     let mut best: Option<(f64, &WideFactor, &WideFactor)> = None;
@@ -219,8 +219,8 @@ fn numerator([a, b, c]: [Factor; 3]) -> Determinant {
 /// Whether the plane of a triangle surely misses the eye, which is off by at most `off` · ε. `None` where it is
 /// undecided.
 ///
-/// It does where A·(B×C) is not zero, which is A·((B−A)×(C−A)): this has smaller terms where the triangle is small
-/// beside its distance.
+/// It does where A·(B×C) is not zero. That equals A·((B−A)×(C−A)), whose terms are smaller where the triangle is
+/// small compared with its distance.
 pub(super) fn plane_misses(corners: [DVec3; 3], eye: DVec3, off: f64) -> Option<bool> {
     let relative = corners.map(|corner| Factor::new(corner - eye, off));
     let [a, b, c] = corners;
@@ -236,7 +236,7 @@ pub(super) fn plane_misses(corners: [DVec3; 3], eye: DVec3, off: f64) -> Option<
 
 /// Whether the plane of a triangle is surely not parallel to a direction; `None` where it is undecided.
 ///
-/// Corners are exact, and their differences within ε of themselves: d·((b−a)×(c−a)) is off as a weight is.
+/// Corners are exact, and their differences within ε of themselves: d·((b−a)×(c−a)) has the error bound of a weight.
 pub(super) fn plane_crosses(direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<bool> {
     let factors = [direction, b - a, c - a].map(Factor::exact);
     let in_range = factors.iter().all(|factor| factor.in_range().all());
@@ -249,7 +249,8 @@ pub(super) fn plane_crosses(direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<b
 
 /// Whether a point is surely off the plane of a triangle; `None` where it is undecided.
 ///
-/// Corners are exact, and their differences within ε of themselves: (p−a)·((b−a)×(c−a)) is off as a numerator is.
+/// Corners are exact, and their differences within ε of themselves: (p−a)·((b−a)×(c−a)) has the error bound of a
+/// numerator.
 pub(super) fn is_off_plane(point: Vec3, corners: [Vec3; 3]) -> Option<bool> {
     let [a, b, c] = corners.map(Vec3::as_dvec3);
     let factors = [b - a, c - a, point.as_dvec3() - a].map(Factor::exact);

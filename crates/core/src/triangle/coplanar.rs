@@ -1,7 +1,7 @@
 //! Triangles that lie in exactly one plane: decided once a pair, for every ray that hits both.
 //!
-//! Where a ray's line crosses a plane is one place. So it hits triangles of one plane at one distance, whatever the
-//! ray, and the lowest primitive id is the nearest.
+//! A ray's line crosses a plane in one point, so it hits all triangles of the plane at one distance, and the lowest
+//! primitive id is the closest hit.
 
 use super::componentwise::is_off_plane;
 use super::exact::lies_in_plane;
@@ -12,7 +12,7 @@ use glam::Vec3;
 /// one another: fewer entries decide pairs again, more push the packet out.
 const CACHED: usize = 1024;
 
-/// Whether two triangles lie in exactly one plane. Neither is degenerate, or the answer says nothing.
+/// Whether two triangles lie in exactly one plane. Neither must be degenerate.
 pub(super) fn are_coplanar(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
     let in_plane_of_axis = |axis: usize| {
         let mut all = a.iter().chain(&b).map(|corner| corner[axis]);
@@ -29,10 +29,10 @@ pub(super) fn are_coplanar(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
     corners.all(|(corner, sure)| sure == Some(false) || lies_in_plane(corner, a))
 }
 
-/// A cache of which pairs of triangles lie in one plane.
+/// A cache of pairs of triangles, and whether each pair lies in one plane.
 #[derive(Debug)]
 pub(crate) struct Coplanar {
-    /// Pairs of primitive indices, the lower one first, and whether they lie in one plane.
+    /// Pairs of primitive indices, the lower first, and whether each is coplanar.
     decided: Vec<([u32; 2], bool)>,
 }
 
@@ -45,12 +45,13 @@ impl Coplanar {
 
     /// Whether two triangles lie in exactly one plane; `corners` gives those of a primitive index.
     pub(crate) fn are(&mut self, a: u32, b: u32, corners: impl Fn(u32) -> [Vec3; 3]) -> bool {
-        // Most pictures need no cache.
+        // Allocated on first use, since most pictures need no cache.
         if self.decided.is_empty() {
             self.decided.resize(CACHED, ([MISS; 2], false));
         }
         let pair = [a.min(b), a.max(b)];
-        // An odd factor without a pattern spreads neighbours (Knuth, "The Art of Computer Programming", 6.4).
+        // Multiplying by an odd constant spreads neighbouring indices (Knuth, "The Art of Computer Programming",
+        // 6.4).
         let hash = pair[0].wrapping_mul(0x9e37_79b1) ^ pair[1].wrapping_mul(0x85eb_ca6b);
         let decided = &mut self.decided[(hash >> 22) as usize % CACHED];
         if decided.0 != pair {
@@ -65,8 +66,8 @@ mod tests {
     use super::*;
     use crate::random::Random;
 
-    /// Planes through whole points times powers of two, corners on them or a rounding away. The truth is by
-    /// construction: a corner moved along an axis that the plane is not parallel to has left it.
+    /// Planes through integer points scaled by powers of two; corners on them or a rounding away. The truth is by
+    /// construction: a corner that moves along an axis which the plane is not parallel to leaves the plane.
     #[test]
     fn one_plane_and_two_a_rounding_apart_are_distinguished() {
         let mut random = Random(31);
@@ -83,7 +84,7 @@ mod tests {
             if normal == glam::DVec3::ZERO {
                 continue;
             }
-            // Up to exponents that do not fit integers of 128 digits.
+            // Up to exponents at which 128-bit integers overflow.
             let scale = crate::math::pow(2.0, (round % 40) as f64) as f32;
             let mut corner = |far: f32| {
                 let [s, t] = [(); 2].map(|()| whole(&mut random, 50.0) as f32);

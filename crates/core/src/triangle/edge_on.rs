@@ -6,8 +6,8 @@ use crate::camera::{Camera, Projection};
 use crate::hit::MISS;
 use glam::{DVec3, Vec3};
 
-/// Triangles in the cache: 2 kB, by the low bits of the primitive index. Triangles with the same bits evict one
-/// another: fewer entries decide triangles again, more push the packet out of the first-level cache.
+/// Triangles in the cache: 2 kB, indexed by the low bits of the primitive index. Triangles with the same bits evict
+/// one another: fewer entries decide triangles again, more push the packet out of the first-level cache.
 const CACHED: usize = 256;
 
 /// What all rays of a camera have in common.
@@ -15,11 +15,11 @@ const CACHED: usize = 256;
 enum Shared {
     /// Their origin.
     Eye(DVec3),
-    /// Their direction, and what is known of their origins.
+    /// Their direction, and the plane that their origins lie in, where that is axis-aligned.
     Direction(DVec3, Option<Level>),
 }
 
-/// A coordinate that the origins of all rays have exactly, if the image plane is perpendicular to an axis.
+/// A coordinate that the origins of all rays have exactly, where the image plane is perpendicular to an axis.
 #[derive(Clone, Copy, Debug)]
 struct Level {
     axis: usize,
@@ -29,7 +29,8 @@ struct Level {
 }
 
 impl Level {
-    /// An origin is eye + right · across + up · along: a coordinate that neither `right` nor `up` has is the eye's.
+    /// An origin is eye + right · across + up · along, so a coordinate in which `right` and `up` are zero is the
+    /// eye's.
     fn of(camera: &Camera) -> Option<Self> {
         let (right, up) = (camera.right(), camera.up());
         let axis = (0..3).find(|&axis| right[axis] == 0.0 && up[axis] == 0.0)?;
@@ -40,12 +41,12 @@ impl Level {
         })
     }
 
-    /// Whether a point is at this level, or beyond it against the rays. Its coordinate is `frame` + `relative`.
+    /// Whether a point lies at the level or on the side that rays come from. Its coordinate is `frame` + `relative`.
     fn is_not_before(self, frame: f64, relative: f32) -> bool {
         let relative = f64::from(relative);
         let sum = frame + relative;
-        // What rounding took from the sum (Knuth's two-sum). Rounding is monotone: where the rounded sum is not the
-        // level itself, the exact one is on the same side of it.
+        // The rounding error of the sum (Knuth's two-sum). Rounding is monotone: unless the rounded sum equals the
+        // level, the exact sum is on the same side of it.
         let added = sum - frame;
         let rest = (frame - (sum - added)) + (relative - added);
         let above = if sum == self.coordinate {
@@ -61,17 +62,17 @@ impl Level {
     }
 }
 
-/// Decides which triangles no ray of a camera hits because all rays begin in their plane, or run along it.
+/// Decides which triangles no ray of a camera hits because all rays start in their plane, or are parallel to it.
 ///
-/// Every hit of a ray from an eye has the parameter det(A, B, C) / (d·n), with A, B, C the corners relative to
-/// the eye. Where the plane holds the eye the determinant is zero for every direction: all hits are at t = 0, and a
-/// camera's rays begin behind that. Where rays share a direction d and d·n is zero, the sum of the three weights is
-/// zero: they have both signs or are all zero, and there is no hit. Where such rays begin at one level of an axis,
-/// they hit nothing at that level, or behind it: such a hit would be at t ≤ 0.
+/// Every hit of a ray from an eye has the parameter det(A, B, C) / (d·n), with A, B, C the corners relative to the
+/// eye. Where the plane contains the eye the determinant is zero for every direction: all hits are at t = 0, and
+/// camera rays hit t > 0 only. Where rays share a direction d and d·n is zero, the three weights sum to zero: they
+/// differ in sign or are all zero, and there is no hit. Where parallel rays start at one level of an axis, they hit
+/// nothing at that level or behind it: such a hit would have t ≤ 0.
 #[derive(Debug)]
 pub(crate) struct EdgeOn {
     shared: Shared,
-    /// What corners are relative to.
+    /// The point that corners are relative to.
     frame: DVec3,
     /// Primitive indices, and whether each is edge-on.
     decided: [(u32, bool); CACHED],
@@ -92,7 +93,7 @@ impl EdgeOn {
         }
     }
 
-    /// Whether no ray hits the triangle for that reason.
+    /// Whether no ray hits the triangle for one of these reasons.
     #[inline(never)]
     pub(crate) fn is(&mut self, primitive: u32, corners: [Vec3; 3]) -> bool {
         let at = primitive as usize % CACHED;
@@ -107,7 +108,7 @@ impl EdgeOn {
         match self.shared {
             Shared::Eye(eye) => {
                 let rounded = eye - self.frame;
-                // In units of ε; nothing is rounded where nothing is subtracted.
+                // In units of ε; zero where nothing is subtracted, and so nothing is rounded.
                 let off = if self.frame == DVec3::ZERO {
                     0.0
                 } else {
@@ -145,7 +146,7 @@ mod tests {
         Camera::new(Placement { eye, target, up }, projection, plane)
     }
 
-    /// Triangles with the eye at a corner, on an edge, in the plane beside, and next to it.
+    /// Triangles with the eye at a corner, on an edge, elsewhere in the plane, and next to the plane.
     #[test]
     fn planes_through_the_eye_are_decided_exactly() {
         let eye = DVec3::new(0.75, -2.5, 3.0);
@@ -168,7 +169,7 @@ mod tests {
                     let expected = at < 3 && !next;
                     assert_eq!(edge_on.is(7, corners), expected, "{at} {next} {frame}");
                     assert_eq!(edge_on.is(7, corners), expected);
-                    // Another triangle in the same place of the cache.
+                    // A triangle that shares the entry of the cache.
                     let other = [Vec3::X * 50.0, Vec3::Y * 50.0, Vec3::Z * 50.0];
                     assert!(!edge_on.is(7 + CACHED as u32, other));
                     assert_eq!(edge_on.is(7, corners), expected);
@@ -177,11 +178,11 @@ mod tests {
         }
     }
 
-    /// The eye relative to the frame is rounded out of a plane that holds it.
+    /// The plane contains the eye, but not the eye's rounded position relative to the frame.
     #[test]
     fn an_eye_that_rounding_moves_off_a_plane_is_in_it() {
         let (frame, eye) = (DVec3::X * 4096.0, DVec3::new(0.1, 0.1, 0.25));
-        // In world space, all have x = y.
+        // In world space all corners have x = y.
         let corners = [[0.0, -3.0], [4.0, -2.0], [1.0, 5.0]];
         let corners = corners.map(|[y, z]: [f32; 2]| Vec3::new(y - 4096.0, y, z));
         let rounded = eye - frame;
@@ -202,9 +203,10 @@ mod tests {
         assert!(!edge_on.is(2, [a, b, b.with_x(b.x.next_up())]));
     }
 
-    /// Planes parallel to a direction but for the rounding of one corner, and exactly. The truth is integer arithmetic.
+    /// Planes that are parallel to a direction, exactly or except for the rounding of one corner. The truth is
+    /// integer arithmetic.
     #[test]
-    fn what_double_precision_decides_about_planes_along_rays_is_so() {
+    fn what_double_precision_decides_about_parallel_planes_is_what_integers_decide() {
         let mut random = Random(67);
         let (mut sure, mut along) = (0, 0);
         for _ in 0..20_000 {
@@ -212,7 +214,7 @@ mod tests {
             let direction = random.point();
             let to_c = (b - a).as_dvec3() * random.signed() + direction * random.signed();
             let c = (a.as_dvec3() + to_c).as_vec3();
-            // In the plane's span but for roundings of double precision.
+            // In the plane's span except for roundings in double precision.
             let [to_b, to_c] = [b, c].map(|corner| corner.as_dvec3() - a.as_dvec3());
             let direction = to_b * random.signed() + to_c * random.signed();
             let is_along = plane_is_along(direction, [a, b, c]);
@@ -225,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_before_the_image_plane_is_decided_exactly() {
+    fn triangles_at_or_behind_the_image_plane_are_decided_exactly() {
         for (frame, height) in [(0.0, 3.0), (4096.0, 0.1), (1_000_000.1, 0.3)] {
             let (frame, up) = (DVec3::Z * frame, DVec3::Z * f64::from(height as f32));
             let triangle = |z: f32| {
@@ -238,7 +240,7 @@ mod tests {
             let at = triangle(height as f32);
             let next = triangle((height as f32).next_up());
             let eye = frame + up;
-            // Not a number that a double holds, but for the first: the eye is above or below it.
+            // The sum is representable only for the first: elsewhere the eye is above or below the level.
             let is_above = eye.z - frame.z > up.z;
             let exact = eye.z - frame.z == up.z;
             for way in [DVec3::NEG_Z, DVec3::Z] {

@@ -3,10 +3,11 @@
 /// The unit roundoff of double precision.
 const EPSILON: f64 = f64::EPSILON / 2.0;
 
-/// The relative error of a weight that is still good to single precision, in units of the weights' sum.
+/// The largest relative error of a weight, in units of the weights' sum, that still rounds well to single precision:
+/// 2⁻²⁸, a sixteenth of its unit roundoff.
 pub(super) const WELL_CONDITIONED: f64 = 1.0 / (1u64 << 28) as f64;
 
-/// The axes in turn, the major one last.
+/// The axes in cyclic order, the major one last.
 pub(super) const fn axes(major: usize) -> [usize; 3] {
     [(major + 1) % 3, (major + 2) % 3, major]
 }
@@ -30,9 +31,9 @@ pub(super) fn major_axis(x: f64, y: f64, z: f64) -> usize {
 /// ε = 2⁻⁵³ (notation: `docs/error-bounds.md`), m the greatest coordinate of the corners relative to the ray's
 /// origin, η the error of that origin.
 ///
-/// * **Sheared corners.** A corner relative to the origin is off by εm + η a coordinate, a shear factor of
-///   at most 1 by ε, so their product by 3εm + η, and a sheared coordinate, after one more subtraction of numbers up to m
-///   each, by 2·εm + 4·εm + 2η. With higher orders: δ = 8εm + 3η.
+/// * **Sheared corners.** A corner relative to the origin is off by εm + η a coordinate, a shear factor of at most 1
+///   by ε, so their product by 3εm + η, and a sheared coordinate, after one more subtraction of numbers up to m each,
+///   by 2·εm + 4·εm + 2η. With higher orders: δ = 8εm + 3η.
 /// * **Edge functions.** `cx·by − cy·bx` of coordinates within δ is off by δ(|cx| + |by| + |cy| + |bx|) + 2δ², and
 ///   by 2ε(|cx·by| + |cy·bx|) from its own rounding, which is below half the first term since |cx| ≤ 2m. Summed over
 ///   all corners: E = 2δ(Σ|x| + Σ|y| + δ).
@@ -98,7 +99,7 @@ impl Edges {
         }
     }
 
-    /// Whether two functions surely have different signs.
+    /// Whether two of the functions surely have different signs.
     #[inline(always)]
     pub(super) fn surely_outside(&self) -> bool {
         let [u, v, w] = self.functions;
@@ -107,7 +108,7 @@ impl Edges {
         below & above
     }
 
-    /// Whether all functions surely have one sign, and the weights are good to single precision.
+    /// Whether all functions surely have one sign, and the weights are accurate to single precision.
     #[inline(always)]
     pub(super) fn surely_inside(&self) -> bool {
         let [u, v, w] = self.functions;
@@ -117,7 +118,7 @@ impl Edges {
         (above | below) & well_conditioned
     }
 
-    /// Where the ray hits the triangle that it is surely inside of.
+    /// The hit of a ray that is surely inside the triangle.
     #[inline(always)]
     pub(super) fn point(&self, advance: f64) -> Point {
         let [t, u, v] = self.weights(advance);
@@ -131,7 +132,7 @@ impl Edges {
         }
     }
 
-    /// What [`Edges::point`] gives, without its error.
+    /// As [`Edges::point`], without the error bound.
     #[inline(always)]
     pub(super) fn weights(&self, advance: f64) -> [f64; 3] {
         let [_, v, w] = self.functions;
@@ -139,22 +140,22 @@ impl Edges {
         [depth / advance, v / self.determinant, w / self.determinant]
     }
 
-    /// Whether the parameter is surely good to single precision: [`Point::is_single`] multiplied by the
-    /// determinant, which saves two divisions, with half the limit to cover the roundings of each side.
+    /// Whether the parameter is surely accurate to single precision: the test of [`Point::is_single`] multiplied by
+    /// the determinant. That saves two divisions; half the limit covers the roundings of both sides.
     #[inline(always)]
     pub(super) fn surely_single(&self) -> bool {
         let error = 4.0 * self.error * self.span() + 2.0 * self.delta * self.determinant.abs();
         error <= 1.0 / (1u64 << 28) as f64 * self.depth_sum().abs()
     }
 
-    /// The depth times the determinant.
+    /// The interpolated depth times the determinant.
     #[inline(always)]
     fn depth_sum(&self) -> f64 {
         let ([u, v, w], z) = (self.functions, self.depths);
         u * z[0] + v * z[1] + w * z[2]
     }
 
-    /// From the nearest corner along the major axis to the furthest.
+    /// The difference in depth of the nearest and the furthest corner, along the major axis.
     #[inline(always)]
     fn span(&self) -> f64 {
         let z = self.depths;
@@ -163,7 +164,7 @@ impl Edges {
 }
 
 impl Point {
-    /// Whether the parameter is good to single precision.
+    /// Whether the parameter is accurate to single precision.
     #[inline(always)]
     pub(super) fn is_single(&self) -> bool {
         self.t_error <= 1.0 / (1u64 << 27) as f64 * self.t.abs()

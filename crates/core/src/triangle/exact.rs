@@ -1,4 +1,4 @@
-//! A ray and a triangle by exact arithmetic, for the few that rounded arithmetic leaves undecided.
+//! A ray and a triangle in exact arithmetic, for the few cases that rounded arithmetic leaves undecided.
 
 use super::Nearest;
 use crate::hit::Cull;
@@ -31,8 +31,8 @@ impl Placed {
     }
 }
 
-/// Where `ray` hits a triangle, rounded: parameter and weights within a unit in the last place. `None` where it
-/// misses, or hits outside its range.
+/// Where `ray` hits a triangle: parameter and weights, rounded to within a unit in the last place. `None` where it
+/// misses, or hits outside the ray's range.
 pub(crate) fn hit(ray: &Ray, placed: &Placed, cull: Cull, primitive: u32) -> Option<Nearest> {
     fn of<I: Integer>(
         ray: &Ray,
@@ -51,7 +51,7 @@ pub(crate) fn hit(ray: &Ray, placed: &Placed, cull: Cull, primitive: u32) -> Opt
     )
 }
 
-/// Which of two triangles `ray` hits first; `None` where it does not hit both.
+/// Which of two triangles `ray` hits first; `None` unless it hits both.
 pub(crate) fn compare(ray: &Ray, a: &Placed, b: &Placed, cull: Cull) -> Option<Ordering> {
     fn of<I: Integer>(
         ray: &Ray,
@@ -77,10 +77,10 @@ fn scales(ray: &Ray, all: &[&Placed]) -> (Scale, Scale) {
     (Scale::of(lengths), Scale::of_vectors([&ray.direction]))
 }
 
-/// Whether the plane of a triangle holds `eye`: det(A, B, C) is zero, with corners relative to the eye.
+/// Whether the plane of a triangle contains `eye`: det(A, B, C) is zero, with corners relative to the eye.
 ///
-/// It is the numerator of every hit's parameter (see [`ExactHit`]): rays from there hit such a triangle at t = 0
-/// or, where their three weights are zero, not at all.
+/// It is the numerator of every hit's parameter (see [`ExactHit`]): rays from the eye hit such a triangle at t = 0
+/// or, where all three weights are zero, not at all.
 pub(crate) fn plane_holds(eye: DVec3, placed: &Placed) -> bool {
     fn of<I: Integer>(eye: DVec3, placed: &Placed, lengths: Scale) -> bool {
         let [a, b, c] = placed.relative_to::<I>(eye, lengths);
@@ -92,7 +92,7 @@ pub(crate) fn plane_holds(eye: DVec3, placed: &Placed) -> bool {
 }
 
 /// Whether the plane of a triangle is parallel to `direction`: the three weights of every such ray sum to zero, so
-/// they have both signs or are all zero, and no such ray hits the triangle.
+/// they differ in sign or are all zero, and no such ray hits the triangle.
 pub(crate) fn plane_is_along(direction: DVec3, corners: [Vec3; 3]) -> bool {
     fn of<I: Integer>(
         direction: DVec3,
@@ -112,7 +112,7 @@ pub(crate) fn plane_is_along(direction: DVec3, corners: [Vec3; 3]) -> bool {
     )
 }
 
-/// The longest coordinates for which [`lies_in_plane`] fits integers of 128 digits: differences are below
+/// The longest coordinates, in bits, for which [`lies_in_plane`] fits 128-bit integers: differences are below
 /// 2^(L+1), their cross products below 2^(2L+3), and the determinant below 2^(3L+6).
 const SHORTEST: u32 = 40;
 
@@ -136,7 +136,7 @@ pub(super) fn lies_in_plane(point: Vec3, corners: [Vec3; 3]) -> bool {
 #[derive(Clone, Debug)]
 struct ExactHit<I> {
     numerator: I,
-    /// Not zero; either sign, as the numerator.
+    /// Never zero; it may have either sign, like the numerator.
     denominator: I,
     exponent: i32,
     /// Numerators of the second and third corner's weights, over the same denominator.
@@ -169,7 +169,7 @@ impl<I: Integer> ExactHit<I> {
         let signs = [first.sign(), second.sign(), third.sign()];
         let is_inside = signs.contains(&Ordering::Greater) != signs.contains(&Ordering::Less);
         let denominator = first.plus(&second).plus(&third);
-        // A front face turns its normal against the ray.
+        // The normal of a front face points against the ray.
         let is_culled = cull == Cull::Back && denominator.sign() != Ordering::Less;
         if !is_inside || is_culled {
             return None;
@@ -193,7 +193,7 @@ impl<I: Integer> ExactHit<I> {
             &other.numerator.times(&self.denominator),
             other.exponent,
         );
-        // Both sides were multiplied by both denominators.
+        // Both sides were multiplied by both denominators, which reverses the order if their signs differ.
         if self.denominator.sign() == other.denominator.sign() {
             order
         } else {
@@ -217,7 +217,7 @@ impl<I: Integer> ExactHit<I> {
         }
     }
 
-    /// The hit rounded: parameter and weights within a unit in the last place.
+    /// Parameter and weights rounded to within a unit in the last place.
     fn rounded(&self, primitive: u32) -> Nearest {
         let t = ratio(&self.numerator, &self.denominator, self.exponent);
         let [u, v] = self
@@ -246,14 +246,14 @@ mod tests {
     }
 
     #[test]
-    fn finds_the_point_it_must() {
+    fn an_exact_hit_is_at_the_known_point() {
         let corners = [Vec3::ZERO, Vec3::X * 4.0, Vec3::Y * 4.0];
         let here = placed(corners, DVec3::ZERO);
         let ray = Ray::new(DVec3::new(1.0, 2.0, 5.0), DVec3::NEG_Z * 2.0);
         let found = hit(&ray, &here, Cull::None, 0).expect("a hit");
         assert_eq!((found.t, found.u, found.v), (2.5, 0.25, 0.5));
         assert!(hit(&ray, &here, Cull::Back, 0).is_some());
-        // A third is greater than the nearest number by 2e-17.
+        // The third weight exceeds the nearest double by 2e-17.
         let third = Ray::new(DVec3::new(1.0, 2.0, 1.0), DVec3::NEG_Z * 3.0);
         let third = hit(&third, &here, Cull::None, 0).expect("a hit");
         assert!(third.t == 1.0 / 3.0 && third.t_error > 2e-17);
@@ -282,7 +282,8 @@ mod tests {
         assert_eq!(order(&aside, &here), None);
     }
 
-    /// Every kind of integer makes the same decisions, from what fits the shortest to what only fits the longest.
+    /// Integers of every length make the same decisions, on numbers that fit the shortest to numbers that fit only
+    /// the longest.
     #[test]
     fn every_length_decides_the_same() {
         let mut random = Random(5);
@@ -292,7 +293,7 @@ mod tests {
                 let decade = |random: &mut Random| crate::math::pow(2.0, spread * random.signed());
                 let point = |random: &mut Random| random.point() * decade(random);
                 let corners = [(); 3].map(|()| point(&mut random).as_vec3());
-                // Tiny ones keep the ray's aim.
+                // Close origins keep rays aimed at tiny triangles.
                 let origin =
                     point(&mut random) * crate::math::pow(2.0, -2.0 * spread * random.unit());
                 let inside = corners

@@ -1,8 +1,8 @@
-//! Interpolates t, u and v where eight rays of a row hit the triangles that they are known to hit, in double
-//! precision, side by side.
+//! Interpolates t, u and v of eight neighbouring rays at triangles that they are known to hit, in double precision,
+//! side by side.
 //!
-//! Each lane does what [`PreparedRay`](super::PreparedRay) does for one ray, operation by operation: the bits are
-//! the same.
+//! Each lane computes what [`PreparedRay`](super::PreparedRay) computes for one ray, operation by operation, so the
+//! bits are the same.
 
 use super::edges::{Edges, axes, greater, major_axis};
 use crate::camera::{Camera, Lattice, Projection, Vectors};
@@ -13,20 +13,47 @@ pub(crate) use crate::num::simd::LANES;
 /// Corners of eight triangles in structure-of-arrays order.
 pub(crate) type Corners = [[f32; LANES]; 9];
 
-/// Eight hits.
+/// The hits of eight rays.
 pub(crate) struct RowHits {
     pub(crate) t: [f32; LANES],
     pub(crate) u: [f32; LANES],
     pub(crate) v: [f32; LANES],
-    /// Whether the lane has the single ray's bits; others must be interpolated alone.
+    /// Whether a lane has the bits of the single ray; other lanes must be interpolated alone.
     pub(crate) sure: [bool; LANES],
 }
 
-/// Places of eight rays of a lattice's row: each the very number that [`Lattice::place`] gives for its column,
-/// and not the first one's, already rounded, plus a multiple of the stride.
+impl RowHits {
+    /// Of which nothing is known.
+    pub(crate) const NONE: Self = Self {
+        t: [0.0; LANES],
+        u: [0.0; LANES],
+        v: [0.0; LANES],
+        sure: [false; LANES],
+    };
+
+    /// Takes the lanes from `first` on from others.
+    #[inline(always)]
+    pub(crate) fn replace_from(&mut self, first: usize, others: &Self) {
+        replace_from(&mut self.t, first, &others.t);
+        replace_from(&mut self.u, first, &others.u);
+        replace_from(&mut self.v, first, &others.v);
+        replace_from(&mut self.sure, first, &others.sure);
+    }
+}
+
+/// One kind of number at a time, which compilers vectorise.
+#[inline(always)]
+fn replace_from<N: Copy>(mine: &mut [N; LANES], first: usize, others: &[N; LANES]) {
+    for (lane, (mine, &other)) in mine.iter_mut().zip(others).enumerate() {
+        *mine = if lane >= first { other } else { *mine };
+    }
+}
+
+/// The image-plane places of eight neighbouring rays: for each column the very number that [`Lattice::place`] gives,
+/// and not the first ray's rounded place plus a multiple of the stride.
 #[derive(Clone, Copy)]
 pub(crate) struct Places {
-    /// The first ray's column in the picture, a whole number.
+    /// The first ray's column in the picture, an integer.
     first: f64,
     stride: f64,
     offset: f64,
@@ -41,7 +68,7 @@ impl Places {
         y: 0.0,
     };
 
-    /// A column of a lattice's row, and the seven after it.
+    /// The places of a column of a lattice's row and the seven columns after it.
     #[inline(always)]
     pub(crate) fn new(lattice: &Lattice, column: u32, row: u32) -> Self {
         Self {
@@ -52,7 +79,7 @@ impl Places {
         }
     }
 
-    /// How far the eight are to the right of the view axis.
+    /// The places' distances to the right of the view axis.
     #[inline(always)]
     pub(crate) fn across(&self, camera: &Camera) -> [f64; LANES] {
         let mut all = [0.0; LANES];
@@ -63,7 +90,7 @@ impl Places {
         all
     }
 
-    /// A lane's place. Whole numbers are not rounded.
+    /// The place of one lane. Integers are not rounded.
     #[inline(always)]
     fn get(&self, lane: usize) -> (f64, f64) {
         let column = self.first + lane as f64 * self.stride;
@@ -71,7 +98,7 @@ impl Places {
     }
 }
 
-/// Interpolates where each ray hits the triangle in its lane. Corners are relative to `frame`.
+/// Interpolates each ray's hit at the triangle in its lane. Corners are relative to `frame`.
 #[inline(always)]
 pub(crate) fn interpolate_row(
     camera: &Camera,
@@ -82,7 +109,7 @@ pub(crate) fn interpolate_row(
     let (x, y) = places.get(0);
     let DVec3 { x, y, z } = camera.direction(x, y);
     let rays = (places, &[[0.0; LANES]; 3]);
-    // Neighbouring rays nearly always share their major axis; a lane that does not is not sure.
+    // Neighbouring rays nearly always share their major axis; a lane that does not is left to the single ray.
     match (major_axis(x, y, z), camera.projection()) {
         (0, Projection::Perspective) => interpolate::<0, FROM_EYE>(camera, frame, rays, corners),
         (1, Projection::Perspective) => interpolate::<1, FROM_EYE>(camera, frame, rays, corners),
@@ -93,7 +120,8 @@ pub(crate) fn interpolate_row(
     }
 }
 
-/// [`interpolate_row`] for a panorama's rays, which have these directions. Their major axis is that of one lane.
+/// [`interpolate_row`] for a panorama's rays, given by their directions. The major axis is that of one lane; lanes
+/// with another are left to the single ray.
 #[inline(always)]
 pub(crate) fn interpolate_around(
     camera: &Camera,
@@ -110,12 +138,12 @@ pub(crate) fn interpolate_around(
     }
 }
 
-/// Rays through places of the plane from one eye, side by side, and rays with directions of their own.
+/// Types of rays: through places of the image plane from one eye; parallel; and with directions of their own.
 const FROM_EYE: u8 = 0;
 const PARALLEL: u8 = 1;
 const AROUND: u8 = 2;
 
-/// One loop over plain numbers, which compilers vectorise.
+/// Plain loops over arrays, which the compiler vectorises.
 #[inline(always)]
 #[allow(
     clippy::needless_range_loop,
@@ -134,14 +162,9 @@ fn interpolate<const MAJOR: usize, const RAYS: u8>(
     let frame = frame.to_array();
     let off = if frame == [0.0; 3] { 0.0 } else { 1.0 };
     let distance = camera.distance();
-    let mut hits = RowHits {
-        t: [0.0; LANES],
-        u: [0.0; LANES],
-        v: [0.0; LANES],
-        sure: [false; LANES],
-    };
+    let mut hits = RowHits::NONE;
     for lane in 0..LANES {
-        // `Camera::ray`, a coordinate at a time.
+        // As `Camera::ray`, one coordinate at a time.
         let (x, y) = places.get(lane);
         let (across, along) = camera.across_and_along(x, y);
         let mut origin = eye;
@@ -182,7 +205,7 @@ fn interpolate<const MAJOR: usize, const RAYS: u8>(
             origin_error,
         );
         let [t, u, v] = edges.weights(advance);
-        // A camera's rays begin behind zero and have no end. The sign of t is right: its error is far less than t.
+        // A camera's rays have t_min = 0 and no t_max. The sign of t is right, since its error is far less than t.
         hits.sure[lane] = same_major & edges.surely_inside() & edges.surely_single() & (t > 0.0);
         hits.t[lane] = t as f32;
         hits.u[lane] = u as f32;
@@ -196,8 +219,8 @@ mod tests {
     use super::*;
     use crate::camera::{ImagePlane, Placement, Rect};
 
-    /// Invariant: no split changes a ray. With the places that samples have, in a tile that begins below
-    /// a power of two and ends above it.
+    /// The place of a sample's ray must not depend on the tile; here the tile begins below a power of two and ends
+    /// above it.
     #[test]
     fn lanes_are_at_the_places_of_their_columns() {
         let plane = ImagePlane::new(20_000, 100, 0.1).expect("a good plane");
@@ -216,7 +239,7 @@ mod tests {
                     height: 2,
                 };
                 let mut lattice = camera.sub_camera(rect).sparse_lattice(stride, (0, 0));
-                // Not whole 256ths: those are places without rounding, however they are added up.
+                // Not multiples of 1/256: those are sums without rounding, in whatever order they are added.
                 let offset = |base: u32| (f64::from(sample) + 0.5) / f64::from(base);
                 lattice.offset = (offset(257), offset(259));
                 let places = Places::new(&lattice, 2, 1);

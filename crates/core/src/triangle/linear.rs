@@ -6,8 +6,9 @@
 //!
 //! > u = D·((c−a) × a) / D·N,  v = D·(a × (b−a)) / D·N,  t = |D| · a·N / D·N
 //!
-//! D is linear in the ray's place. The numbers are those of [`PreparedRay`](super::PreparedRay), which works on
-//! another path: a lane is sure only where all numbers that either path could give round to one number of single precision.
+//! D is linear in the ray's place. The results must be those of [`PreparedRay`](super::PreparedRay), which computes
+//! them differently: a lane is sure only where all numbers within the bounds of either path round to one
+//! single-precision number.
 //!
 //! # Error bound
 //! ε = 2⁻⁵³ (notation: `docs/error-bounds.md`); m the greatest coordinate of a corner relative to the eye, e that of
@@ -38,14 +39,17 @@ use glam::{DVec3, Vec3};
 /// The unit roundoff of double precision.
 const EPSILON: f64 = f64::EPSILON / 2.0;
 
-/// What is good to single precision: an eighth of its unit roundoff, half of the single ray's limit.
+/// The largest relative error that is accurate to single precision: a sixteenth of its unit roundoff, half of the
+/// single ray's limit.
 const SINGLE: f64 = 1.0 / (1u64 << 28) as f64;
 
-/// The bound of a weight in a triangle's middle beyond which the linear functions are not tried: they would be in vain. Eight rays have 24
-/// numbers, and numbers that are off by 2⁻³³ straddle the border of two single-precision numbers once in some hundred.
+/// The error bound of a weight in a triangle's middle beyond which the linear functions are not tried. Eight rays
+/// have 24 numbers, and a number with an error of 2⁻³³ straddles the border between two single-precision numbers
+/// about once in a hundred: with a larger bound most attempts would be in vain, with a smaller one triangles would be
+/// interpolated slowly that need not be.
 const HOPELESS: f64 = 1.0 / (1u64 << 33) as f64;
 
-/// Lengths and their products between which nothing overflows, or underflows by as much as the bounds.
+/// Lengths, and products of lengths, for which nothing overflows, and nothing underflows by as much as the bounds.
 const REACHES: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
 
 /// Rays through one eye.
@@ -57,11 +61,11 @@ pub(crate) struct Pencil {
     right: DVec3,
     up: DVec3,
     forward: DVec3,
-    /// No direction has a greater coordinate.
+    /// An upper bound of the coordinates of directions.
     reach: f64,
 }
 
-/// A row of a pencil's rays: their directions are `first + right · across`.
+/// A row of a pencil's rays; their directions are `first + right · across`.
 pub(crate) struct PencilRow {
     first: DVec3,
     /// The square of a direction's length as a polynomial in `across`.
@@ -69,7 +73,7 @@ pub(crate) struct PencilRow {
 }
 
 impl Pencil {
-    /// The rays of a lattice; `None` unless they begin at one eye.
+    /// The rays of a lattice; `None` unless they share an eye.
     pub(crate) fn new(lattice: &Lattice, frame: DVec3) -> Option<Self> {
         let camera = &lattice.camera;
         if camera.projection() != Projection::Perspective || lattice.is_empty() {
@@ -109,9 +113,9 @@ impl Pencil {
 /// The linear functions of a triangle that rays of a pencil are known to hit.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LinearHit {
-    /// Normals of the planes that D is multiplied with, of u, v and the determinant.
+    /// For u, v and the determinant, the vector whose product with D is its numerator.
     normals: [DVec3; 3],
-    /// What they change by along `right`.
+    /// The change of these products along `right`.
     slopes: [f64; 3],
     /// a·N.
     numerator: f64,
@@ -119,12 +123,12 @@ pub(crate) struct LinearHit {
     error: f64,
     /// 2e and 4δ.
     t_error: [f64; 2],
-    /// Whether the bounds hold, and rays in its middle are likely sure.
+    /// Whether the bounds hold, and rays in the triangle's middle are likely sure.
     is_useful: bool,
 }
 
 impl LinearHit {
-    /// Of the triangle with these corners, relative to the tree's origin.
+    /// For the triangle with these corners, relative to the tree's origin.
     #[inline(never)]
     pub(crate) fn new(pencil: &Pencil, corners: [Vec3; 3]) -> Self {
         let [a, b, c] = corners.map(Vec3::as_dvec3);
@@ -139,7 +143,7 @@ impl LinearHit {
         let delta = 8.0 * EPSILON * m + 3.0 * eye_error;
         let error = reach * e * (1100.0 * EPSILON * m + 320.0 * eye_error);
         let numerator = a.dot(normal);
-        // A ray through the middle, as long as the way there: D·N of it is a·N.
+        // A ray through the middle, scaled so that D·N equals a·N.
         let middle = (a + b + c).abs().max_element() / 3.0;
         let is_useful = REACHES.contains(&reach)
             && REACHES.contains(&e)
@@ -161,46 +165,49 @@ impl LinearHit {
         self.is_useful
     }
 
-    /// Interpolates eight rays of a row, so far to the right of the view axis.
+    /// Interpolates eight rays of a row, at these distances to the right of the view axis: t where `T`, u and v where
+    /// `WEIGHTS`. Values that are not asked for make no lane unsure.
     #[inline(always)]
     #[allow(
         clippy::needless_range_loop,
         reason = "a lane is an index into all the arrays at once"
     )]
-    pub(crate) fn interpolate(&self, row: &PencilRow, across: &[f64; LANES]) -> RowHits {
+    pub(crate) fn interpolate<const T: bool, const WEIGHTS: bool>(
+        &self,
+        row: &PencilRow,
+        across: &[f64; LANES],
+    ) -> RowHits {
         let [u, v, w] = self.normals.map(|normal| normal.dot(row.first));
         let [u_slope, v_slope, w_slope] = self.slopes;
         let [per_weight, fixed] = self.t_error;
         let [constant, linear, quadratic] = row.square;
-        let mut hits = RowHits {
-            t: [0.0; LANES],
-            u: [0.0; LANES],
-            v: [0.0; LANES],
-            sure: [false; LANES],
-        };
-        // Plain numbers, which compilers vectorise.
+        let mut hits = RowHits::NONE;
+        // Plain loops over arrays, which the compiler vectorises.
         for lane in 0..LANES {
             let x = across[lane];
             let inverse = 1.0 / (w + w_slope * x);
             let u = (u + u_slope * x) * inverse;
             let v = (v + v_slope * x) * inverse;
-            let length = (constant + (linear + quadratic * x) * x).sqrt();
-            let t = self.numerator * inverse * length;
             let spread = (self.error * inverse).abs();
             let weight_error = spread + 8.0 * EPSILON;
-            let t_error = per_weight * spread + fixed + 32.0 * EPSILON * t;
             let one = |number: f64, error: f64| (number - error) as f32 == (number + error) as f32;
-            hits.t[lane] = t as f32;
-            hits.u[lane] = u as f32;
-            hits.v[lane] = v as f32;
-            hits.sure[lane] = (spread <= SINGLE)
+            let mut sure = (spread <= SINGLE)
                 & (u > weight_error)
                 & (v > weight_error)
-                & (1.0 - u - v > weight_error)
-                & (t_error <= SINGLE * t)
-                & one(u, weight_error)
-                & one(v, weight_error)
-                & one(t, t_error);
+                & (1.0 - u - v > weight_error);
+            if T {
+                let length = (constant + (linear + quadratic * x) * x).sqrt();
+                let t = self.numerator * inverse * length;
+                let t_error = per_weight * spread + fixed + 32.0 * EPSILON * t;
+                sure = sure & (t_error <= SINGLE * t) & one(t, t_error);
+                hits.t[lane] = t as f32;
+            }
+            if WEIGHTS {
+                sure = sure & one(u, weight_error) & one(v, weight_error);
+                hits.u[lane] = u as f32;
+                hits.v[lane] = v as f32;
+            }
+            hits.sure[lane] = sure;
         }
         hits
     }
@@ -215,7 +222,7 @@ mod tests {
     use crate::hit::{Cull, Precision};
     use crate::random::Random;
 
-    /// What came of rays at triangles.
+    /// Counts of what became of the rays.
     #[derive(Debug, Default)]
     struct Tally {
         sure: u32,
@@ -223,7 +230,7 @@ mod tests {
         wrong: u32,
     }
 
-    /// Rows of eight rays at triangles, with error terms changed.
+    /// Casts rows of eight rays at triangles, with error terms changed.
     fn tally(
         scene: (DVec3, f64),
         change_eye: impl Fn(&mut Pencil),
@@ -241,7 +248,7 @@ mod tests {
                 let (_, y) = lattice.place(0, row);
                 let across = Places::new(&lattice, 0, row).across(&lattice.camera);
                 let pencil_row = pencil.row(lattice.camera.across_and_along(0.0, y).1);
-                let found = hit.interpolate(&pencil_row, &across);
+                let found = hit.interpolate::<true, true>(&pencil_row, &across);
                 for column in 0..LANES {
                     if !found.sure[column] {
                         tally.unsure += 1;
@@ -270,9 +277,9 @@ mod tests {
         }
     }
 
-    /// The terms that no other covers, each at zero: the eye's error, K, and t's.
+    /// For each term that no other covers, with that term at zero: the eye's error, K, and t's.
     #[test]
-    fn without_any_term_of_the_bound_lanes_would_have_other_bits() {
+    fn with_any_term_of_the_bound_at_zero_sure_lanes_have_wrong_bits() {
         let without_eye_error = tally(SCENES[2], |pencil| pencil.eye_error = 0.0, |_| {});
         assert!(without_eye_error.wrong > 0, "{without_eye_error:?}");
         let without_k = tally(SCENES[0], |_| {}, |hit| hit.error = 0.0);

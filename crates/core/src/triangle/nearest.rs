@@ -1,6 +1,6 @@
 use crate::hit::{MISS, PrimitiveHit};
 
-/// The nearest hit so far, with a bound on the error of its parameter.
+/// The closest hit so far, with a bound on the error of its parameter.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearest {
     /// The triangle's primitive index, or [`MISS`].
@@ -31,11 +31,11 @@ impl Nearest {
 
     /// Whether this hit is surely nearer than another.
     pub(crate) fn is_surely_before(&self, other: &Self) -> bool {
-        // The sums round by less than the slack of a few per cent in either bound.
+        // The rounding of the sums is less than the slack of a few per cent in either bound.
         self.t + self.t_error < other.t - other.t_error
     }
 
-    /// The hit in single precision.
+    /// The hit rounded to single precision.
     pub(crate) fn to_primitive_hit(self) -> PrimitiveHit {
         if self.is_miss() {
             return PrimitiveHit::NONE;

@@ -1,5 +1,5 @@
-//! Rows of eight rays at triangles that are hard to interpolate at: seen nearly edge-on, from next to them, and far from
-//! what their corners are relative to.
+//! Rows of eight rays at triangles that are hard to interpolate: nearly edge-on, close to the eye, and far from the
+//! point that corners are relative to.
 
 use super::PreparedRay;
 use super::interpolate::{LANES, Places, interpolate_row};
@@ -8,15 +8,16 @@ use crate::hit::{Cull, Precision};
 use crate::random::Random;
 use glam::{DVec3, Vec3};
 
-/// Where corners are relative to, and about where they are there: where nothing is rounded, and where the eye is.
+/// The point that corners are relative to, and the approximate magnitude of corners there: without any rounding, and
+/// with a rounded eye.
 pub(super) const SCENES: [(DVec3, f64); 3] = [
     (DVec3::ZERO, 0.0),
     (DVec3::new(1e7, -0.1, 3e3), 0.0),
     (DVec3::new(1e-9, 2e-9, -1e-9), 3e7),
 ];
 
-/// A triangle, and eight rows of eight rays at it: seen squarely to nearly edge-on, from a hundred thousand times
-/// its size away to next to it.
+/// A triangle, and eight rows of eight rays at it: from square to nearly edge-on, from a hundred thousand times the
+/// triangle's size away to close by.
 pub(super) fn triangle_and_rays(
     random: &mut Random,
     (frame, place): (DVec3, f64),
@@ -26,7 +27,7 @@ pub(super) fn triangle_and_rays(
     let middle = DVec3::new(place, place * 0.7, -place) + random.point() * 3.0;
     let mut corners = [(); 3].map(|()| (middle + random.point() * size).as_vec3());
     if random.unit() < 0.2 {
-        // Seen along z, all corners have one depth.
+        // Seen along z, all corners have the same depth.
         corners = corners.map(|corner| corner.with_z(corners[0].z));
     }
     let [a, b, c] = corners.map(Vec3::as_dvec3);

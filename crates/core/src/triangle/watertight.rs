@@ -1,11 +1,11 @@
-//! One ray and one triangle: rounded arithmetic where it is sure, exact arithmetic where it is not.
+//! One ray and one triangle: rounded arithmetic where its error bounds decide, exact arithmetic elsewhere.
 //!
-//! The ray is sheared onto the axis along which its direction is longest; inside or outside is then three signs in
-//! two dimensions (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2013). Theirs are exact for the
-//! sheared, rounded vertices; these are exact for the vertices and the ray as given, since each sign and each order
-//! of depth has an error bound. What the bound leaves undecided goes to determinants with bounds of their own
-//! ([`componentwise`](super::componentwise)), and what those leave to [`exact`] (Shewchuk, "Adaptive Precision
-//! Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997).
+//! The ray is sheared onto the axis along which its direction is longest; inside or outside is then a matter of three
+//! signs in two dimensions (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2013). Their test is
+//! exact for the sheared, rounded vertices. This one is exact for the vertices and the ray as given, since each sign
+//! and each order of depth has an error bound. What the bounds leave undecided goes to determinants with tighter
+//! bounds ([`componentwise`](super::componentwise)), and what those leave undecided to [`exact`] (Shewchuk, "Adaptive
+//! Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997).
 
 mod order;
 
@@ -22,32 +22,32 @@ use std::cmp::Ordering;
 /// The unit roundoff of double precision.
 const EPSILON: f64 = f64::EPSILON / 2.0;
 
-/// A ray prepared for many triangles.
+/// A ray prepared for tests against many triangles.
 #[derive(Clone, Debug)]
 pub(crate) struct PreparedRay {
     /// The ray as given, in world space.
     pub(crate) ray: Ray,
     /// The point that corners are relative to, in world space.
     frame: DVec3,
-    /// The ray's origin relative to that, rounded.
+    /// The ray's origin relative to `frame`, rounded.
     pub(crate) origin: DVec3,
     /// Bound on the error of its coordinates.
     pub(crate) origin_error: f64,
     /// The axis along which the direction is longest.
     pub(crate) major: usize,
-    /// `direction[axis] / direction[major]` of the next axis and the one after; at most 1.
+    /// `direction[axis] / direction[major]` for the two axes after the major one; at most 1.
     shear: [f64; 2],
     /// The direction along the major axis.
     pub(crate) advance: f64,
-    /// Whether back faces are culled.
+    /// Which faces are culled.
     cull: Cull,
-    /// Whether what double precision leaves undecided is decided exactly, or by the rounded values.
+    /// Whether cases that double precision leaves undecided are decided exactly, or by rounded values.
     precision: Precision,
     /// Whether any triangle so far was decided exactly.
     was_exact: Cell<bool>,
 }
 
-/// Whether a ray hits a triangle, as far as an error bound decides it.
+/// The outcome of a test with error bounds.
 enum Verdict {
     Miss,
     Hit(Nearest),
@@ -87,8 +87,8 @@ impl PreparedRay {
         self.was_exact.get()
     }
 
-    /// Intersects the ray with the triangle of index `primitive`, and replaces `nearest` if this hit is nearer, or as
-    /// near with a lower primitive id. `id` gives the id of an index.
+    /// Intersects the ray with the triangle of index `primitive`, and replaces `nearest` if this hit is nearer, or
+    /// equally near with a lower primitive id. `id` maps an index to its id.
     pub(crate) fn intersect(
         &self,
         primitive: u32,
@@ -116,7 +116,7 @@ impl PreparedRay {
         }
     }
 
-    /// The hit at a triangle that [`PreparedRay::intersect_in_double`] leaves undecided, if there is one.
+    /// The hit, if any, with a triangle that [`PreparedRay::intersect_in_double`] leaves undecided.
     fn intersect_undecided(&self, primitive: u32, corners: [Vec3; 3]) -> Option<Nearest> {
         match self.precision {
             Precision::Exact => match self.intersect_componentwise(primitive, corners) {
@@ -145,7 +145,7 @@ impl PreparedRay {
         )
     }
 
-    /// Intersects in twice double precision.
+    /// Intersects in double-double arithmetic.
     fn intersect_in_double_double(&self, primitive: u32, corners: [Vec3; 3]) -> Verdict {
         let Ray {
             origin, direction, ..
@@ -154,7 +154,7 @@ impl PreparedRay {
         self.intersect_by_determinants(primitive, determinants)
     }
 
-    /// Intersects by the signs of determinants; without determinants it is undecided.
+    /// Intersects by the signs of determinants; undecided without determinants.
     fn intersect_by_determinants(
         &self,
         primitive: u32,
@@ -175,8 +175,8 @@ impl PreparedRay {
         if is_culled || !(is_any(1) || is_any(-1)) {
             return Verdict::Miss;
         }
-        // All weights have one sign, or are zero: neither their sum nor its bound cancels. The two sums and the quotient
-        // below take 3ε.
+        // All weights have one sign or are zero, so neither their sum nor its bound cancels. The two sums and the
+        // quotient below add 3ε.
         let [a, b, c] = weights;
         let sum = a.value + b.value + c.value;
         let sum_error = (a.error + b.error + c.error) * 1.001 + 3.0 * EPSILON * sum.abs();
@@ -184,8 +184,8 @@ impl PreparedRay {
         if !is_well_conditioned {
             return Verdict::Undecided;
         }
-        // (N ± n) / (S ± s) is off by n/|S| + |t|·s/|S|; second orders, and the bound's own rounding, are far below a
-        // thousandth of it.
+        // (N ± n) / (S ± s) is off by n/|S| + |t|·s/|S|; a thousandth of that covers second orders and the bound's
+        // own rounding.
         let t = numerator.value / sum;
         let t_error = 1.001 * (numerator.error + t.abs() * sum_error) / sum.abs();
         let point = Point {
@@ -197,8 +197,8 @@ impl PreparedRay {
         self.within_range(primitive, point)
     }
 
-    /// The hit at a point that is surely inside a triangle. Undecided where the range or single precision needs a smaller
-    /// error than the point has.
+    /// The hit at a point that is surely inside a triangle. Undecided where the ray's range, or accuracy in single
+    /// precision, needs a smaller error than the point has.
     fn within_range(&self, primitive: u32, point: Point) -> Verdict {
         let Point { t, t_error, u, v } = point;
         let Ray { t_min, t_max, .. } = self.ray;
@@ -217,7 +217,7 @@ impl PreparedRay {
         })
     }
 
-    /// A triangle with these corners, where it is.
+    /// The triangle with these corners, for exact arithmetic.
     fn placed(&self, corners: [Vec3; 3]) -> Placed {
         Placed {
             corners,
@@ -225,7 +225,7 @@ impl PreparedRay {
         }
     }
 
-    /// The hit at a triangle that the ray is known to hit.
+    /// The hit of a triangle that the ray is known to hit.
     pub(crate) fn evaluate(&self, primitive: u32, corners: [Vec3; 3]) -> Nearest {
         match self.intersect_in_double(primitive, corners) {
             Verdict::Hit(hit) => hit,
@@ -235,20 +235,20 @@ impl PreparedRay {
         }
     }
 
-    /// A triangle's edge functions for this ray.
+    /// The triangle's edge functions for this ray.
     fn edges(&self, corners: [Vec3; 3]) -> Edges {
         let relative = corners.map(|corner| corner.as_dvec3() - self.origin);
         let [x, y, z] = axes(self.major).map(|axis| relative.map(|corner| corner[axis]));
         Edges::new(x, y, z, self.shear, self.origin_error)
     }
 
-    /// Whether a triangle with these edge functions shows its back. It is seen along the major axis, so its
-    /// orientation is the sign of the determinant, against the sense in which the ray runs along the axis.
+    /// Whether a triangle with these edge functions shows a culled back face. It is seen along the major axis, so its
+    /// orientation is the sign of the determinant times the ray's direction along that axis.
     fn is_culled(&self, edges: &Edges) -> bool {
         self.cull == Cull::Back && (edges.determinant > 0.0) != (self.advance > 0.0)
     }
 
-    /// Intersects in double precision, and takes rounded signs as they are.
+    /// Intersects in double precision and trusts rounded signs.
     fn intersect_rounded(&self, primitive: u32, corners: [Vec3; 3]) -> Option<Nearest> {
         let edges = self.edges(corners);
         let inside =
@@ -303,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_numerator_is_off_by_moves_the_hit() {
+    fn the_numerators_error_widens_the_hits_interval() {
         let exact = |value| Determinant { value, error: 0.0 };
         let numerator = Determinant {
             value: 3.0,
@@ -313,14 +313,14 @@ mod tests {
         assert!(hit.t + hit.t_error >= (3.0 + 1e-10) / 3.0);
     }
 
-    /// Weights and numerator are exact: what is left is the rounding of the sum and of the quotient. The truth is
-    /// twice double precision.
+    /// Weights and numerator are exact, which leaves the rounding of the sum and of the quotient. The truth is
+    /// double-double arithmetic.
     #[test]
-    fn rounding_the_sum_of_the_weights_moves_the_hit() {
+    fn rounding_the_weights_sum_widens_the_hits_interval() {
         let mut random = Random(63);
         let exact = |value| Determinant { value, error: 0.0 };
         for _ in 0..50_000 {
-            // What is lost to the first weight is nearly half a unit in its last place, twice.
+            // What the first weight loses is nearly half a unit in its last place, twice.
             let first = 1.0 + random.unit();
             let lost = EPSILON * (0.9 + 0.0999 * random.unit());
             let weights = [first, lost, lost];
@@ -336,7 +336,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_weights_are_off_by_moves_the_hit() {
+    fn the_weights_errors_widen_the_hits_interval() {
         let weight = Determinant {
             value: 1.0,
             error: 1e-10,
@@ -351,15 +351,15 @@ mod tests {
         assert!(hit.t + hit.t_error >= furthest, "{}", hit.t_error);
     }
 
-    /// Rays through edges and corners but for rounding: next to the eye and far from it, and with an eye that is
-    /// rounded. The truth is integer arithmetic.
+    /// Rays through edges and corners except for rounding: close to the eye and far from it, and with a rounded eye.
+    /// The truth is integer arithmetic.
     #[test]
-    fn what_double_precision_decides_is_so() {
+    fn what_double_precision_decides_is_what_integers_decide() {
         let mut random = Random(61);
         for (frame, place) in [
             (DVec3::ZERO, 0.0),
             (DVec3::ZERO, 1e6),
-            // Corners are stored about the frame, and the eye's place there is rounded.
+            // Corners are stored relative to the frame, where the eye's position is rounded.
             (DVec3::new(1e7, -0.1, 3e3), 2e7),
             (DVec3::new(1e-9, 2e-9, -1e-9), 3e7),
         ] {
@@ -375,7 +375,7 @@ mod tests {
                 let mut near = || (middle + random.point() * size).as_vec3();
                 let mut corners = [near(), near(), near()];
                 if random.unit() < 0.2 {
-                    // Seen along z, all corners have one depth.
+                    // Seen along z, all corners have the same depth.
                     corners = corners.map(|corner| corner.with_z(corners[0].z));
                 }
                 let [a, b, c] = corners.map(|corner| frame + corner.as_dvec3());
@@ -385,7 +385,7 @@ mod tests {
                     2 => (a + b + c) / 3.0,
                     _ => b + (c - b) * random.unit() + random.point() * (size * 1e-14),
                 };
-                // Nearly in the triangle's plane, next to it, far from it, or anywhere.
+                // Nearly in the triangle's plane, close to it, far from it, or anywhere.
                 let beside = random.point() * (size * crate::math::pow(10.0, -9.0 * random.unit()));
                 let origin = match (random.unit() * 5.0) as u32 {
                     0 => a + ((b - a) * random.signed() + (c - a) * random.signed()) * 9.0 + beside,
@@ -398,7 +398,7 @@ mod tests {
                 };
                 let mut ray = Ray::new(origin, target - origin);
                 if random.unit() < 0.3 {
-                    // Begins or ends at the hit, give or take some roundings.
+                    // The ray starts or ends at the hit, within some roundings.
                     let t = 1.0 + (random.unit() * 5.0 - 2.0).floor() * f64::EPSILON;
                     (ray.t_min, ray.t_max) = if random.unit() < 0.5 {
                         (t, 9.0)

@@ -1,4 +1,4 @@
-//! Normals at a crease angle, worked out a second time: corner by corner, from the triangles that smooth edges lead to.
+//! Normals at a crease angle, computed independently: corner by corner, from the triangles that smooth edges lead to.
 
 use super::range::{Single, Vector};
 use raycast_core::glam::{DVec3, Vec3};
@@ -6,18 +6,18 @@ use raycast_core::math;
 use raycast_core::scene::Mesh;
 use std::collections::HashMap;
 
-/// How near to the crease angle an angle may be and still be told to be below or above it, in degrees: far more than
-/// rounding in double precision, and still next to nothing.
+/// The least difference from the crease angle, in degrees, at which an angle is surely below or above it: far more
+/// than the rounding of double precision, and still negligible.
 const SURE: f64 = 1e-6;
 
-/// A place, whatever the sign of its zeros.
+/// A position, with positive zeros.
 type Place = [u32; 3];
 
-/// The triangles at each place of a mesh.
+/// The triangles at each position of a mesh.
 pub(super) struct Creased<'m> {
     mesh: &'m Mesh,
     degrees: f64,
-    /// Triangles, and which of their corners is there.
+    /// Triangles, and which of their corners is at the position.
     at: HashMap<Place, Vec<(u32, usize)>>,
 }
 
@@ -45,7 +45,8 @@ impl<'m> Creased<'m> {
     /// `None` where rounding may decide.
     fn normal(&self, triangle: u32, side: usize) -> Option<Vector<24>> {
         let star = self.at.get(&place(corners(self.mesh, triangle)[side]))?;
-        // By the edges' other ends: the triangles whose edge leads there, and those whose edge leads from there.
+        // For each vertex at the other end of an edge: the triangles whose edge leads there, and those whose edge
+        // comes from there.
         let mut edges: HashMap<Place, [Vec<usize>; 2]> = HashMap::new();
         for (number, &(triangle, side)) in star.iter().enumerate() {
             for (way, end) in self.ends(triangle, side).into_iter().enumerate() {
@@ -73,7 +74,7 @@ impl<'m> Creased<'m> {
         let parts = fan.map(|(&(triangle, side), _)| {
             let [a, b, c] = self.turned(triangle, side);
             let (e, f) = (b - a, c - a);
-            // |e × f| / (|e|² |f|²), as the angle's sine over both lengths.
+            // |e × f| / (|e|² |f|²), as the sine of the angle over both lengths.
             let sine = math::sin(e.angle_between(f));
             self.unit(triangle) * (sine / (e.length() * f.length()))
         });
@@ -87,7 +88,7 @@ impl<'m> Creased<'m> {
         Some(sum.normalize().to_array().map(near))
     }
 
-    /// The corners, from one on.
+    /// The corners, starting with this one.
     fn turned(&self, triangle: u32, side: usize) -> [DVec3; 3] {
         let corners = corners(self.mesh, triangle);
         [0, 1, 2].map(|step| corners[(side + step) % 3].as_dvec3())

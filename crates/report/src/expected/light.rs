@@ -1,6 +1,6 @@
-//! The light of lit modes, as the shader documents it: a key light up and to the left of the camera,
-//! wrapped a little round the shape, a fill from sky to ground, and a rim. Written down a second time on
-//! purpose: what this says and what the shader does must agree.
+//! The light of lit modes, as the shader documents it: a key light from the upper left of the camera that reaches
+//! slightly beyond a right angle, a fill from sky to ground, and a rim. It is written down a second time on purpose:
+//! documentation and shader must agree.
 
 use super::range::{Single, Vector, dot, exactly_single, minus, plus, scaled};
 use raycast_core::camera::Camera;
@@ -12,7 +12,7 @@ const SKY: [f64; 3] = [0.160, 0.168, 0.184];
 const GROUND: [f64; 3] = [0.066, 0.060, 0.055];
 const RIM: f64 = 0.10;
 
-/// A light's direction in the camera's axes (right, up and back; `None`: at the eye), and its colour.
+/// A light's direction in the camera's axes (right, up and back; `None` at the eye), and its colour.
 type Given = (Option<[f64; 3]>, [f64; 3]);
 
 const HEADLIGHT: [Given; 1] = [(None, [0.88; 3])];
@@ -22,12 +22,12 @@ const THREE_POINT: [Given; 3] = [
     (Some([0.45, 0.60, -0.80]), [0.300, 0.315, 0.340]),
 ];
 
-/// Where the lights stand.
+/// The lights of a picture.
 #[derive(Clone)]
 pub(super) struct Lights {
-    /// The key light of the soft set, which is wrapped round shapes.
+    /// The direction to the key light of the soft set.
     to_key: Option<Vector<24>>,
-    /// Those of the other sets.
+    /// The lights of the other sets.
     sources: Vec<(Option<Vector<24>>, Vector<24>)>,
     up: Vector<24>,
     sky: Vector<24>,
@@ -60,14 +60,14 @@ impl Lights {
         }
     }
 
-    /// The light from all around on a surface with this unit normal.
+    /// The ambient light on a surface with this unit normal.
     pub(super) fn around(&self, normal: Vector<24>) -> Vector<24> {
         let half = Single::exactly(0.5);
         let above = half + half * dot(normal, self.up);
         plus(self.ground, scaled(minus(self.sky, self.ground), above))
     }
 
-    /// Each light's direction (`None`: at the eye) and what a white surface that faces it sends back.
+    /// Each light's direction (`None` at the eye), and the light that a white surface facing it reflects.
     pub(super) fn shining(&self) -> Vec<(Option<Vector<24>>, Vector<24>)> {
         match self.to_key {
             Some(to_key) => vec![(Some(to_key), [Single::exactly(KEY).rounded(); 3])],
@@ -75,7 +75,7 @@ impl Lights {
         }
     }
 
-    /// What a white surface with this unit normal sends to an eye in that direction.
+    /// The light that a white surface with this unit normal reflects to an eye in that direction.
     pub(super) fn on(&self, normal: Vector<24>, to_eye: Vector<24>) -> Vector<24> {
         let number = Single::exactly;
         let Some(to_key) = self.to_key else {
@@ -101,8 +101,8 @@ impl Lights {
 
 /// The unit vector from a pixel of the picture to the eye.
 ///
-/// It is said to be worked out in single precision from the picture's corner, and what a pixel to the
-/// right and down adds: with the place in the picture in pixels, not from the ray; of a panorama from the direction there.
+/// It is documented to be computed in single precision from the picture's corner, and what a pixel to the right and
+/// down adds: with the place in the picture in pixels, not from the ray; of a panorama from the direction there.
 pub(super) fn to_eye(camera: &Camera, x: f64, y: f64) -> Vector<24> {
     use raycast_core::camera::Projection;
     let to_single = |vector: raycast_core::glam::DVec3| {
@@ -112,7 +112,7 @@ pub(super) fn to_eye(camera: &Camera, x: f64, y: f64) -> Vector<24> {
         })
     };
     if camera.projection() == Projection::Orthographic {
-        // Made unit length once more, as every other is.
+        // Normalised once more, as every other direction is.
         return super::range::unit(exactly_single((-camera.forward()).as_vec3()));
     }
     if camera.projection().panorama().is_some() {

@@ -1,4 +1,4 @@
-//! Which hits the masks of materials keep, worked out a second time: within what a hit's barycentrics may be off by.
+//! Which hits alpha masks keep, computed independently, within the error of a hit's barycentrics.
 
 use super::range::Single;
 use super::texture;
@@ -10,13 +10,12 @@ use raycast_core::scene::{Opacity, Scene, Wrap};
 use raycast_core::shade::Filter;
 use raycast_oracle::Truth;
 
-/// The nearest triangle that a ray hits and no mask rejects; `None` where rounding may decide whether a mask keeps a hit
-/// that would be the nearest.
+/// The closest hit of a ray that no mask rejects; `None` where rounding may decide whether a mask keeps it.
 pub(crate) fn seen(stage: &Stage, ray: &Ray, cull: Cull) -> Option<Option<Truth>> {
     if !stage.has_masks() {
         return Some(stage.truth(ray, cull));
     }
-    // With what is not sure kept, and left out: where both give one hit, it is the nearest in any case.
+    // With undecided hits kept, and with them rejected: if both give the same hit, it is the closest.
     let [least, most] = [true, false].map(|unsure| {
         let counts = |truth: &Truth| keeps(&stage.scene, truth).unwrap_or(unsure);
         stage.truth_where(ray, cull, counts)
@@ -25,7 +24,7 @@ pub(crate) fn seen(stage: &Stage, ray: &Ray, cull: Cull) -> Option<Option<Truth>
     (number(&least) == number(&most)).then_some(least)
 }
 
-/// Whether a hit counts; `None` where rounding may decide it.
+/// Whether masks keep a hit; `None` where rounding may decide.
 fn keeps(scene: &Scene, truth: &Truth) -> Option<bool> {
     let mesh = &scene.objects.get(truth.object as usize)?.mesh;
     let Opacity::Mask { alpha, cutoff } = mesh.opacity(truth.triangle) else {

@@ -1,4 +1,4 @@
-//! A surface's direction: the triangle's own, and the mesh's between corners.
+//! A surface's normal: the triangle's own, and the mesh's interpolated one.
 
 use super::range::{
     Double, Single, Vector, cross, dot, exactly, exactly_single, length, minus, plus, scaled, to,
@@ -7,13 +7,13 @@ use super::range::{
 use raycast_core::camera::{Camera, Projection};
 use raycast_core::glam::{DAffine3, DVec3, Vec3};
 
-/// The unit normal of a triangle on the side that the camera sees, by its corners as seen from the eye.
+/// The unit normal of a triangle on the side that the camera sees, from its corners relative to the eye.
 ///
-/// Perspective: the side on which the eye is; orthographic: that against the rays. Unknown where rounding
-/// in double precision may turn it.
+/// Perspective: the side of the eye; orthographic: against the rays. Unknown where rounding in double precision may
+/// flip it.
 pub(super) fn flat(camera: &Camera, corners: [Vector<53>; 3]) -> Vector<24> {
     let [a, b, c] = corners;
-    // Length does not matter before it is made one.
+    // The length is irrelevant before normalising.
     let normal = unit(cross(minus(b, a), minus(c, a)));
     let along = match camera.projection() {
         Projection::Orthographic => exactly(camera.forward()),
@@ -31,12 +31,12 @@ pub(super) fn flat(camera: &Camera, corners: [Vector<53>; 3]) -> Vector<24> {
     to(normal)
 }
 
-/// What takes a mesh's normals to the world: the inverse transpose of its transform, but for a factor.
+/// The map of a mesh's normals to world space: the inverse transpose of its transform, up to a factor.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ToWorld([Vector<24>; 3]);
 
 impl ToWorld {
-    /// `None` for an object that is squashed flat, or nearly so: there rounding may decide.
+    /// `None` for an object that is flattened, or nearly so: there rounding may decide.
     pub(super) fn new(world_from_object: &DAffine3) -> Option<Self> {
         // The columns of the inverse transpose are cross products of those of the matrix, over its
         // determinant; its sign makes no difference, since normals are turned to the side that shows.
@@ -62,7 +62,7 @@ impl ToWorld {
         Some(Self(columns.map(|column| column.to_array().map(entry))))
     }
 
-    /// A mesh's normal in the world, of unit length; its sign is that of the mesh's.
+    /// A mesh's normal in world space, of unit length, with the sign of the mesh's.
     pub(super) fn direction(&self, normal: Vec3) -> Vector<24> {
         unit(self.apply(exactly_single(normal)))
     }
@@ -73,8 +73,8 @@ impl ToWorld {
     }
 }
 
-/// The mesh's normals at the corners, blended by the weights of a hit and turned to the side of `flat`;
-/// that itself where they cancel out. `to_world` is `None` where it is not known.
+/// The mesh's normals at the corners, interpolated at a hit and oriented to the side of `flat`; `flat` itself where
+/// they cancel. `to_world` is `None` where the map is unknown.
 pub(super) fn smooth(
     normals: [Vector<24>; 3],
     to_world: Option<&ToWorld>,
@@ -114,7 +114,7 @@ pub(super) fn weights(u: Single, v: Single) -> [Single; 3] {
     [Single::exactly(1.0) - u - v, u, v]
 }
 
-/// Corner values by weights.
+/// Corner values, weighted.
 pub(super) fn blend<const N: usize>(
     [a, b, c]: [[Single; N]; 3],
     [of_a, of_b, of_c]: [Single; 3],
@@ -122,7 +122,7 @@ pub(super) fn blend<const N: usize>(
     std::array::from_fn(|i| a[i] * of_a + b[i] * of_b + c[i] * of_c)
 }
 
-/// The direction from a triangle's middle to the eye, by its corners as seen from the eye.
+/// The direction from a triangle's middle to the eye, from its corners relative to the eye.
 pub(super) fn middle_to_eye(camera: &Camera, [a, b, c]: [Vector<53>; 3]) -> Vector<24> {
     match camera.projection() {
         Projection::Orthographic => exactly_single((-camera.forward()).as_vec3()),

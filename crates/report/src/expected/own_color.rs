@@ -1,4 +1,4 @@
-//! The colours that objects have by their rules, worked out a second time from what the rules are documented as.
+//! The colours of objects by their rules, computed independently from the rules' documentation.
 
 use super::range::{Double, Single, Vector, cross, exactly, length, minus, to, unit};
 use super::{Hit, normal, srgb};
@@ -7,17 +7,17 @@ use raycast_core::camera::{Camera, Projection};
 use raycast_core::scene::{Color, ColorMap, ColorRule, OUTLIERS, Object, Quantity, ScalarAt};
 use raycast_core::shade::{Mode, Shading};
 
-/// What shows where there is no number.
+/// The colour where there is no number.
 const NO_NUMBER: Color = Color([0x80; 3]);
 
-/// The colours of numbers in one picture.
+/// The colours of quantities in one picture.
 #[derive(Clone)]
 pub(super) struct Numbers {
-    /// The colour where there is none.
+    /// The colour of triangles without another.
     plain: Color,
     colors: Vec<Vector<24>>,
     given: Option<[f64; 2]>,
-    /// For each object the range of its quantity, where its rule shows one that is checked.
+    /// For each object whose rule shows a quantity that is checked, the range of its colours.
     ranges: Vec<Option<[Double; 2]>>,
 }
 
@@ -38,13 +38,13 @@ impl Numbers {
         }
     }
 
-    /// The colour of a number over a range.
+    /// The colour of a number in a range.
     pub(super) fn color(&self, number: Double, [low, high]: [Double; 2]) -> Vector<24> {
         if !number.is_known() || !low.is_known() || !high.is_known() {
             return [Single::UNKNOWN; 3];
         }
         if high.high <= low.low {
-            // A range without length has its first colour alone.
+            // An empty range has its first colour only.
             return self.colors[0];
         }
         if high.low <= low.high {
@@ -55,7 +55,7 @@ impl Numbers {
         if !place.is_known() {
             return [Single::UNKNOWN; 3];
         }
-        // Linear between neighbours: the ends, and the colours between them.
+        // Linear between neighbouring entries, the ends included.
         let at = |place: f64| -> Vector<24> {
             let place = place.clamp(0.0, 255.0);
             let step = (place as usize).min(254);
@@ -71,7 +71,7 @@ impl Numbers {
         std::array::from_fn(|i| Single::over(all.iter().flat_map(|c| [c[i].low, c[i].high])))
     }
 
-    /// The colour of a distance in the depth mode, where it is through a map over this range.
+    /// The range of the depth mode's colour map, where it is given.
     pub(super) fn given_range(&self) -> Option<[Double; 2]> {
         self.given.map(|range| range.map(Double::exactly))
     }
@@ -97,11 +97,11 @@ fn colors(map: ColorMap) -> Vec<Vector<24>> {
     colors
 }
 
-/// The range that a quantity's colours are fitted to; `None` where it is not worked out, or there is none.
+/// The range that a quantity's colours are fitted to; `None` where it is not computed, or does not exist.
 fn fitted(stage: &Stage, camera: &Camera, quantity: &Quantity) -> Option<[Double; 2]> {
     if let Quantity::Distance(from) = quantity {
         let point = from.unwrap_or(camera.placement().eye);
-        return super::distances(stage, camera, point, from.is_none());
+        return super::depth::distances(stage, camera, point, from.is_none());
     }
     let shows = |object: &&Object| {
         object.visible && matches!(&object.color, ColorRule::Value(own) if own == quantity)
@@ -135,7 +135,7 @@ fn fitted(stage: &Stage, camera: &Camera, quantity: &Quantity) -> Option<[Double
         let [least, most] = range.unwrap_or([low, high]);
         range = Some([least.min(low), most.max(high)]);
     }
-    // An area is rounded to single precision: by 2⁻²⁴ of itself, and here a few times in double precision.
+    // An area is rounded to single precision, by 2⁻²⁴ of itself, and here a few times in double precision.
     let slack = match quantity {
         Quantity::Area => 2f64.powi(-23),
         _ => 0.0,
@@ -151,7 +151,7 @@ fn area(object: &Object, triangle: u32) -> Option<f64> {
         .map(|corner| corner.as_dvec3());
     let (ab, ac) = (b - a, c - a);
     let squared = ab.length_squared() * ac.length_squared() - ab.dot(ac).powi(2);
-    // Where that cancels, the cross product.
+    // The cross product, where that cancels.
     let product = ab.length_squared() * ac.length_squared();
     let area = if squared > 1e-6 * product {
         squared.sqrt()
@@ -206,7 +206,7 @@ fn by_vertex(object: &Object, triangle: u32) -> bool {
     material.is_none_or(|material| material.by_vertex)
 }
 
-/// Unlit, the triangles of a file without materials and colours have one each.
+/// In unlit pictures, triangles of a file without materials and colours have one each.
 fn file_color(hit: &Hit<'_>, plain: Color, mode: Mode) -> Color {
     let (mesh, triangle) = (&hit.object.mesh, hit.triangle);
     let colorless = mesh.materials().is_empty() && mesh.vertex_colors().is_empty();
@@ -222,7 +222,7 @@ fn file_color(hit: &Hit<'_>, plain: Color, mode: Mode) -> Color {
 fn of_number(hit: &Hit<'_>, numbers: &Numbers, camera: &Camera, quantity: &Quantity) -> Vector<24> {
     let mesh = &hit.object.mesh;
     let number: Double = match quantity {
-        // Not worked out a second time.
+        // Not computed independently.
         Quantity::Curvature(_) => return [Single::UNKNOWN; 3],
         Quantity::Area => match area(hit.object, hit.triangle) {
             Some(area) => Double::around(area, area * 2f64.powi(-23)),
@@ -237,7 +237,7 @@ fn of_number(hit: &Hit<'_>, numbers: &Numbers, camera: &Camera, quantity: &Quant
             // Corners are rounded once to single precision.
             let corners = hit
                 .corners
-                .map(|corner| -> Vector<24> { to(super::plus(corner, exactly(to_point))) });
+                .map(|corner| -> Vector<24> { to(super::range::plus(corner, exactly(to_point))) });
             let [a, b, c] = corners;
             let point = normal::blend([a, b, c], hit.weights);
             match along_rays {
@@ -245,7 +245,7 @@ fn of_number(hit: &Hit<'_>, numbers: &Numbers, camera: &Camera, quantity: &Quant
                 true => {
                     let forward: Vector<24> = exactly(camera.forward());
                     let along = super::range::dot(point, forward);
-                    // Rounded elsewhere in the other path: by so much of the numbers that go into it.
+                    // The shader rounds other intermediate results: by so much of the numbers involved.
                     let size = corners
                         .iter()
                         .flatten()
@@ -288,7 +288,7 @@ fn of_number(hit: &Hit<'_>, numbers: &Numbers, camera: &Camera, quantity: &Quant
     }
 }
 
-/// The colour of a number between corners: their shares of the range are blended in single precision.
+/// The colour of a number between corners: its positions in the range are interpolated in single precision.
 fn shares(hit: &Hit<'_>, numbers: &Numbers, corners: [f64; 3]) -> Vector<24> {
     let Some([low, high]) = numbers.ranges.get(hit.number as usize).copied().flatten() else {
         return [Single::UNKNOWN; 3];

@@ -1,4 +1,4 @@
-//! Where a hit lies in an image that a camera took, and whether that camera sees it, worked out a second time.
+//! Where a hit lies in a photograph, and whether its camera sees it, computed independently.
 
 use super::mask::seen;
 use super::range::{Double, Single, Vector, cross, dot, exactly, minus, plus, scaled, unit};
@@ -9,9 +9,9 @@ use raycast_core::glam::{DVec2, DVec3};
 use raycast_core::math;
 use raycast_core::scene::{Photograph, Texture};
 
-/// What a hit shows of an image.
+/// The part of a photograph that a hit shows.
 pub(super) enum Place {
-    /// Nothing of it: it lies beyond the frame, or hidden.
+    /// None: the hit is outside the frame, or hidden.
     None,
     /// These texture coordinates.
     At([Double; 2]),
@@ -19,10 +19,10 @@ pub(super) enum Place {
     Unknown,
 }
 
-/// The least weight of a corner in the point that must be seen: 2⁻²⁴.
+/// The least weight of a corner in the point that must be visible: 2⁻²⁴.
 const LEAST_WEIGHT: f64 = 1.0 / (1 << 24) as f64;
 
-/// What the hit of a triangle, at weights that are as good as these, shows of an image.
+/// The part of an image that a hit of a triangle shows, at weights within these ranges.
 pub(super) fn place(
     (stage, cull): (&Stage, Cull),
     numbers: (u32, u32),
@@ -32,7 +32,7 @@ pub(super) fn place(
 ) -> Place {
     let [_, u, v] = weights;
     if photograph.lens.is_some() || !(u.is_known() && v.is_known()) {
-        // Lenses are not worked out a second time.
+        // Lenses are not computed independently.
         return Place::Unknown;
     }
     let Some(uv) = in_frame(
@@ -51,7 +51,7 @@ pub(super) fn place(
     {
         return Place::Unknown;
     }
-    // A corner of an occluder apart, what hides any point of so small a parallelogram hides one of its corners.
+    // Except at a corner of an occluder, what hides any point of so small a parallelogram hides one of its corners.
     let middle = |range: Single| (range.low + range.high) * 0.5;
     let points = [
         (middle(u), middle(v)),
@@ -67,7 +67,7 @@ pub(super) fn place(
             if !seen {
                 return Place::None;
             }
-            // No further out than the middles of the outermost texels.
+            // Clamped to the centres of the outermost texels.
             let inside = |at: usize| {
                 let half = Double::exactly(0.5 / f64::from(sides[at])).rounded();
                 uv[at].max(half.low).min(1.0 - half.low)
@@ -78,7 +78,7 @@ pub(super) fn place(
     }
 }
 
-/// The texture coordinates of a point between a triangle's corners; `None` where it is surely beyond the frame, or
+/// The texture coordinates of a point between a triangle's corners; `None` where it is surely outside the frame, or
 /// behind the camera.
 fn in_frame(
     stage: &Stage,
@@ -106,7 +106,7 @@ fn in_frame(
     if z.low <= 0.0 || !z.is_known() {
         return unknown;
     }
-    // The angle is halved, made radians and its tangent taken: some units in the last place.
+    // Halving the angle, converting it to radians and taking the tangent round by some units in the last place.
     let slope = math::tan(photograph.fov.to_radians() * 0.5);
     let height = Double::around(2.0 * slope, slope * 2f64.powi(-48)) * z;
     // Principal points are rounded to 2⁻²⁴ pixels of a picture of two rows.
@@ -122,8 +122,9 @@ fn in_frame(
     (!is_beyond(across) && !is_beyond(along)).then_some([across, along])
 }
 
-/// Whether an eye sees the point of a triangle at the weights u and v: the nearest that the ray to the point hits is the
-/// triangle, or no nearer. `None` where it misses the triangle, or another is hit that may or may not be nearer.
+/// Whether an eye sees the point of a triangle at the weights u and v: whether the ray to the point hits nothing that
+/// is nearer than the triangle. `None` where it misses the triangle, or hits another one that may or may not be
+/// nearer.
 fn is_seen(
     stage: &Stage,
     cull: Cull,

@@ -1,30 +1,30 @@
 use raycast_core::glam::{DVec3, Vec3};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Numbers from `low` to `high`: what a program may have got that works with numbers of `DIGITS` binary
-/// digits where real numbers were meant.
+/// The numbers from `low` to `high`: the possible results of computing with numbers of `DIGITS` bits instead of real
+/// numbers.
 ///
-/// Interval arithmetic (Moore, "Interval Analysis", 1966). If each operand of an operation lies in its
-/// range, the rounded result lies in the range that the operation gives: it is the exact result's,
-/// widened on both sides by 2^(1 − `DIGITS`) of its size. Rounding to nearest takes half of that; the
-/// other half covers this type's own rounding (in double precision, far finer) and a sum taken in another order.
-/// Underflow is covered by the precision's smallest normal number; what may overflow is unknown.
+/// Interval arithmetic (Moore, "Interval Analysis", 1966). If each operand of an operation lies in its range, the
+/// rounded result lies in the range that the operation gives: the exact result's, widened at both ends by 2^(1 −
+/// `DIGITS`) of its magnitude. Rounding to nearest needs half of that; the other half covers this type's own rounding
+/// (in double precision, which is far finer) and sums taken in another order. Underflow is covered by the precision's
+/// smallest normal number; what may overflow is unknown.
 ///
-/// A range with an end that is not a number tells nothing: [`Range::is_known`] is `false`.
+/// A range with an end that is NaN is unknown: [`Range::is_known`] is `false`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Range<const DIGITS: i32> {
     pub(crate) low: f64,
     pub(crate) high: f64,
 }
 
-/// What single precision may have got.
+/// The possible results in single precision.
 pub(crate) type Single = Range<24>;
 
-/// What double precision may have got.
+/// The possible results in double precision.
 pub(crate) type Double = Range<53>;
 
 impl<const DIGITS: i32> Range<DIGITS> {
-    /// One number alone.
+    /// A single number.
     pub(crate) const fn exactly(number: f64) -> Self {
         Self {
             low: number,
@@ -32,7 +32,7 @@ impl<const DIGITS: i32> Range<DIGITS> {
         }
     }
 
-    /// No further from a number than `reach`.
+    /// The numbers within `reach` of a number.
     pub(crate) fn around(number: f64, reach: f64) -> Self {
         Self {
             low: number - reach,
@@ -40,7 +40,7 @@ impl<const DIGITS: i32> Range<DIGITS> {
         }
     }
 
-    /// Nothing is known.
+    /// Any number.
     pub(crate) const UNKNOWN: Self = Self::exactly(f64::NAN);
 
     /// Whether both ends are finite numbers.
@@ -53,7 +53,7 @@ impl<const DIGITS: i32> Range<DIGITS> {
         self.low <= number && number <= self.high
     }
 
-    /// From the least to the greatest of some numbers; unknown if one is none.
+    /// From the least to the greatest of some numbers; unknown if one of them is NaN.
     pub(crate) fn over(numbers: impl IntoIterator<Item = f64>) -> Self {
         let mut all: Option<Self> = None;
         for number in numbers {
@@ -96,7 +96,7 @@ impl<const DIGITS: i32> Range<DIGITS> {
     }
 
     pub(crate) fn sqrt(self) -> Self {
-        // What is rounded to below zero was zero or more.
+        // What rounding has made negative was zero or more.
         Self {
             low: self.low.max(0.0).sqrt(),
             high: self.high.sqrt(),
@@ -125,7 +125,7 @@ impl<const DIGITS: i32> Range<DIGITS> {
         self.each(|number| if number > most { most } else { number })
     }
 
-    /// The lesser of each number and each of another range's.
+    /// The lesser of each number and each of another range.
     pub(crate) fn at_most(self, most: Self) -> Self {
         Self {
             low: if self.low > most.low {
@@ -141,7 +141,7 @@ impl<const DIGITS: i32> Range<DIGITS> {
         }
     }
 
-    /// A function that never falls, of each number; it is not rounded.
+    /// The results of a non-decreasing function, without rounding.
     pub(crate) fn each(self, rising: impl Fn(f64) -> f64) -> Self {
         Self {
             low: rising(self.low),
@@ -212,12 +212,12 @@ impl<const DIGITS: i32> Div for Range<DIGITS> {
 /// Three ranges.
 pub(crate) type Vector<const DIGITS: i32> = [Range<DIGITS>; 3];
 
-/// A vector of numbers that are known.
+/// A vector of known numbers.
 pub(crate) fn exactly<const DIGITS: i32>(vector: DVec3) -> Vector<DIGITS> {
     vector.to_array().map(Range::exactly)
 }
 
-/// The same of single precision.
+/// A vector of known single-precision numbers.
 pub(crate) fn exactly_single(vector: Vec3) -> Vector<24> {
     exactly(vector.as_dvec3())
 }
@@ -246,7 +246,7 @@ pub(crate) fn cross<const D: i32>(a: Vector<D>, b: Vector<D>) -> Vector<D> {
 }
 
 pub(crate) fn length<const D: i32>(a: Vector<D>) -> Range<D> {
-    // Squares of one number, not products of two that happen to be the same.
+    // The square of one range, not the product of two independent ones.
     let square = |a: Range<D>| {
         let a = a.abs();
         Range {
@@ -274,8 +274,7 @@ mod tests {
     use super::*;
     use raycast_oracle::random::Random;
 
-    /// The truth is single precision itself: whatever it gives lies in the range, and the range is
-    /// narrow.
+    /// The truth is single precision itself: its results lie in the range, and the range is narrow.
     #[test]
     fn single_precision_stays_in_its_ranges() {
         let mut random = Random::new(7);

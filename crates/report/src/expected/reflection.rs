@@ -1,4 +1,4 @@
-//! What metals and dielectrics send back, worked out a second time by the formulas that the shader documents.
+//! Reflection by metals and dielectrics, computed independently by the formulas that the shader documents.
 
 use super::light::Lights;
 use super::range::{Single, Vector, cross, dot, minus, plus, scaled, unit};
@@ -22,12 +22,12 @@ fn squared(a: Single) -> Single {
     a * a
 }
 
-/// One less a number.
+/// One minus a number.
 fn rest(a: Single) -> Single {
     Single::exactly(1.0) - a
 }
 
-/// The light from a surface of this base colour, metallic share and roughness. Unknown where `normal` is.
+/// The light from a surface of this base colour, metallic and roughness. Unknown where `normal` is.
 pub(super) fn reflected(
     lights: &Lights,
     base: Vector<24>,
@@ -66,7 +66,7 @@ pub(super) fn reflected(
         let (peak, off) = (dot(normal, halfway), cross(normal, halfway));
         let off = squared(off[0]) + squared(off[1]) + squared(off[2]);
         let spread = square * squared(peak) + off;
-        // A range of cosines may reach beyond what one direction allows: (n · h)² + |n × h|² is 1.
+        // A range of cosines may exceed what one direction allows: (n · h)² + |n × h|² is 1.
         let spread = Single {
             low: spread.low.max(square.low * (1.0 - 1e-5)),
             high: spread.high,
@@ -90,7 +90,7 @@ fn reflected_of_all(head_on: Vector<24>, roughness: Single, facing: Single) -> V
     let y = number(0.0425) - number(0.0275) * roughness;
     let z = number(1.04) - number(0.572) * roughness;
     let w = number(0.022) * roughness - number(0.04);
-    // It falls with n · v.
+    // Decreasing in n · v.
     let grazing = |facing: f64| math::exp(-9.28 * std::f64::consts::LN_2 * facing);
     let grazing = Single::over([grazing(facing.low), grazing(facing.high)]).rounded();
     let square = squared(x);

@@ -1,4 +1,4 @@
-//! The colour of sections, worked out a second time: where a ray comes to a back through a clipping plane.
+//! The colour of sections, computed independently: where a ray reaches a back face through a clipping plane.
 
 use super::light::Lights;
 use super::range::{Single, Vector, exactly_single};
@@ -15,8 +15,8 @@ use raycast_oracle::Truth;
 const SECTION: Color = Color([0xe0, 0x7b, 0x39]);
 const OUTLINE: Color = Color([0x2b, 0x15, 0x08]);
 
-/// Of what a decision goes by, how near to its border it may be and be told: far more than a few roundings of double
-/// precision, and still next to nothing.
+/// The least distance from a threshold at which a decision is sure: far more than a few roundings of double
+/// precision, and still negligible.
 const SURE: f64 = 1e-9;
 
 /// What a sample shows of sections.
@@ -28,8 +28,8 @@ enum Seen {
     Unsure,
 }
 
-/// The colour of the sample at (x, y) whose ray hits `truth` first; unknown where it is not sure whether a section is
-/// seen, or its outline, and `None` where none is.
+/// The colour of the sample at (x, y), whose ray hits `truth` first; unknown where it is undecided whether a section
+/// or its outline is visible, and `None` where none is.
 pub(super) fn color(
     stage: &Stage,
     camera: &Camera,
@@ -80,7 +80,7 @@ pub(super) fn color(
 fn seen(stage: &Stage, camera: &Camera, (x, y): (f64, f64), truth: Option<&Truth>) -> Seen {
     let ray = camera.ray(x, y);
     let along = ray.direction;
-    // Where the ray enters what is kept, through which plane, and where it leaves it again.
+    // Where the ray enters the kept side, through which plane, and where it leaves it.
     let (mut last, mut exit): (Option<(f64, DVec3)>, f64) = (None, f64::INFINITY);
     let mut is_sure = true;
     let mut towards = Vec::new();

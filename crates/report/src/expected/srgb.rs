@@ -1,4 +1,4 @@
-//! Between sRGB and linear light by the standard's own formulas (IEC 61966-2-1), in double precision.
+//! Conversion between sRGB and linear light by the standard's formulas (IEC 61966-2-1), in double precision.
 
 use super::range::{Single, Vector};
 use raycast_core::math;
@@ -22,7 +22,7 @@ fn from_linear(light: f64) -> f64 {
     }
 }
 
-/// A byte's light, as single precision may have it.
+/// A byte's light, within rounding to single precision.
 pub(super) fn light_of(byte: u8) -> Single {
     Single::exactly(to_linear(f64::from(byte) / 255.0)).rounded()
 }
@@ -32,9 +32,9 @@ pub(super) fn linear(color: Color) -> Vector<24> {
     color.0.map(light_of)
 }
 
-/// The bytes that light in a range may be written as: the nearest, from the first to the last.
+/// The first and the last byte that light in a range may be rounded to.
 pub(super) fn bytes_of(light: Single) -> Option<[u8; 2]> {
-    // The formulas err by some 1e-15 of a byte's 1/255; a millionth of a byte is far beyond that.
+    // The formulas err by some 1e-15 of a byte; a millionth of a byte is far more than that.
     let byte = |light: f64, slack: f64| {
         (from_linear(light.clamp(0.0, 1.0)) * 255.0 + 0.5 + slack).clamp(0.0, 255.0) as u8
     };
@@ -43,7 +43,7 @@ pub(super) fn bytes_of(light: Single) -> Option<[u8; 2]> {
         .then(|| [byte(light.low, -1e-6), byte(light.high, 1e-6)])
 }
 
-/// The light of a value between 0 and 1 that is shown as its nearest byte.
+/// The light of a value between 0 and 1 that is rounded to the nearest byte.
 pub(super) fn displayed(value: Single) -> Single {
     let value = value * Single::exactly(255.0) + Single::exactly(0.5);
     if !value.is_known() {

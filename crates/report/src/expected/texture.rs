@@ -1,4 +1,4 @@
-//! What a texture shows at a hit.
+//! The colour of a texture at a hit.
 
 use super::normal::blend;
 use super::range::{Double, Single, Vector, cross, exactly, exactly_single, minus, to, unit};
@@ -7,12 +7,12 @@ use raycast_core::glam::{DVec3, Vec2};
 use raycast_core::scene::{Mesh, Texture};
 use raycast_core::shade::Filter;
 
-/// Linear light with alpha multiplied in, and alpha.
+/// Linear light with premultiplied alpha, and alpha.
 pub(super) type Texel = [Single; 4];
 
 const UNKNOWN: Texel = [Single::UNKNOWN; 4];
 
-/// Texture coordinates at a hit, as double precision blends those at the corners.
+/// Texture coordinates at a hit, interpolated in double precision.
 pub(super) fn place([a, b, c]: [Vec2; 3], u: Single, v: Single) -> [Double; 2] {
     let (u, v): (Double, Double) = (u.to(), v.to());
     let coordinate = |of: fn(Vec2) -> f32| {
@@ -22,13 +22,13 @@ pub(super) fn place([a, b, c]: [Vec2; 3], u: Single, v: Single) -> [Double; 2] {
     [coordinate(|uv| uv.x), coordinate(|uv| uv.y)]
 }
 
-/// The texture at coordinates in a range. Its origin is bottom left, it repeats every unit, and texels'
-/// centres lie half a texel from its edges. Unknown where the range is as wide as a texel.
+/// The texture at a range of coordinates. Its origin is bottom left, it repeats every unit, and texels' centres lie
+/// half a texel from its edges. Unknown where the range is as wide as a texel.
 pub(super) fn sample(texture: &Texture, place: [Double; 2], filter: Filter) -> Texel {
     sample_of(texture, place, filter, srgb::light_of)
 }
 
-/// The same, where a byte of the image stands for what `of` says.
+/// As [`sample`], with `of` as the meaning of a byte of the image.
 pub(super) fn sample_of(
     texture: &Texture,
     [u, v]: [Double; 2],
@@ -36,7 +36,7 @@ pub(super) fn sample_of(
     of: fn(u8) -> Single,
 ) -> Texel {
     let (columns, rows) = (f64::from(texture.width()), f64::from(texture.height()));
-    // Not taken into the first repeat: texels are found by their remainder.
+    // Without reduction to the first repeat: texels are found by remainders.
     let x = u * Double::exactly(columns);
     let y = -(v * Double::exactly(rows));
     if !(x.is_known() && y.is_known()) || x.high.abs().max(y.high.abs()) > 1e15 {
@@ -54,12 +54,12 @@ pub(super) fn sample_of(
             }
         }
         Filter::Bilinear => bilinear(texture, x, y, of),
-        // What a pixel sees of a texture is not worked out a second time.
+        // Footprints are not computed independently.
         Filter::Trilinear | Filter::Ewa => UNKNOWN,
     }
 }
 
-/// Between the four texels about a place, in proportion.
+/// Interpolation between the four nearest texels.
 fn bilinear(texture: &Texture, x: Double, y: Double, of: fn(u8) -> Single) -> Texel {
     let half = Double::exactly(0.5);
     let (x, y) = (x - half, y - half);
@@ -75,13 +75,13 @@ fn bilinear(texture: &Texture, x: Double, y: Double, of: fn(u8) -> Single) -> Te
         (texel[channel].low + texel[channel].high) * 0.5
     };
     let height = texels.len() / width;
-    // In the middle of the range.
+    // At the middle of the range.
     let (middle_x, middle_y) = ((x.low + x.high) * 0.5, (y.low + y.high) * 0.5);
     let column = ((middle_x - left).floor() as usize).min(width - 2);
     let row = ((middle_y - top).floor() as usize).min(height - 2);
     let (right, below) = (middle_x - left - column as f64, middle_y - top - row as f64);
-    // The blend is continuous, and between texels that differ by so much nowhere steeper than that. A
-    // place among the texels is rounded to single precision: by 2⁻²⁴ at most.
+    // The interpolation is continuous, and between texels that differ by so much it is nowhere steeper than that. The
+    // position among the texels is rounded to single precision, by 2⁻²⁴ at most.
     let rounding = 2f64.powi(-24);
     let reach = (
         (x.high - x.low) * 0.5 + rounding,
@@ -105,12 +105,12 @@ fn bilinear(texture: &Texture, x: Double, y: Double, of: fn(u8) -> Single) -> Te
             }
         }
         let range = Single::around(value, steepest.0 * reach.0 + steepest.1 * reach.1);
-        // A texel's light, two products and three sums, of numbers that are not negative.
+        // A texel's light, two products and three sums of numbers that are not negative.
         (0..6).fold(range, |range, _| range.rounded())
     })
 }
 
-/// Some texels, row by row; `None` where they are more than a hit's rounding can reach.
+/// Some texels, row by row; `None` where there are more than a hit's rounding can reach.
 fn texels(
     texture: &Texture,
     across: std::ops::RangeInclusive<f64>,
@@ -140,7 +140,7 @@ fn texels(
     Some(texels)
 }
 
-/// Any of some texels.
+/// The range of some texels.
 fn all_of(texels: &[Texel]) -> Texel {
     std::array::from_fn(|channel| {
         let ends = texels
@@ -150,7 +150,7 @@ fn all_of(texels: &[Texel]) -> Texel {
     })
 }
 
-/// Where a texture from three sides lies in an object's space.
+/// The position of a triplanar texture in an object's space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Repeat {
     center: DVec3,
@@ -168,8 +168,8 @@ impl Repeat {
     }
 }
 
-/// The texture from three sides: one repeat over the longest side of the object's box, centred; each
-/// side's part is the fourth power of the surface's direction along its axis.
+/// The triplanar texture: one repeat over the longest side of the object's box, centred; each axis is weighted by the
+/// fourth power of the normal's component.
 pub(super) fn triplanar(
     (mesh, repeat): (&Mesh, &Repeat),
     triangle: u32,
@@ -201,7 +201,7 @@ pub(super) fn triplanar(
     for axis in 0..3 {
         let weight = (fourth[axis] / sum).max(0.0).min(1.0);
         let part = if normal[axis].has(0.0) {
-            // Either side may count, if only by the fourth power of a rounding.
+            // Either side may contribute, by the fourth power of a rounding at least.
             [Single {
                 low: 0.0,
                 high: 1.0,
@@ -220,7 +220,7 @@ pub(super) fn triplanar(
     color
 }
 
-/// Numbers of a point in a texture, as single precision blends those at the corners.
+/// Texture coordinates interpolated in single precision.
 pub(super) fn blended([a, b, c]: [Vec2; 3], weights: [Single; 3]) -> [Single; 2] {
     let numbers = |uv: Vec2| uv.to_array().map(|number| Single::exactly(number.into()));
     blend([numbers(a), numbers(b), numbers(c)], weights)

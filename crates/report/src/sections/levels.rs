@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_has_no_way_down() {
+    fn an_empty_scene_has_no_traversal() {
         assert!(
             measure(&input(Scene::default()), Simd::best())
                 .expect("no error")

@@ -33,12 +33,12 @@ pub struct MeshFigures {
     /// Bytes kept for a triangle: the tree and the triangles.
     pub bytes_per_triangle: f64,
     /// Caster by caster.
-    pub casters: Vec<WayFigures>,
+    pub casters: Vec<CasterFigures>,
 }
 
 /// What was found about a caster at a mesh.
 #[derive(Clone, Debug)]
-pub struct WayFigures {
+pub struct CasterFigures {
     /// The caster's name.
     pub name: String,
     /// Million rays a second.
@@ -88,7 +88,7 @@ pub fn measure(
             .iter()
             .zip(speeds)
             .zip(errors)
-            .map(|((caster, mrays), errors)| WayFigures {
+            .map(|((caster, mrays), errors)| CasterFigures {
                 name: caster.name().to_owned(),
                 mrays,
                 errors,

@@ -31,11 +31,11 @@ pub struct BenchArgs {
     /// Columns and rows of rays
     #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = values::size)]
     pub size: (u32, u32),
-    /// Vertical field of view in degrees
-    #[arg(long, value_name = "DEG", default_value_t = 45.0, allow_hyphen_values = true, value_parser = values::planar_fov)]
-    pub fov: f64,
+    /// Vertical field of view in degrees [default: 45, of a panorama all of it or half a turn]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = values::fov)]
+    pub fov: Option<f64>,
     /// How rays leave the camera
-    #[arg(long, value_name = "KIND", default_value = "perspective", value_parser = values::named(values::PLANAR))]
+    #[arg(long, value_name = "KIND", default_value = "perspective", value_parser = values::named(values::PROJECTIONS))]
     pub projection: Projection,
     /// Measure the view from here alone
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
@@ -49,6 +49,10 @@ pub struct BenchArgs {
     /// What the pictures show
     #[arg(long, value_name = "MODE", default_value = "smooth", value_parser = values::named(values::MODES))]
     pub mode: Mode,
+    /// Measure the pictures of all modes beside visibility, in turn; frame_beside_cast is the geometric mean over the
+    /// views, written_ms what writing the picture's bytes alone takes
+    #[arg(long, conflicts_with_all = ["mode", "baselines"])]
+    pub modes: bool,
     /// How rays meet triangles.
     #[command(flatten)]
     pub casting: CastingArgs,

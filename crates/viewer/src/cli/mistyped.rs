@@ -7,12 +7,13 @@ use std::ffi::OsStr;
 use std::path::Path;
 
 /// What is wrong with a command line's first word, if it must be a command and is none: it is written
-/// as one (letters alone), and no file has that name. Without this it would be taken for a file, and its
+/// as one (letters, and hyphens between them), and no file has that name. Without this it would be taken for a file, and its
 /// options for the window's.
 pub fn mistyped(word: &OsStr) -> Option<Failure> {
     let is_there = Path::new(word).exists();
     let word = word.to_str()?;
-    let is_like_a_command = !word.is_empty() && word.chars().all(char::is_alphabetic);
+    let is_like_a_command = word.starts_with(char::is_alphabetic)
+        && word.chars().all(|c| c.is_alphabetic() || c == '-');
     if is_there || !is_like_a_command {
         return None;
     }
@@ -62,6 +63,8 @@ mod tests {
             ("cst", "cast"),
             ("hlep", "help"),
             ("veiw", "view"),
+            ("textur-map", "texture-map"),
+            ("texturemap", "texture-map"),
         ] {
             let told = told(word).unwrap_or_else(|| panic!("{word} is no command"));
             assert!(told.contains(&format!("did you mean `{meant}`?")), "{told}");

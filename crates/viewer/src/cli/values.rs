@@ -61,9 +61,6 @@ pub(super) const STEREO: Names<StereoArg> = &[
     ("ods", StereoArg(Some(StereoKind::Ods))),
 ];
 
-/// Those whose pictures are planes.
-pub(super) const PLANAR: Names<Projection> = PROJECTIONS.split_at(2).0;
-
 pub(super) const MODES: Names<Mode> = &[
     ("color", Mode::Color),
     ("flat", Mode::Flat),

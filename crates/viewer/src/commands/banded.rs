@@ -1,4 +1,4 @@
-//! Writing a picture band by band: pictures larger than memory.
+//! Writing a picture in bands: pictures larger than memory.
 
 use super::Failure;
 use crate::memory;
@@ -10,25 +10,25 @@ use raycast_core::picture::{BandSizes, Bands, Format, Picture, Recipe};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// How often what was written is noted in the journal: so much work at most is done twice.
+/// The interval at which progress is stored in the journal: at most so much work is repeated after an interruption.
 const NOTED_EVERY: Duration = Duration::from_millis(250);
 
-/// A picture's file, to be written band by band.
+/// A picture's file that is written in bands.
 pub(super) struct Banded<'a> {
     pub(super) format: Format,
     pub(super) bands: Bands,
-    /// What the picture is made of: what a part file must be of to be gone on with.
+    /// The picture's recipe; a part file is resumed only if it has the same.
     pub(super) recipe: &'a Recipe,
     pub(super) output: &'a Output,
-    /// Whether to go on with what an earlier command left.
+    /// Whether to resume an earlier command's part file.
     pub(super) resume: bool,
 }
 
 impl<'a> Banded<'a> {
-    /// A picture of a recipe, if its kind of file is written in bands at its size.
+    /// The file of a picture, if its format is written in bands at its size.
     ///
     /// # Errors
-    /// What the kind of file cannot hold; a band for which there is not the memory.
+    /// A picture that the format cannot hold; too little memory for a band.
     pub(super) fn of(
         name: &Path,
         format: Format,
@@ -37,7 +37,7 @@ impl<'a> Banded<'a> {
         resume: bool,
     ) -> Result<Option<Self>, Failure> {
         let plane = recipe.camera.plane();
-        // What stands before TIFF's and EXR's bands is known after them.
+        // The heads of TIFF and EXR are known only after the bands.
         let goes_back = matches!(format, Format::Tiff | Format::Exr);
         if !format.is_banded(plane.columns, plane.rows) || (goes_back && !output.can_seek()) {
             return Ok(None);
@@ -54,10 +54,10 @@ impl<'a> Banded<'a> {
         }))
     }
 
-    /// Writes all bands, each as `make` gives it, from the first that is not there yet.
+    /// Writes all bands, as `make` renders them, from the first that is missing.
     ///
     /// # Errors
-    /// What `make` fails at; a file that cannot be written.
+    /// Those of `make`; a file that cannot be written.
     pub(super) fn write(
         &self,
         progress: &TerminalProgress,
@@ -105,7 +105,7 @@ impl<'a> Banded<'a> {
         Ok(Written { file, journal })
     }
 
-    /// What a part file must be of, to be gone on with: another version may compress otherwise.
+    /// The key of the journal. It includes the version, since another one may compress differently.
     fn key(&self) -> String {
         let mut of = format!("{:?}\n", self.format).into_bytes();
         of.extend(self.recipe.to_string().bytes());
@@ -115,14 +115,14 @@ impl<'a> Banded<'a> {
     }
 }
 
-/// A file that was written, and is to be put in its place.
+/// A written file that is ready to be renamed.
 pub(super) struct Written {
     file: Unfinished,
     journal: Option<Journal>,
 }
 
 impl Written {
-    /// A file that has no journal.
+    /// A file without a journal.
     pub(super) fn whole(file: Unfinished) -> Self {
         Self {
             file,
@@ -130,7 +130,7 @@ impl Written {
         }
     }
 
-    /// Puts it there.
+    /// Renames the file to its final path.
     ///
     /// # Errors
     /// As [`Unfinished::finish`].
@@ -143,7 +143,7 @@ impl Written {
     }
 }
 
-/// What a journal says of a band: its checksum, and the length of each part.
+/// A band's entry in the journal: its checksum, and the length of each part.
 fn words(sizes: &BandSizes) -> String {
     let parts = sizes.parts.iter().map(|part| format!(" {part}"));
     std::iter::once(sizes.check.to_string())

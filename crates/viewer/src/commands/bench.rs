@@ -1,3 +1,5 @@
+mod modes;
+
 use super::{Failure, warn, workers};
 use crate::cli::BenchArgs;
 use crate::output::print;
@@ -5,7 +7,7 @@ use crate::progress::TerminalProgress;
 use crate::stats::{self, json, milliseconds};
 use crate::{memory, setup};
 use raycast_core::camera::{
-    Camera, Grid, Lattice, PixelFilter, Placement, PlaneRequest, fov_to_frame,
+    Camera, Grid, ImagePlane, Lattice, PixelFilter, Placement, PlaneRequest,
 };
 use raycast_core::formats;
 use raycast_core::picture::Picture;
@@ -106,6 +108,9 @@ fn median(sorted: &[Duration]) -> Duration {
 /// Measures frame times and prints them.
 pub(super) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let pool = workers(args.casting.threads)?;
+    if args.modes {
+        return modes::run(args, &pool);
+    }
     let mut figures = Vec::with_capacity(args.files.len());
     for file in &args.files {
         let progress = TerminalProgress::new();
@@ -258,25 +263,38 @@ fn baselines(accel: &Arc<Accel>, embree: Result<Arc<Embree>, EmbreeError>) -> Ve
 fn inside(args: &BenchArgs) -> Result<Vec<(&'static str, Camera)>, Failure> {
     let camera = |close| -> Result<Camera, Failure> {
         let camera = interior_camera(args.size, close)?;
-        Ok(Camera::new(
-            camera.placement(),
-            args.projection,
-            camera.plane(),
-        ))
+        let plane = match args.projection.panorama() {
+            Some(_) => plane(args, &camera.placement())?,
+            None => camera.plane(),
+        };
+        Ok(Camera::new(camera.placement(), args.projection, plane))
     };
     Ok(vec![("medium", camera(false)?), ("close", camera(true)?)])
+}
+
+/// The field of view in degrees, checked.
+fn fov(args: &BenchArgs) -> Result<f64, Failure> {
+    let fov = args.fov.unwrap_or(args.projection.default_fov());
+    let checked = args.projection.check_fov(fov);
+    checked.map_err(|error| Failure::usage(format!("--fov {fov}: {error}")))
+}
+
+/// The image plane of a camera with this placement.
+fn plane(args: &BenchArgs, placement: &Placement) -> Result<ImagePlane, Failure> {
+    let distance = placement.eye.distance(placement.target);
+    let request = PlaneRequest {
+        size: Some(args.size),
+        ..PlaneRequest::default()
+    };
+    let frame = args.projection.frame(fov(args)?, distance);
+    Ok(request.resolve(args.size, frame)?)
 }
 
 /// The views to measure, by name.
 fn cameras(args: &BenchArgs, scene: &Scene) -> Result<Vec<(&'static str, Camera)>, Failure> {
     let camera = |placement: Placement| -> Result<Camera, Failure> {
         placement.check()?;
-        let distance = placement.eye.distance(placement.target);
-        let plane = PlaneRequest {
-            size: Some(args.size),
-            ..PlaneRequest::default()
-        }
-        .resolve(args.size, fov_to_frame(args.fov, distance))?;
+        let plane = plane(args, &placement)?;
         Ok(Camera::new(placement, args.projection, plane))
     };
     if let Some(eye) = args.eye {
@@ -288,14 +306,8 @@ fn cameras(args: &BenchArgs, scene: &Scene) -> Result<Vec<(&'static str, Camera)
         };
         return Ok(vec![("given", camera(given)?)]);
     }
-    let from = |nearer: f64| -> Result<Camera, Failure> {
-        let camera = views::filling(scene, args.size, args.fov, nearer)?;
-        Ok(Camera::new(
-            camera.placement(),
-            args.projection,
-            camera.plane(),
-        ))
-    };
+    let seen = args.projection.fitting_fov(fov(args)?);
+    let from = |nearer| camera(views::filling(scene, args.size, seen, nearer)?.placement());
     Ok(vec![("medium", from(1.0)?), ("close", from(2.0)?)])
 }
 

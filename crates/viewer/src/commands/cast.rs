@@ -7,18 +7,18 @@ use crate::{memory, setup};
 use raycast_core::formats::{HIT_BYTES, RAY_BYTES, SceneFile, decode_ray, encode_hit};
 use raycast_core::{Clipped, Cull};
 use rayon::prelude::*;
-use std::fs::File;
+use std::fs::{File, Metadata};
 use std::io::{Read, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Rays held at once: enough to keep every worker busy, few enough to hold for any file.
+/// Rays in memory at a time: enough to keep every worker busy. With more, large files take more memory for nothing.
 const RAYS_AT_ONCE: usize = 1 << 18;
 
-/// Rays that a worker takes at a time.
+/// Rays in one parallel task.
 const RAYS_A_TASK: usize = 1 << 10;
 
-/// How many rays were what.
+/// Counts of rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Counts {
     rays: u64,
@@ -122,7 +122,7 @@ pub(super) fn run(args: &CastArgs) -> Result<(), Failure> {
     hits_file.finish()
 }
 
-/// Opens a file of rays and tells its length, 0 for one that has none (a pipe).
+/// Opens a file of rays; returns its length as well, 0 for a pipe.
 fn open_rays(path: &Path) -> Result<(File, u64), Failure> {
     let cannot = |error: std::io::Error| Failure::could_not(format!("{}: {error}", path.display()));
     let file = File::open(path).map_err(cannot)?;
@@ -133,11 +133,30 @@ fn open_rays(path: &Path) -> Result<(File, u64), Failure> {
             path.display()
         )));
     }
+    if is_device(&found) {
+        // It may have no end, as /dev/zero.
+        return Err(Failure::could_not(format!(
+            "{}: expected a file of rays or a pipe, found a device",
+            path.display()
+        )));
+    }
     let bytes = if found.is_file() { found.len() } else { 0 };
     if bytes % RAY_BYTES as u64 != 0 {
         return Err(cut_short(path, bytes));
     }
     Ok((file, bytes))
+}
+
+#[cfg(unix)]
+fn is_device(found: &Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    let kind = found.file_type();
+    kind.is_char_device() || kind.is_block_device()
+}
+
+#[cfg(not(unix))]
+fn is_device(_: &Metadata) -> bool {
+    false
 }
 
 fn cut_short(path: &Path, bytes: u64) -> Failure {
@@ -147,8 +166,8 @@ fn cut_short(path: &Path, bytes: u64) -> Failure {
     ))
 }
 
-/// Reads rays, lets `cast` answer them, and hands the hits' bytes to `write`, a part at a time.
-/// Returns the counts and the time that `cast` took.
+/// Reads rays, casts them with `cast`, and passes the encoded hits to `write`, a part at a time. Returns the counts
+/// and the time of `cast`.
 fn answer(
     path: &Path,
     mut rays: impl Read,

@@ -70,7 +70,7 @@ fn has_materials(scene: &Scene) -> bool {
         .any(|object| !object.mesh.materials().is_empty())
 }
 
-/// A file under way, and what `write` says of it.
+/// A part file, and the result of `write`.
 fn write<T>(
     name: &Path,
     output: &Output,
@@ -87,7 +87,7 @@ fn write<T>(
     Ok((file, told))
 }
 
-/// Says on standard error what the file does not hold as the scene has it.
+/// Reports on standard error what the format cannot represent.
 fn tell(name: &str, written: &Written) {
     let Written {
         triangles,

@@ -10,13 +10,13 @@ use raycast_core::picture::{Format, Picture};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// Pixels of a tile's side; tiles do not overlap.
+/// Columns and rows of a tile; tiles do not overlap.
 const TILE: u32 = 256;
 
-/// The page, with places for the picture's name and sizes.
+/// The page, with placeholders for the picture's name and sizes.
 const PAGE: &str = include_str!("deep_zoom.html");
 
-/// A pyramid's files: `NAME.dzi`, and the page `NAME.html` and the tiles in `NAME_files`, which must not be there.
+/// A pyramid's files: `NAME.dzi`, and the page `NAME.html` and the tiles in `NAME_files`, which must not exist yet.
 pub(super) struct DeepZoom {
     dzi: Output,
     page: Output,
@@ -25,17 +25,17 @@ pub(super) struct DeepZoom {
     name: PathBuf,
 }
 
-/// Whether this is what a pyramid is called.
+/// Whether a path is that of a pyramid.
 pub(super) fn is_deep_zoom(path: &Path) -> bool {
     let extension = path.extension();
     extension.is_some_and(|extension| extension.eq_ignore_ascii_case("dzi"))
 }
 
 impl DeepZoom {
-    /// Places for the files of the pyramid that is called `path`, where its `dzi` goes.
+    /// The outputs of the pyramid at `path`, whose `dzi` is checked already.
     ///
     /// # Errors
-    /// As [`Output::at`]; a page or tiles that are there.
+    /// As [`Output::at`]; a page or tiles that exist.
     pub(super) fn at(path: &Path, dzi: Output, inputs: &[&Path]) -> Result<Self, Failure> {
         let page_path = path.with_extension("html");
         let page = Output::at(&page_path, inputs)?;
@@ -47,7 +47,7 @@ impl DeepZoom {
         }
         let mut folder = path.with_extension("").into_os_string();
         folder.push("_files");
-        // Made and removed again: better now than after the work.
+        // Created and removed again: failing now is better than after the work.
         drop(FolderUnderWay::create(Path::new(&folder))?);
         Ok(Self {
             dzi,
@@ -58,23 +58,23 @@ impl DeepZoom {
         })
     }
 
-    /// The page's path: no other output may go there.
+    /// The page's path, which no other output may have.
     pub(super) fn page(&self) -> &Path {
         &self.page_path
     }
 
-    /// Writes the pyramid of a picture, which `make` gives in rectangles as wide as it is, from the top.
+    /// Writes the pyramid of a picture, which `make` renders in rectangles of the full width, from the top.
     ///
     /// # Errors
-    /// What `make` fails at; files that cannot be written; memory for a row of tiles of every level.
+    /// Those of `make`; files that cannot be written; too little memory for a row of tiles of every level.
     pub(super) fn write(
         &self,
         (columns, rows): (u32, u32),
         progress: &TerminalProgress,
         mut make: impl FnMut(Rect) -> Result<Picture, Failure>,
     ) -> Result<(), Failure> {
-        // All levels together have a row of tiles, once as it is and once more while it is halved and encoded;
-        // half of that each further level.
+        // A level needs a row of tiles twice, as it is and while it is halved and encoded; each further level needs
+        // half of that.
         let row = u64::from(columns) * u64::from(TILE) * 4;
         memory::check_band(&self.name, 4 * row)?;
         let folder = FolderUnderWay::create(&self.folder)?;
@@ -103,7 +103,7 @@ impl DeepZoom {
             .file_name()
             .unwrap_or_default()
             .to_string_lossy();
-        // Last, for it may hold any word.
+        // Replaced last, since the name may contain any word.
         let tiles = serde_json::json!(tiles).to_string().replace('<', "\\u003c");
         let page = PAGE
             .replace("COLUMNS", &columns.to_string())
@@ -119,7 +119,8 @@ impl DeepZoom {
     }
 }
 
-/// Levels of half the sides each, down to one pixel, and of each the rows that are not yet in tiles.
+/// The levels, each with half the sides of the one before, down to one pixel, and the rows of each that are not in
+/// tiles yet.
 struct Pyramid<'a> {
     folder: &'a Path,
     levels: Vec<Level>,
@@ -129,7 +130,7 @@ struct Level {
     size: (u32, u32),
     /// Rows that wait for the rest of their tiles.
     waiting: Picture,
-    /// Rows that are in tiles.
+    /// The number of rows that are in tiles.
     done: u32,
 }
 
@@ -150,7 +151,7 @@ impl<'a> Pyramid<'a> {
         Ok(Self { folder, levels })
     }
 
-    /// Adds rows to a level: whole tiles are written, and halved into the level below.
+    /// Adds rows to a level: complete rows of tiles are written, and halved for the next level.
     fn add(&mut self, number: u32, rows: Picture) -> Result<(), Failure> {
         let level = &mut self.levels[number as usize];
         level.waiting.pixels.extend_from_slice(&rows.pixels);

@@ -1,4 +1,4 @@
-//! Rendering the frames of an animation: one scene, one tree, and while a frame is written the next is cast.
+//! Rendering the frames of an animation: one scene and one tree; a frame is rendered while the one before is written.
 
 use super::banded::Banded;
 use super::render::{Opened, open, render_rect, sub_camera_at, tell};
@@ -19,10 +19,10 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::sync_channel;
 use std::time::Instant;
 
-/// Frames a second of a file of several, where nobody says another.
+/// The default frames a second of an animated PNG.
 const RATE: u16 = 25;
 
-/// Renders the frames that were asked for.
+/// Renders the requested frames.
 pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
     let started = Instant::now();
     let name = args.output.to_string_lossy().into_owned();
@@ -54,7 +54,7 @@ pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
     let mut inputs: Vec<&Path> = args.files.iter().map(AsRef::as_ref).collect();
     inputs.extend(args.shading.texture.as_deref());
     let path = |frame| frame_path(&args.output, frame).unwrap_or_else(|| args.output.clone());
-    // Whether each can be written is seen when it is begun: the first and the last tell what is wrong before the work.
+    // The first and the last output are checked before the work; each other one when it is started.
     for end in [range.first, range.last] {
         Output::at(&path(end), &inputs)?;
     }
@@ -99,7 +99,7 @@ pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
     )
 }
 
-/// The cameras of frames.
+/// The cameras of the frames.
 struct Frames<'a> {
     args: &'a RenderArgs,
     range: FrameRange,
@@ -107,7 +107,7 @@ struct Frames<'a> {
     way: Way<'a>,
 }
 
-/// How a camera goes from frame to frame.
+/// The camera's motion from frame to frame.
 enum Way<'a> {
     Turntable(u32),
     Path(&'a CameraPath),
@@ -144,7 +144,7 @@ impl<'a> Frames<'a> {
         })
     }
 
-    /// What is rendered at a frame.
+    /// The view of a frame.
     fn view(&self, frame: u32) -> Result<View, Failure> {
         let view = &self.opened.view;
         let base = view.camera;
@@ -181,7 +181,7 @@ impl<'a> Frames<'a> {
     }
 }
 
-/// A frame that is cast, and is to be written.
+/// A rendered frame that is to be written.
 struct Cast {
     output: Output,
     recipe: Recipe,
@@ -189,7 +189,7 @@ struct Cast {
     picture: Picture,
 }
 
-/// A file each, but for those that are there.
+/// Writes a file for each frame, except those that exist already.
 fn write_each(
     args: &RenderArgs,
     frames: &Frames<'_>,
@@ -222,7 +222,7 @@ fn write_each(
         Ok(())
     };
     std::thread::scope(|scope| {
-        // One waits while one is written: no more are in memory.
+        // One frame waits while another is written, so that no more are in memory.
         let (send, receive) = sync_channel::<Cast>(0);
         let writer = scope.spawn(move || receive.into_iter().try_for_each(write));
         let mut cast_all = || -> Result<(), Failure> {
@@ -251,7 +251,7 @@ fn write_each(
                     progress.done(1);
                     continue;
                 }
-                // The one that is being written, and this one.
+                // The frame that is being written, and the next.
                 let memory_for = |columns, rows| 2 * format.memory_for(columns, rows);
                 memory::check_picture(&path, (rect.width, rect.height), memory_for, "")?;
                 let picture = make(&view, rect, sum)?;
@@ -262,7 +262,7 @@ fn write_each(
                     picture,
                 };
                 if send.send(cast).is_err() {
-                    // The writer failed, and says why.
+                    // The writer failed, and returns the error.
                     break;
                 }
             }
@@ -277,7 +277,7 @@ fn write_each(
     })
 }
 
-/// Whether a frame's file is there, whole, and of this recipe and place.
+/// Whether a frame's file exists, is complete, and has this recipe and rectangle.
 fn is_there(path: &Path, format: Format, recipe: &Recipe, rect: Rect, is_part: bool) -> bool {
     if !matches!(format, Format::Png | Format::Exr) || !path.is_file() {
         return false;
@@ -311,7 +311,7 @@ fn is_there(path: &Path, format: Format, recipe: &Recipe, rect: Rect, is_part: b
     true
 }
 
-/// All frames to one PNG.
+/// Writes all frames to one animated PNG.
 fn write_one(
     args: &RenderArgs,
     opened: &Opened,
@@ -355,7 +355,7 @@ fn write_one(
         let written = writer
             .join()
             .unwrap_or_else(|_| Err(Failure::could_not("a frame could not be written")));
-        // A frame that was not cast is why the file lacks it.
+        // The error of a frame that could not be rendered explains why the file is incomplete.
         cast.and(written)
     })?;
     file.finish()

@@ -14,24 +14,24 @@ use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
 
-/// What a file holds.
+/// The contents of a file.
 #[derive(Debug, Serialize)]
 struct FileInfo {
     file: String,
     kind: String,
     triangles: u64,
     dropped: DroppedInfo,
-    /// `null` where there is nothing.
+    /// `null` for an empty scene.
     bounds: Option<BoundsInfo>,
     load_ms: f64,
     build_ms: f64,
     tree_bytes: usize,
     tree_bytes_per_triangle: f64,
-    /// Whether there is a tree for each mesh instead of one over all triangles.
+    /// Whether there is a tree for each mesh, instead of one over all triangles.
     instances: bool,
     objects: Vec<ObjectInfo>,
     warnings: Vec<String>,
-    /// What the file is, says of itself, and holds that is not used.
+    /// The file's format, metadata, and contents that are not used.
     notes: Vec<String>,
 }
 
@@ -42,32 +42,32 @@ struct ObjectInfo {
     triangles: usize,
     dropped: DroppedInfo,
     vertices: usize,
-    /// In the mesh's own coordinates; `null` where there is nothing.
+    /// In the mesh's own coordinates; `null` for an empty mesh.
     bounds: Option<BoundsInfo>,
     normals: bool,
     uvs: bool,
     materials: Vec<String>,
     /// Width and height of its texture.
     texture: Option<[u32; 2]>,
-    /// What the mesh was recentred by.
+    /// The offset of the recentred mesh.
     offset: [f64; 3],
     rounding: RoundingInfo,
     vertex_colors: bool,
-    /// Numbers that `--color scalar:NAME` shows.
+    /// Scalars for `--color scalar:NAME`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     scalars: Vec<ScalarInfo>,
-    /// Only where it was asked for.
+    /// Only if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     health: Option<HealthInfo>,
 }
 
-/// A number that the file gives vertices or triangles.
+/// A scalar of vertices or triangles.
 #[derive(Debug, Serialize)]
 struct ScalarInfo {
     name: String,
     /// `vertices` or `triangles`.
     at: &'static str,
-    /// The least and the greatest; `null` where there is no number.
+    /// The least and the greatest finite value; `null` if there is none.
     range: Option<[f32; 2]>,
 }
 
@@ -94,14 +94,14 @@ impl ScalarInfo {
     }
 }
 
-/// How far single precision has moved the corners of triangles.
+/// How far rounding to single precision has moved triangles' corners.
 #[derive(Debug, Serialize)]
 struct RoundingInfo {
     /// In the file's units.
     distance: f64,
-    /// Of a triangle's shortest edge.
+    /// Relative to a triangle's shortest edge.
     share_of_edge: f64,
-    /// Triangles of which a corner was moved by more than is well.
+    /// Triangles with a corner that moved by more than the limit for a warning.
     bent: u32,
 }
 
@@ -178,7 +178,7 @@ impl From<&Object> for ObjectInfo {
     }
 }
 
-/// Tells what files hold.
+/// Describes files.
 pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let mut infos = Vec::with_capacity(args.files.len());
     for file in &args.files {
@@ -213,7 +213,7 @@ fn inspect(path: &Path, args: &InfoArgs) -> Result<FileInfo, Failure> {
     let build_time = building.elapsed();
     let bounds = setup::bounds(&scene, &accel);
     if !accel.is_empty() {
-        // What cannot be rendered as it is is not described as if it could.
+        // A file that cannot be rendered as it is must not be described as if it could.
         let given = CameraArgs::default();
         setup::camera(&given, camera.as_ref(), image, &bounds)
             .map_err(|error| setup::no_camera(&given, &path.display().to_string(), error))?;
@@ -245,7 +245,7 @@ fn inspect(path: &Path, args: &InfoArgs) -> Result<FileInfo, Failure> {
     })
 }
 
-/// The same for people.
+/// The description for people.
 fn describe(info: &FileInfo) -> String {
     let mut text = format!("{}: {}\n", info.file, info.kind);
     let mut line = |name: &str, value: String| {
@@ -280,7 +280,7 @@ fn describe(info: &FileInfo) -> String {
     text
 }
 
-/// Adds what there is to say of an object; its bounds where they are not the file's.
+/// Adds the description of an object, with its bounds where they are not the file's.
 fn describe_object(text: &mut String, object: &ObjectInfo, is_one_of_several: bool) {
     let _ = writeln!(text, "  object {:?}", object.name);
     let mut line = |name: &str, value: String| {
@@ -365,7 +365,7 @@ fn vector([x, y, z]: [f64; 3]) -> String {
     format!("{x} {y} {z}")
 }
 
-/// The first of many names, and how many more there are: a file of coloured faces has one a colour.
+/// The first of many names, and the number of the others: a file of coloured faces has a name for each colour.
 fn some_of(names: &[String]) -> String {
     const MOST: usize = 12;
     let first = names[..names.len().min(MOST)].join(", ");
@@ -421,7 +421,7 @@ mod tests {
         );
         assert!(text.contains("size       1 1 0.1"), "{text}");
         assert!(text.contains("note       binary"), "{text}");
-        // 0.1 is 1.49e-9 from the nearest single, and no edge is shorter than 1.
+        // 0.1 is 1.49e-9 from the nearest single-precision number, and no edge is shorter than 1.
         let rounded = "rounded    by at most 1.49e-9, and 1.49e-7 % of an edge";
         assert!(text.contains(rounded), "{text}");
     }

@@ -30,10 +30,10 @@ use raycast_core::scene::Scene;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::process::ExitCode;
 
-/// Does what the command line says; tells a failure in one line on standard error.
+/// Executes the command line; reports a failure in one line on standard error.
 ///
-/// The exit status is 0 for done, 1 for could not, 2 for bad usage; signals that end it give 130, 143
-/// and 129: see [`output::watch_signals`].
+/// The exit status is 0 for success, 1 for failure, 2 for bad usage; after signals it is 130, 143 or 129: see
+/// [`output::watch_signals`].
 pub fn run(cli: Cli) -> ExitCode {
     keep_quiet_about_caught_panics();
     output::watch_signals();
@@ -79,8 +79,8 @@ pub fn run(cli: Cli) -> ExitCode {
     }
 }
 
-/// Lets no words out of a library that panics while it reads a file: the reader makes an error of
-/// it, which is told in one line.
+/// Suppresses the messages of panics in libraries that read files: the reader catches them and returns an error,
+/// which is reported in one line.
 fn keep_quiet_about_caught_panics() {
     let tell = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
@@ -90,7 +90,7 @@ fn keep_quiet_about_caught_panics() {
     }));
 }
 
-/// Opens the window, if it could build a tree.
+/// Opens the window, if its tree can be built.
 fn view(options: open::Options) -> ExitCode {
     match setup::instruction_set() {
         Ok(_) => open::run(options),
@@ -98,7 +98,7 @@ fn view(options: open::Options) -> ExitCode {
     }
 }
 
-/// So many workers; 0 for one each of the machine's.
+/// A pool of this many workers; 0 for one a core.
 fn workers(threads: u16) -> Result<ThreadPool, Failure> {
     ThreadPoolBuilder::new()
         .num_threads(threads.into())
@@ -107,7 +107,7 @@ fn workers(threads: u16) -> Result<ThreadPool, Failure> {
         .map_err(|error| Failure::could_not(format!("the workers could not be started: {error}")))
 }
 
-/// Says on standard error what reading left out.
+/// Reports on standard error what reading left out.
 fn warn_of_reading(warnings: &[String], scene: &Scene, accel: &Accel) {
     for warning in warnings {
         warn(warning);
@@ -123,7 +123,7 @@ fn warn_of_reading(warnings: &[String], scene: &Scene, accel: &Accel) {
     }
 }
 
-/// Says on standard error what is odd but no failure.
+/// Reports a warning on standard error.
 fn warn(text: &str) {
     say(&format!("warning: {text}"));
 }

@@ -1,4 +1,4 @@
-//! Pictures and fragments as command lines, for engines that run many jobs.
+//! Pictures and fragments as command lines, for job schedulers.
 
 use super::Failure;
 use super::schedulers::{kubernetes, quote, slurm};
@@ -7,10 +7,12 @@ use crate::output::Output;
 use clap::Parser;
 use raycast_core::picture::Format;
 use std::ffi::OsString;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Options of `raycast render` that say where the camera is, each with a value: a picture's recipe tells them
-/// to `raycast verify`.
+/// Options of `raycast render` about the camera, each with a value. `raycast verify` takes them from a picture's
+/// recipe.
 const CAMERA: [&str; 13] = [
     "--size",
     "--step",
@@ -27,10 +29,10 @@ const CAMERA: [&str; 13] = [
     "--convergence",
 ];
 
-/// The option of `raycast render` that names a file to read.
+/// The option of `raycast render` that names a file to be read.
 const FILE_OPTION: &str = "--texture";
 
-/// Options that a plan has itself.
+/// Options that a plan sets itself.
 const OWN: [&str; 10] = [
     "--output",
     "-o",
@@ -69,6 +71,13 @@ pub(super) fn run(args: &PlanArgs) -> Result<(), Failure> {
         ),
     ];
     let own = Output::at(&plan.path, &inputs)?;
+    if own.is_taken() && !is_plan(&plan.path) {
+        // It may be what a mesh names: of that nothing is known here, where no mesh is read.
+        return Err(Failure::could_not(format!(
+            "{}: is there already and is no plan: give the plan another name",
+            plan.path.display()
+        )));
+    }
     let mut outputs = Vec::new();
     for (path, text) in &files {
         let output = match *path == plan.path {
@@ -83,23 +92,34 @@ pub(super) fn run(args: &PlanArgs) -> Result<(), Failure> {
             Failure::could_not(format!("{}: cannot be made: {error}", parts.display()))
         })?;
     }
-    // The plan itself comes last: where it is, the rest is.
+    // The plan itself is written last, so that it exists only if all other files do.
     for (output, text) in outputs.into_iter().rev() {
         output.write(text.as_bytes())?.finish()?;
     }
     Ok(())
 }
 
-/// What was asked for, with absolute paths: a job may start in any folder.
+/// Whether a file is a plan, or empty.
+fn is_plan(path: &Path) -> bool {
+    const FIRST_LINE: u64 = 1 << 16;
+    let mut start = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(FIRST_LINE).read_to_end(&mut start));
+    let start = String::from_utf8_lossy(&start);
+    let line = start.lines().next().unwrap_or_default();
+    let is_job = line.contains(" render ") && line.contains(" -o ");
+    read.is_ok() && (start.is_empty() || is_job)
+}
+
+/// The requested plan, with absolute paths: a job may start in any folder.
 struct Plan<'a> {
     args: &'a PlanArgs,
     path: PathBuf,
     program: PathBuf,
     files: Vec<PathBuf>,
     pictures: PathBuf,
-    /// Frames, of an animation.
+    /// The frames of an animation.
     range: Option<FrameRange>,
-    /// What every render is given.
+    /// The options of every render.
     options: Vec<OsString>,
 }
 
@@ -167,7 +187,7 @@ impl<'a> Plan<'a> {
         Ok(plan)
     }
 
-    /// Whether the lines are ones that this program understands.
+    /// Checks that this program accepts the command lines.
     fn check(&self) -> Result<(), Failure> {
         Format::from_name(&self.pictures.to_string_lossy())?;
         let first = self.range.map(|range| range.first);
@@ -195,7 +215,7 @@ impl<'a> Plan<'a> {
         Ok(())
     }
 
-    /// Where fragments are.
+    /// The folder of the fragments.
     fn parts(&self) -> PathBuf {
         let mut name = self.path.clone().into_os_string();
         name.push(".parts");
@@ -209,7 +229,8 @@ impl<'a> Plan<'a> {
             .unwrap_or_else(|| self.pictures.clone())
     }
 
-    /// A fragment's file, with the place of a frame's number. Of an .exr it is one; else a PNG.
+    /// A fragment's file, with a placeholder for the frame's number. An .exr has .exr fragments, any other format
+    /// PNG.
     fn part(&self, (column, row): (u32, u32)) -> PathBuf {
         let is_exr = Format::from_name(&self.pictures.to_string_lossy()).ok() == Some(Format::Exr);
         let end = if is_exr { "exr" } else { "png" };
@@ -232,7 +253,7 @@ impl<'a> Plan<'a> {
             .collect()
     }
 
-    /// A render of a frame, or of a sub-camera of it.
+    /// The command that renders a frame, or a sub-camera of it.
     fn render(&self, frame: Option<u32>, cell: Option<(u32, u32)>) -> Vec<OsString> {
         let mut words = vec![self.program.clone().into(), "render".into()];
         words.extend(self.files.iter().map(|file| file.clone().into()));
@@ -255,7 +276,7 @@ impl<'a> Plan<'a> {
         words
     }
 
-    /// A line a job.
+    /// A line for each job.
     fn jobs(&self) -> Result<Vec<String>, Failure> {
         let mut jobs = Vec::new();
         for frame in self.frames() {
@@ -277,7 +298,7 @@ impl<'a> Plan<'a> {
         words
     }
 
-    /// A line a picture: stitched, where it is in tiles, and verified, where its file can be.
+    /// A line for each picture: stitched if it is in tiles, and verified if its format allows it.
     fn stitching(&self) -> Result<Vec<String>, Failure> {
         let format = Format::from_name(&self.pictures.to_string_lossy())?;
         let can_verify = matches!(format, Format::Png | Format::Exr);
@@ -303,7 +324,7 @@ impl<'a> Plan<'a> {
             match commands.as_slice() {
                 [] => {}
                 [one] => lines.push(one.clone()),
-                // In a subshell: what fails in a list before its `&&` does not end a shell with -e.
+                // In a subshell: a failure before `&&` in a list does not end a shell with -e.
                 both => lines.push(format!("({})", both.join(" && "))),
             }
         }
@@ -311,7 +332,7 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// Options with the files that they name as `absolute` gives them.
+/// The options, with file names replaced by `absolute`.
 fn with_absolute_files(
     options: &[OsString],
     absolute: impl Fn(&Path) -> Result<PathBuf, Failure>,
@@ -326,7 +347,7 @@ fn with_absolute_files(
             }
             continue;
         }
-        // A plan's words are Unicode: others are refused where they are quoted.
+        // A plan is Unicode; other words are refused where they are quoted.
         let file = word
             .to_str()
             .and_then(|word| word.strip_prefix(FILE_OPTION)?.strip_prefix('='));
@@ -342,7 +363,7 @@ fn with_absolute_files(
     Ok(made)
 }
 
-/// Options without those that say where the camera is, and without `--resume`.
+/// The options without those about the camera, and without `--resume`.
 fn without_camera(options: &[OsString]) -> Vec<OsString> {
     let mut kept = Vec::new();
     let mut words = options.iter();

@@ -51,7 +51,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         }
         stats_target.check_against(opened)
     })?;
-    // Before the work: a scene that cannot be saved is told at once.
+    // Before the work, so that a scene that cannot be saved fails immediately.
     let saved_scene = match &saved_scene {
         Some(scene) => Some(scene.write(&opened.view, opened.animation.as_ref())?),
         None => None,
@@ -107,7 +107,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     saved_scene.map_or(Ok(()), Unfinished::finish)
 }
 
-/// Whether the options go together.
+/// Checks that the options are consistent.
 fn check_options(args: &RenderArgs, format: Format, deep_zoom: bool) -> Result<(), Failure> {
     if deep_zoom
         && (args.tiles.sub_camera.is_some() || args.tiles.unfinished.is_some() || args.resume)
@@ -127,7 +127,7 @@ fn check_options(args: &RenderArgs, format: Format, deep_zoom: bool) -> Result<(
     Ok(())
 }
 
-/// A picture on its way to a file.
+/// A picture that is rendered to a file.
 struct Rendering<'a> {
     args: &'a RenderArgs,
     view: &'a View,
@@ -138,7 +138,7 @@ struct Rendering<'a> {
     started: Instant,
 }
 
-/// The file, what its tiles took together, and how long it was under way.
+/// The file, the statistics of all its tiles, and the time it took.
 type Rendered = (Written, TileStats, Duration);
 
 impl Rendering<'_> {
@@ -148,7 +148,7 @@ impl Rendering<'_> {
         part.map_or(whole, |part| (part.rect.width, part.rect.height))
     }
 
-    /// Refuses a picture that is held whole where there is not the memory.
+    /// Refuses a picture that is rendered whole if too little memory is left.
     fn check_memory(&self, format: Format, part: Option<SubCamera>) -> Result<(), Failure> {
         let name = &self.args.output;
         let (columns, rows) = self.size(part);
@@ -168,7 +168,7 @@ impl Rendering<'_> {
         memory::check_picture(name, (columns, rows), memory_for, otherwise)
     }
 
-    /// A rectangle of the picture, with what its tiles took added to `sum`.
+    /// Renders a rectangle of the picture; adds its statistics to `sum`.
     fn rect(&self, rect: Rect, sum: &mut TileStats) -> Result<Picture, Failure> {
         let part = self.view.camera.sub_camera(rect);
         let clock = || self.started.elapsed();
@@ -219,29 +219,28 @@ impl Rendering<'_> {
             None => render_whole(self.view, self.grid, &clock, self.progress),
         })?;
         let wall = self.started.elapsed();
-        // What is unfinished is not what its recipe makes.
+        // An unfinished picture is not that of its recipe.
         let recipe = unfinished.is_none().then_some(recipe);
         let bytes = picture.encode_with(format, recipe)?;
         Ok((Written::whole(self.output.write(&bytes)?), tiles, wall))
     }
 }
 
-/// A scene that was opened, and how it is to be seen.
+/// An opened scene, with its camera and settings.
 pub(super) struct Opened {
     pub(super) view: View,
     /// The scene file's camera.
     pub(super) camera_file: Option<CameraFile>,
     /// The scene file's keyframes.
     pub(super) animation: Option<CameraPath>,
-    /// Every file that was read.
+    /// Every file that was opened.
     pub(super) opened: Vec<PathBuf>,
     warnings: Vec<String>,
     load_time: Duration,
     build_time: Duration,
 }
 
-/// Reads files and builds the tree; `check` is asked before that whether the outputs are none of the files
-/// that were opened.
+/// Reads files and builds the tree. Before building, `check` is called to check the outputs against the opened files.
 pub(super) fn open(
     args: &RenderArgs,
     format: Format,
@@ -273,7 +272,7 @@ pub(super) fn open(
     let building = Instant::now();
     let SceneFile {
         scene,
-        warnings,
+        mut warnings,
         camera: camera_file,
         animation,
         image,
@@ -295,6 +294,14 @@ pub(super) fn open(
     let bounds = setup::bounds(&scene, &accel);
     let camera = setup::camera(&args.camera, camera_file.as_ref(), image, &bounds)
         .map_err(|error| setup::no_camera(&args.camera, &name, error))?;
+    let lines = settings.shading.wireframe;
+    if let Some(lines) = lines.and_then(|lines| lines.left_out(camera.projection())) {
+        let seen = match camera.projection().lens() {
+            Some(_) => "a picture through a lens",
+            None => "a panorama",
+        };
+        warnings.push(format!("{lines} are not drawn: {seen} has none"));
+    }
     Ok(Opened {
         view: View {
             scene: Arc::new(scene),
@@ -311,7 +318,7 @@ pub(super) fn open(
     })
 }
 
-/// Says what reading left out, and writes what it took.
+/// Reports what reading left out, and writes the statistics.
 pub(super) fn tell(
     opened: &Opened,
     target: &StatsTarget,
@@ -346,7 +353,7 @@ pub(super) fn tell(
     })
 }
 
-/// Whether a fragment was asked for in a way that it can be had.
+/// Checks the options of a fragment.
 fn check_fragment(tiles: &TileArgs, format: Format) -> Result<(), Failure> {
     if tiles.tiles.is_none() && tiles.tile_size.is_none() {
         return Err(Failure::usage(
@@ -378,7 +385,7 @@ pub(super) fn sub_camera_at(
     })
 }
 
-/// The whole picture, and what all tiles together took.
+/// Renders the whole picture; returns the statistics of all tiles as well.
 fn render_whole(
     view: &View,
     grid: Grid,
@@ -393,7 +400,7 @@ fn render_whole(
     })
 }
 
-/// A sub-camera's picture, and what its tiles together took; `done` is told of each.
+/// Renders a sub-camera's picture; returns the statistics of all its tiles as well. `done` is called after each.
 pub(super) fn render_rect(
     view: &View,
     part: SubCamera,
@@ -417,7 +424,7 @@ pub(super) fn render_rect(
     }
 }
 
-/// The picture as it stands once `done` tiles are finished: what the window shows on its way.
+/// The picture after `done` tiles are finished, as the window shows it on the way.
 fn render_unfinished(
     view: &View,
     grid: Grid,
@@ -447,7 +454,7 @@ fn render_unfinished(
     Ok(made.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// One sub-camera's picture, and what it took.
+/// Renders one sub-camera's picture.
 fn render_part(
     view: &View,
     part: SubCamera,

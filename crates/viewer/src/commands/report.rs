@@ -11,10 +11,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// What the names of a report's files end in.
+/// The extensions of a report's files.
 const KINDS: [&str; 4] = [".md", ".csv", ".png", ".svg"];
 
-/// Measures speed against error, and writes a report of it.
+/// Measures speed against error, and writes a report.
 pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let budget = ReportBudget {
         simd: setup::instruction_set()?,
@@ -26,7 +26,7 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
     };
     let folder = Folder::at(&args.output, args.force)?;
     let inputs: Vec<&Path> = args.files.iter().map(AsRef::as_ref).collect();
-    // Better now than after minutes.
+    // Failing now is better than after minutes.
     folder.file("report.md", &inputs)?;
     let pool = workers(args.threads)?;
     let progress = TerminalProgress::new();
@@ -39,7 +39,7 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
         .into_iter()
         .chain(opened.iter().map(PathBuf::as_path))
         .collect();
-    // What the report could be written over is known now, not after minutes either.
+    // Inputs that the report might overwrite are found now as well.
     for name in inputs.iter().filter_map(|input| input.file_name()) {
         let name = name.to_string_lossy();
         if KINDS.iter().any(|kind| name.ends_with(kind)) {
@@ -48,7 +48,7 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
     }
     let files =
         pool.install(|| raycast_report::report(&scenes, &budget, &command_line(args), &progress))?;
-    // First: from then on a command that is stopped can be given again.
+    // The marker first: from then on an interrupted command can be repeated.
     let marker = (Folder::MARKER, Folder::MARKER_TEXT.as_bytes());
     let files = files
         .iter()
@@ -79,7 +79,7 @@ impl From<ReportError> for Failure {
     }
 }
 
-/// The scenes of the files, each for itself, and all files that were opened for them.
+/// The scene of each file, and all files that were opened.
 fn read_scenes(
     args: &ReportArgs,
     progress: &TerminalProgress,
@@ -115,8 +115,8 @@ fn read_scenes(
     Ok((inputs, opened))
 }
 
-/// The scenes of a report that was given none: the demo's meshes and the demo itself, and a bumpy
-/// ball of few and of many triangles.
+/// The scenes of a report without files: the demo's meshes, the demo itself, and a bumpy ball of few and of many
+/// triangles.
 fn own_scenes(budget: &ReportBudget) -> Result<Vec<Input>, Failure> {
     let demo = demo::scene()?.scene;
     let in_memory = |name: String, scene: Scene| Input {
@@ -145,7 +145,7 @@ fn own_scenes(budget: &ReportBudget) -> Result<Vec<Input>, Failure> {
     Ok(inputs)
 }
 
-/// What to type to have the report again.
+/// The command that repeats the report.
 fn command_line(args: &ReportArgs) -> String {
     let mut words = vec!["raycast report".to_owned()];
     words.extend(args.files.iter().map(|file| file.display().to_string()));

@@ -12,10 +12,10 @@ pub(super) struct SavedScene<'a> {
 }
 
 impl<'a> SavedScene<'a> {
-    /// A scene file at `path`, which is none of `inputs`.
+    /// A scene file at `path`, which must be none of `inputs`.
     ///
     /// # Errors
-    /// A name that is no scene file's; as [`Output::at`].
+    /// A name without a scene file's extension; as [`Output::at`].
     pub(super) fn at(path: &'a Path, inputs: &[&Path]) -> Result<Self, Failure> {
         if path.extension().is_none_or(|end| end != "toml") {
             return Err(Failure::usage(format!(

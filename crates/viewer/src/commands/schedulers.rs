@@ -1,15 +1,14 @@
-//! A plan in the words of engines that run jobs: Slurm, Kubernetes.
+//! Plans for job schedulers: Slurm and Kubernetes.
 
 use super::Failure;
 use crate::cli::quoted_for_posix;
 use std::ffi::OsStr;
 use std::path::Path;
 
-/// The most tasks of a job array: Slurm's own limit where nobody has raised it (`MaxArraySize`, 1001). Each of
-/// them runs every so many-th line.
+/// The most tasks of a job array: Slurm's default limit (`MaxArraySize`, 1001). Each task runs every n-th line.
 const MOST_TASKS: usize = 1000;
 
-/// What submits the plan to Slurm: an array, and another that waits for all of it.
+/// The script that submits the plan to Slurm: an array, and another one that waits for it.
 pub(super) fn slurm(plan: &Path, jobs: usize, stitching: usize) -> Result<String, Failure> {
     let quoted = |suffix: &str| {
         let mut path = plan.as_os_str().to_owned();
@@ -53,7 +52,7 @@ pub(super) fn kubernetes(plan: &Path, suffix: &str, lines: usize) -> Result<Stri
         "sed -n \"$((JOB_COMPLETION_INDEX + 1))p\" {}",
         quote(&path)?
     ));
-    // JSON's strings are YAML's, too.
+    // JSON strings are valid YAML.
     let script = serde_json::to_string(&script)
         .map_err(|error| Failure::could_not(format!("no YAML can be made: {error}")))?;
     let name = if suffix.is_empty() {
@@ -88,13 +87,13 @@ pub(super) fn kubernetes(plan: &Path, suffix: &str, lines: usize) -> Result<Stri
         lines.clamp(1, 64)
     ))
 }
-/// Runs the lines that a command picks out of a plan. A pipe alone would have the status of its end: a plan that
-/// cannot be read would be done.
+/// Runs the lines that a command selects from a plan. A pipe alone would return the status of its last command: a
+/// plan that cannot be read would succeed.
 fn run_lines(pick: &str) -> String {
     format!("lines=$({pick}) && printf '%s\\n' \"$lines\" | sh -e")
 }
 
-/// A word that a POSIX shell takes as it is.
+/// A word quoted for a POSIX shell.
 pub(super) fn quote(word: &OsStr) -> Result<String, Failure> {
     let text = word
         .to_str()

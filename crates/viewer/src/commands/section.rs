@@ -7,7 +7,7 @@ use raycast_core::formats::{DrawingFormat, write_section};
 use raycast_core::section::{SectionAxes, section};
 use std::path::Path;
 
-/// Draws where a plane cuts a scene.
+/// Draws the section of a scene with a plane.
 pub(super) fn run(args: &SectionArgs) -> Result<(), Failure> {
     let name = args.output.to_string_lossy();
     let format = DrawingFormat::from_name(&name).ok_or_else(|| {
@@ -29,7 +29,7 @@ pub(super) fn run(args: &SectionArgs) -> Result<(), Failure> {
     progress.building();
     let scene_name = setup::name_of(&args.files);
     memory::check_tree(&scene_name, file.scene.triangle_count())?;
-    // Where more than two lines meet, their order is that of the tree.
+    // Where more than two polylines join, their order is that of the tree.
     let accel = setup::single_tree(&file.scene)?;
     let accel = setup::visible(&scene_name, &file.scene, accel)?;
     let lines = section(&accel, plane).map_err(|error| Failure::usage(error.to_string()))?;

@@ -14,10 +14,10 @@ use std::time::SystemTime;
 /// The largest fragment that is read: 4 GiB.
 const BYTE_LIMIT: u64 = 4 << 30;
 
-/// What a PNG and an EXR begin with.
+/// The first bytes of PNG and EXR.
 const SIGNATURES: [&[u8]; 2] = [b"\x89PNG\r\n\x1a\n", b"\x76\x2f\x31\x01"];
 
-/// Puts fragments together.
+/// Stitches fragments.
 pub(super) fn run(args: &StitchArgs) -> Result<(), Failure> {
     let format = Format::from_name(&args.output.to_string_lossy())?;
     let inputs: Vec<&Path> = args.fragments.iter().map(AsRef::as_ref).collect();
@@ -25,7 +25,7 @@ pub(super) fn run(args: &StitchArgs) -> Result<(), Failure> {
 
     let progress = TerminalProgress::new();
     progress.counting("reading", inputs.len() as u64);
-    // Pixels of a picture that is made band by band are looked at here, and read again where they belong.
+    // Fragments of a picture that is written in bands are checked here, and read again where they are needed.
     let mut is_banded = false;
     let mut fragments = Vec::new();
     let mut parts = Vec::new();
@@ -100,7 +100,7 @@ pub(super) fn run(args: &StitchArgs) -> Result<(), Failure> {
     written.finish()
 }
 
-/// A file's length and when it was last written, by which a change while it is read is seen.
+/// A file's length and modification time, by which a change during reading is detected.
 type State = Option<(u64, SystemTime)>;
 
 fn state_of(path: &Path) -> State {
@@ -112,7 +112,7 @@ fn changed(path: &Path) -> Failure {
     Failure::could_not(format!("{}: was changed while it was read", path.display()))
 }
 
-/// A fragment that was checked, to be read again.
+/// Opens a checked fragment again.
 fn rows_of(path: &Path, state: State) -> Result<RowReader<BufReader<File>>, Failure> {
     let cannot = |error: std::io::Error| Failure::could_not(format!("{}: {error}", path.display()));
     let file = File::open(path).map_err(cannot)?;
@@ -123,7 +123,7 @@ fn rows_of(path: &Path, state: State) -> Result<RowReader<BufReader<File>>, Fail
     Ok(RowReader::open(BufReader::new(file), length)?)
 }
 
-/// A fragment's bytes; of a file that is none at all, no more than it takes to tell.
+/// A fragment's bytes; of a file in another format, only as many as are needed to recognise it.
 fn read(path: &Path) -> Result<Vec<u8>, Failure> {
     let cannot = |error: std::io::Error| Failure::could_not(format!("{}: {error}", path.display()));
     let mut file = File::open(path).map_err(cannot)?;

@@ -8,16 +8,16 @@ use raycast_core::render::View;
 use raycast_core::scene::{Bounds, ColorRule, Mesh, MeshData, Object, Scene};
 use std::sync::Arc;
 
-/// The most sub-cameras of which a picture can be made sense.
+/// The most sub-cameras that are drawn; with more a picture would be unreadable.
 const MOST: usize = 4096;
 
-/// By how much a frustum is drawn narrower than it is, on each side, so that neighbours are told apart.
+/// By how much a frustum is drawn narrower than it is, on each side, to separate neighbours.
 const SHRUNK: f64 = 0.01;
 
-/// The half width of an edge, as a share of what is in view.
+/// Half the width of an edge, relative to the extent of the view.
 const EDGE: f64 = 0.0012;
 
-/// How the outside camera stands to the one that it shows, in degrees: to the side, and above.
+/// The direction of the outside camera relative to the shown one, in degrees to the side and up.
 const ASIDE: (f64, f64) = (62.0, 24.0);
 
 /// A view of the same scene with the frusta of a camera's sub-cameras, from their eye to the plane of the
@@ -60,7 +60,7 @@ pub(super) fn from_outside(view: &View, grid: Grid) -> Result<View, Failure> {
             let ((from, to), (beside, next)) = (corners[i], corners[(i + 1) % 4]);
             bar(&mut bars, from, to, half_width);
             bar(&mut bars, to, next, half_width);
-            // Rays that are parallel begin on the image plane.
+            // Parallel rays start on the image plane.
             if from != beside {
                 bar(&mut bars, from, beside, half_width);
             }
@@ -91,7 +91,7 @@ pub(super) fn from_outside(view: &View, grid: Grid) -> Result<View, Failure> {
     })
 }
 
-/// Where the rays through a tile's corners begin, and where they meet the plane of the camera's target.
+/// For each corner of a tile, where its ray starts and where it reaches the plane of the camera's target.
 fn edges(camera: &Camera, tile: Rect) -> [(DVec3, DVec3); 4] {
     let placement = camera.placement();
     let forward = placement.target - placement.eye;
@@ -100,7 +100,7 @@ fn edges(camera: &Camera, tile: Rect) -> [(DVec3, DVec3); 4] {
         let x = f64::from(tile.x) + width * x.clamp(SHRUNK, 1.0 - SHRUNK);
         let y = f64::from(tile.y) + height * y.clamp(SHRUNK, 1.0 - SHRUNK);
         let ray = camera.ray(x, y);
-        // A ray of a camera is never along the plane that it looks at.
+        // A camera's ray is never parallel to the plane of the target.
         let t = (placement.target - ray.origin).dot(forward) / ray.direction.dot(forward);
         (ray.origin, ray.origin + ray.direction * t)
     })
@@ -112,7 +112,7 @@ fn bar(mesh: &mut MeshData, from: DVec3, to: DVec3, half_width: f64) {
     let side = along.any_orthonormal_vector() * half_width;
     let other = along.cross(side);
     let first = mesh.positions.len() as u32;
-    // An equilateral triangle about each end: sines and cosines of thirds of a turn.
+    // An equilateral triangle around each end: sines and cosines of thirds of a turn.
     let (half, root) = (-0.5, 0.75f64.sqrt());
     for end in [from, to] {
         mesh.positions.extend([

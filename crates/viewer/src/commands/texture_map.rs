@@ -13,7 +13,7 @@ use std::path::Path;
 /// Edges of triangles.
 const EDGES: Color = Color([0x00, 0xd8, 0xff]);
 
-/// The picked triangle, and how much of what is under it it hides.
+/// The colour of the selected triangle, and its opacity.
 const PICKED: (Color, f32) = (Color([0xff, 0x30, 0x60]), 0.45);
 
 /// The crop's border.
@@ -60,7 +60,7 @@ pub(super) fn run(args: &TextureMapArgs) -> Result<(), Failure> {
     output.write(&picture.encode(format)?)?.finish()
 }
 
-/// Draws the triangles that were asked for.
+/// Draws the requested triangles.
 fn draw_files(args: &TextureMapArgs, output: &Output, map: &mut TextureMap) -> Result<(), Failure> {
     let progress = TerminalProgress::new();
     progress.loading();

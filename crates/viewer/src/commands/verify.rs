@@ -21,9 +21,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// How a picture is said to be made, besides its scene.
+/// The settings of a claimed picture, besides its scene.
 #[derive(Clone, Copy)]
-struct Ways {
+struct PictureSettings {
     camera: Camera,
     shading: Shading,
     samples: u32,
@@ -32,7 +32,7 @@ struct Ways {
     clip: ClippingPlanes,
 }
 
-/// Holds a picture's pixels against the truth.
+/// Compares a picture's pixels with the truth.
 pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let (path, files) = split(&args.files)?;
     let pool = workers(args.casting.threads)?;
@@ -45,7 +45,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     progress.building();
     let name = setup::name_of(files);
     let scene = std::mem::take(&mut file.scene);
-    // Which filter it is is known with the recipe, once there is a tree.
+    // The filter is known from the recipe, once there is a tree.
     memory::check_scene(&name, scene.triangle_count(), scene.level_bytes())?;
     let mut stage = pool.install(|| stage(&name, scene))?;
     let asked = Asked {
@@ -54,23 +54,23 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
         name: &name,
         stage: &stage,
     };
-    let ways = match (path, &image) {
-        (Some(path), Some(image)) => asked.ways_of(path, image.full_size(), image.recipe())?,
-        _ => asked.ways(None, None)?,
+    let settings = match (path, &image) {
+        (Some(path), Some(image)) => asked.settings_of(path, image.full_size(), image.recipe())?,
+        _ => asked.settings(None, None)?,
     };
-    stage = stage.clipped(ways.clip);
+    stage = stage.clipped(settings.clip);
     let rect = match &image {
         Some(image) => image.rect(),
-        None => ways.camera.whole().rect,
+        None => settings.camera.whole().rect,
     };
-    let mut view = stage.view(ways.camera, ways.cull);
+    let mut view = stage.view(settings.camera, settings.cull);
     view.settings.precision = (args.casting.precision)
         .or(file.image.precision)
         .unwrap_or_default();
-    view.settings.shading = ways.shading;
-    view.settings.samples = ways.samples;
-    view.settings.pixel_filter = ways.pixel_filter;
-    // A band at a time, of a picture that has several: what is drawn is the same share of each.
+    view.settings.shading = settings.shading;
+    view.settings.samples = settings.samples;
+    view.settings.pixel_filter = settings.pixel_filter;
+    // A picture with several bands is checked a band at a time, with the same fraction of pixels of each.
     let rows = match (&image, WHOLE / u64::from(rect.width)) {
         (Some(Image::Whole(_)), _) => rect.height,
         (_, rows) if rows >= u64::from(rect.height) => rect.height,
@@ -82,7 +82,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
         args,
         stage: &stage,
         view: &view,
-        ways: &ways,
+        settings: &settings,
         pool: &pool,
         progress: &progress,
     };
@@ -100,18 +100,18 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A picture that is checked.
+/// A picture being checked.
 struct Checking<'a> {
     args: &'a VerifyArgs,
     stage: &'a Stage,
     view: &'a View,
-    ways: &'a Ways,
+    settings: &'a PictureSettings,
     pool: &'a ThreadPool,
     progress: &'a TerminalProgress,
 }
 
 impl Checking<'_> {
-    /// Checks a part of the picture, so many rows at a time; what there is no image of is rendered.
+    /// Checks a part of the picture, some rows at a time; without an image the rows are rendered.
     fn by_bands(
         &self,
         rect: Rect,
@@ -119,7 +119,10 @@ impl Checking<'_> {
         mut image: Option<Image>,
     ) -> Result<Verification, Failure> {
         let Self {
-            args, stage, ways, ..
+            args,
+            stage,
+            settings,
+            ..
         } = *self;
         let most = match args.all {
             true => rect.area(),
@@ -137,15 +140,15 @@ impl Checking<'_> {
             };
             let picture = self.picture(band, &mut image)?;
             let claim = Claim {
-                camera: ways.camera,
+                camera: settings.camera,
                 rect: band,
-                cull: ways.cull,
-                shading: ways.shading,
-                samples: ways.samples,
-                pixel_filter: ways.pixel_filter,
+                cull: settings.cull,
+                shading: settings.shading,
+                samples: settings.samples,
+                pixel_filter: settings.pixel_filter,
                 picture: &picture,
             };
-            // Of the pixels down to here so many are to be drawn in all.
+            // The number of pixels that should be checked in all rows down to here.
             let down = u128::from(y + band.height) * u128::from(rect.width);
             let share = most as u128 * down / rect.area().max(1) as u128;
             let seed = args.seed.wrapping_add(u64::from(y) << 32);
@@ -167,7 +170,7 @@ impl Checking<'_> {
                 .rows(band.height)
                 .map_err(|error| cannot_read(path, &error)),
             None => {
-                let part = self.ways.camera.sub_camera(band);
+                let part = self.settings.camera.sub_camera(band);
                 let no_clock = || Duration::ZERO;
                 let render = || render_rect(self.view, part, Grid::default(), &no_clock, &|_| {});
                 Ok(self.pool.install(render)?.0)
@@ -176,7 +179,7 @@ impl Checking<'_> {
     }
 }
 
-/// What was asked for, of which files.
+/// The requested settings, and the files that they apply to.
 struct Asked<'a> {
     args: &'a VerifyArgs,
     /// The files' settings; their scene is on the stage.
@@ -186,18 +189,18 @@ struct Asked<'a> {
 }
 
 impl Asked<'_> {
-    /// How an image was made: as its recipe tells, which must be what was asked for; without one, as was
-    /// asked for.
-    fn ways_of(
+    /// The settings of an image: its recipe's, which must agree with the request; without a recipe, the requested
+    /// ones.
+    fn settings_of(
         &self,
         path: &Path,
         size: (u32, u32),
         recipe: Option<&Recipe>,
-    ) -> Result<Ways, Failure> {
+    ) -> Result<PictureSettings, Failure> {
         let args = self.args;
         let name = path.display();
-        let ways = self.ways(Some(size), recipe)?;
-        let plane = ways.camera.plane();
+        let settings = self.settings(Some(size), recipe)?;
+        let plane = settings.camera.plane();
         let asked = args.camera.size.unwrap_or((plane.columns, plane.rows));
         if asked != size {
             return Err(Failure::usage(format!(
@@ -206,20 +209,20 @@ impl Asked<'_> {
             )));
         }
         let Some(recipe) = recipe else {
-            return Ok(ways);
+            return Ok(settings);
         };
         let asked = Recipe {
             scene: self.stage.scene.content(),
-            camera: ways.camera,
-            samples: ways.samples,
-            pixel_filter: ways.pixel_filter,
-            cull: ways.cull,
-            clip: ways.clip.only_enabled(),
+            camera: settings.camera,
+            samples: settings.samples,
+            pixel_filter: settings.pixel_filter,
+            cull: settings.cull,
+            clip: settings.clip.only_enabled(),
             precision: recipe.precision,
-            shading: ways.shading,
+            shading: settings.shading,
         };
         match asked.difference(recipe) {
-            None => Ok(ways),
+            None => Ok(settings),
             Some(reason) if asked.scene != recipe.scene => Err(Failure::could_not(format!(
                 "{name}: {reason} than these files make (--texture, --crop and --color are to be given as they were to `raycast render`)"
             ))),
@@ -227,8 +230,12 @@ impl Asked<'_> {
         }
     }
 
-    /// What was asked for, over the recipe's, over the scene file's, over the defaults.
-    fn ways(&self, size: Option<(u32, u32)>, recipe: Option<&Recipe>) -> Result<Ways, Failure> {
+    /// The requested settings, with defaults from the recipe, then the scene file, then the general ones.
+    fn settings(
+        &self,
+        size: Option<(u32, u32)>,
+        recipe: Option<&Recipe>,
+    ) -> Result<PictureSettings, Failure> {
         let Self { args, file, .. } = self;
         let camera = match recipe {
             Some(recipe) if !places(&args.camera) => recipe.camera,
@@ -250,7 +257,7 @@ impl Asked<'_> {
             .samples
             .or(recipe.map(|recipe| recipe.samples))
             .or(file.image.samples);
-        Ok(Ways {
+        Ok(PictureSettings {
             camera,
             shading: setup::shading(&args.shading, shading),
             samples: samples.unwrap_or(1).max(1),
@@ -267,7 +274,7 @@ impl Asked<'_> {
     }
 }
 
-/// Whether options say where the camera is, or how its rays leave it.
+/// Whether any option is about the camera's placement or projection.
 fn places(args: &CameraArgs) -> bool {
     let CameraArgs {
         size: _,
@@ -329,7 +336,7 @@ fn stage(name: &str, scene: Scene) -> Result<Stage, Failure> {
     Ok(Stage::of_parts(Arc::new(scene), Arc::new(accel))?)
 }
 
-/// What was found, in words.
+/// The result, in words.
 fn told(found: &Verification) -> String {
     let Verification {
         pixels,

@@ -1,4 +1,4 @@
-//! A folder of outputs: a report's.
+//! A folder of outputs, such as a report's.
 
 use super::Output;
 use super::part_file::{is_part_name, sweep};
@@ -6,28 +6,27 @@ use crate::failure::Failure;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A folder to write a report to: new, empty, one that holds a report already, or any that was asked
-/// for twice.
+/// A folder for a report: new, empty, one that contains a report already, or any with `force`.
 ///
-/// Its files appear one by one, each whole; what else is in it stays.
+/// Its files appear one by one, each complete; other files in it stay.
 #[derive(Clone, Debug)]
 pub struct Folder {
     path: PathBuf,
 }
 
 impl Folder {
-    /// What a folder holds that is a report's.
+    /// The file that marks a report's folder.
     pub const MARKER: &str = ".raycast-report";
 
-    /// What stands in it.
+    /// Its text.
     pub const MARKER_TEXT: &str = "\
 A report of `raycast report` lies in this folder. Another one may be written over it without being asked for twice.
 ";
 
-    /// The folder at `path`, made if it is not there. With `force` it may hold anything.
+    /// The folder at `path`, created if it does not exist. With `force` it may contain anything.
     ///
     /// # Errors
-    /// A folder that cannot be made or read; without `force`, one that is neither empty nor a report's.
+    /// A folder that cannot be created or read; without `force`, one that is neither empty nor a report's.
     pub fn at(path: &Path, force: bool) -> Result<Self, Failure> {
         let cannot = |what: &str, error: std::io::Error| {
             Failure::could_not(format!("{}: cannot be {what}: {error}", path.display()))
@@ -50,7 +49,7 @@ A report of `raycast report` lies in this folder. Another one may be written ove
         )))
     }
 
-    /// The place of a file in it.
+    /// The output for a file in it.
     ///
     /// # Errors
     /// As [`Output::at`].
@@ -69,7 +68,7 @@ mod tests {
         let new = there.path().join("new/report");
         let folder = Folder::at(&new, false).expect("a new folder");
         assert!(Folder::at(&new, false).is_ok(), "it is empty");
-        // What a killed command left is nothing.
+        // Leftovers of a killed command do not count.
         fs::write(new.join(".raycast-1-0.part"), b"half").expect("written");
         assert!(Folder::at(&new, false).is_ok());
         assert_eq!(fs::read_dir(&new).map(Iterator::count).ok(), Some(0));

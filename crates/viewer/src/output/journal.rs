@@ -1,15 +1,14 @@
-//! What is known of a part file, from which a later command goes on with it.
+//! Journals of part files, from which a later command resumes.
 
 use raycast_core::digest::Digest;
 use std::fs::{self, File};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::PathBuf;
 
-/// Piece after piece of a file: how many bytes it has, their checksum, and what its writer needs to know of
-/// it. A piece is in the journal only when it is safe on the disk, and counts only where the part file has
-/// its bytes.
+/// The pieces of a file: the length of each, its checksum, and what its writer needs to know of it. A piece is in the
+/// journal only after it is synced to the disk, and counts only if the part file has its bytes.
 ///
-/// A line each: `BYTES DIGEST WORDS…`, and a checksum of these; after a first one that says of what file.
+/// The first line identifies the file; then there is a line a piece: `BYTES DIGEST WORDS…`, and a checksum of these.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
@@ -20,8 +19,8 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// The journal of the file of this `key` (a line), and the part file cut to what it tells of, behind a
-    /// `head` that is written anew. One of another key, or with no piece in the part file, is begun anew.
+    /// The journal of the file with this `key` (a line). The part file is truncated to the journal's pieces, after a
+    /// `head` that is written again. A journal with another key, or without a valid piece, is restarted.
     ///
     /// # Errors
     /// Files that cannot be read or written.
@@ -37,7 +36,7 @@ impl Journal {
         let mut pieces = Vec::new();
         let mut end = head.len() as u64;
         part.seek(SeekFrom::Start(end))?;
-        // A line that was cut short tells nothing.
+        // A truncated line does not count.
         let whole = |line: &'_ str| line.strip_suffix('\n').map(str::to_owned);
         for line in lines.split_inclusive('\n').map_while(whole) {
             let Some((bytes, words)) = read_piece(&line, part)? else {
@@ -64,20 +63,20 @@ impl Journal {
         })
     }
 
-    /// What was said of each piece that the part file has.
+    /// The words of each piece that the part file has.
     pub fn pieces(&self) -> &[String] {
         &self.pieces
     }
 
-    /// Remembers a piece that was written, until the next [`super::Unfinished::note`]; `words` are its
-    /// writer's, without a line's end.
+    /// Records a piece that was written, to be stored at the next [`super::Unfinished::note`]; `words` are its
+    /// writer's, without a line end.
     pub fn remember(&mut self, bytes: &[u8], words: &str) {
         let body = format!("{} {} {words}", bytes.len(), Digest::of(bytes));
         let check = Digest::of(body.as_bytes());
         self.waiting.push_str(&format!("{body} {check}\n"));
     }
 
-    /// Sees the part file onto the disk, and then what is remembered of it.
+    /// Syncs the part file to the disk, and then stores what is recorded of it.
     pub(super) fn note(&mut self, part: &File) -> io::Result<()> {
         if !self.waiting.is_empty() {
             part.sync_data()?;
@@ -88,11 +87,11 @@ impl Journal {
         Ok(())
     }
 
-    /// Removes it: its file is whole.
+    /// Removes the journal of a complete file.
     ///
-    /// Best after its file was put in its place: one that is left is begun anew.
+    /// Call it after the file was renamed: a journal that is left over restarts.
     pub fn remove(self) {
-        // A journal without a part file tells nothing.
+        // A journal without a part file does not count.
         let _ = fs::remove_file(self.path);
     }
 }

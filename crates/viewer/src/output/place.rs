@@ -1,19 +1,19 @@
-//! Which file a path names, whatever it is called.
+//! The identity of files, whatever their names.
 
 use std::ffi::OsString;
 use std::fs::{self, File, Metadata};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The most links that are followed one after another, as Linux has it.
+/// The longest chain of links that is followed, as on Linux.
 const LINKS: usize = 40;
 
-/// A file by what it is: all names of one file have one identity.
+/// The identity of a file: all names of one file have the same.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Identity {
-    /// Of a file that is there.
+    /// Of an existing file.
     Present(FileId),
-    /// Of one that is not: its folder, and its name there.
+    /// Of a file that does not exist: its folder, and its name there.
     Absent(FileId, OsString),
 }
 
@@ -21,12 +21,12 @@ pub(super) enum Identity {
 #[cfg(unix)]
 type FileId = (u64, u64);
 
-/// The one name without links and detours, where a system shows nothing better.
+/// The canonical path, where a system offers nothing better.
 #[cfg(not(unix))]
 type FileId = PathBuf;
 
 impl Identity {
-    /// What `path` names; `None` where it can name nothing.
+    /// The identity of the file at `path`; `None` for an invalid path.
     pub(super) fn of(path: &Path) -> Option<Self> {
         if let Some(id) = file_id(path) {
             return Some(Self::Present(id));
@@ -53,7 +53,7 @@ fn file_id(path: &Path) -> Option<FileId> {
     fs::canonicalize(path).ok()
 }
 
-/// Whether `path` itself, not what it may link to, is still the open `file`.
+/// Whether `path` itself, not its link's target, is still the open `file`.
 #[cfg(unix)]
 pub(super) fn is_at(file: &File, path: &Path) -> bool {
     let id = |found: io::Result<Metadata>| found.ok().map(|found| id_of(&found));
@@ -61,16 +61,16 @@ pub(super) fn is_at(file: &File, path: &Path) -> bool {
     open.is_some() && open == id(fs::symlink_metadata(path))
 }
 
-/// Whether there is a file at `path`: an open file keeps its name from others there.
+/// Whether there is a file at `path`: these systems reserve the name of an open file.
 #[cfg(not(unix))]
 pub(super) fn is_at(_: &File, path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(|found: Metadata| found.is_file())
 }
 
-/// The end of a chain of links, whether a file is there or not.
+/// The end of a chain of links, whether a file exists there or not.
 ///
 /// # Errors
-/// A chain without an end; links that cannot be read.
+/// An endless chain; links that cannot be read.
 pub(super) fn follow(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..LINKS {

@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn ignored_signals_are_told_by_the_mask() {
+    fn ignored_signals_are_read_from_the_mask() {
         let status = "Name:\traycast\nSigBlk:\t0000000000000000\nSigIgn:\t0000000000001001\n";
         assert!(ignored(status, 1) && ignored(status, 13));
         assert!(!ignored(status, 2) && !ignored(status, 15));

@@ -4,10 +4,10 @@ use crate::failure::Failure;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-/// Writes to standard output. A reader that went away has seen enough: that is no failure.
+/// Writes to standard output. A reader that has closed it has seen enough: that is no failure.
 ///
 /// # Errors
-/// Anything else that keeps it from being written.
+/// Any other write error.
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     written(
@@ -17,7 +17,7 @@ pub fn print(text: &str) -> Result<(), Failure> {
     )
 }
 
-/// What became of writing to standard output, as [`print()`] has it.
+/// The result of writing to standard output, as of [`print()`].
 ///
 /// # Errors
 /// As [`print()`].
@@ -30,14 +30,13 @@ pub fn written(outcome: io::Result<()>) -> Result<(), Failure> {
     }
 }
 
-/// Says a line on standard error, after the program's name. Where that cannot be written either there
-/// is nobody to be told.
+/// Writes a line to standard error, after the program's name. A failure to do so is ignored.
 pub fn say(text: &str) {
     let _ = writeln!(io::stderr().lock(), "raycast: {text}");
 }
 
 impl Failure {
-    /// Says it on standard error; returns the exit status.
+    /// Writes the failure to standard error; returns the exit status.
     pub fn tell(&self) -> ExitCode {
         say(&self.to_string());
         self.exit_code()

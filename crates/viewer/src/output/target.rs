@@ -1,4 +1,4 @@
-//! A place to write to, checked before the work; a file on its way there.
+//! Output files, checked before the work, and written atomically.
 
 use super::journal::Journal;
 use super::part_file::{PartFile, sweep};
@@ -10,29 +10,28 @@ use std::fs::{self, File, Metadata};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// A place to write to, checked.
+/// A checked path of an output.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Output {
-    /// As it was named, for messages.
+    /// The path as given, for messages.
     name: PathBuf,
-    /// Where links lead.
+    /// The path after following links.
     path: PathBuf,
     is_device: bool,
 }
 
 impl Output {
-    /// A file that can be made at `name`, in a directory that exists, and is none of `inputs` (nor
-    /// of this command's other outputs, if they are among them). A link is followed to its end.
-    /// Part files that nobody holds are removed from the directory.
+    /// An output at `name`: in a directory that exists, and none of `inputs` (nor of this command's other outputs, if
+    /// they are among them). A link is followed to its end. Abandoned part files are removed from the directory.
     ///
     /// # Errors
-    /// An input, as bad usage. A directory that is missing or cannot be written, a path that is a
-    /// directory, a file that may not be written or that a new file could not stand for.
+    /// An input, as bad usage. A directory that is missing or cannot be written, a path that is a directory, a file
+    /// that is not writable or that cannot be replaced.
     pub fn at(name: &Path, inputs: &[&Path]) -> Result<Self, Failure> {
         let cannot = |reason: &dyn Display| cannot_write(name, reason);
         let (path, is_device) = match fs::metadata(name) {
             Ok(found) if found.is_dir() => return Err(cannot(&"it is a directory")),
-            // Not by the end of its links: a pipe's has no name.
+            // The end of the links is not used: a pipe's has no name.
             Ok(found) if !found.is_file() => (name.to_owned(), true),
             Ok(_) | Err(_) => (follow(name).map_err(|error| cannot(&error))?, false),
         };
@@ -52,17 +51,17 @@ impl Output {
                 return Err(cannot(&reason));
             }
             sweep(directory);
-            // Better now than after the work.
+            // Failing now is better than after the work.
             output.create()?;
         }
         Ok(output)
     }
 
-    /// A file that goes with this one and is named after it, as [`Output::at`]: it is replaced only where this
-    /// one is there too. Else it is somebody's own, of which the command line says nothing.
+    /// An output that accompanies this one and is named after it, as [`Output::at`]. It is replaced only if this one
+    /// exists as well; otherwise it belongs to somebody else, and the command line does not mention it.
     ///
     /// # Errors
-    /// As [`Output::at`]; a file that is there without this one.
+    /// As [`Output::at`]; a file that exists without this one.
     pub fn beside(&self, name: &Path, inputs: &[&Path]) -> Result<Self, Failure> {
         let output = Self::at(name, inputs)?;
         if output.is_taken() && !self.is_taken() {
@@ -75,10 +74,10 @@ impl Output {
         Ok(output)
     }
 
-    /// Checks that the place is none of `inputs`, under whatever name. Devices may be both.
+    /// Checks that the output is none of `inputs`, under any name. Devices may be both.
     ///
     /// # Errors
-    /// The one that it is.
+    /// The input that it is.
     pub fn check_against<P: AsRef<Path>>(
         &self,
         inputs: impl IntoIterator<Item = P>,
@@ -95,10 +94,10 @@ impl Output {
         Ok(())
     }
 
-    /// Checks that none of many places is one of `inputs`, before the first is written.
+    /// Checks that none of many outputs is one of `inputs`, before the first is written.
     ///
     /// # Errors
-    /// The first that is.
+    /// The first one that is.
     pub fn check_all(names: &[PathBuf], inputs: &[PathBuf]) -> Result<(), Failure> {
         let inputs: Vec<_> = inputs
             .iter()
@@ -113,16 +112,15 @@ impl Output {
         Ok(())
     }
 
-    /// Whether something is there that would be replaced.
+    /// Whether a file exists that would be replaced.
     pub fn is_taken(&self) -> bool {
         !self.is_device && self.path.exists()
     }
 
-    /// Begins to write, beside the place itself.
+    /// Starts a part file beside the output.
     ///
     /// # Errors
-    /// A directory that cannot be written, a file that may not be or that a new one could not stand
-    /// for.
+    /// A directory that cannot be written, a file that is not writable or cannot be replaced.
     pub fn create(&self) -> Result<Unfinished, Failure> {
         let sink = if self.is_device {
             Sink::Device(self.open_there()?)
@@ -142,11 +140,11 @@ impl Output {
         Ok(self.under_way(sink))
     }
 
-    /// Begins to write behind a `head`, or goes on where an earlier command was ended that wrote the file of
-    /// this `key`: a part file and its journal, which stay until the file is finished.
+    /// Starts a part file with a `head` and a journal, or resumes those of an earlier command for the file of this
+    /// `key`. Both stay until the file is finished.
     ///
     /// # Errors
-    /// As [`Output::create`]; another command that writes the same.
+    /// As [`Output::create`]; another command that writes the same file.
     pub fn resume(&self, key: &str, head: &[u8]) -> Result<(Unfinished, Journal), Failure> {
         let cannot = |error: io::Error| self.cannot(&error);
         if self.is_device {
@@ -182,7 +180,7 @@ impl Output {
         }
     }
 
-    /// Whether bytes that were written can be written over.
+    /// Whether written bytes can be overwritten.
     pub fn can_seek(&self) -> bool {
         !self.is_device
     }
@@ -197,10 +195,10 @@ impl Output {
         Ok(file)
     }
 
-    /// Empties the file and opens it where it is, to be seen while it grows.
+    /// Truncates the file and opens it in place, so that it is visible while it grows.
     ///
     /// # Errors
-    /// The system's refusal.
+    /// Those of the system.
     pub fn open_in_place(&self) -> Result<File, Failure> {
         if self.is_device {
             return self.open_there();
@@ -208,7 +206,7 @@ impl Output {
         File::create(&self.path).map_err(|error| self.cannot(&error))
     }
 
-    /// What will be replaced, if anything is there; it must be open to writing.
+    /// The file that will be replaced, if there is one; it must be writable.
     fn replaced(&self) -> Result<Option<Metadata>, Failure> {
         match fs::metadata(&self.path) {
             Ok(found) => {
@@ -242,13 +240,13 @@ fn used_already(name: &Path, input: &Path) -> Failure {
     ))
 }
 
-/// Whether a path ends with a separator: no file can be called that.
+/// Whether a path ends with a separator, as no file's does.
 fn ends_as_folder(path: &Path) -> bool {
     let last = path.as_os_str().as_encoded_bytes().last();
     last.is_some_and(|&byte| std::path::is_separator(byte.into()))
 }
 
-/// Gives a new file the owner and the group of the one that it will replace.
+/// Gives a new file the owner and group of the file that it replaces.
 #[cfg(unix)]
 fn give_to_owner_of(replaced: &Metadata, new: &File) -> Result<(), String> {
     use std::os::unix::fs::{MetadataExt, fchown};
@@ -403,7 +401,7 @@ mod tests {
             }
         }
 
-        /// Who may do all things replaces it, and it stays read-only; others are refused.
+        /// The superuser replaces it, and it stays read-only; others are refused.
         #[test]
         fn a_read_only_file_is_not_replaced_by_who_may_not_write_it() {
             let directory = tempfile::tempdir().expect("a directory");
@@ -425,7 +423,7 @@ mod tests {
             assert_eq!(names(directory.path()), ["a"]);
         }
 
-        /// Where this may give files away, as the superuser, it gives them back.
+        /// The superuser, who may change owners, restores the owner.
         #[test]
         fn a_replaced_file_keeps_its_owner() {
             let directory = tempfile::tempdir().expect("a directory");

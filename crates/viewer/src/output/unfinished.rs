@@ -6,13 +6,13 @@ use std::fs::{File, Permissions};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// A file under way: gone when dropped, unless [`Unfinished::finish`] puts it in its place.
+/// A file being written: removed when dropped, unless [`Unfinished::finish`] renames it.
 #[derive(Debug)]
 pub struct Unfinished {
     pub(super) sink: Sink,
-    /// As it was named, for messages.
+    /// The path as given, for messages.
     pub(super) name: PathBuf,
-    /// Where it is put.
+    /// The final path.
     pub(super) path: PathBuf,
 }
 
@@ -20,17 +20,17 @@ pub struct Unfinished {
 pub(super) enum Sink {
     Part {
         part: PartFile,
-        /// Those of the file that it replaces.
+        /// The permissions of the file that it replaces.
         permissions: Option<Permissions>,
     },
     Device(File),
 }
 
 impl Unfinished {
-    /// Puts the file in its place, at once.
+    /// Renames the part file to its final path, atomically.
     ///
     /// # Errors
-    /// A file that cannot be put there.
+    /// Those of the system.
     pub fn finish(self) -> Result<(), Failure> {
         let Self { sink, name, path } = self;
         match sink {
@@ -48,7 +48,7 @@ impl Unfinished {
         }
     }
 
-    /// Writes, as [`Write::write_all`]; tells which file cannot be written.
+    /// As [`Write::write_all`]; the error names the file.
     ///
     /// # Errors
     /// A full disk.
@@ -57,10 +57,10 @@ impl Unfinished {
         written.map_err(|error| cannot_write(&self.name, &error))
     }
 
-    /// Writes over what the file begins with.
+    /// Overwrites the start of the file.
     ///
     /// # Errors
-    /// As [`Unfinished::append`]; a device that cannot go back.
+    /// As [`Unfinished::append`]; a device that cannot seek.
     pub fn rewrite_head(&mut self, bytes: &[u8]) -> Result<(), Failure> {
         let file = self.file();
         let written = (file.seek(SeekFrom::Start(0))).and_then(|_| file.write_all(bytes));
@@ -68,7 +68,7 @@ impl Unfinished {
         written.map_err(|error| cannot_write(&self.name, &error))
     }
 
-    /// Notes in the file's journal what was written since it was last noted.
+    /// Stores the pieces written since the last call in the file's journal.
     ///
     /// # Errors
     /// As [`Unfinished::append`].

@@ -5,6 +5,7 @@ use super::transform::three;
 use super::widgets::section;
 use crate::state::State;
 use crate::state::command::Command;
+use crate::ui::icons::Icon;
 use crate::ui::registry::{self, action};
 use egui::{Button, Ui, vec2};
 
@@ -12,7 +13,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     if state.document.is_none() {
         return;
     }
-    section(ui, "Camera", false, |ui| {
+    section(ui, (Icon::Video, "Camera"), false, |ui| {
         let placement = state.viewpoint.placement();
         let speed = state.viewpoint.orbit.distance * 2e-3;
         let (eye, target) = (placement.eye, placement.target);

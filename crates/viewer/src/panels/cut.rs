@@ -6,6 +6,7 @@ use super::widgets::{Number, section};
 use crate::state::command::Command;
 use crate::state::cut::{at_distance, distance, outline, range};
 use crate::state::{PromptKind, State};
+use crate::ui::icons::Icon;
 use crate::ui::registry::{self, action};
 use crate::ui::theme;
 use egui::{Button, Color32, Id, Pos2, Rect, Sense, Stroke, Ui, Vec2, vec2};
@@ -22,7 +23,7 @@ const ADD: [(&str, &str); 5] = [
 ];
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
-    section(ui, "Cut", false, |ui| {
+    section(ui, (Icon::Scissors, "Cut"), false, |ui| {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
             let narrow = (ui.available_width() - 66.0 - 46.0 - 8.0) / 3.0;

@@ -6,6 +6,7 @@ use crate::state::State;
 use crate::state::command::Command;
 use crate::state::inspection::{Checked, Fault, Shown};
 use crate::ui::format;
+use crate::ui::icons::Icon;
 use crate::ui::registry::{self, action};
 use crate::ui::theme;
 use egui::{Button, Id, RichText, Ui, vec2};
@@ -25,7 +26,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     if is_new {
         ui.data_mut(|data| data.insert_temp(last, rounds));
     }
-    section_that_opens(ui, "Health", false, is_new, |ui| {
+    section_that_opens(ui, (Icon::HeartPulse, "Health"), false, is_new, |ui| {
         let name = match state.selected.and_then(|n| document.scene.objects.get(n)) {
             Some(object) => format!("Check {}", object.name),
             None => "Check all objects".to_owned(),

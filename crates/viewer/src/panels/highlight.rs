@@ -1,8 +1,9 @@
-//! The triangle that was clicked on, and the box of the marked object, lit up in the picture.
+//! The triangles that were clicked on, and the box of the marked object, lit up in the picture.
 
 use crate::state::State;
+use crate::state::pick::Pinned;
 use crate::ui::theme;
-use egui::{Color32, Painter, Pos2, Shape, Stroke};
+use egui::{Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, vec2};
 use raycast_core::camera::Camera;
 use raycast_core::glam::DVec3;
 
@@ -13,29 +14,62 @@ pub(super) fn show(painter: &Painter, state: &State, place: impl Fn((f64, f64)) 
     };
     let accent = theme::of(&egui::Visuals::dark()).accent;
     box_of_marked(painter, state, &camera, accent, &place);
-    let Some(pinned) = &state.pinned else {
-        return;
-    };
-    let outline: Vec<Pos2> = before(&camera, &pinned.corners)
+    let picks = state.picks.list();
+    let current = state.picks.current_index();
+    // The one that is looked at comes last, over the others.
+    let others = (0..picks.len()).filter(|index| *index != current);
+    for index in others.chain([current]) {
+        let Some(pinned) = picks.get(index) else {
+            return;
+        };
+        let color = match index == current {
+            true => accent,
+            false => accent.gamma_multiply(0.6),
+        };
+        triangle(painter, &camera, pinned, color, &place);
+        let seen = before(&camera, &[pinned.pick.point]);
+        if let Some(&point) = seen.first()
+            && let Some(at) = camera.project(point).map(&place)
+        {
+            painter.circle(at, 3.5, Color32::WHITE, Stroke::new(1.5, Color32::BLACK));
+            if picks.len() > 1 {
+                number(painter, at, index + 1);
+            }
+        }
+    }
+}
+
+fn triangle(
+    painter: &Painter,
+    camera: &Camera,
+    pinned: &Pinned,
+    color: Color32,
+    place: impl Fn((f64, f64)) -> Pos2,
+) {
+    let outline: Vec<Pos2> = before(camera, &pinned.corners)
         .into_iter()
         .filter_map(|corner| camera.project(corner))
-        .map(&place)
+        .map(place)
         .map(bounded)
         .collect();
     if outline.len() >= 3 {
-        let fill = accent.gamma_multiply(0.25);
+        let fill = color.gamma_multiply(0.25);
         painter.add(Shape::convex_polygon(outline.clone(), fill, Stroke::NONE));
         // A dark line below a light one is seen on any picture.
         let dark = Stroke::new(3.5, Color32::from_black_alpha(150));
         painter.add(Shape::closed_line(outline.clone(), dark));
-        painter.add(Shape::closed_line(outline, Stroke::new(1.5, accent)));
+        painter.add(Shape::closed_line(outline, Stroke::new(1.5, color)));
     }
-    let seen = before(&camera, &[pinned.pick.point]);
-    if let Some(&point) = seen.first()
-        && let Some(at) = camera.project(point).map(place)
-    {
-        painter.circle(at, 3.5, Color32::WHITE, Stroke::new(1.5, Color32::BLACK));
-    }
+}
+
+/// The number of a pick in the list, beside it.
+fn number(painter: &Painter, at: Pos2, number: usize) {
+    let font = FontId::proportional(12.0);
+    let words = painter.layout_no_wrap(number.to_string(), font, Color32::WHITE);
+    let corner = at + vec2(7.0, -7.0 - words.size().y);
+    let ground = Rect::from_min_size(corner, words.size()).expand2(vec2(4.0, 1.0));
+    painter.rect_filled(ground, 4.0, Color32::from_black_alpha(190));
+    painter.galley(corner, words, Color32::WHITE);
 }
 
 /// The box of the marked object where it is put, which is seen at once: its picture comes when its tree is built.

@@ -5,6 +5,7 @@ use super::{Commands, colors};
 use crate::state::PromptKind;
 use crate::state::State;
 use crate::state::command::Command;
+use crate::ui::icons::Icon;
 use crate::ui::mode_pictures;
 use crate::ui::modes::MODES;
 use crate::ui::registry;
@@ -13,7 +14,7 @@ use raycast_core::ranges::WIDEST_LINE;
 use raycast_core::shade::{Background, EdgeKinds, Ground, Mode, Wireframe};
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
-    section(ui, "Look", true, |ui| {
+    section(ui, (Icon::Palette, "Look"), true, |ui| {
         modes(ui, state, out);
         if state.settings.shading.mode == Mode::XRay {
             x_ray(ui, state, out);

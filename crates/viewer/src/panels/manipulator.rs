@@ -71,9 +71,14 @@ pub(super) fn show(
     let Some(camera) = state.camera() else {
         return manipulating.is_held;
     };
+    let middle = camera.project(manipulator.center).map(&place);
     let point = |p: DVec3| {
         let seen = before(&camera, &[p]);
-        Some(place(camera.project(*seen.first()?)?))
+        let point = place(camera.project(*seen.first()?)?);
+        // Further away it lies beyond a panorama's seam, or on another face of a cube.
+        let is_apart = camera.projection().panorama().is_some()
+            && middle.is_none_or(|middle| middle.distance(point) > LENGTH * 4.0);
+        (!is_apart).then_some(point)
     };
     let handles = handles(&manipulator, tool, length, point);
     let is_over = |hand: &Pos2| response.rect.contains(*hand) && response.contains_pointer();

@@ -7,13 +7,14 @@ use crate::state::command::Command;
 use crate::state::lengths::Lengths;
 use crate::state::measure::{Kind, Measurement};
 use crate::ui::format;
+use crate::ui::icons::Icon;
 use crate::ui::registry::{self, action};
 use egui::{Button, RichText, Ui, vec2};
 use raycast_core::formats::LengthUnit;
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     let measuring = &state.measuring;
-    section(ui, "Measure", false, |ui| {
+    section(ui, (Icon::Ruler, "Measure"), false, |ui| {
         tools(ui, state, out);
         let lengths = state.lengths();
         unit(ui, state, out);

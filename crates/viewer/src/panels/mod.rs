@@ -23,6 +23,7 @@ mod palette;
 mod pick;
 mod picture;
 mod render;
+mod shape;
 mod side;
 mod status;
 mod surface;

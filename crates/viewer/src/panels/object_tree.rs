@@ -4,6 +4,7 @@ use super::Commands;
 use super::widgets::row;
 use crate::state::State;
 use crate::state::command::Command;
+use crate::state::insertion::Insertion;
 use crate::state::parents::moves_with;
 use egui::{Button, ComboBox, Response, Stroke, Ui};
 use raycast_core::scene::Object;
@@ -65,7 +66,50 @@ pub(super) fn indent(depth: usize) -> f32 {
     depth.min(DEEPEST) as f32 * INDENT
 }
 
-/// An object that is dropped on another moves with it from then on.
+/// Where an object that is dragged would go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Target {
+    /// Below the object of this row: it moves with that from then on.
+    Onto,
+    /// Between two rows: it is listed there.
+    Between(Insertion, Edge),
+}
+
+/// The edge of a row that stands for the gap to its neighbour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Edge {
+    Top,
+    Bottom,
+}
+
+/// What a row offers to an object that is held over it, `share` of its height down: its upper quarter is the gap
+/// above, its lower the gap below, where children begin if it has any.
+fn target(objects: &[Object], number: usize, share: f32) -> Target {
+    let parent = objects[number].parent;
+    match share {
+        ..0.25 => {
+            let before = number;
+            Target::Between(Insertion { before, parent }, Edge::Top)
+        }
+        ..0.75 => Target::Onto,
+        _ => {
+            let child = (0..objects.len()).find(|&other| objects[other].parent == Some(number));
+            let to = match child {
+                Some(before) => Insertion {
+                    before,
+                    parent: Some(number),
+                },
+                None => Insertion {
+                    before: number + 1,
+                    parent,
+                },
+            };
+            Target::Between(to, Edge::Bottom)
+        }
+    }
+}
+
+/// A row that is dragged: dropped on another it moves with that one from then on, between two it is listed there.
 pub(super) fn drag(
     ui: &Ui,
     response: &Response,
@@ -74,18 +118,93 @@ pub(super) fn drag(
     out: &mut Commands,
 ) {
     response.dnd_set_drag_payload(number);
-    let fits = |held: usize| held != number && !moves_with(objects, number, held);
-    if let Some(held) = response.dnd_hover_payload::<usize>()
-        && fits(*held)
-    {
-        let stroke = Stroke::new(1.5, ui.visuals().selection.stroke.color);
-        let kind = egui::StrokeKind::Inside;
-        ui.painter().rect_stroke(response.rect, 3.0, stroke, kind);
+    let Some(held) = response.dnd_hover_payload::<usize>() else {
+        return;
+    };
+    let Some(pointer) = ui.ctx().pointer_interact_pos() else {
+        return;
+    };
+    let (held, rect) = (*held, response.rect);
+    let target = target(objects, number, (pointer.y - rect.top()) / rect.height());
+    let parent = match target {
+        Target::Onto => Some(number),
+        Target::Between(to, _) => to.parent,
+    };
+    let fits = parent.is_none_or(|parent| !moves_with(objects, parent, held));
+    if held == number || !fits {
+        return;
     }
-    if let Some(held) = response.dnd_release_payload::<usize>()
-        && fits(*held)
-    {
-        out.push(Command::SetParent(*held, Some(number)));
+    let stroke = Stroke::new(1.5, ui.visuals().selection.stroke.color);
+    let painter = ui.painter();
+    match target {
+        Target::Onto => {
+            painter.rect_stroke(rect, 3.0, stroke, egui::StrokeKind::Inside);
+        }
+        Target::Between(_, Edge::Top) => {
+            painter.hline(rect.x_range(), rect.top() - 1.0, stroke);
+        }
+        Target::Between(_, Edge::Bottom) => {
+            painter.hline(rect.x_range(), rect.bottom() + 1.0, stroke);
+        }
+    }
+    if response.dnd_release_payload::<usize>().is_some() {
+        out.push(match target {
+            Target::Onto => Command::SetParent(held, Some(number)),
+            Target::Between(to, _) => Command::Reorder(held, to),
+        });
+    }
+}
+
+/// Scrolls the list, so many points high, as long as a row is held at its upper or lower edge.
+pub(super) fn scroll_while_dragging(ui: &Ui, height: f32) {
+    let (Some(pointer), rect) = (ui.ctx().pointer_interact_pos(), ui.clip_rect()) else {
+        return;
+    };
+    let is_held = egui::DragAndDrop::has_payload_of_type::<usize>(ui.ctx());
+    if !is_held || height <= rect.height() {
+        return;
+    }
+    let edge = ui.spacing().interact_size.y * 0.75;
+    let way = match pointer.y {
+        y if y < rect.top() + edge => 4.0,
+        y if y > rect.bottom() - edge => -4.0,
+        _ => return,
+    };
+    ui.scroll_with_delta(egui::vec2(0.0, way));
+    ui.ctx().request_repaint();
+}
+
+/// Below the list, as long as a row is dragged that moves with another: dropped here it is last, and moves with none.
+pub(super) fn drop_below(ui: &mut Ui, objects: &[Object], out: &mut Commands) {
+    let held = egui::DragAndDrop::payload::<usize>(ui.ctx());
+    let Some(held) = held.filter(|held| objects.get(**held).is_some_and(|o| o.parent.is_some()))
+    else {
+        return;
+    };
+    let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+    let (rect, response) = ui.allocate_exact_size(size, egui::Sense::hover());
+    let is_over = response.dnd_hover_payload::<usize>().is_some();
+    let visuals = ui.visuals();
+    let color = match is_over {
+        true => visuals.selection.stroke.color,
+        false => visuals.weak_text_color(),
+    };
+    let (font, middle) = (egui::TextStyle::Body.resolve(ui.style()), rect.center());
+    let painter = ui.painter();
+    painter.rect_stroke(rect, 3.0, Stroke::new(1.0, color), egui::StrokeKind::Inside);
+    painter.text(
+        middle,
+        egui::Align2::CENTER_CENTER,
+        "Moves with nothing",
+        font,
+        color,
+    );
+    if response.dnd_release_payload::<usize>().is_some() {
+        let to = Insertion {
+            before: objects.len(),
+            parent: None,
+        };
+        out.push(Command::Reorder(*held, to));
     }
 }
 

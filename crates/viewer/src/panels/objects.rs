@@ -1,10 +1,11 @@
 //! The objects of the scene: shown and hidden, named, coloured.
 
 use super::widgets::{choice, color, item, row, section};
-use super::{Commands, object_tree, transform};
+use super::{Commands, object_tree, shape, transform};
 use crate::state::State;
 use crate::state::command::Command;
 use crate::ui::format;
+use crate::ui::icons::{self, Icon};
 use crate::ui::registry::{self, action, actions};
 use crate::ui::theme;
 use egui::{Align, Button, Id, Key, Layout, RichText, ScrollArea, Sense, TextEdit, Ui, vec2};
@@ -26,7 +27,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     };
     // The title changes; what is open and what is not does not.
     ui.push_id("objects", |ui| {
-        section(ui, &title, true, |ui| {
+        section(ui, (Icon::Boxes, &title), true, |ui| {
             let height = ui.spacing().interact_size.y;
             let tree = object_tree::Tree::of(objects);
             let mut list = ScrollArea::vertical()
@@ -46,11 +47,15 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
                 }
             }
             list.show_rows(ui, height, objects.len(), |ui, rows| {
+                let spacing = ui.spacing().item_spacing.y;
+                let whole = objects.len() as f32 * (height + spacing) - spacing;
+                object_tree::scroll_while_dragging(ui, whole);
                 for row in rows {
                     let (number, depth) = tree.at(row);
                     object_row(ui, state, (number, depth), objects, out);
                 }
             });
+            object_tree::drop_below(ui, objects, out);
             if let Some((number, object)) = state
                 .selected
                 .and_then(|number| Some((number, objects.get(number)?)))
@@ -151,29 +156,8 @@ fn eye(ui: &mut Ui, is_open: bool, spoken: &str) -> bool {
         (false, true) => colors.text,
         (false, false) => colors.quiet.gamma_multiply(0.6),
     };
-    let painter = ui.painter();
-    let stroke = egui::Stroke::new(1.2, color);
-    let middle = rect.center();
-    let lid = |up: f32| {
-        let corner = |x: f32| middle + vec2(x, 0.0);
-        let points = [
-            corner(-7.0),
-            middle + vec2(-3.0, up),
-            middle + vec2(3.0, up),
-            corner(7.0),
-        ];
-        egui::epaint::CubicBezierShape::from_points_stroke(
-            points,
-            false,
-            egui::Color32::TRANSPARENT,
-            stroke,
-        )
-    };
-    painter.add(lid(5.5));
-    if is_open {
-        painter.add(lid(-5.5));
-        painter.circle_filled(middle, 2.2, color);
-    }
+    let icon = if is_open { Icon::Eye } else { Icon::EyeClosed };
+    icons::paint(ui.painter(), rect.center(), icon, 14.0, color);
     response.on_hover_text(spoken).clicked()
 }
 
@@ -184,13 +168,7 @@ fn padlock(ui: &mut Ui, spoken: &str) -> bool {
     let colors = theme::colors(ui);
     let is_lit = response.hovered() || response.has_focus();
     let color = if is_lit { colors.accent } else { colors.text };
-    let middle = rect.center();
-    let body = egui::Rect::from_center_size(middle + vec2(0.0, 2.5), vec2(9.0, 7.0));
-    let painter = ui.painter();
-    painter.rect_filled(body, 1.0, color);
-    let shackle = egui::Rect::from_center_size(middle - vec2(0.0, 2.0), vec2(6.0, 8.0));
-    let stroke = egui::Stroke::new(1.4, color);
-    painter.rect_stroke(shackle, 3.0, stroke, egui::StrokeKind::Middle);
+    icons::paint(ui.painter(), rect.center(), Icon::Lock, 12.0, color);
     let hint = format!("{spoken}: it is kept as it is");
     response.on_hover_text(hint).clicked()
 }
@@ -298,6 +276,9 @@ fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut 
         });
     });
     object_tree::parent(ui, state, number, out);
+    if let Some(shape) = object.shape.filter(|_| object.source.is_none()) {
+        shape::show(ui, state, (number, shape), out);
+    }
     transform::show(ui, state, number, object, out);
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(3.0, 3.0);

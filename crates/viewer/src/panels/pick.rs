@@ -6,43 +6,162 @@ use crate::state::State;
 use crate::state::command::Command;
 use crate::state::pick::Pinned;
 use crate::ui::format;
-use egui::{Button, RichText, Ui};
+use crate::ui::icons::Icon;
+use egui::{Align, Button, Layout, RichText, ScrollArea, Ui, vec2};
 use raycast_core::glam::DVec3;
+use raycast_core::scene::Color;
+
+/// The height of the list of picks before it scrolls, in points.
+const HEIGHT: f32 = 110.0;
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
-    let Some(pinned) = &state.pinned else {
+    let Some(pinned) = state.picks.current() else {
         return;
     };
-    section(ui, "Pick", true, |ui| {
-        for Value {
-            name,
-            hint,
-            shown,
-            copied,
-        } in values(pinned)
-        {
-            row(ui, name, hint, |ui, label| {
-                let text = RichText::new(shown).monospace();
-                let button = Button::new(text).frame(false).truncate();
-                let response = ui.add(button).labelled_by(label);
-                let hint = format!("{hint}. Click to copy: {copied}");
-                if response.on_hover_text(hint).clicked() {
-                    out.push(Command::Copy(copied));
+    let count = state.picks.list().len();
+    let title = match count {
+        1 => "Pick".to_owned(),
+        _ => format!("Picks ({count})"),
+    };
+    // The title changes; what is open and what is not does not.
+    ui.push_id("picks", |ui| {
+        section(ui, (Icon::Crosshair, &title), true, |ui| {
+            if count > 1 {
+                list(ui, state, out);
+                let hint = "Every pick as comma-separated values";
+                row(ui, "All of them", hint, |ui, _| {
+                    if ui.button("Copy as CSV").on_hover_text(hint).clicked() {
+                        out.push(Command::Copy(csv(state)));
+                    }
+                });
+            }
+            for Value {
+                name,
+                hint,
+                shown,
+                copied,
+            } in values(state, pinned)
+            {
+                row(ui, name, hint, |ui, label| {
+                    let text = RichText::new(shown).monospace();
+                    let button = Button::new(text).frame(false).truncate();
+                    let response = ui.add(button).labelled_by(label);
+                    let hint = format!("{hint}. Click to copy: {copied}");
+                    if response.on_hover_text(hint).clicked() {
+                        out.push(Command::Copy(copied));
+                    }
+                });
+            }
+            row(ui, "", "", |ui, _| {
+                if ui.button("Copy all").clicked() {
+                    out.push(Command::Copy(all(state, pinned)));
+                }
+                if ui.button("Let go").on_hover_text("Let go (Esc)").clicked() {
+                    out.push(Command::Unpin);
                 }
             });
-        }
-        row(ui, "", "", |ui, _| {
-            let all = values(pinned)
-                .into_iter()
-                .map(|value| format!("{}: {}", value.name, value.copied));
-            if ui.button("Copy all").clicked() {
-                out.push(Command::Copy(all.collect::<Vec<_>>().join("\n")));
-            }
-            if ui.button("Let go").on_hover_text("Let go (Esc)").clicked() {
-                out.push(Command::Unpin);
-            }
         });
     });
+}
+
+/// All picks; a click looks at one.
+fn list(ui: &mut Ui, state: &State, out: &mut Commands) {
+    let picks = state.picks.list();
+    let height = ui.spacing().interact_size.y;
+    let area = ScrollArea::vertical()
+        .id_salt("list of picks")
+        .max_height(HEIGHT)
+        .auto_shrink([false, true]);
+    area.show_rows(ui, height, picks.len(), |ui, rows| {
+        for index in rows {
+            let pinned = &picks[index];
+            let number = index + 1;
+            ui.push_id(index, |ui| {
+                let layout = Layout::right_to_left(Align::Center);
+                let size = vec2(ui.available_width(), height);
+                ui.allocate_ui_with_layout(size, layout, |ui| {
+                    let remove = Button::new("×").small();
+                    let response = ui.add(remove);
+                    let hint = format!("Let go of pick {number}");
+                    response
+                        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &hint));
+                    if response.on_hover_text(&hint).clicked() {
+                        out.push(Command::RemovePick(index));
+                    }
+                    let triangle = format::count(pinned.pick.hit.triangle.into());
+                    let text = format!("{number}  {} · {triangle}", pinned.object);
+                    let is_current = index == state.picks.current_index();
+                    let button = Button::selectable(is_current, &text)
+                        .truncate()
+                        .right_text("")
+                        .min_size(vec2(ui.available_width(), 0.0));
+                    let response = ui.add(button);
+                    response.widget_info(|| {
+                        let role = egui::Role::Button;
+                        egui::WidgetInfo::selected(role, true, is_current, &text)
+                    });
+                    if response.clicked() {
+                        out.push(Command::ChoosePick(index));
+                    }
+                });
+            });
+        }
+    });
+}
+
+fn all(state: &State, pinned: &Pinned) -> String {
+    let values = values(state, pinned).into_iter();
+    let lines = values.map(|value| format!("{}: {}", value.name, value.copied));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// Every pick, a line each, numbers with all their digits; empty where a pick has no such value.
+fn csv(state: &State) -> String {
+    let mut text =
+        "number,object,triangle,x,y,z,normal x,normal y,normal z,distance,weight u,weight v,\
+                    texture u,texture v,texel column,texel row,texel color,color\n"
+            .to_owned();
+    for (number, pinned) in (1..).zip(state.picks.list()) {
+        let name = format!("\"{}\"", pinned.object.replace('"', "\"\""));
+        let (hit, point, normal) = (&pinned.pick.hit, pinned.pick.point, pinned.normal);
+        let distance = match pinned.has_moved {
+            true => String::new(),
+            false => hit.t.to_string(),
+        };
+        let uv = pinned
+            .uv
+            .map_or(",".to_owned(), |uv| format!("{},{}", uv.x, uv.y));
+        let texel = state.texel(pinned).map_or(",,".to_owned(), |texel| {
+            format!(
+                "{},{},{}",
+                texel.column,
+                texel.row,
+                hexadecimal(texel.color)
+            )
+        });
+        text.push_str(&format!(
+            "{number},{name},{},{},{},{},{},{},{},{distance},{},{},{uv},{texel},{}\n",
+            hit.triangle,
+            point.x,
+            point.y,
+            point.z,
+            normal.x,
+            normal.y,
+            normal.z,
+            hit.u,
+            hit.v,
+            pinned.color,
+        ));
+    }
+    text
+}
+
+/// `#rrggbb`, or with alpha where that is not 255.
+fn hexadecimal([r, g, b, a]: [u8; 4]) -> String {
+    match a {
+        u8::MAX => Color([r, g, b]).to_string(),
+        _ => format!("{}{a:02x}", Color([r, g, b])),
+    }
 }
 
 /// A value as it is shown, and as it is copied: all its digits.
@@ -53,7 +172,7 @@ struct Value {
     copied: String,
 }
 
-fn values(pinned: &Pinned) -> Vec<Value> {
+fn values(state: &State, pinned: &Pinned) -> Vec<Value> {
     let value = |name, hint, shown: String, copied: String| Value {
         name,
         hint,
@@ -121,6 +240,16 @@ fn values(pinned: &Pinned) -> Vec<Value> {
             "Texture coordinates",
             format!("{:.5} {:.5}", uv.x, uv.y),
             format!("{} {}", uv.x, uv.y),
+        ));
+    }
+    if let Some(texel) = state.texel(pinned) {
+        let (column, row) = (texel.column, texel.row);
+        let color = hexadecimal(texel.color);
+        values.push(value(
+            "Texel",
+            "Column and row of its image from the top left, and the color there",
+            format!("{column} {row} {color}"),
+            format!("{column} {row} {color}"),
         ));
     }
     values.push(value(

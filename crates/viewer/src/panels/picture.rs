@@ -6,13 +6,14 @@ use crate::state::command::Command;
 use crate::state::viewpoint::fov_range;
 use crate::state::{Resolution, SAMPLES_LIMIT, State};
 use crate::ui::format;
+use crate::ui::icons::Icon;
 use crate::ui::registry::{self, action};
 use egui::Ui;
 use raycast_core::camera::{FrameLock, Panorama, PixelFilter, Projection};
 use raycast_core::ranges::FURTHEST_SHIFT;
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
-    section(ui, "Picture", false, |ui| {
+    section(ui, (Icon::Image, "Picture"), false, |ui| {
         size(ui, state, out);
         step(ui, state, out);
         frame(ui, state, out);

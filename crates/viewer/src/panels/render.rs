@@ -5,12 +5,13 @@ use super::{Commands, Status};
 use crate::state::command::Command;
 use crate::state::{State, default_threads};
 use crate::ui::format;
+use crate::ui::icons::Icon;
 use egui::Ui;
 use raycast_core::packet::CastCounts;
 use raycast_core::render::Pass;
 
 pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Commands) {
-    section(ui, "Rendering", false, |ui| {
+    section(ui, (Icon::Gauge, "Rendering"), false, |ui| {
         row(ui, "Threads", "Render threads", |ui, label| {
             let cores = default_threads();
             let number = Number {

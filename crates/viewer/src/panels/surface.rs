@@ -4,13 +4,14 @@ use super::widgets::{choice, color, row, section, select, tick};
 use super::{Commands, light};
 use crate::state::State;
 use crate::state::command::Command;
+use crate::ui::icons::Icon;
 use egui::Ui;
 use raycast_core::Cull;
 use raycast_core::scene::{Color, Object};
 use raycast_core::shade::{Filter, TextureProjection};
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
-    section(ui, "Surface", false, |ui| {
+    section(ui, (Icon::Spline, "Surface"), false, |ui| {
         row(ui, "Faces", "Which faces rays meet", |ui, _| {
             let options = [
                 (Cull::None, "Both sides", "Rays meet fronts and backs"),

@@ -6,11 +6,12 @@ use super::{Commands, Status};
 use crate::state::command::Command;
 use crate::state::{State, Tint};
 use crate::ui::format;
+use crate::ui::icons::Icon;
 use egui::{Ui, vec2};
 use raycast_core::camera::Grid;
 
 pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Commands) {
-    section(ui, "Tiles", false, |ui| {
+    section(ui, (Icon::Grid3x3, "Tiles"), false, |ui| {
         split(ui, state, out);
         row(ui, "Show", "What is drawn over the picture", |ui, _| {
             let overlay = state.overlay;

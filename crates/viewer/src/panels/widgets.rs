@@ -3,12 +3,17 @@
 use super::Commands;
 use crate::state::State;
 use crate::ui::format;
+use crate::ui::icons::{self, Icon};
 use crate::ui::registry::{Action, Keymap};
 use crate::ui::theme;
+use egui::collapsing_header::paint_default_icon;
 use egui::{Button, CollapsingHeader, DragValue, Id, Response, RichText, Ui, vec2};
 use raycast_core::scene::Color;
 use std::ops::RangeInclusive;
 
+/// The height of an icon, and the width that a title leaves for one, in points.
+const ICON_SIZE: f32 = 14.0;
+const ICON_WIDTH: f32 = 20.0;
 /// Where controls start, in points from the left of their row.
 const LABEL_WIDTH: f32 = 78.0;
 
@@ -24,7 +29,11 @@ pub(super) fn item(ui: &mut Ui, state: &State, action: &Action, out: &mut Comman
     if let Some(what) = what {
         name = format!("{name}: {what}");
     }
-    let mut button = Button::new(name).shortcut_text(Keymap::of(ui.ctx()).key(action));
+    let mut button = Button::new(name);
+    let key = Keymap::of(ui.ctx()).key(action);
+    if !key.is_empty() {
+        button = button.shortcut_text(key);
+    }
     if let Some(is_on) = action.is_on {
         button = button.selected(is_on(state));
     }
@@ -45,14 +54,19 @@ pub(super) fn select_all(context: &egui::Context, id: Id, characters: usize) {
 }
 
 /// A part of the panel with a title, which opens and closes.
-pub(super) fn section(ui: &mut Ui, title: &str, open: bool, body: impl FnOnce(&mut Ui)) {
-    section_that_opens(ui, title, open, false, body);
+pub(super) fn section(
+    ui: &mut Ui,
+    (icon, title): (Icon, &str),
+    open: bool,
+    body: impl FnOnce(&mut Ui),
+) {
+    section_that_opens(ui, (icon, title), open, false, body);
 }
 
 /// The same, which opens by itself once there is something new to see.
 pub(super) fn section_that_opens(
     ui: &mut Ui,
-    title: &str,
+    (icon, title): (Icon, &str),
     open: bool,
     is_new: bool,
     body: impl FnOnce(&mut Ui),
@@ -61,13 +75,28 @@ pub(super) fn section_that_opens(
     if is_new {
         ui.scroll_to_cursor(Some(egui::Align::Min));
     }
-    CollapsingHeader::new(RichText::new(title).strong())
+    // The title begins where the indent ends.
+    let indent = ui.spacing().indent;
+    ui.spacing_mut().indent = indent + ICON_WIDTH;
+    let header = CollapsingHeader::new(RichText::new(title).strong())
         .default_open(open)
         .open(is_new.then_some(true))
+        .icon(|ui, openness, response| {
+            // In the middle of the old indent.
+            let mut response = response.clone();
+            response.rect = response.rect.translate(vec2(-ICON_WIDTH * 0.5, 0.0));
+            paint_default_icon(ui, openness, &response);
+        })
         .show_unindented(ui, |ui| {
+            ui.spacing_mut().indent = indent;
             body(ui);
             ui.add_space(1.0);
-        });
+        })
+        .header_response;
+    ui.spacing_mut().indent = indent;
+    let center = header.rect.left_center() + vec2(indent + ICON_WIDTH * 0.5, 0.0);
+    let color = theme::colors(ui).quiet;
+    icons::paint(ui.painter(), center, icon, ICON_SIZE, color);
 }
 
 /// A name, and what belongs to it; `body` gets the name's id to label its controls with.

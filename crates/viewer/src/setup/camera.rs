@@ -8,14 +8,13 @@ use raycast_core::formats::{CameraFile, ImageSettings};
 use raycast_core::ranges;
 use raycast_core::scene::Bounds;
 
-/// The picture's size where nobody says another.
+/// The default size of pictures.
 pub const DEFAULT_SIZE: (u32, u32) = (1280, 720);
 
-/// The camera that was asked for, over the scene file's, over one that has all of `bounds` in view.
+/// The requested camera, with defaults from the scene file, else one that has all of `bounds` in view.
 ///
 /// # Errors
-/// A placement that says no direction or no up; size, step and field of view out of range or at
-/// odds.
+/// A placement without view direction or up direction; size, step and field of view out of range or inconsistent.
 pub fn camera(
     args: &CameraArgs,
     file: Option<&CameraFile>,
@@ -50,7 +49,7 @@ pub fn camera(
         checked.map_err(|error| Failure::usage(error.to_string()))?;
     }
     let (across, down) = stereo.map_or((1, 1), |stereo| stereo.pictures());
-    // A field of view and a shape mean something else in another kind of picture.
+    // A field of view and a shape have another meaning in another type of projection.
     let kind = |projection: Projection| {
         projection
             .panorama()
@@ -69,7 +68,7 @@ pub fn camera(
         true => default_size,
         false => (default_size.0 * across, default_size.1 * down),
     };
-    // A file's own was checked when it was read.
+    // The file's own was checked when it was read.
     if let Some(fov) = args.fov
         && let Err(error) = projection.check_fov(fov)
     {
@@ -86,7 +85,7 @@ pub fn camera(
     placement.check()?;
     let distance = placement.eye.distance(placement.target);
     let frame = match file {
-        // As the file says it: through an angle and back it would be rounded.
+        // As in the file: conversion to an angle and back would round it.
         Some(file)
             if file.projection == Projection::Orthographic
                 && projection == Projection::Orthographic
@@ -137,7 +136,7 @@ pub fn camera(
     Ok(camera.shifted(shift).in_stereo(stereo))
 }
 
-/// Whether the picture is for two eyes, and how far they are apart.
+/// The layout for two eyes, if requested.
 fn stereo(args: &CameraArgs, file: Option<Stereo>) -> Result<Option<Stereo>, Failure> {
     let kind = match args.stereo {
         Some(StereoArg(kind)) => kind,
@@ -164,7 +163,7 @@ fn stereo(args: &CameraArgs, file: Option<Stereo>) -> Result<Option<Stereo>, Fai
     }))
 }
 
-/// Why there is no camera: bad usage, if anything was asked of it; else the fault of the files.
+/// The failure to make a camera: bad usage if any option concerned it, else a fault of the files.
 pub fn no_camera(args: &CameraArgs, name: &str, failure: Failure) -> Failure {
     let was_asked = args.size.is_some()
         || args.step.is_some()
@@ -185,7 +184,7 @@ pub fn no_camera(args: &CameraArgs, name: &str, failure: Failure) -> Failure {
     }
 }
 
-/// A scene file's vertical field of view, or the one that its orthographic frame has from its eye.
+/// A scene file's vertical field of view, or that of its orthographic frame as seen from its eye.
 fn fov_of(file: &CameraFile) -> f64 {
     match file.projection {
         Projection::Perspective | Projection::Panoramic(_) => file.frame,
@@ -196,7 +195,7 @@ fn fov_of(file: &CameraFile) -> f64 {
     }
 }
 
-/// Where the camera stands; `fit` says how far from its pivot an orbit must be.
+/// The camera's placement; `fit` gives the distance from the pivot at which an orbit has everything in view.
 fn placement(
     args: &CameraArgs,
     file: Option<&CameraFile>,
@@ -329,7 +328,7 @@ mod tests {
             eye: Some(center + DVec3::Y * 3.0),
             ..CameraArgs::default()
         };
-        // Nobody said what is up: it gives way.
+        // Up is not given, so it yields.
         assert_eq!(made(&above).placement().up, DVec3::NEG_Z);
         let with_up = |up: DVec3| CameraArgs {
             up: Some(up),
@@ -431,7 +430,7 @@ mod tests {
         });
         let larger = larger.expect("a camera").plane();
         assert!((larger.step - step / 2.0).abs() < 1e-12);
-        // A step that the field of view does not have is a mistake, in whichever of the two.
+        // A step that the field of view cannot have is an error, wherever it is given.
         let odd = ImageSettings {
             step: Some(1.0),
             ..image

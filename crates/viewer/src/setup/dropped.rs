@@ -1,7 +1,7 @@
 use raycast_core::Accel;
 use raycast_core::scene::{Dropped, Scene};
 
-/// What was dropped from a scene, by reason: from its meshes, and by their transforms.
+/// The triangles of a scene that were dropped, by reason: by its meshes, and by transforms.
 pub fn dropped(scene: &Scene, accel: &Accel) -> Dropped {
     let mut sum = Dropped {
         too_far: accel.out_of_range(),
@@ -18,7 +18,7 @@ pub fn dropped(scene: &Scene, accel: &Accel) -> Dropped {
     sum
 }
 
-/// The reasons why triangles were dropped, in words: `3 without area, 1 not finite`.
+/// The reasons for dropping triangles, in words: `3 without area, 1 not finite`.
 pub fn reasons(dropped: &Dropped) -> String {
     let counts = [
         (dropped.zero_area, "without area"),

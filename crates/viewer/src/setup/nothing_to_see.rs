@@ -2,14 +2,14 @@ use super::dropped::reasons;
 use crate::failure::{Failure, Reason};
 use raycast_core::scene::Dropped;
 
-/// A scene of which no ray can meet anything.
+/// A scene in which no ray can hit anything.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NothingToSee {
-    /// What the scene is called.
+    /// The scene's name.
     pub name: String,
     /// Its triangles, all of them dropped.
     pub triangles: usize,
-    /// Why they were.
+    /// The reasons.
     pub dropped: Dropped,
 }
 

@@ -11,10 +11,10 @@ use raycast_core::shade::{Mode, Shading, Wireframe};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Gives every object the texture and the colours that were asked for.
+/// Gives every object the requested texture and colours.
 ///
 /// # Errors
-/// A texture that cannot be read, a crop that leaves it.
+/// A texture that cannot be read, a crop outside of it.
 pub fn paint(scene: &mut Scene, args: &ShadingArgs, reading: &ReadingArgs) -> Result<(), Failure> {
     if let Some(path) = &args.texture {
         let mut texture = formats::read_texture_within(path, &memory::budget(reading.limits()))?;
@@ -59,7 +59,7 @@ pub fn paint(scene: &mut Scene, args: &ShadingArgs, reading: &ReadingArgs) -> Re
     place_textures(scene, &args.projection)
 }
 
-/// Whether an object has the scalar that an option names.
+/// Checks that an object has the scalar that an option names.
 fn check_scalar(scene: &Scene, (option, name): (&str, &str)) -> Result<(), Failure> {
     let mut meshes = scene.objects.iter().map(|object| &object.mesh);
     if meshes.any(|mesh| mesh.scalar(name).is_some()) {
@@ -79,10 +79,10 @@ fn check_scalar(scene: &Scene, (option, name): (&str, &str)) -> Result<(), Failu
     }))
 }
 
-/// Gives every object's texture the projection and the place that were asked for.
+/// Gives every object's texture the requested projection and projector.
 ///
 /// # Errors
-/// A place without directions or size, a camera that can have taken nothing, or none where it is asked for.
+/// An invalid projector or photograph, or a missing one.
 fn place_textures(scene: &mut Scene, args: &TextureProjectionArgs) -> Result<(), Failure> {
     if args.kind().is_some() {
         for object in &mut scene.objects {
@@ -125,7 +125,7 @@ fn place_textures(scene: &mut Scene, args: &TextureProjectionArgs) -> Result<(),
     Ok(())
 }
 
-/// The shading that was asked for, over the scene file's, over the defaults.
+/// The requested shading, with defaults from the scene file, else the general ones.
 pub fn shading(args: &ShadingArgs, file: Option<Shading>) -> Shading {
     let base = file.unwrap_or_default();
     let mode = args.mode.unwrap_or(base.mode);
@@ -177,7 +177,7 @@ pub fn shading(args: &ShadingArgs, file: Option<Shading>) -> Shading {
     }
 }
 
-/// The colour scale that was asked for, over the scene file's.
+/// The requested colour scale, with defaults from the scene file.
 fn scale(args: &ShadingArgs, file: Option<ColorScale>) -> Option<ColorScale> {
     if args.color_map.is_none() && args.color_range.is_none() && !args.legend {
         return file;
@@ -210,7 +210,7 @@ mod tests {
         let made = shading(&args, Some(file));
         assert_eq!((made.mode, made.blend), (Mode::Depth, 0.5));
         assert_eq!(made.wireframe.map(|lines| lines.width), Some(2.0));
-        // Kinds of edges alone are lines as well: light ones where they stand by themselves.
+        // Types of edges without `--wireframe` draw lines as well: light ones where they stand alone.
         let polygon = EdgeKinds {
             polygon: true,
             ..EdgeKinds::NONE

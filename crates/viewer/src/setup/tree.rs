@@ -4,13 +4,13 @@ use crate::failure::Failure;
 use raycast_core::scene::{Bounds, Scene};
 use raycast_core::{Accel, Simd};
 
-/// The environment variable that forces an instruction set on the casting of tiles.
+/// The environment variable that sets the instruction set of packets.
 pub const SIMD_VARIABLE: &str = "RAYCAST_SIMD";
 
 /// The instruction set that [`SIMD_VARIABLE`] names, else the machine's widest.
 ///
 /// # Errors
-/// A variable that names no instruction set that this machine has.
+/// A variable that names no instruction set of this machine.
 pub fn instruction_set() -> Result<Simd, Failure> {
     let Some(name) = std::env::var_os(SIMD_VARIABLE) else {
         return Ok(Simd::best());
@@ -28,18 +28,18 @@ pub fn instruction_set() -> Result<Simd, Failure> {
     Ok(simd)
 }
 
-/// How many times as many triangles a scene must show as are stored with instances for a command to have those.
-/// Fewer save little memory; with more, scenes of some repetition take memory and time to build for all that they
-/// show. Casting takes longer with instances, the more so where objects overlap: many frames make up for the build.
+/// The least ratio of shown to stored triangles at which a command uses instances. With a smaller ratio they save
+/// little memory; with a larger one scenes with moderate repetition take memory and build time for all that they
+/// show. Casting takes longer with instances, the more so where objects overlap, which many frames make up for.
 const INSTANCES_SAVE: usize = 4;
 
-/// Whether objects share meshes to such a degree that a tree for each mesh is worth its while.
+/// Whether objects share meshes so much that a tree for each mesh saves enough memory.
 pub fn has_instances(scene: &Scene) -> bool {
     Accel::stored_triangles(scene).saturating_mul(INSTANCES_SAVE) <= scene.triangle_count()
         && scene.triangle_count() > 0
 }
 
-/// How many triangles the tree stores that [`tree`] builds over a scene, to hold against the memory that there is.
+/// The number of triangles that the tree of [`tree`] stores for a scene, for memory estimates.
 pub fn stored_triangles(scene: &Scene) -> usize {
     match has_instances(scene) {
         true => Accel::stored_triangles(scene),
@@ -47,8 +47,8 @@ pub fn stored_triangles(scene: &Scene) -> usize {
     }
 }
 
-/// The tree over a scene, for the instruction set of [`instruction_set`]: one over all triangles, or one for each mesh
-/// where that stores a quarter of them at most. Both answer every ray alike.
+/// The tree over a scene, for the instruction set of [`instruction_set`]: one over all triangles, or one for each
+/// mesh where that stores at most a quarter of them. Both give the same answers.
 ///
 /// # Errors
 /// As [`Accel::build`], as [`instruction_set`].
@@ -61,7 +61,7 @@ pub fn tree(scene: &Scene) -> Result<Accel, Failure> {
     Ok(accel.with_simd(simd))
 }
 
-/// One tree over all triangles of a scene: for what looks at them one by one.
+/// One tree over all triangles of a scene: for commands that visit them one by one.
 ///
 /// # Errors
 /// As [`tree`].
@@ -70,8 +70,8 @@ pub fn single_tree(scene: &Scene) -> Result<Accel, Failure> {
     Ok(Accel::build(scene)?.with_simd(simd))
 }
 
-/// The tree over a scene whose objects may come to be moved and hidden: of more than one object, a tree for each
-/// mesh, with which a move rebuilds the top-level tree alone.
+/// The tree over a scene whose objects may be moved and hidden: for several objects, a tree for each mesh, so that a
+/// move rebuilds the top-level tree only.
 ///
 /// # Errors
 /// As [`tree`].
@@ -84,7 +84,7 @@ pub fn tree_to_edit(scene: &Scene) -> Result<Accel, Failure> {
     .with_simd(simd))
 }
 
-/// The tree over a scene of which something can be seen; `name` is what an error calls it.
+/// The tree over a scene with visible triangles; `name` is the scene's name in errors.
 ///
 /// # Errors
 /// As [`tree`]; [`NothingToSee`] where no triangle is left.
@@ -92,7 +92,7 @@ pub fn visible_tree(name: &str, scene: &Scene) -> Result<Accel, Failure> {
     visible(name, scene, tree(scene)?)
 }
 
-/// A tree of which something can be seen.
+/// A tree with visible triangles.
 ///
 /// # Errors
 /// [`NothingToSee`] where no triangle is left.
@@ -108,7 +108,7 @@ pub fn visible(name: &str, scene: &Scene, accel: Accel) -> Result<Accel, Failure
     Ok(accel)
 }
 
-/// The box around what can be seen: a triangle that its transform moved out of range is not.
+/// The box around what can be seen, without triangles that a transform moved out of range.
 pub fn bounds(scene: &Scene, accel: &Accel) -> Bounds {
     match accel.out_of_range() {
         0 => scene.bounds(),
@@ -151,7 +151,7 @@ mod tests {
         let scene = scene(17);
         let accel = tree(&scene).expect("a tree");
         assert!(accel.has_instances());
-        // The view by default is that of one tree.
+        // The default view is that of one tree.
         assert_eq!(bounds(&scene, &accel), scene.bounds());
     }
 }

@@ -2,6 +2,7 @@
 
 use super::cut::PlaneBy;
 use super::handle::{Handle, Tool};
+use super::insertion::Insertion;
 use super::inspection::Shown;
 use super::measure::Kind;
 use super::preferences::{Mouse, Theme};
@@ -12,7 +13,7 @@ use raycast_core::Cull;
 use raycast_core::camera::{FrameLock, Grid, PixelFilter, Projection};
 use raycast_core::formats::LengthUnit;
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{ClippingPlane, Color, ColorRule, ColorScale, Transform};
+use raycast_core::scene::{ClippingPlane, Color, ColorRule, ColorScale, Shape, Transform};
 use raycast_core::shade::{
     Background, EdgeKinds, Filter, Ground, LightSet, Mode, TextureProjection,
 };
@@ -190,6 +191,10 @@ pub enum Command {
     EditName(Option<usize>),
     /// Give an object another name.
     Rename(usize, String),
+    /// Put a cube, a ball or their kind into the scene.
+    AddShape(Shape),
+    /// Give an object that is one other numbers.
+    SetShape(usize, Shape),
     /// Put a copy of an object beside it.
     Duplicate(usize),
     /// Take an object away, and those that move with it.
@@ -200,6 +205,8 @@ pub enum Command {
     SetTransform(usize, Transform),
     /// Let an object move with another, or with none; it stays where it is.
     SetParent(usize, Option<usize>),
+    /// Put an object elsewhere in the list; it stays where it is in the scene.
+    Reorder(usize, Insertion),
     /// Turn an object, as [`SetTurning`](Self::SetTurning) says, about this axis (0 to 2).
     Turn(usize, usize),
     /// How objects are turned and scaled.
@@ -262,8 +269,14 @@ pub enum Command {
     Pin {
         /// The place.
         at: (f64, f64),
+        /// Beside what is kept already, rather than in its place.
+        beside: bool,
     },
-    /// Let go of it.
+    /// Look at one of the picks.
+    ChoosePick(usize),
+    /// Let go of one of the picks.
+    RemovePick(usize),
+    /// Let go of all of them.
     Unpin,
     /// Put text on the clipboard.
     Copy(String),
@@ -398,12 +411,15 @@ impl Command {
             Self::SetVisible(_, false) => ("Hide", false),
             Self::Isolate(_) => ("Isolate", false),
             Self::Rename(..) => ("Rename", false),
+            Self::AddShape(_) => ("Add", false),
+            Self::SetShape(..) => ("Change of shape", true),
             Self::Duplicate(_) => ("Duplicate", false),
             Self::Delete(_) => ("Delete", false),
             Self::SetLocked(_, true) => ("Lock", false),
             Self::SetLocked(_, false) => ("Unlock", false),
             Self::SetTransform(..) => ("Move", true),
             Self::SetParent(..) => ("Change of parent", false),
+            Self::Reorder(..) => ("Change of order", false),
             Self::Turn(..) => ("Turn", false),
             Self::AddPlane(_) => ("Cut", false),
             Self::SetPlane(..) => ("Change of clipping plane", true),
@@ -417,7 +433,7 @@ impl Command {
     pub(super) fn object(&self) -> Option<usize> {
         match self {
             Self::SetColorRule(object, _) => *object,
-            Self::SetTransform(object, _) => Some(*object),
+            Self::SetTransform(object, _) | Self::SetShape(object, _) => Some(*object),
             // Or the one plane.
             Self::SetPlane(plane, _) => Some(*plane),
             _ => None,

@@ -3,8 +3,9 @@
 use raycast_core::Accel;
 use raycast_core::camera::CameraPath;
 use raycast_core::formats::LengthUnit;
-use raycast_core::scene::{Bounds, Scene};
+use raycast_core::scene::{Bounds, Mesh, Object, Scene};
 use raycast_core::shade::Shading;
+use std::collections::{HashMap, VecDeque};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -107,11 +108,31 @@ impl Document {
         is_wanted
     }
 
-    /// Whether every object can be named by a scene file: its mesh came from a file on the disk.
+    /// Which of the objects that were read each one is, if all of them are there and no other is: each is known by
+    /// its mesh.
+    pub fn as_read(&self) -> Option<Vec<usize>> {
+        let mut read: HashMap<*const Mesh, VecDeque<usize>> = HashMap::new();
+        for (number, object) in self.read.objects.iter().enumerate() {
+            let of_mesh = read.entry(Arc::as_ptr(&object.mesh)).or_default();
+            of_mesh.push_back(number);
+        }
+        let objects = &self.scene.objects;
+        let numbers = objects.iter().map(|object| {
+            let of_mesh = read.get_mut(&Arc::as_ptr(&object.mesh))?;
+            of_mesh.pop_front()
+        });
+        let numbers: Option<Vec<usize>> = numbers.collect();
+        numbers.filter(|numbers| numbers.len() == self.read.objects.len())
+    }
+
+    /// Whether every object can be named by a scene file: its mesh came from a file on the disk, or is a shape.
     pub fn can_be_saved(&self) -> bool {
         let objects = &self.scene.objects;
-        let is_on_disk = |path: &Option<PathBuf>| path.as_ref().is_some_and(|p| p.is_absolute());
-        !objects.is_empty() && objects.iter().all(|object| is_on_disk(&object.source))
+        let is_named = |object: &Object| match &object.source {
+            Some(path) => path.is_absolute(),
+            None => object.shape.is_some(),
+        };
+        !objects.is_empty() && objects.iter().all(is_named)
     }
 }
 

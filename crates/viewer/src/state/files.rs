@@ -108,10 +108,8 @@ pub(super) fn proceed_unless_unsaved(state: &mut State, pending: Pending) -> Opt
 /// Whether what was changed by hand can be carried over to the same files read again: a scene file says
 /// itself what its objects are like.
 pub(super) fn keeps_changes(state: &State) -> bool {
-    state.document.as_ref().is_some_and(|document| {
-        let counts = [&document.scene, &document.read].map(|scene| scene.objects.len());
-        document.file.is_none() && counts[0] == counts[1]
-    })
+    let document = state.document.as_ref();
+    document.is_some_and(|document| document.file.is_none() && document.as_read().is_some())
 }
 
 /// Goes on, whatever is lost by it.

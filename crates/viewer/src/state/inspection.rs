@@ -236,6 +236,18 @@ impl Inspection {
         self.rounds += 1;
     }
 
+    /// Follows objects to their new numbers, listed by the old.
+    pub(super) fn renumber(&mut self, numbers: &[usize]) {
+        let new = |old: usize| numbers.get(old).copied().unwrap_or(old);
+        for checked in &mut self.checked {
+            checked.object = new(checked.object);
+        }
+        self.checked.sort_by_key(|checked| checked.object);
+        if let Some(shown) = &mut self.shown {
+            shown.object = new(shown.object);
+        }
+    }
+
     /// The size of a mesh in a place, if that is what was worked out last.
     pub fn size(&self, mesh: &Arc<Mesh>, world_from_object: &DAffine3) -> Option<&Size> {
         let sized = self.sized.as_ref()?;

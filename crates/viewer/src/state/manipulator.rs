@@ -10,7 +10,7 @@ use super::handle::{Amount, Handle, Tool};
 use super::history::Snapshot;
 use super::objects;
 use super::turn::{axis_in, rotation, turned};
-use raycast_core::camera::Camera;
+use raycast_core::camera::{Camera, Panorama, Projection};
 use raycast_core::glam::{DAffine3, DVec3};
 use raycast_core::math;
 use raycast_core::scene::Transform;
@@ -111,6 +111,7 @@ impl Manipulator {
     fn normal(&self, handle: Handle) -> DVec3 {
         match handle {
             Handle::Axis(axis) | Handle::Across(axis) => self.axes[axis],
+            Handle::All if self.camera.projection().panorama().is_some() => self.view,
             Handle::All => self.camera.forward(),
         }
     }
@@ -127,9 +128,6 @@ impl State {
             return None;
         }
         let camera = self.camera()?;
-        if camera.projection().panorama().is_some() {
-            return None;
-        }
         let scene = &self.document.as_ref()?.scene;
         let object = scene.objects.get(number).filter(|object| object.visible)?;
         let bounds = object.mesh.bounds();
@@ -141,11 +139,15 @@ impl State {
         let middle = bounds.center();
         let center = places.get(number)?.transform_point3(middle);
         let apart = center - camera.placement().eye;
-        let depth = apart.dot(camera.forward());
-        let (view, share) = match camera.projection().is_parallel() {
-            true => (camera.forward(), 1.0),
-            false => (apart.try_normalize()?, depth / camera.distance()),
+        let (view, depth) = match camera.projection() {
+            Projection::Orthographic => (camera.forward(), camera.distance()),
+            Projection::Panoramic(panorama) if !matches!(panorama, Panorama::Lens(_)) => {
+                // A pixel is an angle.
+                (apart.try_normalize()?, apart.length())
+            }
+            _ => (apart.try_normalize()?, apart.dot(camera.forward())),
         };
+        let share = depth / camera.distance();
         let pixel = camera.plane().step * share;
         // Along its own axes alone an object can be scaled without shear.
         let own = self.turning.own || tool == Tool::Scale;

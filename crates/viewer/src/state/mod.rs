@@ -13,9 +13,11 @@ pub mod effect;
 mod files;
 pub mod handle;
 pub mod history;
+pub mod insertion;
 mod inspect;
 pub mod inspection;
 pub mod lengths;
+mod list_order;
 pub mod manipulator;
 pub mod measure;
 pub mod motion;
@@ -25,9 +27,12 @@ pub mod news;
 mod objects;
 pub mod parents;
 pub mod pick;
+pub mod picks;
 mod plane;
 pub mod preferences;
+mod renumbering;
 mod session;
+pub mod shapes;
 pub mod turn;
 pub mod update;
 pub mod viewpoint;
@@ -40,7 +45,8 @@ use inspection::Inspection;
 use manipulator::Manipulating;
 use measure::Measuring;
 use motion::{Motion, Trail};
-use pick::{Pick, Pinned};
+use pick::Pick;
+use picks::Picks;
 use preferences::Preferences;
 use raycast_core::camera::{
     Camera, FrameLock, Grid, ImagePlane, PlaneError, PlaneRequest, Projection, Stereo,
@@ -156,7 +162,7 @@ pub struct State {
     /// What the colours of the picture on screen stand for.
     pub legend: Option<Arc<Legend>>,
     /// What was clicked on.
-    pub pinned: Option<Pinned>,
+    pub picks: Picks,
     /// Whether the keys are shown.
     pub help: bool,
     /// The list of commands, if open.
@@ -232,7 +238,7 @@ impl Default for State {
             cutting: None,
             inspection: Inspection::default(),
             legend: None,
-            pinned: None,
+            picks: Picks::default(),
             help: false,
             palette: None,
             prompt: None,

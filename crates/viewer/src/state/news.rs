@@ -183,9 +183,8 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
         News::Built(scene, tree) => {
             if let Some(document) = &mut state.document
                 && document.take_tree(&scene, tree)
-                && let Some(pinned) = &state.pinned
             {
-                state.pinned = pinned.renewed(document);
+                state.picks.renew(document);
             }
             return state.selected.map(Effect::Weigh);
         }
@@ -311,7 +310,7 @@ fn show(state: &mut State, loaded: Loaded) {
     }
     state.inspection = Inspection::default();
     state.hover = None;
-    state.pinned = None;
+    state.picks = Default::default();
     state.manipulating.drag = None;
     state.naming = None;
     state.selected = state.selected.filter(|_| keeps_all);
@@ -377,24 +376,28 @@ fn show(state: &mut State, loaded: Loaded) {
 ///
 /// What the meshes that the history knows have become; `None` where they are other objects.
 fn keep_looks(document: &mut Document, last: &Document) -> Option<Renewed> {
-    let same = |(a, b): (&Object, &Object)| a.source == b.source;
-    let (new, old) = (&document.scene.objects, &last.scene.objects);
-    if document.file.is_some() || new.len() != old.len() || !new.iter().zip(old).all(same) {
+    let numbers = last.as_read().filter(|_| document.file.is_none())?;
+    let new = &document.scene.objects;
+    let pairs = numbers.iter().zip(&last.scene.objects);
+    let pairs = pairs.map(|(&number, old)| Some((new.get(number)?, old)));
+    let pairs: Vec<(&Object, &Object)> = pairs.collect::<Option<_>>()?;
+    let are_same = new.len() == pairs.len() && pairs.iter().all(|(a, b)| a.source == b.source);
+    if !are_same {
         return None;
     }
-    let meshes = new.iter().zip(old).map(|(new, old)| {
-        // The old mesh is held, so that its address stays its own.
-        (Arc::clone(&old.mesh), Arc::clone(&new.mesh))
-    });
+    // The old mesh is held, so that its address stays its own.
+    let meshes = pairs
+        .iter()
+        .map(|(new, old)| (Arc::clone(&old.mesh), Arc::clone(&new.mesh)));
     let meshes: Renewed = meshes.collect();
-    let objects = new.iter().zip(old).map(|(new, old)| Object {
+    let objects = pairs.iter().map(|(new, old)| Object {
         mesh: Arc::clone(&new.mesh),
         // Where the texture came with the mesh it is new as well.
         texture: match old.texture_source == new.texture_source {
             true => new.texture.clone(),
             false => old.texture.clone(),
         },
-        ..old.clone()
+        ..(*old).clone()
     });
     let scene = Scene {
         objects: objects.collect(),

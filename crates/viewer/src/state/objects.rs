@@ -3,6 +3,8 @@
 use super::State;
 use super::effect::Effect;
 use super::history::Snapshot;
+use super::picks::Picks;
+use super::renumbering;
 use super::turn::{Turning, axis_in, turned};
 use raycast_core::camera::{DEFAULT_FOV, Placement};
 use raycast_core::glam::DVec3;
@@ -151,7 +153,7 @@ fn set_scene(state: &mut State, scene: Arc<Scene>) -> Option<Effect> {
     let document = state.document.as_mut()?;
     if document.scene.objects.len() != count {
         // Numbers have changed hands.
-        state.pinned = None;
+        state.picks = Picks::default();
         state.naming = None;
     }
     state.selected = state.selected.filter(|&selected| selected < count);
@@ -162,9 +164,7 @@ fn set_scene(state: &mut State, scene: Arc<Scene>) -> Option<Effect> {
     if Arc::ptr_eq(&before, &document.accel) {
         return None;
     }
-    if let Some(pinned) = &state.pinned {
-        state.pinned = pinned.renewed(document);
-    }
+    state.picks.renew(document);
     state.selected.map(Effect::Weigh)
 }
 
@@ -175,7 +175,13 @@ pub(super) fn restore(state: &mut State, to: Snapshot) -> Option<Effect> {
     state.resolution = to.resolution;
     state.shift = to.shift;
     state.locked = to.locked;
-    set_scene(state, to.scene)
+    let before = Arc::clone(&state.document.as_ref()?.scene);
+    let number = |old| renumbering::number_after(&before.objects, &to.scene.objects, old);
+    state.selected = state.selected.and_then(number);
+    let picks = std::mem::take(&mut state.picks);
+    let effect = set_scene(state, Arc::clone(&to.scene));
+    renumbering::follow_picks(state, picks, number);
+    effect
 }
 
 /// Shows one object alone; all of them, if it is alone already.

@@ -1,9 +1,11 @@
 //! What a ray through a pixel meets.
 
+use super::State;
 use super::document::Document;
 use raycast_core::Hit;
 use raycast_core::glam::{DVec3, Vec2};
 use raycast_core::scene::Color;
+use raycast_core::shade::texture_point;
 
 /// The triangle under a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +33,17 @@ pub struct Pinned {
     pub color: Color,
     /// Whether its object has moved since: then the point is the same on the triangle, and no ray's.
     pub has_moved: bool,
+}
+
+/// A pixel of an image on an object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Texel {
+    /// Its column in the image's file.
+    pub column: u32,
+    /// Its row there, from the top.
+    pub row: u32,
+    /// Red, green, blue and alpha, sRGB.
+    pub color: [u8; 4],
 }
 
 impl Pinned {
@@ -77,5 +90,33 @@ impl Pinned {
             new.pick.point = a * (1.0 - u - v) + b * u + c * v;
         }
         Some(new)
+    }
+}
+
+impl State {
+    /// The texel that a pick's object has there by the mapping as it is; `None` where no image lies.
+    pub fn texel(&self, pinned: &Pinned) -> Option<Texel> {
+        let scene = &self.document.as_ref()?.built;
+        let Hit {
+            object,
+            triangle,
+            u,
+            v,
+            ..
+        } = pinned.pick.hit;
+        let number = object as usize;
+        let object = scene.objects.get(number)?;
+        let texture = object.texture_on(triangle)?;
+        let projection = self.settings.shading.projection;
+        let places = scene.world_from_objects().ok()?;
+        let point = texture_point(object, (triangle, [u, v]), projection, places.get(number)?)?;
+        let (column, row) = texture.texel_at(point.x, point.y)?;
+        let index = row as usize * texture.width() as usize + column as usize;
+        let first = texture.crop().map_or((0, 0), |crop| (crop.x, crop.y));
+        Some(Texel {
+            column: first.0 + column,
+            row: first.1 + row,
+            color: *texture.texels().get(index)?,
+        })
     }
 }

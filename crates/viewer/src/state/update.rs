@@ -8,8 +8,8 @@ use super::pick::Pinned;
 use super::viewpoint::fov_range;
 use super::{Palette, Pending, PromptKind, Resolution, SAMPLES_LIMIT, State};
 use super::{
-    as_command, bookmarks, cut, files, history, inspect, navigate, objects, parents, plane,
-    preferences,
+    as_command, bookmarks, cut, files, history, inspect, list_order, navigate, objects, parents,
+    plane, preferences, shapes,
 };
 use raycast_core::ranges::{FURTHEST_SHIFT, WIDEST_LINE};
 use raycast_core::shade::{Mode, TextureProjection, Wireframe};
@@ -195,12 +195,15 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             return objects::set_transform(state, which, transform);
         }
         Command::SetParent(which, parent) => return parents::set(state, which, parent),
+        Command::Reorder(which, to) => return list_order::insert(state, which, to),
         Command::Turn(which, axis) => return objects::turn(state, which, axis),
         Command::SetTurning(turning) => {
             if turning.degrees.is_finite() {
                 state.turning = turning;
             }
         }
+        Command::AddShape(shape) => return shapes::add(state, shape),
+        Command::SetShape(which, shape) => return shapes::set(state, which, shape),
         Command::Duplicate(which) => return objects::duplicate(state, which),
         Command::Delete(which) => return objects::delete(state, which),
 
@@ -248,26 +251,37 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::Check { deep } => return inspect::check(state, deep),
         Command::ShowFault(shown) => inspect::show(state, shown),
 
-        Command::Pin { at: (x, y) } if state.cutting.is_some() => {
+        Command::Pin { at: (x, y), .. } if state.cutting.is_some() => {
             let point = state.pick(x, y)?.point;
             let points = cut::take(state, point)?;
             return update(state, Command::AddPlane(cut::PlaneBy::Points(points)));
         }
-        Command::Pin { at: (x, y) } if state.measuring.tool.is_some() => {
+        Command::Pin { at: (x, y), .. } if state.measuring.tool.is_some() => {
             if let Some(target) = state.target(x, y) {
                 state.measuring.add(target.point);
             }
         }
-        Command::Pin { at: (x, y) } => {
+        Command::Pin { at: (x, y), beside } => {
             let pick = state.pick(x, y);
             let document = state.document.as_ref()?;
-            state.pinned = pick.and_then(|pick| Pinned::of(document, pick));
-            // While a tree is being built, its numbers are not yet the list's.
-            let pinned = state.pinned.as_ref().filter(|_| document.is_built());
-            state.selected = pinned.map(|pinned| pinned.pick.hit.object as usize);
-            return state.selected.map(Effect::Weigh);
+            let pinned = pick.and_then(|pick| Pinned::of(document, pick));
+            match pinned {
+                None if beside => return None,
+                Some(pinned) if beside => {
+                    if !state.picks.add(pinned) {
+                        state.tell("No more picks are kept: Esc lets go of all");
+                    }
+                }
+                pinned => state.picks.set(pinned),
+            }
+            return select_picked(state);
         }
-        Command::Unpin => state.pinned = None,
+        Command::ChoosePick(index) => {
+            state.picks.choose(index);
+            return select_picked(state);
+        }
+        Command::RemovePick(index) => state.picks.remove(index),
+        Command::Unpin => state.picks = Default::default(),
         Command::Copy(text) => {
             let first = text.lines().next().unwrap_or_default();
             let more = if text.lines().count() > 1 { " …" } else { "" };
@@ -446,8 +460,17 @@ fn dismiss(state: &mut State) {
     } else if state.inspection.shown.is_some() {
         state.inspection.shown = None;
     } else {
-        state.pinned = None;
+        state.picks = Default::default();
     }
+}
+
+/// Marks the object of the pick that is looked at.
+fn select_picked(state: &mut State) -> Option<Effect> {
+    // While a tree is being built, its numbers are not yet the list's.
+    let document = state.document.as_ref()?;
+    let pinned = state.picks.current().filter(|_| document.is_built());
+    state.selected = pinned.map(|pinned| pinned.pick.hit.object as usize);
+    state.selected.map(Effect::Weigh)
 }
 
 /// The middle of the picture, for keys that act on a place.

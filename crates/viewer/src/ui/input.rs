@@ -66,6 +66,7 @@ const OTHERS: &[Gesture] = &[
         "Click",
         "Keep what is under the cursor to be read and copied",
     ),
+    gesture("Ctrl+click", "Keep it beside what is kept already"),
     gesture("Double-click", "Set the pivot, and bring it to the middle"),
     gesture(
         "Drop files",
@@ -260,6 +261,7 @@ pub fn mouse(
         let (x, y) = at(position);
         commands.push(Command::Pin {
             at: (x.floor() + 0.5, y.floor() + 0.5),
+            beside: command,
         });
     }
     if is_free

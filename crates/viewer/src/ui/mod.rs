@@ -3,6 +3,7 @@
 pub mod canvas;
 #[allow(clippy::disallowed_methods, reason = "numbers are shown to few digits")]
 pub mod format;
+pub mod icons;
 pub mod input;
 pub mod mode_pictures;
 pub mod modes;

@@ -2,6 +2,7 @@
 //! palette, help and tooltips are all read from here.
 
 mod action;
+mod add;
 mod chord;
 mod edit;
 mod file;
@@ -28,6 +29,7 @@ pub fn actions() -> impl Iterator<Item = &'static Action> + Clone {
     [
         file::ACTIONS,
         edit::ACTIONS,
+        add::ACTIONS,
         view::ACTIONS,
         look::ACTIONS,
         tools::ACTIONS,

@@ -1,5 +1,6 @@
 //! How the window looks: calm, tight, dark or light. One accent, for what is active or differs.
 
+use super::icons;
 use crate::state::preferences::Theme;
 use egui::{
     Color32, CornerRadius, FontFamily, FontId, Margin, Stroke, TextStyle, Ui, Visuals, vec2,
@@ -108,6 +109,7 @@ pub fn prefer(context: &egui::Context, theme: Theme, scale: f32) {
 pub fn apply(context: &egui::Context) {
     // The registry has the keys that egui would take for this.
     context.options_mut(|options| options.zoom_with_keyboard = false);
+    icons::install(context);
     for (theme, colors) in [(egui::Theme::Dark, &DARK), (egui::Theme::Light, &LIGHT)] {
         context.style_mut_of(theme, |style| style.visuals = visuals(theme, colors));
     }

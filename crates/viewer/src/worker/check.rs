@@ -1,4 +1,4 @@
-//! Looking meshes over.
+//! Checking meshes for faults.
 
 use super::tasks::Progress;
 use crate::state::inspection::Checked;
@@ -7,12 +7,11 @@ use raycast_core::scene::Mesh;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// What was found out about a mesh.
+/// The results for a mesh.
 type Known = (Arc<health::Health>, Option<Arc<health::Intersections>>);
 
-/// Looks meshes over one after another, each once however many objects have it, and if `deep` for triangles that pass
-/// through one another; `None` where `goes_on`, which
-/// is asked at each step, says that nobody waits.
+/// Checks meshes one after another, each once however many objects share it; with `deep` also for self-intersections.
+/// `None` if `goes_on`, which is called at each step, returns false.
 pub(super) fn check(
     meshes: &[(usize, Arc<Mesh>)],
     deep: bool,
@@ -29,7 +28,7 @@ pub(super) fn check(
             progress.read((done as f32 + share * own as f32) / all.max(1) as f32);
             goes_on()
         };
-        // Joints are looked at in a small share of the time that a search for intersections takes.
+        // Topology takes a small fraction of the time of searching intersections.
         let joints = if deep { 0.2 } else { 1.0 };
         let (health, intersections) = match known.get(&Arc::as_ptr(mesh)) {
             Some(known) => known.clone(),

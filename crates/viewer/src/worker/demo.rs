@@ -1,4 +1,4 @@
-//! The scene that a window without files opens on: it is in the program, and needs no file.
+//! The demo scene, which a window without files opens: it is part of the program.
 
 use raycast_core::formats::{FormatError, SceneFile, read_scene_from};
 

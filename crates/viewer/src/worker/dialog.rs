@@ -5,7 +5,7 @@ use crate::state::news::DialogAnswer;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// Endings of the files that can be opened.
+/// Extensions of files that can be opened.
 pub(super) const DIALOG_ENDINGS: &[&str] = &[
     "obj", "gltf", "glb", "ply", "stl", "off", "3mf", "txt", "tri", "raycast", "toml", "gz", "zst",
 ];
@@ -48,7 +48,7 @@ pub(super) fn dialog(kind: PromptKind, suggested: &str) -> DialogAnswer {
     };
     match paths {
         Some(paths) => DialogAnswer::Paths(paths),
-        // Nobody closes a dialog this soon: it never came up.
+        // Nobody closes a dialog so soon: it was never shown.
         None if started.elapsed() < Duration::from_millis(700) => DialogAnswer::Unavailable,
         None => DialogAnswer::Cancelled,
     }

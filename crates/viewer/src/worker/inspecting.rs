@@ -1,4 +1,4 @@
-//! Looking meshes over on a thread of its own; who asks again, asks instead.
+//! Checking meshes on a thread of its own; a new request replaces the one before.
 
 use super::check::check;
 use super::files::Files;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 impl Files {
-    /// Works out the size of a mesh in its place.
+    /// Computes the size of a mesh under its transform.
     pub fn weigh(&self, mesh: Arc<Mesh>, world_from_object: DAffine3) {
         let ticket = self.shared.newest_size.fetch_add(1, Ordering::Relaxed) + 1;
         self.shared.spawn("raycast-size", ANY, move |shared| {

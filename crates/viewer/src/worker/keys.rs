@@ -1,4 +1,4 @@
-//! The file that changes keys: read, written where there is none, and opened in the desktop's editor.
+//! The key bindings file: reading it, writing a template, opening it in the desktop's editor.
 
 use crate::output::Output;
 use std::io::{ErrorKind, Read};
@@ -6,13 +6,13 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 /// The most bytes that are read: all commands with ten keys each take half of it. The window parses them between two
-/// frames, and finds the line of each fault.
+/// frames, so the limit also bounds that time.
 const MOST_BYTES: u64 = 1 << 16;
 
-/// What the file says; `None` where there is none. Bytes that are no text become signs that the reader refuses.
+/// The file's text; `None` where there is none. Invalid UTF-8 becomes characters that the parser refuses.
 pub(super) fn read(path: &Path) -> Result<Option<String>, String> {
     let name = path.display();
-    // A pipe would be waited for.
+    // Reading a pipe would block.
     let is_other = std::fs::metadata(path).is_ok_and(|at| !at.is_file());
     if is_other {
         return Err(format!("{name}: expected a file"));
@@ -32,7 +32,7 @@ pub(super) fn read(path: &Path) -> Result<Option<String>, String> {
     Ok(Some(String::from_utf8_lossy(&bytes).into_owned()))
 }
 
-/// Writes a file that has this text, unless there is one.
+/// Writes a file with this text, unless there is one.
 pub(super) fn write(path: &Path, text: &str) -> Result<(), String> {
     if path.symlink_metadata().is_ok() {
         return Ok(());
@@ -44,7 +44,7 @@ pub(super) fn write(path: &Path, text: &str) -> Result<(), String> {
     written.map_err(|failure| failure.to_string())
 }
 
-/// Opens the file in what the desktop opens text with.
+/// Opens the file in the desktop's text editor.
 pub(super) fn edit(path: &Path) -> Result<(), String> {
     let (program, before): (_, &[&str]) = if cfg!(target_os = "macos") {
         ("open", &["-t"])

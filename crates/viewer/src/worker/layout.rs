@@ -1,9 +1,9 @@
-//! How a picture is split into tiles.
+//! The split of a picture into tiles.
 
 use raycast_core::camera::Rect;
 use std::collections::HashMap;
 
-/// A picture's tiles in reading order, and the place of each in that order.
+/// A picture's tiles in reading order, and the index of each.
 #[derive(Debug, Default)]
 pub struct Layout {
     /// Columns and rows of the picture.
@@ -28,7 +28,7 @@ impl Layout {
         }
     }
 
-    /// Which tile this rectangle is.
+    /// The index of the tile with this rectangle.
     pub fn place(&self, rect: Rect) -> Option<usize> {
         let place = *self.places.get(&(rect.x, rect.y))? as usize;
         (self.tiles[place] == rect).then_some(place)

@@ -17,7 +17,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-/// What a scene of these files is called.
+/// The name of a scene of these files.
 pub(super) fn scene_name(paths: &[PathBuf]) -> String {
     let Some(first) = paths.first() else {
         return "Demo scene".to_owned();
@@ -30,14 +30,14 @@ pub(super) fn scene_name(paths: &[PathBuf]) -> String {
     }
 }
 
-/// A load under way, on its thread.
+/// A load in progress, on its thread.
 pub(super) struct Load<'a> {
     pub(super) shared: &'a Shared,
     pub(super) ticket: u64,
     pub(super) progress: &'a Progress,
 }
 
-/// Files that were read as one, and what was wrong with the others.
+/// The scene of the files that could be read, and the errors of the others.
 struct ReadFiles {
     file: SceneFile,
     paths: Vec<PathBuf>,
@@ -45,7 +45,7 @@ struct ReadFiles {
 }
 
 impl Load<'_> {
-    /// Gives it another name.
+    /// Sets another name.
     pub(super) fn rename(&self, name: String) {
         for (load, called, _) in lock(&self.shared.loads).iter_mut() {
             if *load == self.ticket {
@@ -54,7 +54,7 @@ impl Load<'_> {
         }
     }
 
-    /// Whether another load, or a person, has put an end to this one.
+    /// Whether another load, or a person, has cancelled this one.
     fn is_over(&self) -> bool {
         self.shared.newest_load.load(Ordering::Relaxed) != self.ticket
     }
@@ -73,7 +73,7 @@ impl Load<'_> {
         Ok(News::Loaded(Box::new(loaded)))
     }
 
-    /// What a picture was made of, once its scene is open; the picture as a texture, if it does not tell.
+    /// The recipe of a picture, once its scene is open; the picture as a texture, if it has no recipe.
     pub(super) fn picture(
         &self,
         path: &Path,
@@ -135,8 +135,8 @@ impl Load<'_> {
         })
     }
 
-    /// Reads every file that can be read into one scene; camera and settings are the first file's that has
-    /// any. An error where none could be.
+    /// Reads all files that can be read into one scene; camera and settings are the first file's that has any. An
+    /// error if none could be read.
     fn read(&self, paths: Vec<PathBuf>, limits: Limits) -> Result<ReadFiles, String> {
         lock(&self.shared.opened).extend_from_slice(&paths);
         let (mut file, mut read, mut errors) = (SceneFile::default(), Vec::new(), Vec::new());
@@ -167,7 +167,7 @@ impl Load<'_> {
         }
         lock(&self.shared.opened).extend(file.opened.iter().cloned());
         if read.is_empty() && count > 0 {
-            // Each message stands for itself: all but the last are told at once.
+            // Each message is shown by itself: all but the last are sent at once.
             let last = errors.pop().unwrap_or_default();
             for error in errors {
                 self.shared.tell(self.ticket, News::Failed(error));
@@ -181,7 +181,7 @@ impl Load<'_> {
         })
     }
 
-    /// Builds the tree of what was read.
+    /// Builds the tree of the scene.
     pub(super) fn finish(
         &self,
         file: SceneFile,
@@ -203,7 +203,7 @@ impl Load<'_> {
             paths => setup::name_of(paths),
         };
         let scene = Arc::new(file.scene);
-        // The window is not to wait for them.
+        // Computed here, so that the window does not wait for them.
         scene.objects.iter().for_each(|object| {
             object.mesh.bounds();
         });
@@ -213,7 +213,7 @@ impl Load<'_> {
             .map_err(|error| error.to_string())?;
         let has_hidden = scene.objects.iter().any(|object| !object.visible);
         let accel = setup::tree_to_edit(&scene).and_then(|accel| match has_hidden {
-            // It may be that nothing is to be seen, on purpose.
+            // A scene with nothing visible may be intended.
             true => Ok(accel),
             false => setup::visible(&called, &scene, accel),
         });
@@ -266,11 +266,11 @@ impl Load<'_> {
     }
 }
 
-/// What a picture was made of, where it tells.
+/// The recipe of a picture, if it has one.
 fn recipe(path: &Path) -> Result<Option<Recipe>, String> {
     let cannot = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
     let bytes = std::fs::read(path).map_err(|error| cannot(&error))?;
-    // Pixels are decoded only where there is something to be told.
+    // Pixels are decoded only if the file has a recipe.
     let name = b"raycast-recipe";
     if !bytes.windows(name.len()).any(|part| part == name) {
         return Ok(None);
@@ -279,7 +279,7 @@ fn recipe(path: &Path) -> Result<Option<Recipe>, String> {
     Ok(file.recipe)
 }
 
-/// The tree over a scene after `before`, and the box around what can be seen of it.
+/// The tree over a scene, updated from `before`, and the box around what is visible.
 pub(super) fn tree(scene: &Scene, before: &Accel) -> Result<Tree, Failure> {
     let started = Instant::now();
     let accel = before.updated(scene)?;

@@ -1,12 +1,11 @@
-//! A place for the newest request: a new one replaces the one that waits, and ends the one that
-//! runs, but not before that has something to show. (The window asks no sooner; the last tile may be seen
-//! before it is counted here.)
+//! A mailbox for the newest request: a new one replaces the waiting one, and cancels the running one, but only after
+//! that has something to show. (The window sends no sooner; the last tile may be visible before it is counted here.)
 
 use raycast_core::render::Cancel;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// The newest request, and the one that runs.
+/// The newest request, and the running one.
 #[derive(Debug)]
 pub struct Mailbox<T> {
     slot: Mutex<Slot<T>>,
@@ -36,7 +35,7 @@ impl<T> Default for Mailbox<T> {
 }
 
 impl<T> Mailbox<T> {
-    /// Leaves a request. Never waits for the work itself.
+    /// Posts a request. It never waits for the work.
     pub fn post(&self, request: T) {
         let mut slot = self.lock();
         slot.waiting = Some(request);
@@ -47,7 +46,7 @@ impl<T> Mailbox<T> {
         self.bell.notify_one();
     }
 
-    /// Waits for a request: the newest, and what will tell it to stop. `None` once closed.
+    /// Waits for a request: returns the newest, and its cancel flag. `None` once closed.
     pub fn take(&self) -> Option<(T, Cancel)> {
         let mut slot = self.lock();
         loop {
@@ -63,8 +62,8 @@ impl<T> Mailbox<T> {
         }
     }
 
-    /// The running request has something to show: from now on a new one ends it. Without this a
-    /// camera that moves faster than pictures come would never show any.
+    /// Marks the running request as having something to show: from now on a new one cancels it. Without this a camera
+    /// that moves faster than pictures are rendered would never show any.
     pub fn ripen(&self) {
         let mut slot = self.lock();
         slot.ripe = true;
@@ -73,7 +72,7 @@ impl<T> Mailbox<T> {
         }
     }
 
-    /// Waits for so long; whether nothing was asked for meanwhile.
+    /// Waits for `time`; returns whether nothing was requested meanwhile.
     pub fn is_quiet_for(&self, time: Duration) -> bool {
         let slot = self.lock();
         let goes_on = |slot: &mut Slot<T>| !slot.closed && slot.waiting.is_none();
@@ -82,7 +81,7 @@ impl<T> Mailbox<T> {
         timeout.timed_out() && goes_on(&mut slot)
     }
 
-    /// Ends everything.
+    /// Cancels everything.
     pub fn close(&self) {
         let mut slot = self.lock();
         slot.closed = true;
@@ -93,7 +92,7 @@ impl<T> Mailbox<T> {
     }
 
     fn lock(&self) -> MutexGuard<'_, Slot<T>> {
-        // A slot is whole between any two of the steps above: a panic elsewhere leaves it usable.
+        // The state is consistent between any two of the steps above: a panic elsewhere leaves it usable.
         self.slot.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

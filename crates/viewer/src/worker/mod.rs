@@ -26,13 +26,13 @@ pub mod watch;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Tells the window that there is something to look at; callable from any thread.
+/// Wakes the window's event loop; callable from any thread.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
 /// The window's clock: time since it was opened.
 pub type SharedClock = Arc<dyn Fn() -> Duration + Send + Sync>;
 
-/// What a caught panic said.
+/// The message of a caught panic.
 fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
     panic
         .downcast_ref::<&str>()

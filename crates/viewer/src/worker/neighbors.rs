@@ -1,9 +1,9 @@
-//! The files of a folder, one after the other.
+//! Stepping through the files of a folder.
 
 use std::path::{Path, PathBuf};
 
-/// The file that comes `step` files behind `path` in its folder, by name, of those with one of these `endings`;
-/// behind the last comes the first.
+/// The file that is `step` files after `path` in its folder, by name, among those with one of these `endings`; the
+/// first follows the last.
 ///
 /// # Errors
 /// A folder that cannot be read, or has no other such file: one line.
@@ -21,7 +21,7 @@ pub(super) fn neighbor(path: &Path, step: i32, endings: &[&str]) -> Result<PathB
     let count = files.len() as i64;
     let next = match here {
         _ if count == 0 => None,
-        // It is gone: where it would be.
+        // The file was removed: the position where it would be.
         None => Some(files.partition_point(|file| sort_key(file) < sort_key(&path)) as i64),
         Some(_) if count == 1 => None,
         Some(here) => Some(here as i64 + i64::from(step)),
@@ -37,7 +37,7 @@ fn has_ending(file: &Path, endings: &[&str]) -> bool {
     ending.is_some_and(|ending| endings.iter().any(|of| ending.eq_ignore_ascii_case(of)))
 }
 
-/// Names in the order that people list them in: without regard to capitals.
+/// A key that sorts names without regard to case.
 fn sort_key(file: &Path) -> (String, PathBuf) {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     (name.to_lowercase(), file.to_owned())

@@ -1,8 +1,8 @@
-//! Where rendered tiles wait for the window.
+//! Rendered tiles that wait for the window.
 //!
-//! It is bounded without ever making a worker wait: a tile of a finer pass takes the place of the
-//! coarser one that nobody has fetched, so that at most one picture waits, and the first pass of
-//! the one before it. A window that is slow, or hidden, costs nothing and misses nothing.
+//! The outbox is bounded without making workers wait: a tile of a finer pass replaces the coarser one that was not
+//! fetched, so that at most one picture waits, and the first pass of the one before it. A slow or hidden window costs
+//! nothing and misses nothing.
 
 use super::layout::Layout;
 use raycast_core::render::{Pass, Tile, TileStats};
@@ -10,53 +10,53 @@ use raycast_core::shade::{Background, Legend};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// How long tiles of a first pass are held back for it to be complete, so that a moving camera
-/// shows whole pictures; slower pictures are seen to fill in.
+/// How long tiles of a first pass are held back until it is complete, so that a moving camera shows whole pictures.
+/// With a longer time slow pictures would appear late instead of filling in.
 pub const HOLD: Duration = super::pace::BUDGET;
 
-/// How often the window looks while a slow first pass fills in.
+/// The interval at which the window fetches tiles while a slow first pass fills in.
 const FILLING: Duration = Duration::from_millis(50);
-/// How often it looks while a picture that is whole gets finer.
+/// The interval at which it fetches tiles while a complete picture is refined.
 const REFINED: Duration = Duration::from_millis(100);
 
-/// What a finished pass took.
+/// Statistics of a finished pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassReport {
-    /// Which.
+    /// The pass.
     pub pass: Pass,
     /// Rays, hits and worker times of all its tiles.
     pub stats: TileStats,
-    /// From its first ray to its last, on the clock.
+    /// From its first ray to its last.
     pub time: Duration,
 }
 
 /// What the window fetches: tiles and reports of one picture.
 #[derive(Debug)]
 pub struct Batch {
-    /// Which request it belongs to.
+    /// The request that it belongs to.
     pub generation: u64,
     /// Its tiles.
     pub layout: Arc<Layout>,
-    /// What lies behind everything in it.
+    /// The picture's background.
     pub background: Background,
-    /// What its colours stand for.
+    /// The picture's legend.
     pub legend: Option<Arc<Legend>>,
-    /// Place in the layout, place in its pass's order of arrival, pass, and the tile.
+    /// The tiles, in order of arrival.
     pub tiles: Vec<Arrival>,
     /// Passes that were finished.
     pub reports: Vec<PassReport>,
-    /// Whether that was all.
+    /// Whether the picture is complete.
     pub complete: bool,
     /// From the request to its last tile so far.
     pub elapsed: Duration,
 }
 
-/// A tile as it came.
+/// A tile as it arrived.
 #[derive(Debug)]
 pub struct Arrival {
-    /// Its place in the layout.
+    /// Its index in the layout.
     pub place: usize,
-    /// How many of its pass came before it.
+    /// How many tiles of its pass arrived before it.
     pub order: u32,
     /// Its pass.
     pub pass: Pass,
@@ -72,7 +72,7 @@ pub struct Outbox {
 
 #[derive(Debug, Default)]
 struct Inner {
-    /// The newest picture that was asked for, and the newest of which nothing more is awaited.
+    /// The newest picture that was requested, and the newest that is complete or given up.
     expected: u64,
     settled: u64,
     ready: Option<Current>,
@@ -95,38 +95,38 @@ struct Current {
     first_pass_done: bool,
     complete: bool,
     news: bool,
-    /// Whether any of it has been fetched.
+    /// Whether any of it was fetched.
     seen: bool,
     woken: Duration,
 }
 
-/// What came of a tile that was put in.
+/// The result of posting a tile.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Posted {
     /// It was the last of its pass.
     pub pass_done: bool,
-    /// The window should look.
+    /// Whether the window should fetch.
     pub wake: bool,
 }
 
 impl Outbox {
-    /// Notes that a picture has been asked for.
+    /// Records that a picture was requested.
     pub fn expect(&self, generation: u64) {
         self.lock().expected = generation;
     }
 
-    /// Notes that a picture has all that it needs to be shown, or never will.
+    /// Records that a picture can be shown, or never will be.
     pub fn settle(&self, generation: u64) {
         self.lock().settle(generation);
     }
 
-    /// Whether the picture that was asked for last is neither whole, for the first time, nor given up.
+    /// Whether the newest requested picture is neither complete for the first time nor given up.
     pub fn is_busy(&self) -> bool {
         self.lock().is_busy()
     }
 
-    /// Whether the window would see nothing new now, but soon: the outbox is [busy](Self::is_busy), and
-    /// there are no tiles to be shown, unless they are leftovers of a picture that has been shown.
+    /// Whether there is nothing new to show now, but soon: the outbox is [busy](Self::is_busy), and has no tiles to
+    /// show except leftovers of a picture that was shown.
     pub fn is_awaited(&self, now: Duration) -> bool {
         let inner = self.lock();
         let is_new =
@@ -138,14 +138,14 @@ impl Outbox {
                 .any(is_new)
     }
 
-    /// Tells what the colours of the picture that was started stand for.
+    /// Sets the legend of the current picture.
     pub fn tell_legend(&self, legend: Option<Legend>) {
         if let Some(current) = &mut self.lock().current {
             current.legend = legend.map(Arc::new);
         }
     }
 
-    /// Starts a picture. What waits of the last one stays only if its first pass is whole.
+    /// Starts a picture. Waiting tiles of the last one stay only if its first pass is complete.
     pub fn begin(
         &self,
         generation: u64,
@@ -180,7 +180,7 @@ impl Outbox {
         });
     }
 
-    /// Puts a tile in. Tiles of one pass must all be in before the next pass's first.
+    /// Posts a tile. All tiles of a pass must be posted before the next pass's first.
     pub fn put(&self, pass: Pass, tile: Tile, now: Duration) -> Posted {
         let mut inner = self.lock();
         let Some(current) = &mut inner.current else {
@@ -209,7 +209,7 @@ impl Outbox {
         let pass_done = current.arrived as usize == current.layout.tiles.len();
         let first_picture = pass_done && !current.first_pass_done;
         current.first_pass_done |= pass_done;
-        // Each look costs the window a frame, painted by the same cores where there is no GPU.
+        // Each fetch costs the window a frame, painted by the same cores where there is no GPU.
         let pause = if current.first_pass_done {
             REFINED
         } else {
@@ -230,7 +230,7 @@ impl Outbox {
         }
     }
 
-    /// Notes that a pass is over.
+    /// Records a finished pass.
     pub fn report(&self, report: PassReport) {
         if let Some(current) = &mut self.lock().current {
             current.reports.push(report);
@@ -238,7 +238,7 @@ impl Outbox {
         }
     }
 
-    /// Notes that the picture is done.
+    /// Records that the picture is finished.
     pub fn finish(&self, now: Duration) {
         if let Some(current) = &mut self.lock().current {
             current.complete = true;
@@ -247,7 +247,7 @@ impl Outbox {
         }
     }
 
-    /// Takes what there is to show, oldest first, up to a picture whose size does not fit.
+    /// Removes and returns what there is to show, oldest first, up to a picture whose size does not fit.
     pub fn fetch(&self, now: Duration, fits: impl Fn((u32, u32)) -> bool) -> Vec<Batch> {
         let mut inner = self.lock();
         let mut batches = Vec::new();

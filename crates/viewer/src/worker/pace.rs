@@ -1,27 +1,27 @@
-//! How coarse a picture must start for its first pass to be there in time.
+//! Choosing the first pass's stride, so that it is ready in time.
 
 use raycast_core::render::{Pass, Passes};
 use std::time::Duration;
 
-/// What the first pass may take: a picture that follows the hand at 25 a second beats a coarse one
-/// that is soon replaced, and both together cost more than the full one.
+/// The time of the first pass: 25 pictures a second follow the hand; a coarse pass that is soon replaced by a finer
+/// one costs more in total than the full picture.
 pub const BUDGET: Duration = Duration::from_millis(40);
-/// A full picture that takes no longer follows the first pass at once: nobody would see what lies
-/// between, and few rays at a time cost more each.
+/// A full picture that takes at most this long follows the first pass immediately: passes between would hardly be
+/// visible, and sparse rays cost more each.
 const AT_ONCE: Duration = Duration::from_millis(150);
-/// The coarsest first pass: every 32nd ray along both sides.
+/// The coarsest first pass: every 32nd ray in both directions.
 const COARSEST: usize = 5;
-/// Before anything was measured: a slow machine's nanoseconds a ray.
+/// The initial estimate of nanoseconds a ray, as on a slow machine.
 const FIRST_GUESS: f64 = 60.0;
 
-/// Times of passes past, by their stride.
+/// Measured times of passes, by stride.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pace {
     nanoseconds_per_ray: [Option<f64>; COARSEST + 1],
 }
 
 impl Pace {
-    /// Takes in a finished pass.
+    /// Records a finished pass.
     pub fn learn(&mut self, pass: Pass, rays: u64, time: Duration) {
         let level = pass.stride.trailing_zeros() as usize;
         if pass.samples > 1 || level > COARSEST || rays == 0 {
@@ -29,11 +29,11 @@ impl Pace {
         }
         let measured = time.as_nanos() as f64 / rays as f64;
         let known = &mut self.nanoseconds_per_ray[level];
-        // Half the weight on the newest: a camera that comes nearer soon sees dearer rays.
+        // Half the weight is on the newest: a camera that approaches soon casts costlier rays.
         *known = Some(known.map_or(measured, |known| 0.5 * (known + measured)));
     }
 
-    /// Forgets all: another scene, or another number of threads.
+    /// Forgets all measurements, for another scene or number of threads.
     pub fn forget(&mut self) {
         *self = Self::default();
     }
@@ -59,8 +59,8 @@ impl Pace {
             .map_or(1 << COARSEST, |level| 1 << level)
     }
 
-    /// Nanoseconds for a ray at a stride: as measured there; else as at the nearest stride that
-    /// was, where a ray of twice the stride is taken to cost twice as much (fewer share a tile).
+    /// Nanoseconds a ray at a stride: measured there, else at the nearest measured stride, with the assumption that
+    /// doubling the stride doubles the cost (fewer rays share a tile).
     fn cost(&self, level: usize) -> f64 {
         (0..=COARSEST)
             .filter_map(|known| Some((known, self.nanoseconds_per_ray[known]?)))

@@ -1,7 +1,7 @@
-//! Rendering gives way to the window.
+//! The priority of rendering below the window.
 
-/// Lowers the calling thread's priority a little, so that with a render thread on every core the window's
-/// thread still gets one at once. Where the system has no such thing, or refuses, nothing changes.
+/// Lowers the calling thread's priority slightly, so that with a render thread on every core the window's thread
+/// still gets one immediately. Does nothing where the system refuses.
 pub(super) fn give_way() {
     #[cfg(target_os = "linux")]
     {

@@ -1,4 +1,4 @@
-//! The thread that renders: it owns the pool, takes the newest request, and fills the outbox.
+//! The render thread: it owns the thread pool, takes the newest request, and fills the outbox.
 
 use super::layout::Layout;
 use super::mailbox::Mailbox;
@@ -12,28 +12,29 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// A picture to make.
+/// A request to render a picture.
 #[derive(Clone, Debug)]
 pub struct Request {
-    /// Requests count up; what belongs to an older one is not shown.
+    /// Requests are numbered in order; results of older ones are not shown.
     pub generation: u64,
-    /// Names the scene: times learnt on one say nothing about another.
+    /// Identifies the scene: times measured on one do not apply to another.
     pub document: u64,
     /// The picture.
     pub view: View,
-    /// Rays a pixel once nothing has been asked for during a fifth of a second; no more than the view has, for none.
+    /// Samples a pixel after nothing was requested for a fifth of a second; at most the view's number means no more
+    /// samples.
     pub rest_samples: u32,
     /// Its tiles.
     pub grid: Grid,
-    /// Threads to make it with.
+    /// The number of threads.
     pub threads: usize,
 }
 
-/// How long nothing must be asked for until a picture gets more samples by itself: a hand that moves on does
-/// not find the cores busy.
+/// The idle time after which a picture gets more samples. With a shorter one a hand that moves on would find the
+/// cores busy; with a longer one pictures stay coarse.
 const REST: Duration = Duration::from_millis(200);
 
-/// The render thread, as the window sees it.
+/// The window's handle of the render thread.
 #[derive(Debug)]
 pub struct Renderer {
     mailbox: Arc<Mailbox<Request>>,
@@ -42,10 +43,10 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// Starts the thread, which fills `outbox`. `failed` is told, from there, of a render that broke.
+    /// Starts the thread, which fills `outbox`. `failed` is called there with the message of a render that panicked.
     ///
     /// # Errors
-    /// The system's refusal to start a thread.
+    /// The system cannot start a thread.
     pub fn start(
         clock: SharedClock,
         wake: Wake,
@@ -74,13 +75,13 @@ impl Renderer {
         })
     }
 
-    /// Asks for a picture in place of any other.
+    /// Requests a picture, instead of any other.
     pub fn request(&self, request: Request) {
         self.outbox.expect(request.generation);
         self.mailbox.post(request);
     }
 
-    /// Where the tiles are.
+    /// The tiles.
     pub fn outbox(&self) -> &Outbox {
         &self.outbox
     }
@@ -90,7 +91,7 @@ impl Drop for Renderer {
     fn drop(&mut self) {
         self.mailbox.close();
         if let Some(thread) = self.thread.take() {
-            // A render ends within a tile of being cancelled. Its panics were caught and told.
+            // A cancelled render ends within a tile, and its panics were caught and reported.
             let _ = thread.join();
         }
     }
@@ -108,7 +109,7 @@ struct Worker {
     layout: (Grid, Arc<Layout>),
 }
 
-/// What is summed up over a pass.
+/// Sums over a pass.
 #[derive(Default)]
 struct Sum {
     stats: TileStats,
@@ -120,7 +121,7 @@ impl Worker {
     fn run(mut self) {
         while let Some((request, cancel)) = self.mailbox.take() {
             let outcome = self.make(&request, &cancel);
-            // Whatever came of it, the window may ask for the next one.
+            // Whatever the outcome, the window may request the next picture.
             self.outbox.settle(request.generation);
             self.mailbox.ripen();
             if let Err(message) = outcome {
@@ -130,7 +131,7 @@ impl Worker {
         }
     }
 
-    /// Makes a picture, as far as it is not cancelled.
+    /// Renders a picture until it is finished or cancelled.
     fn make(&mut self, request: &Request, cancel: &Cancel) -> Result<(), String> {
         let size = self.prepare(request);
         self.ensure_pool(request.threads)?;
@@ -171,7 +172,7 @@ impl Worker {
                         passes_of(&at_rest)
                     }))
         };
-        // A fault in the core must not end the session: it is told, and the window goes on.
+        // A panic in the core must not end the session: it is reported, and the window continues.
         let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(render));
         let sum = sum.into_inner().unwrap_or_else(PoisonError::into_inner);
         for report in sum.reports {
@@ -191,7 +192,7 @@ impl Worker {
         }
     }
 
-    /// Makes the layout ready; the picture's size.
+    /// Prepares the layout; returns the picture's size.
     fn prepare(&mut self, request: &Request) -> (u32, u32) {
         let plane = request.view.camera.plane();
         let size = (plane.columns, plane.rows);
@@ -225,7 +226,7 @@ impl Worker {
         Ok(())
     }
 
-    /// Takes in a tile, on the pool's thread that made it.
+    /// Posts a tile, on the pool's thread that rendered it.
     fn take_in(&self, sum: &Mutex<Sum>, pass: Pass, tile: Tile) {
         let stats = tile.stats;
         let now = (self.clock)();

@@ -14,7 +14,7 @@ use raycast_core::section::{SectionAxes, section};
 use std::path::Path;
 use std::time::Duration;
 
-/// A picture that is to be saved.
+/// A picture to be saved.
 #[derive(Clone, Debug)]
 pub struct Saving {
     /// What it shows.
@@ -25,7 +25,7 @@ pub struct Saving {
     pub threads: usize,
 }
 
-/// Whether the scene was written: not where a file is there that it may not replace.
+/// Writes a scene; returns false where a file exists that may not be replaced.
 pub(super) fn save_scene(
     scene: &SceneFile,
     path: &Path,
@@ -47,12 +47,12 @@ pub(super) fn save_scene(
         .to_toml(folder)
         .map_err(|error| Failure::could_not(error.to_string()))?;
     output.write(text.as_bytes())?.finish()?;
-    // Nothing else is to be written over it, as over anything that is open.
+    // No other output may overwrite it from now on, as with all open files.
     lock(&shared.opened).push(path.to_owned());
     Ok(true)
 }
 
-/// Whether the picture was written: not where a file is there that it may not replace.
+/// Writes a picture; returns false where a file exists that may not be replaced.
 pub(super) fn save(
     saving: Saving,
     path: &Path,
@@ -118,7 +118,7 @@ pub(super) fn save_outline(
     Ok(Some((open, lines.len())))
 }
 
-/// Whether the text was written: not where a file is there that it may not replace.
+/// Writes text; returns false where a file exists that may not be replaced.
 pub(super) fn save_text(
     text: &str,
     path: &Path,
@@ -132,7 +132,7 @@ pub(super) fn save_text(
     Ok(true)
 }
 
-/// A place that no opened file has; `None` where a file is there that may not be replaced.
+/// An output that is no opened file; `None` where a file exists that may not be replaced.
 fn place(path: &Path, replace: bool, shared: &Shared) -> Result<Option<Output>, Failure> {
     let output = Output::at(path, &[])?;
     output.check_against(lock(&shared.opened).clone())?;

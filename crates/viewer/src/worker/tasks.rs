@@ -1,4 +1,4 @@
-//! What tasks share with the window: their news, how far they are, and a named thread for each.
+//! What tasks share with the window: news, progress, and a named thread for each.
 
 use super::{Wake, panic_text};
 use crate::state::news::News;
@@ -7,10 +7,10 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// What a loader is at.
+/// The stage of a load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum LoadStage {
-    /// Reading; the share that is done.
+    /// Reading; the fraction that is done.
     Reading(f32),
     /// Building the tree.
     Building,
@@ -26,11 +26,11 @@ pub(super) struct Shared {
     pub(super) newest_tree: AtomicU64,
     pub(super) newest_size: AtomicU64,
     pub(super) newest_check: AtomicU64,
-    /// What is being looked over.
+    /// The check in progress.
     pub(super) check: Mutex<Option<(u64, String, Arc<Progress>)>>,
     pub(super) building: AtomicU32,
     pub(super) building_turn: Mutex<()>,
-    /// Every file that was opened: no picture is written over one.
+    /// Every file that was opened: no output may overwrite one.
     pub(super) opened: Mutex<Vec<PathBuf>>,
 }
 
@@ -40,9 +40,9 @@ impl std::fmt::Debug for Shared {
     }
 }
 
-/// News that belongs to no load in particular.
+/// The number of news that belong to no load.
 pub(super) const ANY: u64 = u64::MAX;
-/// A share that says that the tree is being built.
+/// The value of progress that means building the tree.
 const BUILDING: u32 = u32::MAX;
 
 #[derive(Debug, Default)]
@@ -50,12 +50,12 @@ pub(super) struct Progress(AtomicU32);
 
 impl Shared {
     pub(super) fn tell(&self, load: u64, news: News) {
-        // The only failure is a window that is gone: then nobody wants to know.
+        // Sending fails only after the window was closed.
         let _ = self.send.send((load, news));
         (self.wake)();
     }
 
-    /// Runs a task on a thread of its own; its error, or its panic, becomes a message.
+    /// Runs a task on a thread of its own; its error or panic becomes a message.
     pub(super) fn spawn(
         self: &Arc<Self>,
         name: &str,
@@ -79,7 +79,7 @@ impl Shared {
         let spawned = std::thread::Builder::new().name(name.to_owned()).spawn(run);
         if let Err(error) = spawned {
             lock(&self.loads).retain(|(ticket, ..)| *ticket != load);
-            // The channel may be full, and this is the window's thread: it must not wait.
+            // The channel may be full, and the window's thread must not wait.
             let message = format!("No thread could be started: {error}");
             let _ = self.send.try_send((ANY, News::Failed(message)));
         }

@@ -1,4 +1,4 @@
-//! Watching the files of a scene: told of once they have been written to the end.
+//! Watching the files of a scene: changes are reported after a file was written completely.
 
 use super::Wake;
 use notify::event::{AccessKind, AccessMode, EventKind, ModifyKind};
@@ -8,18 +8,18 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, SystemTime};
 
-/// How long a file must have stayed the same before it is told of: programs write in pieces.
+/// How long a file must stay unchanged before it is reported: programs write in pieces.
 const QUIET: Duration = Duration::from_millis(300);
-/// After so many such times a file that was not seen to be closed is taken to be whole: a link was made to it,
-/// or a message was lost.
+/// The number of such intervals after which a file that was not seen to be closed counts as complete: a link was made
+/// to it, or an event was lost.
 const PATIENCE: u32 = 20;
 
-/// What tells a file from what it was: its length, and when it was written.
+/// Detects changes of a file: its length, and its modification time.
 type Signature = Option<(u64, SystemTime)>;
 
 enum Message {
     Watch(Vec<PathBuf>),
-    /// A file was touched; whether whoever writes it may not be done.
+    /// A file was touched; the flag says whether its writer may still have it open.
     Touched(PathBuf, bool),
 }
 
@@ -30,7 +30,7 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Watches nothing yet. `None` where the system has no way to: then F5 is left.
+    /// Starts watching no files. `None` where the system cannot watch files: then F5 reloads.
     pub fn start(wake: Wake) -> Option<Self> {
         let (send, messages) = channel();
         let (tell, changes) = channel();
@@ -41,13 +41,13 @@ impl Watch {
             };
             let is_closed = event.kind == EventKind::Access(AccessKind::Close(AccessMode::Write));
             let is_change = matches!(event.kind, EventKind::Create(_) | EventKind::Modify(_));
-            // Linux tells when a file is closed; a new name is no writing.
+            // Linux reports when a file is closed; renaming is no writing.
             let is_open = cfg!(target_os = "linux")
                 && !is_closed
                 && !matches!(event.kind, EventKind::Modify(ModifyKind::Name(_)));
             if is_closed || is_change {
                 for path in event.paths {
-                    // The only failure is a thread that is gone.
+                    // Sending fails only after the thread has ended.
                     let _ = touched.send(Message::Touched(path, is_open));
                 }
             }
@@ -59,7 +59,7 @@ impl Watch {
         Some(Self { send, changes })
     }
 
-    /// Watches these files from now on, and as they are now.
+    /// Watches these files from now on, from their present state.
     pub fn watch(&self, files: Vec<PathBuf>) {
         let _ = self.send.send(Message::Watch(files));
     }
@@ -78,7 +78,7 @@ fn run(
 ) {
     let mut files: HashMap<PathBuf, Signature> = HashMap::new();
     let mut folders: HashSet<PathBuf> = HashSet::new();
-    // Files that were touched, and as they were when last looked at.
+    // Touched files, with their state when last inspected.
     let mut touched: HashMap<PathBuf, Touched> = HashMap::new();
     loop {
         let message = if touched.is_empty() {
@@ -103,7 +103,7 @@ fn run(
                 for gone in folders.difference(&parents) {
                     let _ = watcher.unwatch(gone);
                 }
-                // Folders, not files: many programs write a new file and give it the old one's name.
+                // Folders, not files: many programs write a new file and rename it.
                 for new in parents.difference(&folders) {
                     let _ = watcher.watch(new, RecursiveMode::NonRecursive);
                 }
@@ -130,7 +130,7 @@ fn run(
                 }
                 for path in settled {
                     let now = touched.remove(&path).and_then(|touched| touched.last);
-                    // A file that is gone may come again; one that is empty is about to be written.
+                    // A removed file may come back; an empty one is about to be written.
                     let is_whole = now.is_some_and(|(length, _)| length > 0);
                     let known = files.get(&path).copied().flatten();
                     if is_whole && now != known {
@@ -149,9 +149,9 @@ fn run(
 
 /// A file that was touched.
 struct Touched {
-    /// As it was when last looked at.
+    /// Its state when last inspected.
     last: Signature,
-    /// How many more looks it gets before it is taken to be whole.
+    /// The remaining inspections before it counts as complete.
     patience: u32,
 }
 
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_was_written_or_put_in_place_is_told_of_and_others_are_not() {
+    fn only_files_that_were_written_or_renamed_are_reported() {
         let folder = tempfile::tempdir().expect("a folder");
         let folder = folder.path().canonicalize().expect("it is there");
         let (file, other) = (folder.join("a.obj"), folder.join("b.obj"));
@@ -193,7 +193,7 @@ mod tests {
         std::fs::write(&other, "v 1 1 1").expect("written");
         std::fs::write(&file, "v 0 0 0 \nv 1 0 0").expect("written");
         assert_eq!(wait(&watch), std::slice::from_ref(&file));
-        // One that is being written is not whole, however slowly that goes.
+        // A file that is being written is incomplete, however long that takes.
         let mut writer = std::fs::File::create(&file).expect("made");
         writer.write_all(b"v 0 0 0").expect("written");
         std::thread::sleep(QUIET * 3);

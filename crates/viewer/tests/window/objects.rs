@@ -5,6 +5,7 @@ use egui::{Key, Modifiers, PointerButton, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use raycast_core::glam::DVec3;
+use raycast_core::scene::Shape;
 use raycast_viewer::state::State;
 use raycast_viewer::state::effect::Effect;
 
@@ -140,7 +141,7 @@ fn handles_of_the_marked_object_move_it_and_escape_gives_up() {
     assert_eq!((moved.y, moved.z), (0.0, 0.0));
     assert_eq!(state.viewpoint, view, "the view stays");
     assert!(
-        state.selected == Some(1) && state.pinned.is_none(),
+        state.selected == Some(1) && state.picks.current().is_none(),
         "nothing is picked"
     );
     assert_eq!(state.history.undo_name(), Some("Move"));
@@ -179,4 +180,104 @@ fn handles_of_the_marked_object_move_it_and_escape_gives_up() {
     );
     assert_ne!(harness.state().state.viewpoint, view);
     assert_eq!(place(&harness.state().state), there);
+}
+
+#[test]
+fn rows_are_dragged_onto_others_and_between_them() {
+    let mut harness = open_two();
+    let listed = |harness: &Harness<'_, Bench>| {
+        let document = harness.state().state.document.as_ref().expect("a scene");
+        let objects = document.scene.objects.iter();
+        let listed = objects.map(|o| (o.name.clone(), o.parent));
+        listed.collect::<Vec<_>>()
+    };
+    let named = |names: [(&str, Option<usize>); 2]| names.map(|(name, of)| (name.to_owned(), of));
+    let drop_at = |harness: &mut Harness<'_, Bench>, held: &str, on: &str, share: f32| {
+        let from = harness.get_by_label(held).rect().center();
+        let rect = harness.get_by_label(on).rect();
+        let to = pos2(rect.center().x, rect.top() + rect.height() * share);
+        drag_along(
+            harness,
+            PointerButton::Primary,
+            Modifiers::NONE,
+            [from, to],
+            |_| {},
+        );
+    };
+    // Above the first, onto it, and back below it, between the rows.
+    drop_at(&mut harness, "right one", "left one", 0.1);
+    assert_eq!(
+        listed(&harness),
+        named([("right one", None), ("left one", None)])
+    );
+    drop_at(&mut harness, "left one", "right one", 0.5);
+    let below = named([("right one", None), ("left one", Some(0))]);
+    assert_eq!(listed(&harness), below);
+    drop_at(&mut harness, "left one", "right one", 0.1);
+    assert_eq!(
+        listed(&harness),
+        named([("left one", None), ("right one", None)])
+    );
+    // Below one that has a child is before that child.
+    drop_at(&mut harness, "right one", "left one", 0.5);
+    assert_eq!(
+        listed(&harness),
+        named([("left one", None), ("right one", Some(0))])
+    );
+    // The strip below the list takes it away from its parent.
+    let from = harness.get_by_label("right one").rect().center();
+    let rect = harness.get_by_label("right one").rect();
+    let strip = pos2(rect.center().x, rect.bottom() + rect.height() * 0.75);
+    drag_along(
+        &mut harness,
+        PointerButton::Primary,
+        Modifiers::NONE,
+        [from, strip],
+        |_| {},
+    );
+    assert_eq!(
+        listed(&harness),
+        named([("left one", None), ("right one", None)])
+    );
+    // By keys: up, and no further.
+    click(&mut harness, "right one");
+    for _ in 0..2 {
+        harness.key_press_modifiers(Modifiers::ALT, Key::ArrowUp);
+        harness.run();
+    }
+    assert_eq!(
+        listed(&harness),
+        named([("right one", None), ("left one", None)])
+    );
+    harness.key_press_modifiers(Modifiers::ALT, Key::ArrowDown);
+    harness.run();
+    assert_eq!(
+        listed(&harness),
+        named([("left one", None), ("right one", None)])
+    );
+}
+
+#[test]
+fn a_shape_is_put_in_by_the_menu_and_changed_by_numbers() {
+    let mut harness = open_two();
+    click(&mut harness, "Add");
+    click(&mut harness, "Torus");
+    let shape = |harness: &Harness<'_, Bench>| {
+        let document = harness.state().state.document.as_ref().expect("a scene");
+        document.scene.objects[2].shape.expect("a shape")
+    };
+    assert_eq!(objects(&harness)[2].0, "torus");
+    click(&mut harness, "Its tube");
+    harness.event(egui::Event::Text("0.5".to_owned()));
+    harness.key_press(Key::Enter);
+    harness.run();
+    assert_eq!(
+        shape(&harness),
+        Shape::Torus {
+            radius: 1.0,
+            tube: 0.5,
+            segments: 64,
+            rings: 32
+        }
+    );
 }

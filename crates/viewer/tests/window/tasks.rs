@@ -226,7 +226,7 @@ fn twenty_everyday_tasks_are_done_by_keys_clicks_and_typed_paths() {
     desk.built("hidden", |desk| !desk.objects()[1].visible);
     let point = front(&desk) + DVec3::new(0.1, 0.05, 0.0);
     desk.click_at(point);
-    let pinned = desk.state().pinned.clone().expect("the cube");
+    let pinned = desk.state().picks.current().cloned().expect("the cube");
     assert_eq!(pinned.object, "cube");
     desk.click("Copy all");
     assert!(

@@ -66,8 +66,9 @@ fn a_click_pins_a_triangle_and_its_values_are_copied() {
     let pinned = harness
         .state()
         .state
-        .pinned
-        .clone()
+        .picks
+        .current()
+        .cloned()
         .unwrap_or_else(|| panic!("{at}: {:?}", harness.state().asked));
     assert_eq!(pinned.object, "left one");
     assert!(pinned.pick.point.distance(DVec3::new(0.3, 0.3, 0.0)) < 0.02);
@@ -79,9 +80,38 @@ fn a_click_pins_a_triangle_and_its_values_are_copied() {
         text.starts_with("Object: left one\nTriangle: 0\nPoint: 0."),
         "{text}"
     );
+    // A second beside it: the list shows both, and each is looked at again by a click.
+    let ctrl = Modifiers::COMMAND;
+    let beside = at + egui::vec2(4.0, 0.0);
+    harness.event(egui::Event::ModifiersChanged(ctrl));
+    harness.event(egui::Event::PointerMoved(beside));
+    for pressed in [true, false] {
+        harness.event(egui::Event::PointerButton {
+            pos: beside,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: ctrl,
+        });
+    }
+    harness.event(egui::Event::ModifiersChanged(Modifiers::NONE));
+    harness.run();
+    assert_eq!(harness.state().state.picks.list().len(), 2);
+    click(&mut harness, "1  left one · 0");
+    assert_eq!(harness.state().state.picks.current(), Some(&pinned));
+    click(&mut harness, "Copy as CSV");
+    let Some(Effect::Copy(text)) = harness.state().effects.last() else {
+        panic!("{:?}", harness.state().effects);
+    };
+    let lines: Vec<_> = text.lines().collect();
+    let columns = |line: &str| line.split(',').count();
+    assert_eq!(lines.len(), 3, "{text}");
+    assert!(lines[1].starts_with("1,\"left one\",0,0."), "{text}");
+    assert!(lines.iter().all(|line| columns(line) == 18), "{text}");
+    click(&mut harness, "Let go of pick 2");
+    assert_eq!(harness.state().state.picks.list().len(), 1);
     harness.key_press(Key::Escape);
     harness.run();
-    assert_eq!(harness.state().state.pinned, None);
+    assert_eq!(harness.state().state.picks.current(), None);
 }
 
 #[test]

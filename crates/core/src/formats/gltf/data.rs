@@ -1,4 +1,4 @@
-//! A glTF file's bytes: buffers, views of them, and the numbers that accessors find there.
+//! A glTF file's bytes: buffers, buffer views, and accessors.
 
 use super::json::{Accessor, Root};
 use crate::formats::Progress;
@@ -12,13 +12,13 @@ use std::cell::OnceCell;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
-/// Base64 as data URIs have it; some writers leave the padding out.
+/// Base64 as in data URIs; padding is optional, since some writers omit it.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &base64::alphabet::STANDARD,
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// A glTF file and the bytes that it names, each read when it is first asked for.
+/// A glTF file and the resources that it names, each read on first use.
 pub(super) struct Data<'d> {
     pub(super) path: &'d Path,
     pub(super) root: &'d Root<'d>,
@@ -28,7 +28,7 @@ pub(super) struct Data<'d> {
     buffers: Vec<OnceCell<Bytes<'d>>>,
 }
 
-/// Bytes from wherever they are.
+/// Borrowed or owned bytes.
 pub(super) enum Bytes<'d> {
     Binary(&'d [u8]),
     File(Contents<'d>, PathBuf),
@@ -47,7 +47,7 @@ impl Deref for Bytes<'_> {
     }
 }
 
-/// What a file names that it does not have.
+/// The message for an index out of range.
 fn no_such(index: u32, count: usize, what: &str) -> String {
     format!("number {index}, of {count} {what}")
 }
@@ -68,13 +68,13 @@ impl<'d> Data<'d> {
         }
     }
 
-    /// A fault at a place in the JSON.
+    /// An error at a position in the JSON.
     pub(super) fn fault(&self, place: &str, expected: &str, found: &str) -> FormatError {
         let reason = format!("{place}: expected {expected}, found {found}");
         FormatError::refused(self.path, None, &reason)
     }
 
-    /// One of a list of the file's, by its index.
+    /// An item of one of the file's lists, by index.
     pub(super) fn one<'l, T>(
         &self,
         list: &'l [T],
@@ -88,7 +88,7 @@ impl<'d> Data<'d> {
         })
     }
 
-    /// The bytes that a URI stands for: in itself, or a file beside this one.
+    /// The bytes of a URI: embedded, or of a file beside this one.
     pub(super) fn resource(&self, place: &str, uri: &str) -> Result<Bytes<'d>, FormatError> {
         let budget = self.files.budget();
         if let Some(data) = uri.strip_prefix("data:") {
@@ -112,11 +112,26 @@ impl<'d> Data<'d> {
             let found = format!("{}, which is not fetched", quote(uri));
             return Err(self.fault(place, "a file", &found));
         }
-        let name = percent_decode_str(uri).decode_utf8_lossy();
-        let path = beside(self.path, &name);
+        let path = self.path_of(uri);
         let none: Progress<'_> = &|_| ();
         let contents = self.files.read(&path, By::Mesh(self.path), none)?;
         Ok(Bytes::File(contents, path))
+    }
+
+    /// Remembers the files of all buffers and images, whether they are shown or not.
+    pub(super) fn name_files(&self) {
+        let buffers = self.root.buffers.iter().map(|buffer| &*buffer.uri);
+        let images = self.root.images.iter().map(|image| &*image.uri);
+        let is_file =
+            |uri: &&str| !uri.is_empty() && !uri.starts_with("data:") && !uri.contains("://");
+        for uri in buffers.chain(images).filter(is_file) {
+            self.files.name(&self.path_of(uri));
+        }
+    }
+
+    /// The file that a URI names.
+    fn path_of(&self, uri: &str) -> PathBuf {
+        beside(self.path, &percent_decode_str(uri).decode_utf8_lossy())
     }
 
     /// A buffer's bytes.
@@ -138,7 +153,7 @@ impl<'d> Data<'d> {
                     error => error,
                 })?,
             };
-            // It was empty a moment ago, and nobody else can fill it.
+            // The cell was empty, and no other thread has it.
             let _ = cell.set(bytes);
         }
         let bytes: &[u8] = cell.get().map_or(&[], |bytes| bytes);
@@ -151,7 +166,7 @@ impl<'d> Data<'d> {
         }
     }
 
-    /// A view's bytes, and its stride.
+    /// A buffer view's bytes and stride.
     pub(super) fn view(
         &self,
         index: u32,
@@ -168,8 +183,7 @@ impl<'d> Data<'d> {
         Ok((bytes, view.byte_stride))
     }
 
-    /// An accessor, with every offset, stride and count checked against what is there. `shapes` are
-    /// those that are expected.
+    /// An accessor, after checking every offset, stride and count. `shapes` are the expected types.
     pub(super) fn accessor(
         &self,
         index: u32,
@@ -208,7 +222,7 @@ impl<'d> Data<'d> {
                     stride,
                 )
             }
-            // Zeros take no place in a file: no more of them are believed than there are bytes in it.
+            // An accessor of zeros takes no bytes in the file, so its count is limited to the file's length.
             None => {
                 let mut most = 0;
                 for buffer in 0..self.buffers.len() as u32 {
@@ -303,7 +317,7 @@ impl<'d> Data<'d> {
         })
     }
 
-    /// Whole numbers that name something.
+    /// An accessor's integers, as indices.
     pub(super) fn indices(
         &self,
         numbers: &Numbers<'_>,
@@ -320,7 +334,7 @@ impl<'d> Data<'d> {
     }
 }
 
-/// So many bytes from an offset, where they are there.
+/// `length` bytes from an offset, if they exist.
 fn part(bytes: &[u8], offset: u64, length: u64) -> Option<&[u8]> {
     let start = usize::try_from(offset).ok()?;
     let end = usize::try_from(offset.checked_add(length)?).ok()?;
@@ -346,7 +360,7 @@ impl Component {
         }
     }
 
-    /// The number in its bytes, which there must be enough of.
+    /// The number in its bytes, of which there must be enough.
     #[inline(always)]
     fn read(self, bytes: &[u8], normalized: bool) -> f64 {
         let unsigned = |value: u32, most: u32| match normalized {
@@ -371,7 +385,7 @@ impl Component {
     }
 }
 
-/// What an accessor finds: `count` elements of `width` numbers.
+/// An accessor's data: `count` elements of `width` numbers.
 pub(super) struct Numbers<'d> {
     /// From the first element to the last; empty where all are zero.
     bytes: &'d [u8],
@@ -380,12 +394,12 @@ pub(super) struct Numbers<'d> {
     normalized: bool,
     pub(super) count: usize,
     width: usize,
-    /// The places of other values, and those.
+    /// Sparse values: their indices, and the values.
     sparse: Option<(Vec<u32>, &'d [u8])>,
 }
 
 impl Numbers<'_> {
-    /// The elements as `make` makes them; what they lack of N numbers is that of `default`.
+    /// The elements as `make` converts them; numbers that an element lacks are taken from `default`.
     pub(super) fn values<const N: usize, T: Clone>(
         &self,
         default: [f64; N],

@@ -1,4 +1,4 @@
-//! A glTF 2.0 file's JSON: what is used of it, and what is warned about.
+//! A glTF 2.0 file's JSON: the parts that are used or warned about.
 
 use crate::formats::error::{FormatError, shorten};
 use crate::formats::limits::{Budget, Share};
@@ -139,7 +139,7 @@ pub(super) struct BufferView {
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Buffer<'t> {
-    /// Empty where there is none: an option would be copied.
+    /// Empty if absent: an option would force a copy.
     #[serde(borrow, default)]
     pub(super) uri: Cow<'t, str>,
     pub(super) byte_length: u64,
@@ -244,14 +244,13 @@ pub(super) struct Sampler {
     pub(super) wrap_t: Option<u32>,
 }
 
-/// Bytes that an object of the JSON may take, at most: a node has some 400, a material some 500.
+/// An upper bound of the bytes that a JSON object takes: a node takes some 400, a material some 500.
 const OBJECT: u64 = 512;
 
-/// Bytes that what stands between two commas may take beside objects: an entry of a map.
+/// An upper bound of the bytes that the text between two commas takes in addition: a map's entry.
 const ENTRY: u64 = 64;
 
-/// Reads a file's JSON; the share holds what it takes. `is_binary` where it is a GLB's, whose lines
-/// nobody can look up.
+/// Parses a file's JSON; the share counts its memory. `is_binary` for a GLB, in which line numbers are useless.
 pub(super) fn parse<'t, 'b>(
     path: &Path,
     text: &'t [u8],
@@ -259,8 +258,8 @@ pub(super) fn parse<'t, 'b>(
     budget: &'b Budget,
 ) -> Result<(Root<'t>, Share<'b>), FormatError> {
     let count = |byte| memchr::memchr_iter(byte, text).count() as u64;
-    // Lists grow by doubling, and the old one is there until the new one is filled: three times what
-    // they hold. Texts with escapes are copied.
+    // Lists double as they grow, and the old list exists until the new one is filled: three times their contents.
+    // Texts with escapes are copied.
     let bytes = 3 * (OBJECT * count(b'{') + ENTRY * count(b',')) + text.len() as u64;
     let share = budget.share(path, "the file's JSON", bytes)?;
     let root = serde_json::from_slice(text).map_err(|error| {

@@ -1,4 +1,4 @@
-//! A glTF file's materials: base colours and their images.
+//! A glTF file's materials.
 
 use super::data::{Bytes, Data};
 use super::json::{Material as MaterialJson, TextureInfo, TextureTransform};
@@ -12,8 +12,7 @@ use glam::{DVec2, Vec2};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
-/// The brightest light of its own that a material has: far beyond any picture, and far from the end of single
-/// precision.
+/// The brightest emission of a material: far beyond any picture, and far from the end of single precision.
 const BRIGHTEST: f64 = 1e30;
 
 /// White, opaque.
@@ -25,24 +24,25 @@ pub(super) struct Base<'d> {
     /// Linear light.
     pub(super) factor: [f64; 4],
     pub(super) texture: Option<&'d TextureInfo>,
-    /// The image that decides which of a mesh's coordinates count: that of the base colour, else another.
+    /// The image whose coordinates are used for the mesh: that of the base colour, else another of the material's
+    /// images.
     pub(super) placed: Option<&'d TextureInfo>,
 }
 
-/// An image of the file, and what it shows beyond its sides.
+/// An image's index and its wrapping.
 type ImageKey = (u32, [Wrap; 2]);
 
-/// The materials of one file, and what was made of their images.
+/// The materials of one file, and the textures made of their images.
 pub(super) struct Materials<'m, 'd> {
     data: &'m Data<'d>,
-    /// By image and wrapping; `None` for one that cannot be read, which is warned about once.
+    /// By image and wrapping; `None` for an image that cannot be read, which is warned about once.
     images: HashMap<ImageKey, Option<Arc<Texture>>>,
     /// By image, wrapping and factor.
     tinted: HashMap<(u32, [Wrap; 2], [u64; 3]), Arc<Texture>>,
-    /// Materials that were used, by what is not shown of them.
+    /// Counts of used materials, by feature that is not shown.
     unused: BTreeMap<&'static str, usize>,
     is_told: Vec<bool>,
-    /// Used materials that are blended.
+    /// The number of used materials that are blended.
     pub(super) blended: usize,
     pub(super) warnings: Vec<String>,
 }
@@ -81,8 +81,7 @@ impl<'m, 'd> Materials<'m, 'd> {
         })
     }
 
-    /// How a material reflects light, and its own light; images that lie by other coordinates than `base` says are
-    /// left out, with a warning.
+    /// A material's reflectance and emission. Images with other coordinates than `base` are left out, with a warning.
     fn reflectance(
         &mut self,
         json: &'d MaterialJson,
@@ -139,7 +138,7 @@ impl<'m, 'd> Materials<'m, 'd> {
         })
     }
 
-    /// A material as scenes have it, with its image where there are coordinates for it.
+    /// A material of the scene, with its image where there are coordinates for it.
     pub(super) fn material(
         &mut self,
         index: u32,
@@ -151,7 +150,7 @@ impl<'m, 'd> Materials<'m, 'd> {
         let data = self.data;
         let list: &'d [MaterialJson] = &data.root.materials;
         let json = data.one(list, index, &place, "materials")?;
-        self.tell(index, json);
+        self.count_unused(index, json);
         let image = match base.texture {
             Some(info) if has_coordinates => self.image_of(info, &place)?,
             _ => None,
@@ -175,8 +174,8 @@ impl<'m, 'd> Materials<'m, 'd> {
         })
     }
 
-    /// Takes note of what a material has that is not shown.
-    fn tell(&mut self, index: u32, material: &MaterialJson) {
+    /// Counts a material's features that are not shown.
+    fn count_unused(&mut self, index: u32, material: &MaterialJson) {
         let Some(is_told) = self.is_told.get_mut(index as usize) else {
             return;
         };
@@ -199,13 +198,13 @@ impl<'m, 'd> Materials<'m, 'd> {
         }
     }
 
-    /// What used materials have and is not shown: a list for a message.
+    /// The features of used materials that are not shown, as a list for a message.
     pub(super) fn unused(&self) -> Vec<String> {
         let of = |(what, count): (&&str, &usize)| format!("{what} ({count} materials)");
         self.unused.iter().map(of).collect()
     }
 
-    /// A texture's image as the file has it, and what it is known by.
+    /// A texture's image as the file has it, and its key.
     fn image_of(
         &mut self,
         info: &TextureInfo,
@@ -245,7 +244,7 @@ impl<'m, 'd> Materials<'m, 'd> {
         Ok(image.map(|image| (image, (source, wrap))))
     }
 
-    /// An image times a material's colour.
+    /// An image multiplied by a material's colour.
     fn tinted(
         &mut self,
         image: Arc<Texture>,
@@ -275,8 +274,7 @@ impl<'m, 'd> Materials<'m, 'd> {
         Ok(Some(tinted))
     }
 
-    /// What a sampler says that an image shows beyond its sides, by OpenGL's numbers; it is repeated where
-    /// none says anything.
+    /// The wrapping of a sampler, by OpenGL's numbers; repeating by default.
     fn wrap(&mut self, sampler: Option<u32>, place: &str) -> Result<[Wrap; 2], FormatError> {
         let Some(index) = sampler else {
             return Ok([Wrap::Repeat; 2]);
@@ -302,7 +300,7 @@ impl<'m, 'd> Materials<'m, 'd> {
         Ok([wrap(sampler.wrap_s), wrap(sampler.wrap_t)])
     }
 
-    /// An image; in one line why there is none.
+    /// An image, or one line that says why it cannot be read.
     fn image(&self, index: u32) -> Result<Texture, String> {
         let data = self.data;
         let place = format!("images[{index}]");
@@ -339,7 +337,7 @@ pub(super) fn color([r, g, b, _]: [f64; 4]) -> Color {
     Color([r, g, b].map(|channel| tables.encode(channel as f32)))
 }
 
-/// How much of a material's surface is there: its alpha is the base colour's, of factor and image.
+/// A material's opacity. Its alpha is that of the base colour's factor and image.
 fn opacity(
     material: &MaterialJson,
     [_, _, _, factor]: [f64; 4],
@@ -360,8 +358,8 @@ fn opacity(
     }
 }
 
-/// An image times a factor, in linear light. It is opaque: alpha is the material's, and what is translucent may be
-/// any colour.
+/// An image multiplied by a factor in linear light. The result is opaque: alpha belongs to the material, and
+/// translucent texels may have any colour.
 fn tint(image: &Texture, factor: [f64; 3]) -> Option<Texture> {
     let tables = srgb::tables();
     let levels = factor.map(|factor| {
@@ -379,18 +377,18 @@ fn tint(image: &Texture, factor: [f64; 3]) -> Option<Texture> {
     Some(tinted.wrapped(image.wrap()))
 }
 
-/// How a texture's coordinates are moved (`KHR_texture_transform`), and turned upright: glTF's origin is
-/// the image's top left, a scene's its bottom left.
+/// The transform of a texture's coordinates (`KHR_texture_transform`), and the flip of v: glTF's origin is the
+/// image's top left, a scene's is its bottom left.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Coordinates {
     offset: DVec2,
-    /// Sine and cosine.
+    /// Sine and cosine of the rotation.
     turn: (f64, f64),
     scale: DVec2,
 }
 
 impl Coordinates {
-    /// As they are, turned upright.
+    /// No transform except the flip.
     pub(super) const PLAIN: Self = Self {
         offset: DVec2::ZERO,
         turn: (0.0, 1.0),
@@ -414,7 +412,7 @@ impl Coordinates {
         }
     }
 
-    /// Which of a mesh's sets of coordinates a texture goes by.
+    /// The index of the coordinate set that a texture uses.
     pub(super) fn set(info: &TextureInfo) -> u32 {
         let moved = info.extensions.transform.as_ref();
         moved
@@ -431,7 +429,7 @@ impl Coordinates {
         [offset.x, offset.y, *sin, *cos, scale.x, scale.y].map(f64::to_bits)
     }
 
-    /// Scaled, turned counter-clockwise as seen (v points down there), moved.
+    /// Scaled, rotated counter-clockwise as seen (v points down in glTF), translated, flipped.
     pub(super) fn apply(&self, [u, v]: [f64; 2]) -> Vec2 {
         let (sin, cos) = self.turn;
         let (u, v) = (u * self.scale.x, v * self.scale.y);

@@ -13,20 +13,20 @@ use std::mem::size_of;
 /// No index.
 const NONE: u32 = u32::MAX;
 
-/// What a file's meshes have and is not shown.
+/// Counts of what a file's meshes have and is not shown.
 #[derive(Debug, Default)]
 pub(super) struct Skipped {
     /// Primitives of points or lines.
     pub(super) points_and_lines: usize,
     /// Primitives without positions.
     pub(super) empty: usize,
-    /// Corners behind the last whole triangle.
+    /// Corners after the last whole triangle.
     pub(super) loose_corners: usize,
     /// Meshes with morph targets.
     pub(super) morphs: usize,
 }
 
-/// What decides a primitive's vertices: those that agree in all of it are stored once.
+/// The accessors of a primitive's vertices: primitives that agree in all of them share stored vertices.
 #[derive(PartialEq, Eq, Hash)]
 struct Key {
     positions: u32,
@@ -45,7 +45,7 @@ struct Builder<'b, 'm, 'd> {
     normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
     firsts: HashMap<Key, u32>,
-    /// Numbers in the mesh by those in the file, and whether vertices have colours.
+    /// Material numbers in the mesh by those in the file, and by whether vertices have colours.
     numbers: HashMap<(u32, bool), u32>,
 }
 
@@ -103,7 +103,7 @@ impl Builder<'_, '_, '_> {
         };
         let named = |name: &str| primitive.attributes.get(name).copied();
         let coordinates = base.and_then(|base| base.placed).map_or_else(
-            // Without a texture they are there to be shown themselves.
+            // Without a texture the coordinates are kept for being shown themselves.
             || named("TEXCOORD_0").map(|uvs| (uvs, Coordinates::PLAIN)),
             |info| {
                 let name = format!("TEXCOORD_{}", Coordinates::set(info));
@@ -148,7 +148,7 @@ impl Builder<'_, '_, '_> {
                 self.mesh.triangles.extend(whole);
             }
             5 => {
-                // Every other one is turned, so that all face one way.
+                // Every second triangle is reversed, so that all have one orientation.
                 let strip = corners.windows(3).enumerate().map(|(at, c)| match at % 2 {
                     0 => triangle([c[0], c[1], c[2]]),
                     _ => triangle([c[0], c[2], c[1]]),
@@ -169,9 +169,9 @@ impl Builder<'_, '_, '_> {
         Ok(())
     }
 
-    /// Takes what the lists hold, and will with so many triangles, from the budget.
+    /// Counts the lists' memory against the budget, as it will be with so many more triangles.
     fn count(&mut self, triangles: usize) -> Result<(), FormatError> {
-        // A triangle: its corners in the file's list, in ours, of its attributes, and its material.
+        // For a triangle: its corners in the file's list, in the mesh's, and of its attributes, and its material.
         let triangle = 3 * size_of::<[u32; 3]>() + size_of::<u32>();
         let vertex =
             size_of::<DVec3>() + size_of::<Vec3>() + size_of::<Vec2>() + size_of::<Option<Color>>();
@@ -179,7 +179,7 @@ impl Builder<'_, '_, '_> {
         self.share.grow(self.data.path, "the mesh", bytes as u64)
     }
 
-    /// The first of a primitive's vertices, and how many they are.
+    /// The first vertex of a primitive, and the number of its vertices.
     fn vertices(
         &mut self,
         place: &str,
@@ -191,7 +191,7 @@ impl Builder<'_, '_, '_> {
     ) -> Result<(u32, u32), FormatError> {
         let data = self.data;
         let found = data.accessor(positions, place, &["VEC3"])?;
-        // An image has the factor already, and is multiplied by the colours of vertices.
+        // An image contains the factor already, and is multiplied by vertex colours.
         let untextured = base.filter(|base| base.texture.is_none() || uvs.is_none());
         let [r, g, b, _] = untextured.map_or([1.0; 4], |base| base.factor);
         let key = Key {
@@ -270,8 +270,7 @@ impl Builder<'_, '_, '_> {
         Ok((first as u32, count as u32))
     }
 
-    /// The application's own attributes of a number a vertex, by name: the standard has theirs begin with an
-    /// underscore.
+    /// The application's own scalar attributes, by name; the standard reserves a leading underscore for them.
     fn scalars(&self, primitive: &Primitive) -> Vec<(String, u32)> {
         let is_number = |index: u32| {
             let accessor = self.data.root.accessors.get(index as usize);
@@ -282,7 +281,7 @@ impl Builder<'_, '_, '_> {
         own.map(|(name, index)| (name.clone(), *index)).collect()
     }
 
-    /// A primitive's indices, each of a vertex that there is.
+    /// A primitive's indices, checked against the number of vertices.
     fn corners(&self, place: &str, index: u32, count: u32) -> Result<Vec<u32>, FormatError> {
         let data = self.data;
         let place = format!("{place}.indices");
@@ -303,7 +302,7 @@ impl Builder<'_, '_, '_> {
         }
     }
 
-    /// A material's number in the mesh.
+    /// The number of a material in the mesh.
     fn material(
         &mut self,
         index: u32,
@@ -316,7 +315,7 @@ impl Builder<'_, '_, '_> {
         let material = self.materials.material(index, has_coordinates, by_vertex)?;
         let number = self.mesh.materials.len() as u32;
         self.mesh.materials.push(material);
-        // One without coordinates may be used again with some.
+        // A material without coordinates may be used again with some.
         if has_coordinates {
             self.numbers.insert((index, by_vertex), number);
         }
@@ -346,7 +345,7 @@ impl Builder<'_, '_, '_> {
     }
 }
 
-/// Values of vertices, by the triangles' own indices where all are good; a triangle with one that is not
+/// Values of vertices. If all are valid they use the triangles' indices; otherwise a triangle with an invalid value
 /// has none.
 fn attribute<T>(
     values: Vec<T>,

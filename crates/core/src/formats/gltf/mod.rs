@@ -1,7 +1,7 @@
-//! glTF 2.0, as JSON or as a GLB.
+//! glTF 2.0, as JSON or as GLB.
 //!
-//! Every number that names something, and every offset, stride and count, is checked against what is there
-//! before it is used: accessors are read here, since libraries refuse `KHR_mesh_quantization`.
+//! Every index, offset, stride and count is checked before use. Accessors are read here because libraries refuse
+//! `KHR_mesh_quantization`.
 
 mod data;
 mod json;
@@ -29,7 +29,7 @@ use std::path::Path;
 #[cfg(test)]
 mod tests;
 
-/// Extensions that what is shown needs nothing of, or that are read.
+/// Extensions that do not affect what is shown, or that are supported.
 const KNOWN: [&str; 6] = [
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
@@ -39,7 +39,7 @@ const KNOWN: [&str; 6] = [
     "KHR_xmp_json_ld",
 ];
 
-/// Extensions of which all is shown that there is.
+/// Extensions that are supported completely.
 const READ: [&str; 5] = [
     "KHR_materials_emissive_strength",
     "KHR_materials_pbrSpecularGlossiness",
@@ -50,7 +50,7 @@ const READ: [&str; 5] = [
 
 /// Reads a glTF file or a GLB, and through `files` its buffers and images.
 ///
-/// Meshes are in their own spaces. Skins and morphs are as they are at rest, in the place of their node.
+/// Meshes are in their own spaces. Skinned and morphed meshes are in their rest pose, placed by their node.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
@@ -65,6 +65,7 @@ pub(super) fn read(
     let (root, _share) = json::parse(path, json, is_binary, files.budget())?;
     check_version(path, &root)?;
     let data = Data::new(path, &root, binary, files);
+    data.name_files();
     let mesh_nodes = nodes::mesh_nodes(&data)?;
     let mut materials = Materials::new(&data);
     let mut skipped = Skipped::default();
@@ -102,7 +103,7 @@ pub(super) fn read(
     Ok(placed)
 }
 
-/// What is not shown, or not as the file has it: a line a kind.
+/// Warnings about features that are not shown, or not as the file has them.
 fn warnings(path: &Path, nodes: &[MeshNode<'_>], skipped: &Skipped, blended: usize) -> Vec<String> {
     let path = quote::path(path);
     let skinned = nodes.iter().filter(|node| node.node.skin.is_some()).count();
@@ -132,7 +133,7 @@ fn warnings(path: &Path, nodes: &[MeshNode<'_>], skipped: &Skipped, blended: usi
         .collect()
 }
 
-/// What the file says of itself, and what is there and not used.
+/// Notes about the file's metadata, and about unused contents.
 fn notes(root: &Root<'_>, materials: &Materials<'_, '_>) -> Vec<String> {
     let mut unused = materials.unused();
     let lists = [
@@ -142,7 +143,7 @@ fn notes(root: &Root<'_>, materials: &Materials<'_, '_>) -> Vec<String> {
     ];
     let lists = lists.iter().filter(|(count, _)| *count > 0);
     unused.extend(lists.map(|(count, what)| format!("{what} ({count})")));
-    /// How many extensions are listed by name.
+    /// The most extensions that a message lists by name.
     const NAMED: usize = 8;
     let unread = |name: &&String| !READ.contains(&name.as_str());
     let extensions: Vec<&String> = root.extensions_used.iter().filter(unread).collect();
@@ -157,13 +158,13 @@ fn notes(root: &Root<'_>, materials: &Materials<'_, '_>) -> Vec<String> {
     notes
 }
 
-/// What an object is called: as its node, its mesh, or the file.
+/// An object's name: that of its node, its mesh, or the file.
 fn name(path: &Path, root: &Root<'_>, node: &MeshNode<'_>, number: usize, count: usize) -> String {
     let mesh = root.meshes.get(node.mesh as usize);
     let given = node.node.name.as_ref();
     let given = given.or_else(|| mesh.and_then(|mesh| mesh.name.as_ref()));
     match given.filter(|name| !name.is_empty()) {
-        // Names are shown in lists: what is longer than any is cut.
+        // Lists show names, so overlong ones are cut.
         Some(name) => name.chars().take(200).collect(),
         None => {
             let file = path.file_stem().unwrap_or_default().to_string_lossy();
@@ -176,14 +177,14 @@ fn name(path: &Path, root: &Root<'_>, node: &MeshNode<'_>, number: usize, count:
 }
 
 /// # Errors
-/// Another version than 2; extensions that the file cannot be shown without, by name.
+/// Another version than 2; unsupported extensions that the file requires, by name.
 fn check_version(path: &Path, root: &Root<'_>) -> Result<(), FormatError> {
     let version = &root.asset.version;
     if version != "2" && !version.starts_with("2.") {
         let found = quote(version);
         return Err(FormatError::unexpected(path, None, "glTF version 2", found));
     }
-    // What tells of materials changes how a surface looks, and not what there is.
+    // Extensions about materials change how a surface looks, but not its shape.
     let is_known =
         |name: &String| KNOWN.contains(&name.as_str()) || name.starts_with("KHR_materials_");
     let mut unknown = root
@@ -210,7 +211,7 @@ fn check_version(path: &Path, root: &Root<'_>) -> Result<(), FormatError> {
     Err(FormatError::unexpected(path, None, expected, found))
 }
 
-/// A chunk's kind, its bytes, and where the next one begins.
+/// A chunk's type, its bytes, and the offset of the next chunk.
 type Chunk<'b> = (&'b [u8], &'b [u8], usize);
 
 /// A GLB's JSON, and its binary chunk.

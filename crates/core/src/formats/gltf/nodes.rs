@@ -1,4 +1,4 @@
-//! A glTF file's tree of nodes, walked depth first.
+//! A glTF file's node tree, depth first.
 
 use super::data::Data;
 use super::json::Node;
@@ -6,7 +6,7 @@ use crate::formats::error::FormatError;
 use crate::formats::placed::NODE_LIMIT;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
-/// A node that has a mesh.
+/// A node with a mesh.
 #[derive(Debug)]
 pub(super) struct MeshNode<'d> {
     pub(super) node: &'d Node,
@@ -15,11 +15,11 @@ pub(super) struct MeshNode<'d> {
     pub(super) world_from_node: DAffine3,
 }
 
-/// The mesh nodes of the scene that the file shows, depth first; all nodes' where it has no scene.
+/// The mesh nodes of the file's default scene, depth first; of all nodes where it has no scene.
 ///
 /// # Errors
-/// A node with two parents, or below itself; one that is not there; a place that is not an affine map
-/// of finite numbers.
+/// A node with two parents, or that is its own descendant; an index out of range; a transform that is not an affine
+/// map of finite numbers.
 pub(super) fn mesh_nodes<'d>(data: &Data<'d>) -> Result<Vec<MeshNode<'d>>, FormatError> {
     let nodes = &data.root.nodes;
     let mut has_parent = vec![false; nodes.len()];

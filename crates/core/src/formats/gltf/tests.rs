@@ -9,7 +9,7 @@ use glam::{DVec3, Vec2, Vec3};
 use std::path::Path;
 use std::sync::Arc;
 
-/// The numbers 0 to 3 as indices, then a square's corners, then what a test adds.
+/// The numbers 0 to 3 as indices, a square's corners, and bytes that a test adds.
 fn buffer(more: &[u8]) -> Vec<u8> {
     let corners: [f32; 12] = [0., 0., 0., 1., 0., 0., 1., 1., 0., 0., 1., 0.];
     let mut bytes = vec![0, 1, 2, 3];
@@ -37,7 +37,7 @@ fn gltf(more: &[u8], accessors: &str, rest: &str) -> String {
     )
 }
 
-/// One node of one mesh with these primitives.
+/// A node with a mesh of these primitives.
 fn primitives(list: &str) -> String {
     format!(r#""nodes": [{{"mesh": 0}}], "meshes": [{{"primitives": [{list}]}}]"#)
 }
@@ -69,7 +69,7 @@ fn mesh(file: &SceneFile) -> &Mesh {
 
 #[test]
 fn own_attributes_of_one_number_are_scalars() {
-    // Four numbers as floats, and as normalised bytes; and four pairs, which are no numbers.
+    // Four numbers as floats, and as normalised bytes; and four pairs, which are no scalars.
     let floats: [f32; 4] = [0.5, -1.0, 1e30, 7.0];
     let mut more: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).collect();
     more.extend([0, 51, 102, 255]);
@@ -285,7 +285,7 @@ fn nodes_are_objects_depth_first_and_share_their_meshes() {
         ]
     );
 
-    // Saved, each object names its node, and comes back in its place to the last bit.
+    // In a saved scene each object names its node, and is placed by it to the last bit.
     let saved = file.to_toml(Path::new("")).expect("it can be saved");
     let files = |_: &str| Some(text.clone().into_bytes());
     let again = read_scene_from(&saved, &files).expect("a good scene");
@@ -296,7 +296,7 @@ fn nodes_are_objects_depth_first_and_share_their_meshes() {
     ));
     assert_eq!(again.to_toml(Path::new("")).ok(), Some(saved));
 
-    // A table that names the file stands for all of it, moved; one that names a node, for its mesh.
+    // A table that names the file stands for all of its objects, transformed; one that names a node, for that object.
     let scene = "[[object]]\nname = \"all\"\nmesh = \"a.gltf\"\ntranslate = [0, 0, 1]\ncolor = \"#102030\"\n\
         [[object]]\nname = \"one\"\nmesh = \"a.gltf\"\nnode = 1\n\
         [[object]]\nmesh = \"a.gltf\"\nnode = 0\nparent = \"one\"\n";
@@ -339,7 +339,7 @@ fn nodes_are_objects_depth_first_and_share_their_meshes() {
     );
 }
 
-/// Two triangles with coordinates, of the materials given.
+/// Two triangles with coordinates and these materials.
 fn reflecting(materials: &str) -> (Arc<Mesh>, Vec<String>) {
     let uvs = [0f32, 0., 1., 0., 1., 1., 0., 0.25];
     let more: Vec<u8> = uvs.iter().flat_map(|x| x.to_le_bytes()).collect();
@@ -357,7 +357,7 @@ fn reflecting(materials: &str) -> (Arc<Mesh>, Vec<String>) {
 }
 
 #[test]
-fn materials_say_how_they_reflect_light_and_what_is_not_shown_is_counted() {
+fn reflectances_are_read_and_unsupported_features_are_counted() {
     let (mesh, notes) = reflecting(
         r#"{"pbrMetallicRoughness": {"metallicFactor": 0.25, "roughnessFactor": 7,
     "metallicRoughnessTexture": {"index": 0}}, "normalTexture": {"index": 0}, "occlusionTexture": {"index": 0},
@@ -437,7 +437,7 @@ fn colours_are_those_of_factors_vertices_and_images() {
         assert_eq!(file.warnings.len(), 1, "{:?}", file.warnings);
     }
     assert_eq!(image.wrap(), [Wrap::Clamp, Wrap::Mirror]);
-    // (u, v) scaled by (2, 1), turned by a quarter to (v, −u), moved by (0.5, 0), and upright.
+    // (u, v) scaled by (2, 1), rotated by a quarter to (v, −u), translated by (0.5, 0), and flipped.
     let uvs = object.mesh.corner_uvs(2).expect("coordinates");
     let expected = [(0.5, 1.0), (0.5, 3.0), (1.5, 3.0)].map(|(u, v)| Vec2::new(u, v));
     for (found, expected) in uvs.iter().zip(expected) {
@@ -691,7 +691,7 @@ fn a_binary_file_is_the_same_file() {
         let error = try_read(&bad).expect_err(message);
         assert!(error.contains(message), "{error}");
     }
-    // Cut anywhere, it is refused, and nothing worse.
+    // Truncated anywhere, it is refused without a panic.
     for end in 0..bytes.len() {
         assert!(try_read(&bytes[..end]).is_err(), "{end} bytes");
     }
@@ -705,7 +705,7 @@ fn deep_nests_take_no_stack() {
         let error = try_read(text.as_bytes()).expect_err("a deep nest");
         assert!(error.contains("no node with a mesh"), "{error}");
     }
-    // A chain of nodes is as deep as it likes.
+    // A chain of nodes may be arbitrarily deep.
     let count = 100_000;
     let nodes: Vec<String> = (1..count)
         .map(|child| format!("{{\"children\": [{child}]}}"))

@@ -1,4 +1,4 @@
-//! What the lines of an OBJ file say.
+//! The contents of an OBJ file's lines.
 
 use crate::formats::polygon::Polygon;
 use crate::scene::Color;
@@ -7,63 +7,63 @@ use glam::{DVec3, Vec2, Vec3};
 /// No index: a corner without texture coordinates or normal.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// What the lines of an OBJ file say, checked.
+/// The contents of an OBJ file's lines, checked.
 #[derive(Debug, Default)]
 pub(super) struct ObjText {
     /// Every `v`, in the file's order.
     pub(super) positions: Vec<DVec3>,
-    /// A colour a vertex, `None` where it has none; empty where none has.
+    /// A colour a vertex, `None` without one; empty where no vertex has one.
     pub(super) colors: Vec<Option<Color>>,
     /// Every `vt`.
     pub(super) uvs: Vec<Vec2>,
-    /// Every `vn`, of unit length; zero where it has no direction.
+    /// Every `vn`, of unit length; zero where it has length zero.
     pub(super) normals: Vec<Vec3>,
     /// The faces' triangles, in the file's order, as fans.
     pub(super) triangles: Vec<[u32; 3]>,
-    /// Texture coordinates at the corners of as many triangles, from the first on, as it takes to
-    /// have all that are not [`NONE`]. Indices may be of none that is there.
+    /// Texture coordinate indices at the corners of triangles, from the first triangle to the last one that has any;
+    /// [`NONE`] where it has none. Indices may be out of range.
     pub(super) uv_triangles: Vec<[u32; 3]>,
-    /// Normals at corners, likewise.
+    /// Normal indices, in the same way.
     pub(super) normal_triangles: Vec<[u32; 3]>,
-    /// The faces of more than three corners.
+    /// Faces of more than three corners.
     pub(super) polygons: Vec<Polygon>,
-    /// What stands behind `mtllib`, line by line.
+    /// The text after each `mtllib`.
     pub(super) libraries: Vec<String>,
-    /// The names behind `usemtl`, each once.
+    /// The names after `usemtl`, each once.
     pub(super) materials: Vec<String>,
-    /// From which triangle on there is another material, by index of its name; [`NONE`] for none.
+    /// Runs of triangles: the first triangle, and the index of its material's name; [`NONE`] for no material.
     pub(super) material_runs: Vec<(u32, u32)>,
-    /// The line of the last face, where the file ends in it with no line end behind.
+    /// The line of the last face, where the file ends with it, without a line end.
     pub(super) open_end: Option<usize>,
-    /// What is odd, and how often.
+    /// Oddities, counted.
     pub(super) oddities: Oddities,
 }
 
-/// What is not as it should be and does not matter enough to stop, counted.
+/// Counts of faults that are too small to refuse the file.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Oddities {
-    /// Faces that name texture coordinates or normals of which the file has none at all.
+    /// Faces with indices of texture coordinates or normals in a file that has none.
     pub(super) dangling: usize,
     /// Vertices with a weight that is not 1.
     pub(super) weights: usize,
-    /// Vertices with values behind the colour.
+    /// Vertices with values after the colour.
     pub(super) extra_values: usize,
-    /// Vertices with a colour that is not from 0 to 1.
+    /// Vertices with a colour outside 0 to 1.
     pub(super) colors_out_of_range: usize,
 }
 
-/// Vertices, texture coordinates and normals: how many, or which.
+/// Numbers or indices of vertices, texture coordinates and normals.
 pub(super) type Counts = [i64; 3];
 
-/// Whether a face has an index beyond what the file has. Of texture coordinates and normals there may be none
-/// at all: then faces do without.
+/// Whether an index is out of range. A file may lack texture coordinates or normals altogether: its faces then ignore
+/// those indices.
 pub(super) fn is_beyond(highest: Counts, totals: Counts) -> bool {
     (0..3).any(|kind| totals[kind] > 0 && highest[kind] > totals[kind]) || highest[0] > totals[0]
 }
 
 impl ObjText {
-    /// Counts the faces that ask for texture coordinates or normals in a file that has none, of those with
-    /// texture coordinates alone, normals alone, both.
+    /// Counts the faces with indices of texture coordinates or normals that the file lacks altogether, from the
+    /// numbers of faces with texture coordinates only, with normals only, and with both.
     pub(super) fn count_dangling(&mut self, [uvs, normals, both]: [usize; 3]) {
         let no_uvs = self.uvs.is_empty();
         let no_normals = self.normals.is_empty();

@@ -20,22 +20,22 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What an OBJ file holds.
+/// An OBJ file.
 #[derive(Debug)]
 pub(super) struct Obj {
     pub(super) mesh: MeshData,
-    /// The one image that the materials of all its faces name.
+    /// The image, if the materials of all faces name the same one.
     pub(super) texture: Option<PathBuf>,
-    /// What its material libraries have and is not shown.
+    /// Contents of its material libraries that are not shown.
     pub(super) notes: Vec<String>,
-    /// What was not as it should be, and did not matter enough to stop.
+    /// Faults that are too small to refuse the file.
     pub(super) warnings: Vec<String>,
 }
 
 /// Reads an OBJ file, and through `files` its material libraries.
 ///
-/// Triangles are in the file's order of faces; groups and materials do not change that. Positions
-/// are the file's, those of no face too, and keep their own indices.
+/// Triangles are in the file's order of faces, regardless of groups and materials. Positions are those of the file,
+/// including unused ones, and keep their indices.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
@@ -107,10 +107,10 @@ pub(super) fn read(
     })
 }
 
-/// The materials of a file's libraries, each with the library that has it.
+/// The materials of a file's libraries, each with the path of its library.
 type Materials = Vec<(MtlMaterial, PathBuf)>;
 
-/// A line about what is not shown, if anything is not.
+/// A note about contents that are not shown, if there are any.
 fn notes(unused: &Unused) -> Vec<String> {
     let of = |(word, count): (&String, &usize)| format!("{} ({count} materials)", quote(word));
     let words: Vec<String> = unused.iter().map(of).collect();
@@ -120,7 +120,7 @@ fn notes(unused: &Unused) -> Vec<String> {
     }
 }
 
-/// The number of each name. Of materials with one name the last one counts.
+/// The index of each name. Of materials with the same name the last one counts.
 fn number_of(materials: &Materials) -> HashMap<&str, u32> {
     materials
         .iter()
@@ -129,12 +129,12 @@ fn number_of(materials: &Materials) -> HashMap<&str, u32> {
         .collect()
 }
 
-/// A warning where many vertices are in no face: the file may have lost its end.
+/// A warning where many vertices are in no face: the file may be truncated.
 ///
 /// # Errors
-/// The same where the file ends in a face with no line end behind it too: then it has.
+/// The same, where the file also ends in a face without a line end: then it is truncated.
 fn loose_vertices(path: &Path, text: &ObjText) -> Result<Option<String>, FormatError> {
-    // Whole files have loose vertices too, the Stanford bunny 3 in 100; but hardly 5.
+    // Complete files have unused vertices, too: the Stanford bunny 3 in 100; but hardly 5.
     const FEWEST: usize = 16;
     let vertices = text.positions.len();
     let mut is_used = vec![false; vertices];
@@ -162,7 +162,7 @@ fn loose_vertices(path: &Path, text: &ObjText) -> Result<Option<String>, FormatE
     Ok(Some(format!("{path}: {what}: is it cut short?")))
 }
 
-/// A warning for each kind of oddity that the file has.
+/// A warning for each type of oddity in the file.
 fn odd_lines(path: &Path, oddities: &Oddities) -> Vec<String> {
     let Oddities {
         dangling,
@@ -195,7 +195,7 @@ fn odd_lines(path: &Path, oddities: &Oddities) -> Vec<String> {
         .collect()
 }
 
-/// The materials that the file's libraries have; the image that those of all its faces name.
+/// The materials of the file's libraries; and the image, if those of all faces name the same one.
 fn materials(
     path: &Path,
     text: &ObjText,
@@ -205,6 +205,9 @@ fn materials(
 ) -> (Materials, Option<PathBuf>) {
     let mut materials = Materials::new();
     for (library, bytes) in libraries(path, &text.libraries, files, warnings) {
+        for image in mtl::images(&bytes) {
+            files.name(&beside(&library, &image));
+        }
         let read = mtl::read(&library, &bytes, warnings, unused);
         materials.extend(read.into_iter().map(|material| (material, library.clone())));
     }
@@ -249,8 +252,8 @@ fn materials(
     (materials, texture)
 }
 
-/// Reads the images of opacity that the used materials name. One that does not say how opaque the rest of it is, is a
-/// mask; elsewhere the image's alpha is a part of the blended one.
+/// Reads the opacity images of the used materials. A material whose library gives no other opacity becomes a mask;
+/// otherwise the image's alpha is part of its blending.
 fn masks(
     path: &Path,
     materials: &mut Materials,
@@ -298,7 +301,7 @@ fn masks(
     }
 }
 
-/// An image of opacity: its alpha where it has any, else its red channel, which is its grey.
+/// The alpha of an opacity image: its alpha channel if it has one, else its red channel, which is its grey.
 fn as_alpha(path: &Path, image: Texture, budget: &Budget) -> Result<Texture, FormatError> {
     let texels = image.texels();
     if texels.iter().any(|texel| texel[3] < u8::MAX) {
@@ -309,7 +312,7 @@ fn as_alpha(path: &Path, image: Texture, budget: &Budget) -> Result<Texture, For
     Ok(Texture::new(image.width(), image.height(), texels).unwrap_or(image))
 }
 
-/// The index of a material's name for every triangle.
+/// The index of the material's name of every triangle.
 fn spread(text: &ObjText) -> Vec<u32> {
     let mut names = vec![NONE; text.triangles.len()];
     for (index, &(first, name)) in text.material_runs.iter().enumerate() {
@@ -320,11 +323,10 @@ fn spread(text: &ObjText) -> Vec<u32> {
     names
 }
 
-/// The most material libraries that a mesh's lines may name: each costs a look at the disk.
+/// The most material libraries that a mesh may name: each costs a file access.
 const LIBRARY_LIMIT: usize = 1000;
 
-/// The bytes of the libraries behind `mtllib`: each line is one name, which may hold spaces, or
-/// several.
+/// The bytes of the libraries after `mtllib`: each line is one name, which may contain spaces, or several names.
 fn libraries<'f>(
     path: &Path,
     lines: &[String],
@@ -341,6 +343,7 @@ fn libraries<'f>(
         }
         let library = beside(path, name);
         if found.iter().all(|(known, _)| *known != library) {
+            files.name(&library);
             let bytes = files.read(&library, By::Mesh(path), &|_| ())?;
             found.push((library, bytes));
         }
@@ -368,8 +371,8 @@ fn libraries<'f>(
     found
 }
 
-/// Values at corners. A triangle that has none, or one that is not good, has no indices; `None`
-/// where that is every triangle.
+/// Values at corners. A triangle without values, or with an invalid one, has no indices; `None` where that is every
+/// triangle.
 fn attribute<T>(
     values: Vec<T>,
     mut indices: Vec<[u32; 3]>,
@@ -490,7 +493,7 @@ mod tests {
     }
 
     #[test]
-    fn goes_without_what_is_missing() {
+    fn missing_attributes_are_left_out() {
         let obj =
             parse("mtllib no.mtl\nusemtl x\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1/1 2/2/2 3/3/3\n");
         assert!(obj.mesh.materials.is_empty() && obj.mesh.uvs.is_none());
@@ -617,7 +620,7 @@ mod tests {
     #[test]
     fn a_cut_file_is_an_error_or_whole_faces() {
         let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\nf 3//1 2//1 1//1";
-        // Where the cut may not show: a face is whole, or ends in another number that is one too.
+        // A truncation that cannot be noticed: after a complete face, or where a shortened number is still valid.
         for end in 0..text.len() {
             match parse_bytes(&text.as_bytes()[..end]) {
                 Ok(obj) => {
@@ -652,7 +655,7 @@ mod tests {
         );
     }
 
-    /// No input may bring a panic, here or in `tobj`, or an index that the mesh does not have.
+    /// No input causes a panic, here or in `tobj`, or an index out of range.
     #[test]
     fn damaged_files_never_panic() {
         let good = b"mtllib a.mtl\nv 0 0 0\nv 1 0 0 1\nv 0 1 0 1 0 0\nvt 0 0\nvt 1 0\nvn 0 0 1\n\

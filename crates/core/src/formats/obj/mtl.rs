@@ -1,27 +1,28 @@
-use crate::formats::lines::{Lines, text};
+use crate::formats::lines::{Line, Lines, text};
 use crate::quote::{self, quote, shorten};
 use crate::scene::{Alpha, Color, Material, Opacity, Reflectance};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-/// A material, and what else its library says of it.
+/// A material, with properties that only OBJ has.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MtlMaterial {
     pub(super) material: Material,
-    /// The image for its diffuse colour, as the library names it.
+    /// The path of its diffuse image, as the library writes it.
     pub(super) texture: Option<String>,
-    /// The image for its opacity.
+    /// The path of its opacity image.
     pub(super) opacity: Option<String>,
 }
 
-/// What a library has and is not shown: keywords, and how many materials have each.
+/// Keywords of a library that are not shown, and the number of materials with each.
 pub(super) type Unused = BTreeMap<String, usize>;
 
-/// How many keywords are listed by name.
+/// The most keywords that are listed by name.
 const NAMED: usize = 12;
 
-/// Reads a material library. What cannot be read is left out, and listed in `warnings`; what is not shown is counted.
+/// Reads a material library. Faulty lines are skipped and listed in `warnings`; properties that are not shown are
+/// counted.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
@@ -29,8 +30,8 @@ pub(super) fn read(
     unused: &mut Unused,
 ) -> Vec<MtlMaterial> {
     let text = text(bytes);
-    // `tobj` may panic on short colours and gives up at the first fault: it gets what is used here,
-    // checked.
+    // `tobj` may panic on short colours and gives up at the first fault, so it gets only the lines that are used,
+    // after checking them.
     let mut clean = String::new();
     let mut looks: Vec<Look> = Vec::new();
     for line in Lines::of(&text) {
@@ -75,10 +76,10 @@ pub(super) fn read(
                     warn(&format!("one or three numbers behind `{keyword}`"));
                 }
             }
-            // Ambient light, transmission of none, and the model of light: what is shown has no use for them.
+            // Ambient colour, index of refraction, illumination model and the like do not affect what is shown.
             "" | "Ka" | "Ni" | "illum" | "sharpness" | "Tf" => {}
             _ if keyword.starts_with('#') => {}
-            // A file's words are anything: few and short ones are kept.
+            // A damaged file may contain any words: only a few short ones are kept.
             _ if unused.contains_key(keyword) || unused.len() < NAMED => {
                 *unused.entry(shorten(keyword)).or_default() += 1;
             }
@@ -99,11 +100,24 @@ pub(super) fn read(
     }
 }
 
-/// What a library says of how a material reflects light.
+/// The images that a library names, those too that are not shown.
+pub(super) fn images(bytes: &[u8]) -> Vec<String> {
+    let text = text(bytes);
+    let of = |line: Line<'_>| {
+        let (keyword, rest) = line.text.trim().split_once(char::is_whitespace)?;
+        let keyword = keyword.to_ascii_lowercase();
+        let is_image = keyword.starts_with("map_")
+            || ["bump", "disp", "decal", "norm", "refl"].contains(&&*keyword);
+        image_name(rest).filter(|_| is_image).map(str::to_owned)
+    };
+    Lines::of(&text).filter_map(of).collect()
+}
+
+/// The library's parameters of reflection.
 #[derive(Clone, Debug, Default)]
 struct Look {
     specular: Option<[f64; 3]>,
-    /// Phong's.
+    /// Phong's exponent.
     exponent: Option<f64>,
     emission: [f64; 3],
     metallic: Option<f64>,
@@ -111,9 +125,9 @@ struct Look {
 }
 
 impl Look {
-    /// Where the library says anything: the metallic share is `Pm`, else 0. The roughness is `Pr`; else that whose
-    /// GGX lobe is as wide as Phong's, α² = 2 / (Ns + 2) (Walter, Marschner, Li, Torrance, 2007), where `Ks` is not
-    /// black; else 1.
+    /// `None` where the library says nothing. Metallic is `Pm`, else 0. The roughness is `Pr`; else, where `Ks` is
+    /// not black, the roughness whose GGX lobe is as wide as Phong's, α² = 2 / (Ns + 2) (Walter, Marschner, Li,
+    /// Torrance, 2007); else 1.
     fn reflectance(&self) -> Option<Reflectance> {
         let Self {
             specular,
@@ -128,7 +142,7 @@ impl Look {
         }
         let shines = specular.is_none_or(|color| color.iter().any(|channel| *channel > 0.0));
         let of_exponent = exponent.filter(|_| shines).map(|exponent| {
-            // α is the roughness' square.
+            // α is the square of the roughness.
             (2.0 / (exponent.max(0.0) + 2.0)).sqrt().sqrt()
         });
         let usual = Reflectance::default();
@@ -143,14 +157,14 @@ impl Look {
     }
 }
 
-/// As of glTF's materials: far beyond any picture.
+/// As in glTF: far beyond any picture.
 const BRIGHTEST: f64 = 1e30;
 
 fn convert(material: tobj::Material, look: Look) -> MtlMaterial {
     let color = material.diffuse.map_or(Color::DEFAULT, |diffuse| {
         Color(diffuse.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8))
     });
-    // `Tr` is one less `d`, which goes before it.
+    // `Tr` is 1 − `d`; `d` takes precedence.
     let transparency = material.unknown_param.get("Tr");
     let transparency = transparency.and_then(|text| text.parse::<f64>().ok());
     let factor = (material.dissolve).or(transparency.map(|transparency| 1.0 - transparency));
@@ -173,7 +187,7 @@ fn convert(material: tobj::Material, look: Look) -> MtlMaterial {
     }
 }
 
-/// The number of an opacity, which may follow `-halo`.
+/// An opacity, which may follow `-halo`.
 fn opacity(text: &str) -> Option<f32> {
     let text = text.split('#').next()?.trim();
     let text = text.strip_prefix("-halo").unwrap_or(text).trim();
@@ -181,7 +195,7 @@ fn opacity(text: &str) -> Option<f32> {
     (0.0..=1.0).contains(&number).then_some(number)
 }
 
-/// The numbers of a diffuse colour: one stands for all three.
+/// A diffuse colour: a single number stands for all three.
 fn diffuse(text: &str) -> Option<[f64; 3]> {
     let values: Option<Vec<f64>> = text
         .split('#')
@@ -196,7 +210,7 @@ fn diffuse(text: &str) -> Option<[f64; 3]> {
     }
 }
 
-/// The file's name behind the options of a texture map, as in `-s 1 1 1 wood.png`.
+/// The file name after the options of a texture map, as in `-s 1 1 1 wood.png`.
 fn image_name(text: &str) -> Option<&str> {
     let mut rest = text.trim();
     while rest.starts_with('-') {
@@ -273,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn leaves_out_what_it_cannot_read() {
+    fn unreadable_lines_are_skipped_with_a_warning() {
         let text =
             b"newmtl a\nKd 1 0\nKd spectral x.rfl\nKd nan 0 0\nmap_Kd\nmap_Kd -s 1\nnewmtl\n";
         let mut warnings = Vec::new();

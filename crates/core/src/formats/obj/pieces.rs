@@ -1,4 +1,4 @@
-//! A long OBJ file in pieces, read in parallel and put together.
+//! Parallel reading of a long OBJ file: in pieces that are then joined.
 
 use super::content::{Counts, NONE, ObjText, is_beyond};
 use super::reader::{INHERITED, RELATIVE, Reader};
@@ -13,15 +13,16 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The fewest bytes of a piece. Handing a piece to a thread and joining it costs some microseconds, reading
-/// so many bytes a millisecond; with more, files of a few pieces would leave threads idle.
+/// The least bytes of a piece. Handing a piece to a thread and joining it costs some microseconds, parsing so many
+/// bytes a millisecond. With smaller pieces that overhead shows; with larger ones files of a few pieces leave threads
+/// idle.
 const PIECE: usize = 256 << 10;
 
-/// Pieces a thread: the last ones to be read even out what the others took.
+/// Pieces a thread. With more than one, the last pieces balance the load; more than a few only add overhead.
 const PIECES_A_THREAD: usize = 4;
 
-/// Reads a file in parallel. `None` where it is short, where anything is wrong with it (reading it line by
-/// line finds the first fault, and decides), or where a piece has both kinds of indices.
+/// Reads a file in parallel. `None` where it is short, contains any fault (a sequential reading then finds the first
+/// one), or has a piece with both absolute and relative indices.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
@@ -79,7 +80,7 @@ fn read_in(
     Some(out)
 }
 
-/// Cuts a text into at most `count` pieces of about the same length, at line feeds behind which a line begins.
+/// Splits a text into at most `count` pieces of about the same length, after line feeds that end a line.
 fn cut(bytes: &[u8], count: usize) -> Vec<&[u8]> {
     let mut pieces = Vec::with_capacity(count);
     let mut rest = bytes;
@@ -88,7 +89,8 @@ fn cut(bytes: &[u8], count: usize) -> Vec<&[u8]> {
         while let Some(feed) = memchr::memchr(b'\n', &rest[end..]) {
             let line = rest[..end + feed].trim_ascii_end();
             end += feed + 1;
-            // Behind a backslash the line goes on; before what is not ASCII there may be one.
+            // A line feed after a backslash does not end the line; before a non-ASCII byte there may be another line
+            // separator.
             if line
                 .last()
                 .is_none_or(|&byte| byte.is_ascii() && byte != b'\\')
@@ -104,8 +106,8 @@ fn cut(bytes: &[u8], count: usize) -> Vec<&[u8]> {
     pieces
 }
 
-/// Puts pieces together, and counts their faces with texture coordinates, normals, both; `None` where an index
-/// is of nothing that there is.
+/// Joins pieces, and counts their faces with texture coordinates only, with normals only, and with both. `None` where
+/// an index is out of range.
 fn join(pieces: Vec<Reader<'_>>, allowance: &Allowance) -> Option<(ObjText, [usize; 3])> {
     let mut highest = [0; 3];
     let mut totals = [0; 3];
@@ -141,7 +143,7 @@ fn join(pieces: Vec<Reader<'_>>, allowance: &Allowance) -> Option<(ObjText, [usi
     Some((out, faces_with))
 }
 
-/// Appends a piece, and empties it. The material at its end, where `material` is that before it.
+/// Appends a piece and empties it. `material` is the one before the piece; returns the one at its end.
 fn append(
     out: &mut ObjText,
     mut piece: Reader<'_>,
@@ -158,7 +160,7 @@ fn append(
     let last_material = piece.material;
     let mut piece = std::mem::take(&mut piece.out);
     if is_relative {
-        // Each is within what there is: `join` has looked at the lowest, and what stands above it is there.
+        // All are in range: `join` has checked the lowest, and relative indices refer backwards.
         let lists = [
             &mut piece.triangles,
             &mut piece.uv_triangles,
@@ -237,14 +239,14 @@ mod tests {
         read_in(path, source, &Budget::default().allowance(), &|_| (), count)
     }
 
-    /// All that a file holds, as text; `None` where it is refused.
+    /// All contents of a file as text; `None` where it is refused.
     fn in_one(source: &[u8]) -> Option<String> {
         let path = Path::new("a.obj");
         let out = crate::formats::obj::text::read(path, source, &Budget::default(), &|_| ());
         out.ok().map(|out| format!("{out:?}"))
     }
 
-    /// Lines of an OBJ file that say all that there is to say, mostly right.
+    /// Random lines of an OBJ file with all its features, mostly valid.
     fn random_lines(random: &mut Random, is_relative: bool) -> Vec<u8> {
         let mut text = Vec::new();
         let mut totals = [3, 2, 2];
@@ -300,14 +302,14 @@ mod tests {
     }
 
     #[test]
-    fn pieces_say_what_the_whole_file_says() {
+    fn reading_in_pieces_equals_reading_the_whole_file() {
         let random = &mut Random(16);
         let mut compared = [0; 2];
         for round in 0..2000 {
             let is_relative = round % 2 == 1;
             let mut source = random_lines(random, is_relative);
             if below(random, 4) == 0 {
-                // Any byte may be another.
+                // Any byte may be changed.
                 let at = below(random, source.len());
                 source[at] = b"\n\\ 9-/\xe9#vf"[below(random, 10)];
             }
@@ -359,7 +361,7 @@ mod tests {
             triangles: 3,
             ..limits
         }));
-        // Three positions and four triangles, each thrice.
+        // Three positions and four triangles, each three times.
         assert!(within(Limits {
             bytes: 360,
             ..limits

@@ -1,4 +1,4 @@
-//! The lines of an OBJ file, or of a piece of one, read one after the other.
+//! Parsing the lines of an OBJ file, or of a piece of one.
 
 use super::content::{Counts, NONE, ObjText};
 use super::words::Words;
@@ -13,48 +13,48 @@ use std::collections::HashMap;
 use std::mem::size_of;
 use std::path::Path;
 
-/// The material of a piece's faces above its first `usemtl`: that of the last face before the piece.
+/// The material of a piece's faces before its first `usemtl`: that of the last face before the piece.
 pub(super) const INHERITED: u32 = u32::MAX - 1;
 
-/// Added to a relative index of a piece, counted from the piece's start, which may be negative.
+/// Added to a piece's relative indices, which are relative to its start and may be negative.
 pub(super) const RELATIVE: i64 = 1 << 31;
 
-/// Reads lines into [`Reader::out`].
+/// Parses lines into [`Reader::out`].
 pub(super) struct Reader<'a> {
     path: &'a Path,
     allowance: &'a Allowance,
-    /// Bytes that the allowance counts for this reader so far.
+    /// Bytes counted against the allowance so far.
     counted: u64,
-    /// Bytes of the text that are not the file's own.
+    /// Bytes of the text that are copies, not the file's own.
     copied: usize,
     pub(super) out: ObjText,
-    /// The highest absolute index of each that a face has.
+    /// The highest absolute index of each type that a face uses.
     pub(super) highest: Counts,
-    /// How many of each the file has, where that is known.
+    /// The totals of the whole file, once they are known.
     pub(super) known_totals: Option<Counts>,
-    /// The first word that should be a number and is none. Reading goes on: an index above it may be
-    /// of nothing, which the end tells.
+    /// The first word that should be a number and is none. Parsing continues, because an index before it may be out
+    /// of range, which only the end shows.
     pub(super) first_fault: Option<FormatError>,
-    /// Whether lines of the file may stand before the first one, read by another reader.
+    /// Whether another reader parses the lines before the first one.
     is_piece: bool,
     /// Whether any index is absolute, and whether any is relative.
     pub(super) has_indices: [bool; 2],
-    /// The lowest relative index of each, counted from the piece's start.
+    /// The lowest relative index of each type, relative to the piece's start.
     pub(super) lowest: Counts,
-    /// The next face's: an index into the materials' names, [`NONE`] or [`INHERITED`].
+    /// The material of the next face: an index into the materials' names, [`NONE`] or [`INHERITED`].
     pub(super) material: u32,
     material_numbers: HashMap<String, u32>,
-    /// The corners of the face that is read: vertex, texture coordinates, normal.
+    /// The corners of the current face: vertex, texture coordinates, normal.
     corners: Vec<[u32; 3]>,
-    /// Faces that have texture coordinates alone, normals alone, both.
+    /// The numbers of faces with texture coordinates only, with normals only, and with both.
     pub(super) faces_with: [usize; 3],
 }
 
-/// What a `v` line may hold, for messages.
+/// The contents of a `v` line, for messages.
 pub(super) const VERTEX: &str = "three numbers, a weight or three of a colour behind `v`";
 
 impl<'a> Reader<'a> {
-    /// A reader of all lines of a file; `copied` bytes of their text are not the file's own.
+    /// A reader of all lines of a file; `copied` bytes of their text are copies.
     pub(super) fn of_file(path: &'a Path, allowance: &'a Allowance, copied: usize) -> Self {
         Self {
             path,
@@ -75,8 +75,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A reader of some lines of a file. Relative indices are stored from the piece's start, plus
-    /// [`RELATIVE`].
+    /// A reader of a piece. Relative indices are stored relative to the piece's start, plus [`RELATIVE`].
     pub(super) fn of_piece(path: &'a Path, allowance: &'a Allowance, copied: usize) -> Self {
         Self {
             is_piece: true,
@@ -85,10 +84,10 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Reads all lines of a text.
+    /// Parses all lines of a text.
     ///
     /// # Errors
-    /// The first line that is no line of an OBJ file, except one whose only fault is a word that is no number
+    /// The first invalid line, except one whose only fault is a word that should be a number
     /// ([`Reader::first_fault`]); more than the allowance.
     pub(super) fn lines(&mut self, text: &str, progress: &dyn Fn(f32)) -> Result<(), FormatError> {
         let mut lines = Lines::of(text);
@@ -129,7 +128,7 @@ impl<'a> Reader<'a> {
     fn line(&mut self, line: Line<'_>) -> Result<(), FormatError> {
         let text = line.text.trim();
         let (keyword, rest) = split_keyword(text);
-        // Names may hold a `#`; numbers do not.
+        // Names may contain a `#`, numbers may not.
         let values = || {
             let end = memchr::memchr(b'#', rest.as_bytes());
             Words::of(&rest[..end.unwrap_or(rest.len())])
@@ -163,8 +162,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Notes a line whose numbers are none as faulty; an error where it is known already that no
-    /// other fault stands above it.
+    /// Records a line with an invalid number; an error where it is already known that no other fault precedes it.
     fn number<T>(
         &mut self,
         value: Option<T>,
@@ -218,7 +216,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Three numbers.
+    /// Three numbers, as a vector.
     fn three(&self, words: &mut Words<'_>) -> Option<DVec3> {
         let plain = match self.known_totals {
             None => plain_three(words),
@@ -237,7 +235,7 @@ impl<'a> Reader<'a> {
         number
     }
 
-    /// How many of each there are so far.
+    /// The totals so far.
     pub(super) fn totals(&self) -> Counts {
         [
             self.out.positions.len() as i64,
@@ -301,9 +299,9 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Reads corners as nearly all files have them: three or more, with white space of ASCII between, of absolute
-    /// indices of no more than nine digits, all with texture coordinates and normals or none. Whether they are so;
-    /// if not, nothing else has changed.
+    /// Parses corners in the most frequent form: three or more, separated by ASCII white space, with absolute indices
+    /// of at most nine digits, all with texture coordinates and normals, or none. Returns whether they have that
+    /// form; if not, nothing else has changed.
     fn plain_corners(&mut self, text: &[u8], left: u64) -> bool {
         const DIGITS: usize = 9;
         let mut highest = self.highest;
@@ -356,7 +354,7 @@ impl<'a> Reader<'a> {
         is_plain
     }
 
-    /// An index from 0; [`NONE`] for texture coordinates and normals of which there are none yet.
+    /// An index from 0; [`NONE`] for texture coordinates and normals if there are none so far.
     fn index(
         &mut self,
         kind: usize,
@@ -377,7 +375,7 @@ impl<'a> Reader<'a> {
                 self.lowest[kind] = self.lowest[kind].min(from_start);
                 Some((from_start + RELATIVE).max(0))
             }
-            // Relative to the end of what stands above.
+            // Relative to the last one so far.
             ..0 if index >= -so_far => Some(so_far + index),
             ..0 if kind > 0 && so_far == 0 => Some(i64::from(NONE)),
             _ => (1..=total).contains(&index).then(|| index - 1),
@@ -395,7 +393,7 @@ impl<'a> Reader<'a> {
         };
         self.has_indices[usize::from(index < 0)] = true;
         self.highest[kind] = self.highest[kind].max(index);
-        // More than there can be of anything is reported at the end.
+        // An index beyond the range of u32 is reported at the end.
         Ok(u32::try_from(from_zero).unwrap_or(NONE))
     }
 
@@ -436,8 +434,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Counts what is kept in memory against the budget: three times what it holds, since a list that is full
-    /// doubles, and the old one stays until the new one is filled.
+    /// Counts memory against the allowance: three times the lists' contents, since a full list doubles, and the old
+    /// one exists until the new one is filled.
     fn count_bytes(&mut self) -> Result<(), FormatError> {
         let out = &self.out;
         let triangles = out.triangles.len() + out.uv_triangles.len() + out.normal_triangles.len();
@@ -454,7 +452,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// A line's first word, and what stands behind it.
+/// A line's first word, and the rest.
 fn split_keyword(text: &str) -> (&str, &str) {
     let bytes = text.as_bytes();
     let is_end = |byte: &u8| byte.is_ascii_whitespace() || !byte.is_ascii();
@@ -466,7 +464,7 @@ fn split_keyword(text: &str) -> (&str, &str) {
     text.split_at(end.unwrap_or(text.len()))
 }
 
-/// A whole number, which may have a sign; `None` too for what is beyond 64 bits.
+/// An integer with an optional sign; `None` also beyond 64 bits.
 fn integer(word: &[u8]) -> Option<i64> {
     // So many digits are below 2^63.
     const DIGITS: usize = 18;
@@ -484,8 +482,8 @@ fn integer(word: &[u8]) -> Option<i64> {
     Some(value)
 }
 
-/// Three numbers with blanks of ASCII between them, at the words' start; `None`, with no word taken, where they
-/// are written otherwise.
+/// Three numbers separated by ASCII blanks, at the start of `words`; `None`, without consuming anything, where they
+/// have another form.
 fn plain_three(words: &mut Words<'_>) -> Option<DVec3> {
     let bytes = words.rest().as_bytes();
     let mut at = 0;
@@ -514,7 +512,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn integers_are_those_of_the_standard_library() {
+    fn integers_parse_as_in_the_standard_library() {
         for word in [
             "0",
             "7",
@@ -540,7 +538,7 @@ mod tests {
         }
     }
 
-    /// What a line says, read by the short way where that is open, and by the long way.
+    /// A line parsed by the fast path, if that applies, and by the general one.
     fn both_ways(line: &str) -> [Result<String, String>; 2] {
         [None, Some([1 << 40; 3])].map(|known_totals| {
             let allowance = crate::formats::limits::Budget::default().allowance();
@@ -560,7 +558,7 @@ mod tests {
     }
 
     #[test]
-    fn plain_corners_and_numbers_are_what_words_say() {
+    fn the_fast_path_parses_as_the_general_one() {
         let words = [
             "1",
             "23",
@@ -608,7 +606,7 @@ mod tests {
             };
             let [short, long] = both_ways(&line);
             match (&short, &long) {
-                // The error says what the file has, where that is known.
+                // The error includes the totals where these are known.
                 (Err(_), Err(_)) => {}
                 _ => assert_eq!(short, long, "{line:?}"),
             }

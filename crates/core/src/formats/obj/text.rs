@@ -1,4 +1,4 @@
-//! Reading an OBJ file's lines: in parallel where that can be, else one after the other.
+//! Reading an OBJ file's lines: in parallel where possible, else sequentially.
 
 use super::content::{ObjText, is_beyond};
 use super::pieces;
@@ -13,8 +13,8 @@ use std::path::Path;
 /// Reads the lines of an OBJ file.
 ///
 /// # Errors
-/// The first bad line: too few words or one that is no number, a face with fewer than three
-/// corners, an index that the whole file has nothing for. More than the budget has left.
+/// The first bad line: too few words, a word that should be a number, a face with fewer than three corners, an index
+/// out of the whole file's range. An exhausted budget.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
@@ -34,8 +34,8 @@ pub(super) fn read(
     let stopped = reader.lines(&text, progress).err();
     let totals = reader.totals();
     if stopped.is_none() && is_beyond(reader.highest, totals) {
-        // That an index has nothing in the whole file is known at its end alone: which line was the
-        // first with one, or with another fault, is worth a second reading.
+        // Only at the end is it known that an index is out of range. A second reading finds the first line with such
+        // an index or another fault.
         let allowance = budget.allowance();
         let mut again = Reader::of_file(path, &allowance, copied);
         again.known_totals = Some(totals);
@@ -66,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn passes_over_what_is_no_face() {
+    fn lines_that_are_no_faces_are_skipped() {
         let source = "# c:\\\no x\nv 0 0 0 # here\nv 1 0 0 0.5 0.5 0.5\r\nl 1 2 3\n\
             vt 0.5\nv 0 1 0\nf 1 \\\n2 \\\n3 # there\nv 2 2 2";
         let out = text(source).expect("a good file");
@@ -160,7 +160,7 @@ mod tests {
         assert_eq!(out.oddities.weights, 1);
         assert_eq!(out.oddities.colors_out_of_range, 1);
         assert_eq!(out.oddities.extra_values, 1);
-        // The position stays what it is.
+        // A vertex's weight does not change its position.
         let out = text("v 2 4 6 2\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("a good file");
         assert_eq!(out.positions[0], DVec3::new(2.0, 4.0, 6.0));
     }

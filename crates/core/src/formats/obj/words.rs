@@ -1,4 +1,4 @@
-/// Words with white space between them: ASCII's, and Unicode's where there is any.
+/// Words separated by ASCII or Unicode white space.
 #[derive(Clone, Debug)]
 pub(super) struct Words<'t> {
     rest: &'t str,
@@ -9,12 +9,12 @@ impl<'t> Words<'t> {
         Self { rest: text }
     }
 
-    /// What stands behind the last word.
+    /// The text after the last word.
     pub(super) fn rest(&self) -> &'t str {
         self.rest
     }
 
-    /// Goes on behind so many bytes, which end in a character's.
+    /// Skips bytes, which must end at a character boundary.
     pub(super) fn skip(&mut self, bytes: usize) {
         self.rest = &self.rest[bytes..];
     }
@@ -31,7 +31,7 @@ impl<'t> Iterator for Words<'t> {
             .position(|byte| byte.is_ascii_whitespace() || !byte.is_ascii());
         let end = length.map_or(bytes.len(), |length| start + length);
         if bytes.get(end).is_some_and(|byte| !byte.is_ascii()) {
-            // Rare: by characters.
+            // The rare case: by characters.
             let rest = self.rest.trim_start();
             let end = rest.find(char::is_whitespace).unwrap_or(rest.len());
             let word;

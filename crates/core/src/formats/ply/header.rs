@@ -1,9 +1,9 @@
-//! The header of a PLY file (Turk, "The PLY Polygon File Format", 1994): what its body holds.
+//! The header of a PLY file (Turk, "The PLY Polygon File Format", 1994): the layout of its body.
 
 use crate::formats::error::{FormatError, quote};
 use std::path::Path;
 
-/// How the numbers of the body are written.
+/// The encoding of the body's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -11,7 +11,7 @@ pub(super) enum Encoding {
     BigEndian,
 }
 
-/// A kind of number.
+/// A type of number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scalar {
     I8,
@@ -39,7 +39,7 @@ impl Scalar {
         })
     }
 
-    /// Bytes of one.
+    /// Its size in bytes.
     pub(super) fn bytes(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -50,22 +50,22 @@ impl Scalar {
     }
 }
 
-/// What an element has: a number, or a list of numbers.
+/// A property of an element: a number, or a list of numbers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Property {
     pub(super) name: String,
     pub(super) kind: Scalar,
-    /// How a list's length is written; `None` for a single number.
+    /// The type of a list's length; `None` for a single number.
     pub(super) length: Option<Scalar>,
 }
 
-/// A kind of thing, and how many of it there are.
+/// A type of element, and the number of elements.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Element {
     pub(super) name: String,
     pub(super) count: u64,
     pub(super) properties: Vec<Property>,
-    /// The line that it begins in.
+    /// The line that declares it.
     pub(super) line: usize,
 }
 
@@ -80,20 +80,20 @@ impl Element {
     }
 }
 
-/// All of a header.
+/// A header.
 #[derive(Clone, Debug)]
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
-    /// The image that a comment of VCGLIB's names.
+    /// The image that a comment of VCGLIB names.
     pub(super) texture: Option<String>,
-    /// Lines that are none of a header's.
+    /// The number of lines that belong to no header.
     pub(super) odd_lines: usize,
-    /// Where the body begins.
+    /// The offset of the body.
     pub(super) body: usize,
 }
 
-/// The most properties of all elements together: each is looked at for each element of its kind.
+/// The most properties of all elements together: each costs time for each of its elements.
 const PROPERTY_LIMIT: usize = 1000;
 
 /// Whether these are the bytes of a PLY.
@@ -104,12 +104,12 @@ pub(in crate::formats) fn is_ply(bytes: &[u8]) -> bool {
     })
 }
 
-/// Reads a header.
+/// Parses a header.
 ///
 /// # Errors
-/// The first line that is wrong.
+/// The first invalid line.
 pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Header, FormatError> {
-    // All lines end as the first does: a body may begin with a byte that looks like a line's end.
+    // All lines end as the first one does: the body may start with a byte that looks like part of a line end.
     let first = bytes.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
     let first = first.unwrap_or(bytes.len());
     let end = match bytes.get(first..) {

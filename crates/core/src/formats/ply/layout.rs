@@ -1,4 +1,4 @@
-//! What the properties of a PLY's elements are.
+//! The meaning of a PLY's properties.
 
 use super::header::{Element, Property, Scalar};
 use crate::scene::Color;
@@ -7,7 +7,7 @@ use glam::{DVec3, Vec2, Vec3};
 /// No index: a corner without a value.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// What a property of a vertex is: a place in [`Row`].
+/// The meaning of a property: an index into [`Row`].
 pub(super) type Role = usize;
 
 /// The numbers of a vertex or a face.
@@ -17,20 +17,20 @@ pub(super) const POSITION: Role = 0;
 pub(super) const NORMAL: Role = 3;
 pub(super) const COLOR: Role = 6;
 pub(super) const UV: Role = 9;
-/// All that is not used.
+/// Properties that are not used.
 pub(super) const UNUSED: Role = 11;
-/// Scalars, one after the other: they have columns of their own, and no place in a [`Row`].
+/// Scalars, numbered from here: they have columns of their own, and no entry in a [`Row`].
 pub(super) const SCALAR: Role = 12;
 
-/// A vertex's or a face's properties, and what each of them is.
+/// The properties of a vertex or a face, and the meaning of each.
 pub(super) struct Layout {
     pub(super) properties: Vec<(Property, Role)>,
-    /// What makes 0 to 255 of a colour's channel.
+    /// The factor that scales a colour's channel to 0 to 255.
     color_scale: f64,
 }
 
 impl Layout {
-    /// Of an element: of properties with these names, each whole group that it has.
+    /// Finds each group of properties of which an element has all names.
     pub(super) fn of(element: &Element, groups: &[(&[&str], Role)]) -> Self {
         let properties = element.properties.iter();
         let mut properties: Vec<_> = properties.map(|p| (p.clone(), UNUSED)).collect();
@@ -67,7 +67,7 @@ impl Layout {
         self.properties.iter().any(|(_, of)| *of == role)
     }
 
-    /// Bytes of one in a binary file; `None` where there are lists, which decide it.
+    /// The size of an element in a binary file; `None` with lists, whose lengths vary.
     pub(super) fn stride(&self) -> Option<usize> {
         let bytes = |(property, _): &(Property, Role)| match property.length {
             None => Some(property.kind.bytes()),
@@ -77,12 +77,12 @@ impl Layout {
     }
 
     pub(super) fn color(&self, row: &Row) -> Color {
-        // A cast saturates, and makes 0 of what is no number.
+        // A cast saturates, and maps NaN to 0.
         let byte = |channel: usize| (row[COLOR + channel] * self.color_scale).round() as u8;
         Color([byte(0), byte(1), byte(2)])
     }
 
-    /// Makes scalars of the numbers that are not used otherwise: their names.
+    /// Makes scalars of all unused numbers; returns their names.
     pub(super) fn take_scalars(&mut self) -> Vec<String> {
         let mut names: Vec<String> = Vec::new();
         for (property, role) in &mut self.properties {
@@ -95,14 +95,14 @@ impl Layout {
         names
     }
 
-    /// The names of what is not used.
+    /// The names of unused properties.
     pub(super) fn unused(&self) -> Vec<String> {
         let unused = self.properties.iter().filter(|(_, role)| *role == UNUSED);
         unused.map(|(property, _)| property.name.clone()).collect()
     }
 }
 
-/// What vertices have, one beside the other; what they do not have is empty.
+/// The vertices' values, as columns; a column that the file lacks is empty.
 pub(super) struct Columns<'a> {
     pub(super) positions: &'a mut [DVec3],
     pub(super) normals: &'a mut [Vec3],
@@ -116,7 +116,7 @@ impl<'a> Columns<'a> {
         self.positions.len()
     }
 
-    /// The first `count`, and the others.
+    /// The first `count` rows, and the rest.
     pub(super) fn split(self, count: usize) -> (Self, Self) {
         let (positions, more_positions) = self.positions.split_at_mut(count);
         let (normals, more_normals) = self.normals.split_at_mut(count.min(self.normals.len()));
@@ -141,7 +141,7 @@ impl<'a> Columns<'a> {
         (first, others)
     }
 
-    /// Keeps a number of a vertex that has no place in a row: a scalar's.
+    /// Stores a scalar of a vertex.
     #[inline]
     pub(super) fn set_scalar(&mut self, index: usize, role: Role, value: f64) {
         if let Some(scalar) = self.scalars.get_mut(role - SCALAR) {
@@ -165,7 +165,7 @@ impl<'a> Columns<'a> {
     }
 }
 
-/// The index that a number is; [`NONE`] where it is none.
+/// The index that a number represents; [`NONE`] if it is none.
 pub(super) fn index(value: f64) -> u32 {
     let index = value as u32;
     if f64::from(index) == value {

@@ -1,10 +1,9 @@
 //! PLY, ASCII and binary of both byte orders (Turk, "The PLY Polygon File Format", 1994).
 //!
-//! Vertices: `x y z`, normals `nx ny nz`, colours `red green blue`, texture coordinates `s t`, `u v` or
-//! `texture_u texture_v`. Faces: the list `vertex_indices` or `vertex_index`, colours, and texture
-//! coordinates at corners as the list `texcoord`. Triangle strips: the list `vertex_indices` of the
-//! element `tristrips`. Other numbers of vertices and faces are scalars, which colours can show. All else is
-//! passed over and named.
+//! Vertices: `x y z`, normals `nx ny nz`, colours `red green blue`, texture coordinates `s t`, `u v` or `texture_u
+//! texture_v`. Faces: the list `vertex_indices` or `vertex_index`, colours, and texture coordinates at corners as the
+//! list `texcoord`. Triangle strips: the list `vertex_indices` of the element `tristrips`. Other numbers of vertices
+//! and faces are scalars, which colours can show. Everything else is skipped, with a note.
 
 mod header;
 mod layout;
@@ -74,7 +73,7 @@ fn body<V: Values>(
     );
     let named = |name: &str| header.elements.iter().find(|element| element.name == name);
     let vertices = named("vertex").map_or(0, |element| element.count);
-    // Indices have 32 bits, of which one stands for none.
+    // Indices have 32 bits; one value means none.
     let Some(vertices) = u32::try_from(vertices).ok().filter(|count| *count < NONE) else {
         let found = format!("{vertices}");
         let expected = format!("fewer than {NONE} vertices");

@@ -18,18 +18,18 @@ pub(super) struct Reader<'a, V> {
     pub(super) path: &'a Path,
     pub(super) budget: &'a Budget,
     pub(super) values: V,
-    /// How many vertices the header says there are.
+    /// The number of vertices that the header declares.
     pub(super) vertices: u32,
     pub(super) mesh: MeshData,
     pub(super) normals: Vec<Vec3>,
     pub(super) uvs: Vec<Vec2>,
     pub(super) polygons: Vec<Polygon>,
-    /// Texture coordinates at faces' corners, and the triangles that have them.
+    /// Texture coordinates at faces' corners, and the triangles that use them.
     pub(super) corner_uvs: Vec<Vec2>,
     pub(super) uv_triangles: Vec<[u32; 3]>,
     /// A colour a triangle, where faces have colours.
     pub(super) face_colors: Vec<Option<Color>>,
-    /// What else faces have: a value a triangle.
+    /// Other numbers of faces: a value a triangle.
     pub(super) face_scalars: Vec<Scalar>,
     /// Faces of fewer than three corners.
     pub(super) small: usize,
@@ -43,13 +43,13 @@ impl<V: Values> Reader<'_, V> {
         self.values.fault(self.path, &expected, found)
     }
 
-    /// An error at an element that lacks properties.
+    /// The error for an element that lacks properties.
     fn other_properties(&self, element: &Element, expected: &str) -> FormatError {
         let found = element.property_names();
         FormatError::unexpected(self.path, Some(element.line), expected, found)
     }
 
-    /// An element's count, if the file is long enough to hold as many.
+    /// An element's count, after checking that the file is long enough for it.
     fn count(&self, element: &Element) -> Result<usize, FormatError> {
         let least: u64 = element
             .properties
@@ -57,14 +57,14 @@ impl<V: Values> Reader<'_, V> {
             .map(|property| V::least_bytes(property.length.unwrap_or(property.kind)) as u64)
             .sum();
         let left = self.values.left() as u64;
-        // The last number of a text has nothing behind it.
+        // The last number of a text needs no separator after it.
         if least > 0 && element.count > (left + 1) / least {
             let expected = format!("{} of element {}", element.count, plain(&element.name));
             let found = Found::Word(format!("{left} bytes for them: it is cut short"));
             return Err(self.values.fault(self.path, &expected, &found));
         }
         let count = usize::try_from(element.count).unwrap_or(usize::MAX);
-        // Elements without properties are nothing at all.
+        // Elements without properties take no bytes, so their count means nothing.
         Ok(if least == 0 { 0 } else { count })
     }
 
@@ -102,7 +102,7 @@ impl<V: Values> Reader<'_, V> {
             + colors * size_of::<Option<Color>>()
             + uvs * size_of::<Vec2>()
             + scalars.len() * count * size_of::<f32>();
-        // What is read is counted again as a mesh once all is there.
+        // Counted again as a mesh once all is read.
         drop(self.budget.share(self.path, "the mesh", bytes as u64)?);
         self.mesh.positions = vec![DVec3::ZERO; count];
         self.mesh.colors = vec![None; colors];
@@ -169,12 +169,12 @@ impl<V: Values> Reader<'_, V> {
         };
         let texcoords = list(&layout, &["texcoord"]);
         let has_colors = layout.has(COLOR);
-        // Named as used.
+        // Marked as used.
         for place in [Some(indices), texcoords].into_iter().flatten() {
             layout.properties[place].1 = POSITION;
         }
         let mut scalars = layout.take_scalars();
-        // MeshLab gives vertices and faces a `quality` each.
+        // MeshLab gives both vertices and faces a `quality`.
         for name in &mut scalars {
             if self.mesh.scalars.iter().any(|scalar| scalar.name == *name) {
                 name.push_str(" of faces");
@@ -184,7 +184,7 @@ impl<V: Values> Reader<'_, V> {
         self.note_unused("faces", layout.unused());
         let first = self.mesh.triangles.len();
         if texcoords.is_none() && !has_colors && first == 0 {
-            // At first as if all were triangles, which most files have.
+            // First as if all faces were triangles, as in most files.
             let each = size_of::<[u32; 3]>() + scalars.len() * size_of::<f32>();
             let bytes = count as u64 * each as u64;
             if count as u64 <= self.budget.triangles_left() {
@@ -261,7 +261,7 @@ impl<V: Values> Reader<'_, V> {
                     + self.uv_triangles.len() * size_of::<[u32; 3]>()
                     + self.face_colors.len() * size_of::<Option<Color>>()
                     + values.len() * after * size_of::<f32>();
-                // A list that is full doubles, and the old one stays until the new one is filled.
+                // A full list doubles, and the old one exists until the new one is filled.
                 share.grow(self.path, "the mesh", 3 * held as u64)?;
                 step(number as f32 / count as f32);
             }
@@ -274,7 +274,7 @@ impl<V: Values> Reader<'_, V> {
         Ok(())
     }
 
-    /// The indices of a list, each of a vertex that is there.
+    /// The indices of a list, after checking them against the number of vertices.
     fn corners(
         &mut self,
         length: Kind,
@@ -337,7 +337,7 @@ impl<V: Values> Reader<'_, V> {
         Ok(())
     }
 
-    /// Triangle strips, one behind the other, each ended by −1; every second triangle is turned.
+    /// Triangle strips, each ended by −1; every second triangle is reversed.
     pub(super) fn strips(&mut self, element: &Element) -> Result<(), FormatError> {
         let count = self.count(element)?;
         let mut share = self.budget.share(self.path, "the mesh", 0)?;
@@ -378,7 +378,7 @@ impl<V: Values> Reader<'_, V> {
         Ok(())
     }
 
-    /// Passes over an element.
+    /// Skips an element.
     pub(super) fn pass(&mut self, element: &Element) -> Result<(), FormatError> {
         for _ in 0..self.count(element)? {
             for property in &element.properties {
@@ -393,7 +393,7 @@ impl<V: Values> Reader<'_, V> {
     }
 }
 
-/// Scalars of faces.
+/// Makes scalars of faces.
 fn named(names: Vec<String>, values: Vec<Vec<f32>>) -> Vec<Scalar> {
     let at = ScalarAt::Triangles;
     let scalars = names.into_iter().zip(values);
@@ -402,7 +402,7 @@ fn named(names: Vec<String>, values: Vec<Vec<f32>>) -> Vec<Scalar> {
         .collect()
 }
 
-/// A name of the file as it is, or quoted where it is unlike names.
+/// A name of the file, quoted where it contains unusual characters.
 pub(super) fn plain(name: &str) -> String {
     let is_plain = name.bytes().all(|byte| byte.is_ascii_graphic());
     if is_plain {

@@ -7,7 +7,7 @@ fn parse(bytes: &[u8]) -> Result<Parsed, String> {
     read.map_err(|error| error.to_string())
 }
 
-/// Everything that is read, and something that is not.
+/// Every property that is read, and one that is not.
 const HEADER: &str = "ply\nformat FORMAT 1.0\ncomment TextureFile skin.png\nelement vertex 5\n\
     property double x\nproperty float y\nproperty short z\nproperty uchar red\nproperty uchar green\n\
     property uchar blue\nproperty uchar alpha\nproperty float nx\nproperty float ny\nproperty float nz\n\

@@ -1,4 +1,4 @@
-//! The numbers of a PLY's body, one after the other.
+//! The numbers of a PLY's body, in order.
 
 use super::header::Scalar;
 use super::layout::{Columns, Layout, Row, SCALAR, index};
@@ -7,18 +7,18 @@ use crate::formats::tokens::{Found, Tokens};
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Numbers in their order, and what can be read of many at once.
+/// A source of numbers, with fast paths for many at once.
 pub(super) trait Values {
     /// The next number.
     fn value(&mut self, kind: Scalar) -> Result<f64, Found>;
 
-    /// How many bytes are left.
+    /// The number of bytes left.
     fn left(&self) -> usize;
 
     /// The fewest bytes that a number takes.
     fn least_bytes(kind: Scalar) -> usize;
 
-    /// The error that something else than `expected` stands where the last number does.
+    /// The error that the last number is something other than `expected`.
     fn fault(&self, path: &Path, expected: &str, found: &Found) -> FormatError;
 
     /// The numbers of the next list.
@@ -33,14 +33,14 @@ pub(super) trait Values {
         if !(length >= 0.0 && length.fract() == 0.0) {
             return Err(Found::Word(format!("a list of length {length}")));
         }
-        // Numbers end before any length that is too long for them.
+        // An excessive length runs out of numbers.
         for _ in 0..length as u64 {
             each(self.value(kind)?);
         }
         Ok(())
     }
 
-    /// As many vertices as there are columns for.
+    /// As many vertices as the columns have room for.
     fn vertices(
         &mut self,
         layout: &Layout,
@@ -53,8 +53,8 @@ pub(super) trait Values {
         in_order(self, layout, columns, step)
     }
 
-    /// `count` faces whose list at the place `indices` has three vertices of `vertices`, and into `scalars`
-    /// their numbers; `None`, and nothing is read, where they are others, or cannot be read at once.
+    /// `count` faces whose list at index `indices` has three vertices below `vertices`; their numbers go to
+    /// `scalars`. `None`, without reading anything, where faces are different or there is no fast path.
     fn triangles(
         &mut self,
         _layout: &Layout,
@@ -67,7 +67,7 @@ pub(super) trait Values {
     }
 }
 
-/// Vertices, one after the other.
+/// Vertices one after another.
 fn in_order<V: Values>(
     values: &mut V,
     layout: &Layout,
@@ -122,7 +122,7 @@ impl Values for Ascii<'_> {
         self.bytes.saturating_sub(self.tokens.at())
     }
 
-    /// A digit, and what parts it from the next.
+    /// A digit and a separator.
     fn least_bytes(_: Scalar) -> usize {
         2
     }
@@ -132,13 +132,13 @@ impl Values for Ascii<'_> {
     }
 }
 
-/// Numbers as they are in memory, the highest byte first if `BIG`.
+/// Binary numbers, big-endian if `BIG`.
 pub(super) struct Binary<'t, const BIG: bool> {
     bytes: &'t [u8],
     at: usize,
 }
 
-/// Vertices or faces that are worth a task of their own.
+/// Vertices or faces in one parallel task.
 const TASK: usize = 1 << 14;
 
 impl<'t, const BIG: bool> Binary<'t, BIG> {
@@ -157,7 +157,7 @@ impl<'t, const BIG: bool> Binary<'t, BIG> {
         Ok(bytes)
     }
 
-    /// Vertices of one length each, halves side by side.
+    /// Vertices of a constant size, in parallel halves.
     fn all_vertices(bytes: &[u8], stride: usize, layout: &Layout, columns: Columns<'_>) {
         let count = columns.len();
         if count > TASK {
@@ -170,7 +170,7 @@ impl<'t, const BIG: bool> Binary<'t, BIG> {
             );
             return;
         }
-        // There are as many bytes as it takes.
+        // The number of bytes was checked.
         let _ = in_order(&mut Binary::<BIG>::new(bytes, 0), layout, columns, &|_| ());
     }
 }
@@ -210,7 +210,7 @@ impl<const BIG: bool> Values for Binary<'_, BIG> {
         step: &dyn Fn(f32),
     ) -> Result<(), Found> {
         let Some(stride) = layout.stride() else {
-            // Lists stand between: each vertex is where the one before ends.
+            // With lists, each vertex starts where the one before ends.
             return in_order(self, layout, columns, step);
         };
         let bytes = self.bytes[self.at..].get(..stride * columns.len());

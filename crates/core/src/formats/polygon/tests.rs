@@ -1,15 +1,15 @@
-//! The truth: on whole numbers, areas are sums of integers. Triangles that all turn the face's way,
-//! with corners of its own, and whose areas add up to the face's, cover it once.
+//! The truth: with integer coordinates, areas are exact. Triangles of the face's orientation, made of its corners,
+//! whose areas sum to the face's area, cover it exactly once.
 
 use super::*;
 use crate::math;
 use crate::random::Random;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::time::{Duration, Instant};
 
 type Corner = (i64, i64);
 
-/// Twice the area that a closed way goes round.
+/// Twice the signed area of a closed polyline.
 fn area(corners: &[Corner]) -> i128 {
     let next = corners.iter().cycle().skip(1);
     corners
@@ -19,7 +19,7 @@ fn area(corners: &[Corner]) -> i128 {
         .sum()
 }
 
-/// In each of the three planes, seen from both sides.
+/// The face in each of the three coordinate planes, seen from both sides.
 fn placed(corners: &[Corner]) -> Vec<Vec<Vec3>> {
     let place = |plane: usize, mirrored: bool| {
         let corner = |&(x, y): &Corner| {
@@ -46,7 +46,7 @@ fn decided(corners: &[Corner]) -> (Cut, Vec<[u32; 3]>) {
     (cut, cutter.ears)
 }
 
-/// Checks that a face is covered, however it lies and whichever corner is its first.
+/// Checks that a face is covered in all positions and with each corner as the first.
 fn covers(corners: &[Corner]) {
     let whole = area(corners);
     let mut cutter = Cutter::default();
@@ -77,9 +77,9 @@ fn covers(corners: &[Corner]) {
     }
 }
 
-/// The truth is the faces themselves: what is no diagonal is each of their edges, once.
+/// The truth is the faces themselves: the edges that are not diagonals are the faces' edges, each once.
 #[test]
-fn edges_that_are_no_diagonals_are_those_of_the_faces() {
+fn edges_that_are_not_diagonals_are_the_faces_edges() {
     let faces: [&[Corner]; 4] = [
         &[(0, 0), (4, 0), (0, 4)],
         &[(0, 0), (1, 0), (1, 1), (0, 1)],
@@ -128,7 +128,7 @@ fn edges_that_are_no_diagonals_are_those_of_the_faces() {
 }
 
 #[test]
-fn an_l_is_covered_and_nothing_else() {
+fn an_l_shape_is_covered_exactly_once() {
     let l = [(2, 0), (2, 1), (1, 1), (1, 3), (0, 3), (0, 0)];
     covers(&l);
     assert_eq!(decided(&l).0, Cut::Ears);
@@ -141,7 +141,7 @@ fn fans_stay_where_they_are_right() {
     for convex in [
         &[(0, 0), (1, 0), (1, 1), (0, 1)][..],
         &[(0, 0), (4, 0), (6, 2), (4, 5), (1, 4)],
-        // A dart, from its tail.
+        // A dart, from its reflex corner.
         &[(0, 0), (3, -1), (0, 5), (-3, -1)],
     ] {
         assert_eq!(decided(convex).0, Cut::Fan);
@@ -151,8 +151,8 @@ fn fans_stay_where_they_are_right() {
 }
 
 #[test]
-fn corners_on_edges_and_in_one_place_are_covered() {
-    // Every edge of a square halved.
+fn faces_with_coincident_corners_and_corners_on_edges_are_covered() {
+    // A square with every edge halved.
     covers(&[
         (0, 0),
         (1, 0),
@@ -163,13 +163,13 @@ fn corners_on_edges_and_in_one_place_are_covered() {
         (0, 2),
         (0, 1),
     ]);
-    // Quads that are triangles.
+    // Quads with coincident or collinear corners.
     covers(&[(0, 0), (2, 0), (2, 0), (0, 2)]);
     covers(&[(0, 0), (0, 0), (2, 0), (0, 2)]);
     covers(&[(0, 0), (1, 0), (2, 0), (0, 2)]);
     // A spike.
     covers(&[(0, 0), (4, 0), (4, 4), (2, 4), (2, 7), (2, 4), (0, 4)]);
-    // A square hole, joined to the outside by a way there and back.
+    // A square hole, connected to the outside by an edge in both directions.
     covers(&[
         (0, 0),
         (9, 0),
@@ -201,7 +201,7 @@ fn random_faces_are_covered() {
     let mut below = |count: i64| (random.unit() * count as f64) as i64;
     for round in 0..300 {
         let count = 4 + below(40) as usize;
-        // Seen whole from the middle: corners at growing angles.
+        // Star-shaped around the centre: corners at ascending angles.
         let star: Vec<Corner> = (0..count)
             .map(|i| {
                 let angle = std::f64::consts::TAU * i as f64 / count as f64;
@@ -212,7 +212,7 @@ fn random_faces_are_covered() {
                 )
             })
             .collect();
-        // Columns side by side, of any heights, above and below.
+        // Columns of random heights side by side, above and below.
         let mut skyline: Vec<Corner> = Vec::new();
         let mut x = 0;
         for _ in 0..count / 2 {
@@ -237,10 +237,10 @@ fn random_faces_are_covered() {
 }
 
 #[test]
-fn faces_that_cross_themselves_are_told() {
+fn faces_that_cross_themselves_are_counted() {
     let bow_tie = [(0, 0), (2, 2), (2, 0), (0, 2)];
     assert_eq!(decided(&bow_tie).0, Cut::Crossing);
-    // Seven corners, twice round: every triangle of the fan turns one way.
+    // Seven corners, twice around: every triangle of the fan has the same orientation.
     let twice: Vec<Corner> = (0..7)
         .map(|i| {
             let angle = std::f64::consts::TAU * f64::from(2 * i) / 7.0;
@@ -255,7 +255,7 @@ fn faces_that_cross_themselves_are_told() {
     assert_eq!(decided(&on_a_line).0, Cut::Ears);
 }
 
-/// A corner on an edge, or a unit in the last place off it to either side.
+/// A corner on an edge, or a unit in the last place beside it on either side.
 #[test]
 fn the_last_bit_decides() {
     let above = f32::from_bits(1f32.to_bits() + 1);
@@ -267,7 +267,7 @@ fn the_last_bit_decides() {
     }
 }
 
-/// Curves of a hundred thousand corners take a moment, whatever they are like.
+/// Curves of a hundred thousand corners of any shape take a moment.
 #[test]
 fn many_corners_take_a_moment() {
     const COUNT: i64 = 50_000;
@@ -286,7 +286,7 @@ fn many_corners_take_a_moment() {
         let outer = (0..COUNT).rev().map(|i| arm(turn(i), 100.0));
         inner.chain(outer).collect()
     };
-    // Teeth that are slanted: every edge lies in the boxes of thousands.
+    // Slanted teeth: every edge lies in the boxes of thousands.
     let slanted = (0..COUNT).flat_map(|i| [(4 * i, 0), (4 * i + 300_001, 700_000)]);
     let slanted: Vec<Corner> = slanted.chain([(4 * COUNT, -5), (0, -5)]).collect();
     let mut random = Random(2);
@@ -352,7 +352,7 @@ fn positions_and_attributes_are_cut_alike() {
     assert_eq!(uvs.map(|uvs| &uvs[..4]), Some(&shifted[..]));
     assert_eq!(mesh.triangles[4], [0, 1, 2]);
     assert_ne!(mesh.triangles[..4], fan(0).collect::<Vec<_>>());
-    // A corner that is nowhere: the fan stays.
+    // A corner that is not finite: the fan stays.
     mesh.triangles.splice(..4, fan(0));
     mesh.positions[3].y = f64::NAN;
     cut(&mut mesh, &[polygon]);

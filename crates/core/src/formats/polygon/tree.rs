@@ -1,6 +1,9 @@
-//! Where along a face something lies.
+//! A bounding box tree along a face.
 
-use super::Point;
+use robust::Coord;
+
+/// A corner, projected to a coordinate plane.
+pub(super) type Point = Coord<f64>;
 
 /// An axis-aligned rectangle.
 #[derive(Clone, Copy, Debug)]
@@ -53,13 +56,13 @@ impl Box2 {
     }
 }
 
-/// Boxes around runs of what follows one another along a face, halved down to single ones: pieces of
-/// a curve lie close together (Ballard, "Strip trees: a hierarchical representation for curves",
-/// 1981). Node `n` has the children `2n` and `2n + 1`; 1 is the root.
+/// Boxes around runs of consecutive items along a face, halved down to single items: pieces of a curve are close
+/// together (Ballard, "Strip trees: a hierarchical representation for curves", 1981). Node `n` has the children `2n`
+/// and `2n + 1`; 1 is the root.
 #[derive(Debug, Default)]
 pub(super) struct Tree {
     pub(super) boxes: Vec<Box2>,
-    /// How many are in it.
+    /// The number of items below each node.
     pub(super) counts: Vec<u32>,
     first_leaf: usize,
 }
@@ -83,12 +86,12 @@ impl Tree {
         }
     }
 
-    /// What a leaf holds; `None` for an inner node.
+    /// The item of a leaf; `None` for an inner node.
     pub(super) fn leaf(&self, node: usize) -> Option<usize> {
         node.checked_sub(self.first_leaf)
     }
 
-    /// Takes one out, if it is in.
+    /// Removes an item, if it is present.
     pub(super) fn remove(&mut self, index: usize) {
         let mut node = self.first_leaf + index;
         if self.counts.get(node).is_none_or(|count| *count == 0) {

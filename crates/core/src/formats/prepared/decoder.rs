@@ -2,6 +2,10 @@
 
 use super::super::error::{FormatError, quote};
 use super::super::limits::{Budget, Share};
+use super::checksum::BYTES;
+use super::source::Source;
+use bytemuck::Pod;
+use bytemuck::allocation::zeroed_vec;
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -11,11 +15,7 @@ const CHUNK: usize = 1 << 15;
 /// Bytes on their way from a file. What they claim is counted before there is room for it.
 pub(super) struct Decoder<'d> {
     path: &'d Path,
-    /// Those that are left.
-    rest: &'d [u8],
-    /// How many there were, and how many stood before them in the file.
-    length: usize,
-    start: usize,
+    source: Source<'d>,
     share: Share<'d>,
     /// What is held so far.
     held: u64,
@@ -23,18 +23,15 @@ pub(super) struct Decoder<'d> {
 }
 
 impl<'d> Decoder<'d> {
-    /// Of bytes that begin at so many of a file.
+    /// Of what is left of a source.
     pub(super) fn new(
         path: &'d Path,
-        bytes: &'d [u8],
-        start: usize,
+        source: Source<'d>,
         budget: &'d Budget,
     ) -> Result<Self, FormatError> {
         Ok(Self {
             path,
-            rest: bytes,
-            length: bytes.len(),
-            start,
+            source,
             share: budget.share(path, "the prepared mesh", 0)?,
             held: 0,
             budget,
@@ -51,19 +48,19 @@ impl<'d> Decoder<'d> {
 
     /// How much of the bytes was read, from 0 to 1.
     pub(super) fn done(&self) -> f32 {
-        1.0 - self.rest.len() as f32 / self.length.max(1) as f32
+        self.source.taken() as f32 / self.source.length().max(1) as f32
     }
 
     /// The error that something else stands before this place than must.
     pub(super) fn unexpected(&self, expected: &str, found: impl std::fmt::Display) -> FormatError {
-        let at = self.start + (self.length - self.rest.len());
+        let at = self.source.taken();
         let expected = format!("{expected} before byte {at}");
         FormatError::unexpected(self.path, None, expected, found.to_string())
     }
 
     /// The error that what was read is not `what` it says.
     pub(super) fn refused(&self, what: &str, reason: &str) -> FormatError {
-        let at = self.start + (self.length - self.rest.len());
+        let at = self.source.taken();
         FormatError::refused(
             self.path,
             None,
@@ -77,24 +74,30 @@ impl<'d> Decoder<'d> {
         self.share.grow(self.path, "the prepared mesh", self.held)
     }
 
-    /// Bytes as they are.
-    pub(super) fn bytes(&mut self, what: &str, count: usize) -> Result<&'d [u8], FormatError> {
-        match self.rest.split_at_checked(count) {
-            Some((bytes, rest)) => {
-                self.rest = rest;
-                Ok(bytes)
-            }
-            None => {
-                let found = format!("{} bytes to the end", self.rest.len());
-                Err(self.unexpected(&format!("{count} bytes of {what}"), found))
-            }
+    /// Checks that all bytes, taken or not, have this checksum.
+    pub(super) fn verify(&mut self, stored: [u8; BYTES]) -> Result<(), FormatError> {
+        let sum = self.source.checksum();
+        if sum.map_err(|error| FormatError::io(self.path, error))? == stored {
+            return Ok(());
         }
+        let found = "a file that was damaged: run `raycast prepare` again";
+        let expected = "bytes with their checksum";
+        Err(FormatError::unexpected(self.path, None, expected, found))
+    }
+
+    /// Fills a slice with bytes as they are.
+    fn fill(&mut self, what: &str, to: &mut [u8]) -> Result<(), FormatError> {
+        if to.len() > self.source.left() {
+            let found = format!("{} bytes to the end", self.source.left());
+            return Err(self.unexpected(&format!("{} bytes of {what}", to.len()), found));
+        }
+        let taken = self.source.take(to);
+        taken.map_err(|error| FormatError::io(self.path, error))
     }
 
     fn chunk<const N: usize>(&mut self, what: &str) -> Result<[u8; N], FormatError> {
-        let bytes = self.bytes(what, N)?;
         let mut chunk = [0; N];
-        chunk.copy_from_slice(bytes);
+        self.fill(what, &mut chunk)?;
         Ok(chunk)
     }
 
@@ -153,10 +156,10 @@ impl<'d> Decoder<'d> {
     /// How many there are of something of which one has so many bytes at least.
     pub(super) fn count(&mut self, what: &str, least: usize) -> Result<usize, FormatError> {
         let count = self.number(what)? as usize;
-        match count <= self.rest.len() / least {
+        match count <= self.source.left() / least {
             true => Ok(count),
             false => {
-                let found = format!("{count} {what} in {} bytes", self.rest.len());
+                let found = format!("{count} {what} in {} bytes", self.source.left());
                 Err(self.unexpected(&format!("{what} that are in the file"), found))
             }
         }
@@ -164,15 +167,13 @@ impl<'d> Decoder<'d> {
 
     pub(super) fn text(&mut self, what: &str) -> Result<String, FormatError> {
         let count = self.count(what, 1)?;
-        let bytes = self.bytes(what, count)?;
         self.hold(count as u64)?;
-        match str::from_utf8(bytes) {
-            Ok(text) => Ok(text.to_owned()),
-            Err(_) => Err(self.unexpected(
-                &format!("{what} in UTF-8"),
-                quote(&String::from_utf8_lossy(bytes)),
-            )),
-        }
+        let mut bytes = vec![0; count];
+        self.fill(what, &mut bytes)?;
+        String::from_utf8(bytes).map_err(|error| {
+            let found = quote(&String::from_utf8_lossy(error.as_bytes()));
+            self.unexpected(&format!("{what} in UTF-8"), found)
+        })
     }
 
     pub(super) fn option<T>(
@@ -203,33 +204,46 @@ impl<'d> Decoder<'d> {
         Ok(all)
     }
 
+    /// Elements that consist of words, behind their count: read to where they stay.
+    pub(super) fn words<T: Pod>(&mut self, what: &str) -> Result<Vec<T>, FormatError> {
+        let count = self.count(what, size_of::<T>())?;
+        self.hold((count * size_of::<T>()) as u64)?;
+        // Memory that nobody has touched: what is read into it is the first to do so.
+        let mut all: Vec<T> = zeroed_vec(count);
+        self.fill(what, bytemuck::cast_slice_mut(&mut all))?;
+        if cfg!(target_endian = "big") {
+            for word in bytemuck::cast_slice_mut::<T, u32>(&mut all) {
+                *word = word.swap_bytes();
+            }
+        }
+        Ok(all)
+    }
+
     /// Elements of so many words each, behind their count.
     pub(super) fn list<T: Send, const N: usize>(
         &mut self,
         what: &str,
-        element: impl Fn([u32; N]) -> T + Sync,
-    ) -> Result<Vec<T>, FormatError> {
-        let size = size_of::<[u32; N]>();
-        let count = self.count(what, size)?;
-        let bytes = self.bytes(what, count * size)?;
-        self.hold((count * size_of::<T>()) as u64)?;
-        let read = |bytes: &[u8]| {
-            let mut words = [0; N];
-            for (word, bytes) in words.iter_mut().zip(bytes.as_chunks().0) {
-                *word = u32::from_le_bytes(*bytes);
-            }
-            element(words)
-        };
-        let elements = bytes.par_chunks_exact(size).with_min_len(CHUNK);
-        Ok(elements.map(read).collect())
+        element: impl Fn([u32; N]) -> T + Sync + Send,
+    ) -> Result<Vec<T>, FormatError>
+    where
+        [u32; N]: Pod,
+    {
+        let words: Vec<[u32; N]> = self.words(what)?;
+        self.hold((words.len() * size_of::<T>()) as u64)?;
+        let words = words.par_iter().copied().with_min_len(CHUNK);
+        Ok(words.map(element).collect())
     }
 
-    /// Checks that all was read; what it takes stays counted.
-    pub(super) fn finish(self) -> Result<(), FormatError> {
-        if !self.rest.is_empty() {
-            return Err(self.unexpected("the end", format!("{} bytes more", self.rest.len())));
+    /// Checks that all was read.
+    pub(super) fn end(&self) -> Result<(), FormatError> {
+        match self.source.left() {
+            0 => Ok(()),
+            left => Err(self.unexpected("the end", format!("{left} bytes more"))),
         }
+    }
+
+    /// What it took stays counted.
+    pub(super) fn keep(self) {
         self.share.keep(self.held);
-        Ok(())
     }
 }

@@ -37,27 +37,28 @@ pub(super) fn write(length: u64, to: &mut Encoder<'_>) -> io::Result<()> {
     to.long(length)
 }
 
-/// Checks that a file is of this version and whole. Returns what is between header and checksum.
+/// Checks that a file of so many bytes, of which these are the first [`HEADER_BYTES`] or all, is of this version and as long as
+/// it should be.
 ///
 /// # Errors
-/// Another version, another length, another checksum.
-pub(super) fn check<'b>(path: &Path, bytes: &'b [u8]) -> Result<&'b [u8], FormatError> {
+/// Another version, another length.
+pub(super) fn check(path: &Path, first: &[u8], length: u64) -> Result<(), FormatError> {
     let unexpected =
         |expected: String, found: String| Err(FormatError::unexpected(path, None, expected, found));
-    let cut = |found: usize| {
+    let cut = || {
         let expected = "the end of a prepared mesh";
         unexpected(
             expected.to_owned(),
-            format!("that it is cut short at byte {found}"),
+            format!("that it is cut short at byte {length}"),
         )
     };
-    let rest = bytes.strip_prefix(MAGIC).unwrap_or_default();
+    let rest = first.strip_prefix(MAGIC).unwrap_or_default();
     let Some((version, rest)) = rest.split_first_chunk() else {
-        return cut(bytes.len());
+        return cut();
     };
     let version = u32::from_le_bytes(*version);
     let Some((program, rest)) = rest.split_first_chunk::<PROGRAM_BYTES>() else {
-        return cut(bytes.len());
+        return cut();
     };
     if version != VERSION {
         let program = program.split(|&byte| byte == 0).next().unwrap_or_default();
@@ -70,27 +71,21 @@ pub(super) fn check<'b>(path: &Path, bytes: &'b [u8]) -> Result<&'b [u8], Format
             ),
         );
     }
-    let Some((length, _)) = rest.split_first_chunk() else {
-        return cut(bytes.len());
+    let Some((expected, _)) = rest.split_first_chunk() else {
+        return cut();
     };
-    let length = u64::from_le_bytes(*length);
-    if (bytes.len() as u64) < length {
+    let expected = u64::from_le_bytes(*expected);
+    if length < expected {
         return unexpected(
-            format!("{length} bytes"),
-            format!("a file cut short at {}", bytes.len()),
+            format!("{expected} bytes"),
+            format!("a file cut short at {length}"),
         );
     }
-    if bytes.len() as u64 > length {
-        return unexpected(format!("{length} bytes"), format!("{}", bytes.len()));
+    if length > expected {
+        return unexpected(format!("{expected} bytes"), format!("{length}"));
     }
-    match bytes.split_last_chunk() {
-        Some((whole, stored)) if whole.len() >= HEADER_BYTES => {
-            if checksum::checksum(whole) == *stored {
-                return Ok(&whole[HEADER_BYTES..]);
-            }
-            let found = "a file that was damaged: run `raycast prepare` again";
-            unexpected("bytes with their checksum".to_owned(), found.to_owned())
-        }
-        _ => cut(bytes.len()),
+    match length < (HEADER_BYTES + checksum::BYTES) as u64 {
+        true => cut(),
+        false => Ok(()),
     }
 }

@@ -11,6 +11,7 @@ use crate::scene::{
     Attribute, Color, Diagonals, Dropped, Mesh, Rounding, Scalar, ScalarAt, StoredMesh, Texture,
     TreeTopology,
 };
+use bytemuck::Pod;
 use glam::{DVec3, Vec2, Vec3};
 use std::io;
 use std::sync::Arc;
@@ -101,15 +102,13 @@ fn write_attribute<T: Copy, const N: usize>(
 pub(super) fn read(textures: &[Arc<Texture>], from: &mut Decoder<'_>) -> Result<Mesh, FormatError> {
     let mut offset = || from.finite("an offset");
     let offset = DVec3::new(offset()?, offset()?, offset()?);
-    let vec3 = |words: [u32; 3]| Vec3::from_array(words.map(f32::from_bits));
-    let vec2 = |words: [u32; 2]| Vec2::from_array(words.map(f32::from_bits));
-    let positions = from.list("vertices", vec3)?;
-    let triangles: Vec<[u32; 3]> = from.list("triangles", |corners| corners)?;
+    let positions = from.words("vertices")?;
+    let triangles: Vec<[u32; 3]> = from.words("triangles")?;
     let count = triangles.len();
     if count as u64 > from.budget().triangles_left() {
         from.budget().add_triangles(from.path(), count as u64)?;
     }
-    let dropped_numbers = from.list("numbers of dropped triangles", |[number]| number)?;
+    let dropped_numbers = from.words("numbers of dropped triangles")?;
     let mut dropped = || from.number("a count of dropped triangles");
     let dropped = Dropped {
         not_finite: dropped()?,
@@ -118,12 +117,12 @@ pub(super) fn read(textures: &[Arc<Texture>], from: &mut Decoder<'_>) -> Result<
         zero_area: dropped()?,
         rounded_away: dropped()?,
     };
-    let normals = read_attribute("normals", vec3, from)?;
-    let uvs = read_attribute("texture coordinates", vec2, from)?;
+    let normals = read_attribute("normals", from)?;
+    let uvs = read_attribute("texture coordinates", from)?;
     let materials = from.each("materials", material::LEAST, |from| {
         material::read(textures, from)
     })?;
-    let material_of_triangle = from.list("materials of triangles", |[number]| number)?;
+    let material_of_triangle = from.words("materials of triangles")?;
     let colors = from.list("colours", |[is, color]: [u32; 2]| -> Option<Color> {
         (is != 0).then(|| color_of(color))
     })?;
@@ -134,7 +133,7 @@ pub(super) fn read(textures: &[Arc<Texture>], from: &mut Decoder<'_>) -> Result<
                 false => ScalarAt::Vertices,
                 true => ScalarAt::Triangles,
             },
-            values: from.list("a scalar's numbers", |[number]| f32::from_bits(number))?,
+            values: from.words("a scalar's numbers")?,
         })
     })?;
     let diagonals = from.list("diagonals", |[low, high]: [u32; 2]| {
@@ -148,8 +147,8 @@ pub(super) fn read(textures: &[Arc<Texture>], from: &mut Decoder<'_>) -> Result<
         share_of_edge: from.double("a share of an edge")?,
         bent: from.number("a count of triangles")?,
     };
-    let order = from.list("triangles in leaf order", |[number]| number)?;
-    let nodes = from.list("nodes", |node| node)?;
+    let order = from.words("triangles in leaf order")?;
+    let nodes = from.words("nodes")?;
     // The numbers of those that are kept.
     from.hold(4 * count as u64)?;
     let stored = StoredMesh {
@@ -175,17 +174,14 @@ pub(super) fn read(textures: &[Arc<Texture>], from: &mut Decoder<'_>) -> Result<
     Ok(mesh.with_tree(tree))
 }
 
-fn read_attribute<T: Send, const N: usize>(
+fn read_attribute<T: Pod>(
     what: &str,
-    value: impl Fn([u32; N]) -> T + Sync,
     from: &mut Decoder<'_>,
 ) -> Result<Option<Attribute<T>>, FormatError> {
     from.option("whether there are attributes", |from| {
         Ok(Attribute {
-            values: from.list(what, value)?,
-            indices: from.option("whether there are indices", |from| {
-                from.list("indices", |corners| corners)
-            })?,
+            values: from.words(what)?,
+            indices: from.option("whether there are indices", |from| from.words("indices"))?,
         })
     })
 }

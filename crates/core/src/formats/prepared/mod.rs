@@ -24,11 +24,13 @@ mod material;
 mod mesh;
 mod object;
 mod read;
+mod source;
 mod texture;
 mod write;
 
 pub(super) use header::is_prepared;
-pub(super) use read::{Prepared, read};
+pub(super) use read::{Prepared, read, read_from};
+pub(super) use source::ReadAt;
 pub use write::{PrepareError, write_prepared};
 
 #[cfg(test)]

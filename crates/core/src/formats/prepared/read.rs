@@ -1,14 +1,17 @@
 //! Reading a prepared file.
 
+use super::checksum::BYTES;
 use super::decoder::Decoder;
 use super::header::{self, HEADER_BYTES};
 use super::object::{self, PreparedObject};
+use super::source::{ReadAt, Source};
 use super::{mesh, texture};
 use crate::formats::Progress;
 use crate::formats::error::FormatError;
 use crate::formats::length_unit::LengthUnit;
 use crate::formats::limits::Budget;
 use glam::DAffine3;
+use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -29,9 +32,48 @@ pub(in crate::formats) fn read(
     budget: &Budget,
     progress: Progress<'_>,
 ) -> Result<Prepared, FormatError> {
-    let contents = header::check(path, bytes)?;
-    progress(0.2);
-    let mut from = Decoder::new(path, contents, HEADER_BYTES, budget)?;
+    let read_at = |at: u64, to: &mut [u8]| {
+        let from = usize::try_from(at).ok().and_then(|at| bytes.get(at..));
+        let from = from.and_then(|from| from.get(..to.len()));
+        to.copy_from_slice(from.ok_or(io::ErrorKind::UnexpectedEof)?);
+        Ok(())
+    };
+    read_from(path, (&read_at, bytes.len() as u64), budget, progress)
+}
+
+/// Reads and checks a prepared file of so many bytes.
+pub(in crate::formats) fn read_from(
+    path: &Path,
+    (read_at, length): (ReadAt<'_>, u64),
+    budget: &Budget,
+    progress: Progress<'_>,
+) -> Result<Prepared, FormatError> {
+    let failed = |error| FormatError::io(path, error);
+    let mut first = [0; HEADER_BYTES];
+    let first = &mut first[..HEADER_BYTES.min(length as usize)];
+    read_at(0, first).map_err(failed)?;
+    header::check(path, first, length)?;
+    let Some(end) = usize::try_from(length)
+        .ok()
+        .and_then(|all| all.checked_sub(BYTES))
+    else {
+        return Err(failed(io::ErrorKind::OutOfMemory.into()));
+    };
+    let mut source = Source::new(read_at, end);
+    source.take(first).map_err(failed)?;
+    let mut from = Decoder::new(path, source, budget)?;
+    let prepared = contents(&mut from, progress);
+    // What was damaged may be anything: that is said before what it was.
+    let mut stored = [0; BYTES];
+    read_at(end as u64, &mut stored).map_err(failed)?;
+    from.verify(stored)?;
+    let prepared = prepared?;
+    from.keep();
+    Ok(prepared)
+}
+
+/// What is between header and checksum.
+fn contents(from: &mut Decoder<'_>, progress: Progress<'_>) -> Result<Prepared, FormatError> {
     let unit = match from.below("a unit", 1 + LengthUnit::ALL.len())? {
         0 => None,
         number => Some(LengthUnit::ALL[number - 1]),
@@ -42,14 +84,14 @@ pub(in crate::formats) fn read(
             Ok(from.text(what)?.replace(char::is_control, " "))
         })
     };
-    let warnings = lines("warnings", &mut from)?;
-    let notes = lines("notes", &mut from)?;
+    let warnings = lines("warnings", from)?;
+    let notes = lines("notes", from)?;
     let textures = from.each("textures", texture::LEAST, |from| {
         texture::read(from).map(Arc::new)
     })?;
     let meshes = from.each("meshes", mesh::LEAST, |from| {
         let mesh = mesh::read(&textures, from)?;
-        progress(0.2 + 0.8 * from.done());
+        progress(from.done());
         Ok(Arc::new(mesh))
     })?;
     let are_nodes = from.flag("whether objects are nodes")?;
@@ -62,7 +104,7 @@ pub(in crate::formats) fn read(
         [one] if one.world_from_object == DAffine3::IDENTITY => {}
         _ => return Err(from.unexpected("nodes, or one object in its own place", "others")),
     }
-    from.finish()?;
+    from.end()?;
     Ok(Prepared {
         unit,
         are_nodes,

@@ -163,7 +163,7 @@ fn answer_alike(a: &Accel, b: &Accel) {
 }
 
 #[test]
-fn all_of_a_mesh_comes_back() {
+fn a_prepared_mesh_keeps_all_its_fields() {
     let mut object = Object::new("an object", Arc::new(rich()));
     object.transform.matrix.translation = DVec3::new(0.1, 0.2, 0.3);
     object.texture = Texture::new(1, 1, vec![[1, 2, 3, 4]]).map(Arc::new);
@@ -284,7 +284,7 @@ fn rays_hit_the_same_with_and_without_a_kept_tree() {
 }
 
 #[test]
-fn what_is_placed_out_of_range_has_a_tree_of_the_rest() {
+fn meshes_partly_out_of_range_get_a_tree_over_the_rest() {
     let read = read_back(&prepared_scene(Scene::from(ball(40)))).expect("a good file");
     let mut scene = read.scene;
     scene.objects[0].transform.scale = DVec3::new(3e18, 1.0, 1.0);
@@ -551,7 +551,7 @@ fn limits_hold() {
 }
 
 #[test]
-fn what_only_scene_files_have_is_refused() {
+fn settings_that_only_scene_files_have_are_refused() {
     let told = |change: fn(&mut SceneFile)| {
         let mut file = SceneFile {
             scene: Scene::from(ball(8)),

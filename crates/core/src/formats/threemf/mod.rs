@@ -1,5 +1,6 @@
 //! 3MF, with colours, base materials and the production extension.
 
+mod attributes;
 mod model;
 mod model_reader;
 mod package;
@@ -20,27 +21,27 @@ use std::path::Path;
 #[cfg(test)]
 mod tests;
 
-/// Model parts, by the order in which they were first asked for.
+/// The model parts, in order of first use.
 #[derive(Default)]
 struct Models {
     names: HashMap<String, usize>,
     models: Vec<Model>,
-    /// The parts' own names.
+    /// The parts' names.
     parts: Vec<String>,
 }
 
-/// What is left to do on the way through the tree.
+/// A step of traversing the tree of components.
 enum Step {
-    /// Places an object: named in a part, within what is outside.
+    /// Enters an object: the part that names it, the instance, and the transform outside it.
     Enter(Box<(usize, Instance, DAffine3)>),
-    /// An object of a part is done.
+    /// Leaves an object of a part.
     Leave((usize, u32)),
 }
 
 /// Reads a 3MF file.
 ///
-/// What is built is placed, depth first; an object that is built twice is two nodes of one mesh. Numbers
-/// are in the file's unit.
+/// Build items are placed depth first; an object that is built twice becomes two nodes of one mesh. Coordinates are
+/// in the file's unit.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
@@ -160,16 +161,16 @@ pub(super) fn read(
         return Err(FormatError::unexpected(path, None, "triangles", found));
     }
     name_the_nameless(path, &mut placed.nodes);
-    tell(path, &models, root, &mut placed);
+    report(path, &models, root, &mut placed);
     progress(1.0);
     Ok(placed)
 }
 
-/// Bytes that a model part becomes, at most.
+/// An upper bound of the memory that a model part's contents take.
 fn bytes_of(text: &[u8]) -> u64 {
     let count = |word: &str| memchr::memmem::find_iter(text, word).count() as u64;
-    // A vertex of 20 characters becomes 24 bytes, a triangle of 30 as many, in lists that double: the old
-    // one is there until the new one is filled. Objects, their instances and colours are more for their words.
+    // A vertex of 20 characters becomes 24 bytes, a triangle of 30 as many, in lists that double while the old one
+    // exists. Objects, their instances and colours take more than their text.
     3 * text.len() as u64 + 1024 * count("object") + 512 * count("color")
 }
 
@@ -187,8 +188,8 @@ fn name_the_nameless(path: &Path, nodes: &mut [PlacedMesh]) {
     }
 }
 
-/// Says what is not shown, and what the file says of itself.
-fn tell(path: &Path, models: &Models, root: usize, placed: &mut Placed) {
+/// Adds warnings about contents that are not shown, and notes about metadata.
+fn report(path: &Path, models: &Models, root: usize, placed: &mut Placed) {
     let mixed: usize = models.models.iter().map(|model| model.mixed).sum();
     if mixed > 0 {
         placed.warnings.push(format!(

@@ -1,19 +1,19 @@
-//! A model part of a 3MF file: objects, their colours, and what is to be built.
+//! A model part of a 3MF file: objects, their colours, and build items.
 
 use crate::scene::MeshData;
 use glam::DAffine3;
 use std::collections::HashMap;
 
-/// What a model part holds.
+/// A model part.
 #[derive(Debug, Default)]
 pub(super) struct Model {
-    /// The word for its unit.
+    /// The word of its unit.
     pub(super) unit: String,
-    /// By their numbers.
+    /// Objects by id.
     pub(super) objects: HashMap<u32, ModelObject>,
-    /// What is to be built, in order.
+    /// The build items, in order.
     pub(super) items: Vec<Instance>,
-    /// What there is and is not shown, by how often it is there.
+    /// Contents that are not shown, and how often each occurs.
     pub(super) unused: Vec<(&'static str, usize)>,
     /// Triangles whose corners have different colours.
     pub(super) mixed: usize,
@@ -27,20 +27,20 @@ pub(super) struct ModelObject {
 
 #[derive(Debug)]
 pub(super) enum Shape {
-    /// Taken when it is first placed.
+    /// A mesh, until it is first placed.
     Mesh(Box<MeshData>),
     Components(Vec<Instance>),
-    /// It was placed before.
+    /// A mesh that was placed before, by its index.
     Taken(usize),
 }
 
-/// An object that another one, or the build, has somewhere.
+/// A use of an object, as a component or a build item.
 #[derive(Clone, Debug)]
 pub(super) struct Instance {
-    /// The part that has the object; `None` for this one.
+    /// The part that contains the object; `None` for this one.
     pub(super) part: Option<String>,
     pub(super) object: u32,
     pub(super) outer_from_object: DAffine3,
-    /// Where it is named.
+    /// The line that names it.
     pub(super) line: usize,
 }

@@ -1,19 +1,19 @@
-//! Reading a model part of a 3MF file.
+//! Parsing a model part of a 3MF file.
 
+use super::attributes::Attributes;
 use super::model::{Instance, Model, ModelObject, Shape};
 use super::package::{Package, Part, line_at};
 use crate::formats::error::{FormatError, quote, shorten};
 use crate::scene::{Color, Material, MeshData};
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
+use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
-use quick_xml::{Reader, XmlVersion};
 use std::collections::{HashMap, HashSet};
-use std::str::FromStr;
 
 /// No number.
 const NONE: u32 = u32::MAX;
 
-/// Where in the tree of elements an element stands. What a name means depends on that.
+/// The parent of an element, which decides the meaning of the element's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Place {
     Document,
@@ -27,11 +27,11 @@ enum Place {
     Triangles,
     Components,
     Build,
-    /// Of no interest, with all that is in it.
+    /// An ignored element, with all its children.
     Other,
 }
 
-/// Extensions that a model may need, by a piece of their namespace.
+/// Supported required extensions, by a part of their namespace.
 const KNOWN: [&str; 5] = [
     "/core/",
     "/production/",
@@ -40,21 +40,21 @@ const KNOWN: [&str; 5] = [
     "/beamlattice/",
 ];
 
-/// An object while it is read.
+/// An object while it is parsed.
 #[derive(Default)]
 struct Open {
     id: u32,
     name: Option<String>,
-    /// What triangles without properties of their own have.
+    /// The properties of triangles without properties of their own.
     property: (u32, u32),
     mesh: Option<MeshData>,
     components: Vec<Instance>,
-    /// A group and an index a triangle; empty where none has any.
+    /// A group and an index for each triangle; empty where no triangle has any.
     properties: Vec<(u32, u32)>,
     line: usize,
 }
 
-/// Properties of an object's triangles, whose groups may stand behind it.
+/// The properties of an object's triangles, whose groups may follow later in the file.
 struct Pending {
     object: u32,
     /// As in [`Open`].
@@ -63,32 +63,32 @@ struct Pending {
 }
 
 struct ModelReader<'r, 'b> {
-    package: &'r Package<'b>,
-    part: &'r Part<'b>,
-    line: usize,
+    attributes: Attributes<'r, 'b>,
     model: Model,
     open: Open,
     groups: HashMap<u32, Vec<Material>>,
     group: u32,
-    /// Groups of kinds that are not shown.
+    /// Groups of types that are not shown.
     other_groups: HashSet<u32>,
-    /// Objects with properties that stand for later.
+    /// Objects whose properties are resolved at the end.
     pending: Vec<Pending>,
     unused: HashMap<&'static str, usize>,
     triangles: u64,
     triangles_left: u64,
 }
 
-/// Reads a model part. No more triangles than `triangles_left` are read.
+/// Parses a model part of at most `triangles_left` triangles.
 pub(super) fn read(
     package: &Package<'_>,
     part: &Part<'_>,
     triangles_left: u64,
 ) -> Result<Model, FormatError> {
     let mut reader = ModelReader {
-        package,
-        part,
-        line: 1,
+        attributes: Attributes {
+            package,
+            part,
+            line: 1,
+        },
         model: Model::default(),
         open: Open::default(),
         groups: HashMap::new(),
@@ -104,19 +104,11 @@ pub(super) fn read(
 }
 
 impl ModelReader<'_, '_> {
-    fn fault(&self, reason: &str) -> FormatError {
-        self.package.fault(&self.part.name, Some(self.line), reason)
-    }
-
-    fn unexpected(&self, expected: &str, found: &str) -> FormatError {
-        self.fault(&format!("expected {expected}, found {found}"))
-    }
-
     fn document(&mut self) -> Result<(), FormatError> {
-        let text = &self.part.text[..];
+        let text = &self.attributes.part.text[..];
         let mut reader = Reader::from_reader(text);
         let mut places = vec![Place::Document];
-        // Lines are counted as they go by.
+        // Lines are counted incrementally.
         let mut counted = 0;
         let mut has_model = false;
         loop {
@@ -126,8 +118,8 @@ impl ModelReader<'_, '_> {
             let event = match event {
                 Ok(event) => event,
                 Err(error) => {
-                    self.line = line_at(text, reader.error_position());
-                    return Err(self.fault(&shorten(&error.to_string())));
+                    self.attributes.line = line_at(text, reader.error_position());
+                    return Err(self.attributes.fault(&shorten(&error.to_string())));
                 }
             };
             match &event {
@@ -145,25 +137,27 @@ impl ModelReader<'_, '_> {
                     self.leave(place);
                 }
                 Event::Eof => {
-                    self.line += memchr::memchr_iter(b'\n', &text[counted..at]).count();
+                    self.attributes.line += memchr::memchr_iter(b'\n', &text[counted..at]).count();
                     if places.len() > 1 {
-                        return Err(self.unexpected("the end of its elements", "the part's end"));
+                        return Err(self
+                            .attributes
+                            .unexpected("the end of its elements", "the part's end"));
                     }
                     break;
                 }
                 _ => {}
             }
-            self.line += memchr::memchr_iter(b'\n', &text[counted..at]).count();
+            self.attributes.line += memchr::memchr_iter(b'\n', &text[counted..at]).count();
             counted = at;
         }
         if has_model {
             Ok(())
         } else {
-            Err(self.unexpected("a model", "none"))
+            Err(self.attributes.unexpected("a model", "none"))
         }
     }
 
-    /// Takes in an element's own tag; where what is in it stands.
+    /// Parses an element's tag; returns the parent of the elements in it.
     fn element(&mut self, tag: &BytesStart<'_>, place: Place) -> Result<Place, FormatError> {
         let name = tag.local_name();
         Ok(match (place, name.as_ref()) {
@@ -179,7 +173,7 @@ impl ModelReader<'_, '_> {
                 Place::Other
             }
             (Place::Resources, b"basematerials" | b"colorgroup") => {
-                self.group = self.need(tag, b"id")?;
+                self.group = self.attributes.need(tag, b"id")?;
                 self.groups.insert(self.group, Vec::new());
                 if name.as_ref() == b"colorgroup" {
                     Place::ColorGroup
@@ -188,7 +182,7 @@ impl ModelReader<'_, '_> {
                 }
             }
             (Place::BaseMaterials, b"base") => {
-                let name = self.text(tag, b"name")?;
+                let name = self.attributes.text(tag, b"name")?;
                 self.color(tag, b"displaycolor", name)?;
                 Place::Other
             }
@@ -197,7 +191,7 @@ impl ModelReader<'_, '_> {
                 Place::Other
             }
             (Place::Resources, b"texture2dgroup" | b"compositematerials" | b"multiproperties") => {
-                self.other_groups.insert(self.need(tag, b"id")?);
+                self.other_groups.insert(self.attributes.need(tag, b"id")?);
                 *self
                     .unused
                     .entry("groups of textures or mixtures")
@@ -205,19 +199,24 @@ impl ModelReader<'_, '_> {
                 Place::Other
             }
             (Place::Resources, b"object") => {
-                let id = self.need(tag, b"id")?;
+                let id = self.attributes.need(tag, b"id")?;
                 if self.model.objects.contains_key(&id) {
                     let found = format!("{id} once more");
-                    return Err(self.unexpected("a number that no other object has", &found));
+                    return Err(self
+                        .attributes
+                        .unexpected("a number that no other object has", &found));
                 }
                 self.open = Open {
                     id,
-                    name: self.text(tag, b"name")?.filter(|name| !name.is_empty()),
+                    name: self
+                        .attributes
+                        .text(tag, b"name")?
+                        .filter(|name| !name.is_empty()),
                     property: (
-                        self.number(tag, b"pid")?.unwrap_or(NONE),
-                        self.number(tag, b"pindex")?.unwrap_or(0),
+                        self.attributes.number(tag, b"pid")?.unwrap_or(NONE),
+                        self.attributes.number(tag, b"pindex")?.unwrap_or(0),
                     ),
-                    line: self.line,
+                    line: self.attributes.line,
                     ..Open::default()
                 };
                 Place::Object
@@ -282,9 +281,12 @@ impl ModelReader<'_, '_> {
     }
 
     fn start_model(&mut self, tag: &BytesStart<'_>) -> Result<(), FormatError> {
-        let unit = self.text(tag, b"unit")?;
+        let unit = self.attributes.text(tag, b"unit")?;
         self.model.unit = unit.unwrap_or_else(|| "millimeter".to_owned());
-        let required = self.text(tag, b"requiredextensions")?.unwrap_or_default();
+        let required = self
+            .attributes
+            .text(tag, b"requiredextensions")?
+            .unwrap_or_default();
         for prefix in required.split_whitespace() {
             let mut namespace = String::new();
             for attribute in tag.attributes().with_checks(false).flatten() {
@@ -299,7 +301,7 @@ impl ModelReader<'_, '_> {
                     &namespace
                 };
                 let expected = "no extensions that it needs but those that are read";
-                return Err(self.unexpected(expected, &quote(found)));
+                return Err(self.attributes.unexpected(expected, &quote(found)));
             }
         }
         Ok(())
@@ -308,18 +310,20 @@ impl ModelReader<'_, '_> {
     fn vertex(&self, tag: &BytesStart<'_>) -> Result<DVec3, FormatError> {
         let mut position = [None; 3];
         for attribute in tag.attributes().with_checks(false) {
-            let attribute = attribute.map_err(|error| self.fault(&error.to_string()))?;
+            let attribute = attribute.map_err(|error| self.attributes.fault(&error.to_string()))?;
             let axis = match attribute.key.as_ref() {
                 b"x" => 0,
                 b"y" => 1,
                 b"z" => 2,
                 _ => continue,
             };
-            position[axis] = Some(self.parse(&attribute.value, "a number")?);
+            position[axis] = Some(self.attributes.parse(&attribute.value, "a number")?);
         }
         match position {
             [Some(x), Some(y), Some(z)] => Ok(DVec3::new(x, y, z)),
-            _ => Err(self.unexpected("a vertex with x, y and z", "one without")),
+            _ => Err(self
+                .attributes
+                .unexpected("a vertex with x, y and z", "one without")),
         }
     }
 
@@ -328,8 +332,8 @@ impl ModelReader<'_, '_> {
         let mut group = None;
         let mut indices: [Option<u32>; 3] = [None; 3];
         for attribute in tag.attributes().with_checks(false) {
-            let attribute = attribute.map_err(|error| self.fault(&error.to_string()))?;
-            let whole = || self.parse(&attribute.value, "a whole number");
+            let attribute = attribute.map_err(|error| self.attributes.fault(&error.to_string()))?;
+            let whole = || self.attributes.parse(&attribute.value, "a whole number");
             match attribute.key.as_ref() {
                 b"v1" => corners[0] = Some(whole()?),
                 b"v2" => corners[1] = Some(whole()?),
@@ -342,12 +346,14 @@ impl ModelReader<'_, '_> {
             }
         }
         let [Some(a), Some(b), Some(c)] = corners else {
-            return Err(self.unexpected("a triangle with v1, v2 and v3", "one without"));
+            return Err(self
+                .attributes
+                .unexpected("a triangle with v1, v2 and v3", "one without"));
         };
         self.triangles += 1;
         if self.triangles > self.triangles_left {
             let most = self.triangles_left;
-            return Err(self.fault(&format!(
+            return Err(self.attributes.fault(&format!(
                 "it has more triangles than the {most} that are left"
             )));
         }
@@ -369,7 +375,7 @@ impl ModelReader<'_, '_> {
             .find(|&v: &u32| v as usize >= vertices)
         {
             let expected = format!("the number of one of {vertices} vertices");
-            return Err(self.unexpected(&expected, &outside.to_string()));
+            return Err(self.attributes.unexpected(&expected, &outside.to_string()));
         }
         let before = mesh.triangles.len();
         mesh.triangles.push([a, b, c]);
@@ -386,8 +392,10 @@ impl ModelReader<'_, '_> {
         key: &[u8],
         name: Option<String>,
     ) -> Result<(), FormatError> {
-        let Some(text) = self.text(tag, key)? else {
-            return Err(self.unexpected("a colour as #RRGGBB or #RRGGBBAA", "none"));
+        let Some(text) = self.attributes.text(tag, key)? else {
+            return Err(self
+                .attributes
+                .unexpected("a colour as #RRGGBB or #RRGGBBAA", "none"));
         };
         let (opaque, alpha) = match text.len() {
             9 if text.is_ascii() => text.split_at(7),
@@ -396,7 +404,9 @@ impl ModelReader<'_, '_> {
         let color: Color = match opaque.parse() {
             Ok(color) if opaque.starts_with('#') && opaque.len() == 7 => color,
             _ => {
-                return Err(self.unexpected("a colour as #RRGGBB or #RRGGBBAA", &quote(&text)));
+                return Err(self
+                    .attributes
+                    .unexpected("a colour as #RRGGBB or #RRGGBBAA", &quote(&text)));
             }
         };
         if !alpha.eq_ignore_ascii_case("FF") {
@@ -409,77 +419,19 @@ impl ModelReader<'_, '_> {
     }
 
     fn instance(&self, tag: &BytesStart<'_>) -> Result<Instance, FormatError> {
-        let outer_from_object = match self.text(tag, b"transform")? {
-            Some(text) => self.transform(&text)?,
+        let outer_from_object = match self.attributes.text(tag, b"transform")? {
+            Some(text) => self.attributes.transform(&text)?,
             None => DAffine3::IDENTITY,
         };
         Ok(Instance {
-            part: self.text(tag, b"path")?,
-            object: self.need(tag, b"objectid")?,
+            part: self.attributes.text(tag, b"path")?,
+            object: self.attributes.need(tag, b"objectid")?,
             outer_from_object,
-            line: self.line,
+            line: self.attributes.line,
         })
     }
 
-    /// Twelve numbers: what the axes become, each in turn, and the translation.
-    fn transform(&self, text: &str) -> Result<DAffine3, FormatError> {
-        let mut numbers = [0.0; 12];
-        let mut words = text.split_ascii_whitespace();
-        for number in &mut numbers {
-            let word = words.next().unwrap_or_default();
-            *number = word
-                .parse()
-                .ok()
-                .filter(|number: &f64| number.is_finite())
-                .ok_or_else(|| self.unexpected("twelve numbers as a transform", &quote(text)))?;
-        }
-        if words.next().is_some() {
-            return Err(self.unexpected("twelve numbers as a transform", "more"));
-        }
-        let [x, y, z, t] = [0, 3, 6, 9].map(|at| DVec3::from_slice(&numbers[at..]));
-        Ok(DAffine3 {
-            matrix3: DMat3::from_cols(x, y, z),
-            translation: t,
-        })
-    }
-
-    fn parse<T: FromStr>(&self, value: &[u8], expected: &str) -> Result<T, FormatError> {
-        let text = std::str::from_utf8(value).ok().map(str::trim);
-        text.and_then(|text| text.parse().ok())
-            .ok_or_else(|| self.unexpected(expected, &quote(&String::from_utf8_lossy(value))))
-    }
-
-    /// An attribute's text, by its name without a prefix.
-    fn text(&self, tag: &BytesStart<'_>, key: &[u8]) -> Result<Option<String>, FormatError> {
-        for attribute in tag.attributes().with_checks(false) {
-            let attribute = attribute.map_err(|error| self.fault(&error.to_string()))?;
-            if attribute.key.local_name().as_ref() == key {
-                let value = attribute.normalized_value(XmlVersion::Implicit1_0);
-                let value = value.map_err(|error| self.fault(&shorten(&error.to_string())))?;
-                return Ok(Some(value.into_owned()));
-            }
-        }
-        Ok(None)
-    }
-
-    fn number(&self, tag: &BytesStart<'_>, key: &[u8]) -> Result<Option<u32>, FormatError> {
-        let text = self.text(tag, key)?;
-        text.map(|text| self.parse(text.as_bytes(), "a whole number"))
-            .transpose()
-    }
-
-    fn need(&self, tag: &BytesStart<'_>, key: &[u8]) -> Result<u32, FormatError> {
-        self.number(tag, key)?.ok_or_else(|| {
-            let key = String::from_utf8_lossy(key);
-            let name = String::from_utf8_lossy(tag.name().as_ref()).into_owned();
-            self.unexpected(
-                &format!("`{key}` of an element"),
-                &format!("{} without", quote(&name)),
-            )
-        })
-    }
-
-    /// Gives triangles their materials, now that all groups are known.
+    /// Gives triangles their materials, once all groups are known.
     fn finish(mut self) -> Result<Model, FormatError> {
         for pending in std::mem::take(&mut self.pending) {
             let Pending {
@@ -487,7 +439,7 @@ impl ModelReader<'_, '_> {
                 properties,
                 line,
             } = pending;
-            self.line = line;
+            self.attributes.line = line;
             let mut materials = Vec::new();
             let mut numbers: HashMap<(u32, u32), u32> = HashMap::new();
             let mut of_triangle = Vec::with_capacity(properties.len());
@@ -502,13 +454,15 @@ impl ModelReader<'_, '_> {
                 }
                 let Some(colors) = self.groups.get(&group) else {
                     let expected = format!("object {id} to name groups of colours or materials");
-                    return Err(self.unexpected(&expected, &format!("{group}")));
+                    return Err(self.attributes.unexpected(&expected, &format!("{group}")));
                 };
                 let Some(material) = colors.get(index as usize) else {
                     let count = colors.len();
                     let expected =
                         format!("object {id} to name one of group {group}'s {count} colours");
-                    return Err(self.unexpected(&expected, &format!("number {index}")));
+                    return Err(self
+                        .attributes
+                        .unexpected(&expected, &format!("number {index}")));
                 };
                 let number = materials.len() as u32;
                 materials.push(material.clone());

@@ -1,4 +1,4 @@
-//! The parts of a 3MF file: a ZIP archive as the Open Packaging Conventions have it.
+//! The parts of a 3MF file: a ZIP archive by the Open Packaging Conventions.
 
 use crate::formats::error::{FormatError, quote, shorten};
 use crate::formats::limits::{Budget, Share};
@@ -7,30 +7,30 @@ use std::io::{Cursor, Read};
 use std::path::Path;
 use zip::ZipArchive;
 
-/// The part that names the others' kinds.
+/// The part that states the types of the others.
 const RELATIONSHIPS: &str = "_rels/.rels";
 
-/// Bytes that an archive's library holds for each file in it, at least.
+/// A lower bound of the memory that the ZIP library takes for each entry.
 const ENTRY: u64 = 1024;
 
-/// A 3MF file's parts.
+/// The parts of a 3MF file.
 pub(super) struct Package<'b> {
     path: &'b Path,
     budget: &'b Budget,
     archive: ZipArchive<Cursor<&'b [u8]>>,
-    /// By name, in small letters: case does not count.
+    /// Entries by name in lower case, since case is insignificant.
     numbers: HashMap<String, usize>,
     _share: Share<'b>,
 }
 
-/// A part's text, counted.
+/// A part's text, counted against the budget.
 pub(super) struct Part<'b> {
     pub(super) name: String,
     pub(super) text: Vec<u8>,
     _share: Share<'b>,
 }
 
-/// A part's name as it is looked for.
+/// A part's name, normalised for look-up.
 fn key(name: &str) -> String {
     name.trim_start_matches('/').to_ascii_lowercase()
 }
@@ -41,7 +41,7 @@ impl<'b> Package<'b> {
         bytes: &'b [u8],
         budget: &'b Budget,
     ) -> Result<Self, FormatError> {
-        // What the archive's directory holds, before it is read.
+        // The number of entries, before the archive's directory is read.
         let entries = memchr::memmem::find_iter(bytes, b"PK\x01\x02").count() as u64;
         let share = budget.share(path, "the archive's directory", ENTRY * entries)?;
         let archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| {
@@ -59,17 +59,17 @@ impl<'b> Package<'b> {
         })
     }
 
-    /// A fault in a part, at a line of it where it is on one.
+    /// An error in a part, with its line if it has one.
     pub(super) fn fault(&self, part: &str, line: Option<usize>, reason: &str) -> FormatError {
         let line = line.map_or_else(String::new, |line| format!(", line {line}"));
-        // What the XML library says may hold names of the file's.
+        // Messages of the XML library may contain names from the file.
         let shown = |c: char| if c.is_control() { '\u{fffd}' } else { c };
         let reason: String = reason.chars().map(shown).collect();
         let reason = format!("{}{line}: {reason}", quote(part));
         FormatError::refused(self.path, None, &reason)
     }
 
-    /// A part's bytes: never more than its archive says, nor than the budget has left.
+    /// A part's bytes: at most what its archive declares and what the budget has left.
     pub(super) fn part(&mut self, name: &str) -> Result<Part<'b>, FormatError> {
         let Some(&number) = self.numbers.get(&key(name)) else {
             return Err(self.fault(name, None, "there is no such part"));
@@ -84,10 +84,10 @@ impl<'b> Package<'b> {
             .map_err(|error| damaged(&error))?;
         let mut share = self.budget.share(self.path, "a part", 0)?;
         let mut text = Vec::new();
-        /// What is unpacked at a time.
+        /// Bytes decompressed at a time.
         const STEP: u64 = 1 << 20;
         loop {
-            // A full buffer doubles, and the old one is there until the new one is filled.
+            // A full buffer doubles, and the old one exists until the new one is filled.
             let most = 3 * (text.len() as u64 + STEP);
             share.grow(self.path, "a part", most)?;
             let read = (&mut file)
@@ -105,7 +105,7 @@ impl<'b> Package<'b> {
         })
     }
 
-    /// The name of the model that the package is about, by its relationship.
+    /// The name of the package's main model, by its relationship.
     pub(super) fn model(&mut self) -> Result<String, FormatError> {
         let part = self.part(RELATIONSHIPS)?;
         let mut reader = quick_xml::Reader::from_reader(&part.text[..]);
@@ -147,7 +147,7 @@ impl<'b> Package<'b> {
     }
 }
 
-/// The line, from 1, of a byte of a text.
+/// The line, from 1, of a byte offset in a text.
 pub(super) fn line_at(text: &[u8], at: u64) -> usize {
     let before = &text[..text.len().min(at as usize)];
     1 + memchr::memchr_iter(b'\n', before).count()

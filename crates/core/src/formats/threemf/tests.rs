@@ -35,7 +35,7 @@ fn model(resources: &str, build: &str) -> String {
     )
 }
 
-/// A triangle as object `id`, with attributes of its own and of the object.
+/// A triangle as object `id`, with attributes of the object and of the triangle.
 fn object(id: u32, of_object: &str, of_triangle: &str) -> String {
     format!(
         "<object id=\"{id}\" {of_object}><mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/>\
@@ -263,7 +263,7 @@ fn broken_files_are_refused_in_one_line() {
     }
 }
 
-/// What a small archive unpacks to, or stands for, is counted before it is there.
+/// The size to which a small archive expands is counted before memory is allocated.
 #[test]
 fn bombs_stay_within_the_limits() {
     let limits = Limits {
@@ -275,7 +275,7 @@ fn bombs_stay_within_the_limits() {
     assert!(bytes.len() < 100_000);
     let error = read_bytes(&bytes, &Budget::new(limits)).expect_err("a bomb");
     assert!(error.contains("(limit `bytes`)"), "{error}");
-    // Each object is two of the one before.
+    // Each object consists of two of the one before.
     let double = |id: u32| {
         let below = id - 1;
         let component = format!("<component objectid=\"{below}\"/>");

@@ -8,8 +8,8 @@ use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 use std::io::{self, Write};
 
-/// The most primitives of an object: its triangles keep their order, so each run of triangles of one
-/// material is one, which is too many where colours are at random.
+/// The most primitives of an object. Triangles keep their order, so each run of triangles of one material is a
+/// primitive, which would be too many with random colours.
 const PRIMITIVE_LIMIT: usize = 4096;
 
 const FLOAT: u32 = 5126;
@@ -18,8 +18,8 @@ const UNSIGNED_INT: u32 = 5125;
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 
-/// Writes GLB: a node and a mesh an object. Positions are single precision, about the node's
-/// translation where the object lies far from zero.
+/// Writes GLB: a node and a mesh for each object. Positions are in single precision, relative to the node's
+/// translation where the object is far from the origin.
 pub(super) fn write(
     parts: &Parts<'_>,
     out: &mut dyn Write,
@@ -58,7 +58,7 @@ pub(super) fn write(
         "scenes": [{ "nodes": (0..nodes.len()).collect::<Vec<_>>() }],
         "nodes": nodes,
     });
-    // Lists may not be empty.
+    // glTF's lists must not be empty.
     for (name, list) in [
         ("meshes", meshes),
         ("materials", materials),
@@ -86,7 +86,7 @@ pub(super) fn write(
     out.write_all(b"JSON")?;
     out.write_all(&json)?;
     if bytes > 0 {
-        // No longer than the file, whose length was checked.
+        // The file's length was checked to fit 32 bits.
         out.write_all(&(bytes as u32).to_le_bytes())?;
         out.write_all(b"BIN\0")?;
         for object in &objects {
@@ -99,7 +99,7 @@ pub(super) fn write(
     Ok(())
 }
 
-/// The JSON's lists, and how long the buffer is so far.
+/// The JSON's lists, and the buffer's length so far.
 #[derive(Default)]
 struct Tables {
     bytes: u64,
@@ -111,7 +111,7 @@ struct Tables {
 }
 
 impl Tables {
-    /// Adds a view of the buffer's next bytes; its number.
+    /// Adds a view of the buffer's next bytes; returns its index.
     fn view(&mut self, bytes: u64, target: u32) -> usize {
         self.views.push(json!({
             "buffer": 0,
@@ -123,21 +123,21 @@ impl Tables {
         self.views.len() - 1
     }
 
-    /// Adds an accessor; its number.
+    /// Adds an accessor; returns its index.
     fn accessor(&mut self, accessor: Value) -> usize {
         self.accessors.push(accessor);
         self.accessors.len() - 1
     }
 }
 
-/// An object, made ready.
+/// An object, converted for writing.
 struct Object<'p, 's> {
     part: &'p Part<'s>,
     joined: Joined,
     colors: Option<Vec<Color>>,
     lost_colors: bool,
     lost_materials: bool,
-    /// Where triangles of another material begin: the first, and the material.
+    /// Runs of triangles of one material: the first triangle, and the material.
     runs: Vec<(usize, Option<u32>)>,
 }
 
@@ -178,7 +178,7 @@ impl<'p, 's> Object<'p, 's> {
         (position - self.part.offset).as_vec3()
     }
 
-    /// Describes what [`Object::write`] writes.
+    /// Adds the description of the bytes that [`Object::write`] writes.
     fn describe(&self, tables: &mut Tables) {
         let part = self.part;
         let mut node = json!({ "name": part.name });
@@ -233,7 +233,7 @@ impl<'p, 's> Object<'p, 's> {
         };
         tables.materials.extend(used.iter().map(|material| {
             let [r, g, b] = linear(material.color).to_array();
-            // Images are not written, and a mask without one would be all or nothing.
+            // Images are not written, and a mask without its image would be all or nothing.
             let (mode, a) = match &material.opacity {
                 Opacity::Blend(Alpha { factor, .. }) => ("BLEND", *factor),
                 Opacity::Opaque | Opacity::Mask { .. } => ("OPAQUE", 1.0),
@@ -253,7 +253,7 @@ impl<'p, 's> Object<'p, 's> {
                 let pbr = &mut written["pbrMetallicRoughness"];
                 pbr["metallicFactor"] = known.metallic.into();
                 pbr["roughnessFactor"] = known.roughness.into();
-                // More would be an extension's.
+                // glTF needs an extension for emission above 1.
                 written["emissiveFactor"] = json!(known.emission.map(|light| light.min(1.0)));
             }
             written
@@ -283,7 +283,7 @@ impl<'p, 's> Object<'p, 's> {
         tables.nodes.push(node);
     }
 
-    /// Writes the object's bytes of the buffer.
+    /// Writes the object's part of the buffer.
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         let part = self.part;
         if part.triangles.is_empty() {
@@ -305,7 +305,7 @@ impl<'p, 's> Object<'p, 's> {
         if part.mesh.has_uvs() {
             for &[.., uv] in vertices {
                 let uv = part.uv(uv);
-                // Its origin is the top left.
+                // glTF's origin is the top left.
                 floats(&[uv.x, 1.0 - uv.y])?;
             }
         }

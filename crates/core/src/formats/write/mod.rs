@@ -1,4 +1,4 @@
-//! Writing a scene's meshes, in their places, in a format of meshes.
+//! Writing a scene's meshes to a mesh file, transformed to world space.
 
 mod glb;
 mod obj;
@@ -14,30 +14,30 @@ use std::io::{self, Write};
 use std::path::Path;
 pub use written::{WriteError, Written};
 
-/// A format that meshes are written in.
+/// A mesh format that can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshFormat {
-    /// OBJ, its materials in a library beside it.
+    /// OBJ, with its materials in a library beside it.
     Obj,
-    /// PLY, little-endian or as text: one list of triangles.
+    /// PLY, little-endian or as text, as one list of triangles.
     Ply {
         /// As text.
         ascii: bool,
     },
-    /// STL, binary or as text: corners in single precision, and nothing else.
+    /// STL, binary or as text: only corners, in single precision.
     Stl {
         /// As text.
         ascii: bool,
     },
     /// Binary glTF 2.0.
     Glb,
-    /// The triangle text of the original RayCast: corners, and nothing else.
+    /// The triangle text of the original RayCast: only corners.
     TriangleText,
 }
 
 impl MeshFormat {
-    /// The format that a file's name asks for, by its extension in any case; `ascii` asks for text
-    /// where there is a choice. `None` for a name that asks for none.
+    /// The format of a file name, by its extension in any case; `ascii` selects text where there is a choice. `None`
+    /// for an unknown extension.
     pub fn from_name(name: &str, ascii: bool) -> Option<Self> {
         let extension = Path::new(name).extension()?.to_str()?;
         Some(match extension.to_ascii_lowercase().as_str() {
@@ -51,14 +51,14 @@ impl MeshFormat {
     }
 }
 
-/// Writes the meshes of a scene, each in its place, object by object in their order. `library` is the
-/// name by which an OBJ names the file of [`write_materials`]; without it an OBJ has no materials.
+/// Writes the meshes of a scene in world space, object by object in order. `library` is the name by which an OBJ
+/// refers to the file of [`write_materials`]; without it the OBJ has no materials.
 ///
-/// What is read from the file has the same triangles in the same order, with the same corners where
-/// the format's numbers hold them: decimals of text are the shortest that are read as the same number.
+/// A file that is read again has the same triangles in the same order, with the same corners where the format's
+/// numbers can represent them; decimals of text are the shortest that read back as the same number.
 ///
 /// # Errors
-/// Those of `out`; a scene that cannot be placed; more than the format can hold.
+/// Those of `out`; invalid transforms or parents; more than the format can hold.
 pub fn write_meshes(
     scene: &Scene,
     format: MeshFormat,
@@ -92,8 +92,8 @@ pub fn write_meshes(
     Ok(written)
 }
 
-/// Writes the material library (MTL) of what [`write_meshes`] writes as OBJ; whether there is any
-/// material at all.
+/// Writes the material library (MTL) for what [`write_meshes`] writes as OBJ; returns whether there are any
+/// materials.
 ///
 /// # Errors
 /// Those of `out`.

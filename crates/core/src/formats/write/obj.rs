@@ -4,7 +4,7 @@ use crate::scene::{Color, Scene};
 use std::collections::HashMap;
 use std::io::{self, Write};
 
-/// Writes OBJ: an `o` an object, colours behind the vertices, and materials by name.
+/// Writes OBJ: an `o` for each object, colours after the vertices' coordinates, and materials by name.
 pub(super) fn write(
     parts: &Parts<'_>,
     library: Option<&str>,
@@ -20,7 +20,7 @@ pub(super) fn write(
         None if has_materials => written.lost.push("materials".to_owned()),
         None => {}
     }
-    // What stands above: vertices, texture coordinates, normals.
+    // The numbers of vertices, texture coordinates and normals written so far.
     let mut above = [0; 3];
     let mut last_material = None;
     for (number, part) in parts.parts.iter().enumerate() {
@@ -60,7 +60,7 @@ pub(super) fn write(
                     last_material = Some(name);
                 }
             }
-            // Of which all three corners have one.
+            // The triangles that have the attribute at all three corners.
             let own = |indices: Option<&Vec<[u32; 3]>>, kind: usize| {
                 let own = match indices {
                     Some(indices) => *indices.get(index)?,
@@ -95,7 +95,7 @@ pub(super) fn write(
     Ok(())
 }
 
-/// Writes the library of the materials; whether there are any.
+/// Writes the library of the materials; returns whether there are any.
 pub(super) fn write_library(scene: &Scene, out: &mut dyn Write) -> io::Result<bool> {
     let names = Names::of(scene.objects.iter().map(|object| object.mesh.materials()));
     for (name, Color(channels)) in &names.all {
@@ -105,16 +105,16 @@ pub(super) fn write_library(scene: &Scene, out: &mut dyn Write) -> io::Result<bo
     Ok(names.are_any())
 }
 
-/// A channel from 0 to 1, in as many digits as it takes to tell eight bits.
+/// A channel from 0 to 1, with enough digits to restore eight bits.
 fn share(channel: u8) -> Shortest<f64> {
     Shortest((f64::from(channel) / 255.0 * 1e4).round() / 1e4)
 }
 
-/// The materials of all objects, by names of their own.
+/// The materials of all objects, with unique names.
 struct Names {
-    /// Each once; the first is that of triangles that have none.
+    /// Each material once; the first is that of triangles without a material.
     all: Vec<(String, Color)>,
-    /// For each object, which of them its materials are.
+    /// For each object, the indices of its materials.
     of_objects: Vec<Vec<usize>>,
 }
 
@@ -157,7 +157,7 @@ impl Names {
             .any(|materials| !materials.is_empty())
     }
 
-    /// The name of an object's material; of no material, the name of that.
+    /// The name of an object's material, or of no material.
     fn of_material(&self, object: usize, material: Option<u32>) -> &str {
         let materials = &self.of_objects[object];
         let number = material.and_then(|material| materials.get(material as usize));

@@ -1,4 +1,4 @@
-//! A scene's meshes in the world, as writers need them.
+//! A scene's meshes in world space, as writers need them.
 
 use super::written::Written;
 use crate::scene::{
@@ -9,35 +9,34 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::fmt;
 
-/// All objects, and what holds of all of them.
+/// All objects, and properties of all of them together.
 pub(super) struct Parts<'s> {
     pub(super) parts: Vec<Part<'s>>,
     /// Whether every coordinate is a single-precision number.
     pub(super) is_single: bool,
-    /// Whether the shortest decimals of single-precision numbers do for a reader of doubles: it will
-    /// round them to the same, since it will move nothing to another origin.
+    /// Whether the shortest decimals of single-precision numbers suffice: a reader in double precision rounds them to
+    /// the same numbers, since it will not recentre the mesh.
     pub(super) short_decimals: bool,
 }
 
-/// An object's mesh in the world.
+/// An object's mesh in world space.
 pub(super) struct Part<'s> {
     pub(super) name: &'s str,
     pub(super) mesh: &'s Mesh,
-    /// Vertices in the world; those that cannot be written are zero.
+    /// Vertices in world space; zero for those that cannot be written.
     pub(super) positions: Vec<DVec3>,
-    /// How far rounding a vertex's place in the world to double precision moves it; empty if it moves
-    /// none.
+    /// How far rounding to double precision moves each vertex; empty if it moves none.
     rounded: Vec<f64>,
-    /// By number; those whose corners cannot be written have one corner three times.
+    /// By number; triangles whose corners cannot be written have one corner three times.
     pub(super) triangles: Cow<'s, [[u32; 3]]>,
-    /// Normals in the world, of unit length or zero.
+    /// Normals in world space, of unit length or zero.
     pub(super) normals: Option<Attribute<Vec3>>,
-    /// What to put positions relative to, so that single precision holds them best.
+    /// The offset to which positions should be relative, so that single precision represents them best.
     pub(super) offset: DVec3,
     emptied: u64,
 }
 
-/// A vertex that can be written: twice the limit, as a mesh at the limit may have been moved.
+/// Whether a vertex can be written: within twice the limit, since a mesh at the limit may have been moved.
 fn is_writable(position: DVec3) -> bool {
     position.is_finite() && position.abs().max_element() <= 2.0 * COORDINATE_LIMIT
 }
@@ -62,7 +61,7 @@ impl<'s> Parts<'s> {
             .iter()
             .map(Part::bounds)
             .fold(Bounds::EMPTY, Bounds::union);
-        // The ends of the box as a reader finds them: the order of numbers is that of their decimals.
+        // The ends of the bounding box as a reader finds them: rounding decimals is monotone.
         let read = |end: DVec3| {
             DVec3::from_array(end.to_array().map(|number| {
                 let decimals = Shortest(number as f32).to_string();
@@ -83,7 +82,7 @@ impl<'s> Parts<'s> {
         })
     }
 
-    /// What any format writes: nothing moved yet but by double precision.
+    /// The summary of writing in any format, before single precision moves anything.
     pub(super) fn written(&self) -> Written {
         let mut written = Written::default();
         for part in &self.parts {
@@ -95,7 +94,7 @@ impl<'s> Parts<'s> {
         written
     }
 
-    /// Counts the vertices that `stored` moves: what of a part's position is there once it is written.
+    /// Counts the vertices that are moved by being stored; `stored` gives the part of a position that is stored.
     pub(super) fn count_moves(
         &self,
         written: &mut Written,
@@ -119,7 +118,7 @@ impl<'s> Parts<'s> {
         }
     }
 
-    /// A number of a text.
+    /// A number as text.
     pub(super) fn decimal(&self, number: f64) -> Decimal {
         if self.short_decimals {
             Decimal::Single(Shortest(number as f32))
@@ -132,7 +131,7 @@ impl<'s> Parts<'s> {
         self.parts.iter().any(is_there)
     }
 
-    /// Notes what a format of corners alone does not hold.
+    /// Records what a format of corners only loses.
     pub(super) fn lose_attributes(&self, written: &mut Written) {
         type Has = fn(&Mesh) -> bool;
         let kinds: [(&str, Has); 4] = [
@@ -151,7 +150,7 @@ impl<'s> Parts<'s> {
         self.lose_names(written);
     }
 
-    /// Notes that a format has one object.
+    /// Records that a format without objects loses their names.
     pub(super) fn lose_names(&self, written: &mut Written) {
         if let count @ 2.. = self.parts.len() {
             written.lost.push(format!("that there are {count} objects"));
@@ -240,7 +239,7 @@ impl<'s> Part<'s> {
         part
     }
 
-    /// The box that a reader finds around all triangles.
+    /// The bounding box that a reader finds around all triangles.
     fn bounds(&self) -> Bounds {
         let corners = self.triangles.as_flattened().iter();
         Bounds::around(corners.map(|&corner| self.positions[corner as usize]))
@@ -251,7 +250,7 @@ impl<'s> Part<'s> {
         triangle.map(|corner| self.positions[corner as usize])
     }
 
-    /// A colour a vertex, where every triangle has one at each corner.
+    /// A colour a vertex, if every triangle has one at each corner.
     pub(super) fn vertex_colors(&self) -> Option<Vec<Color>> {
         let colors = self.mesh.vertex_colors();
         let color = |vertex: u32| colors.get(vertex as usize).copied().flatten();
@@ -266,8 +265,8 @@ impl<'s> Part<'s> {
         )
     }
 
-    /// Vertices for formats in which all of a vertex shares an index: one for each position with
-    /// another normal or other texture coordinates.
+    /// Vertices for formats in which all attributes of a vertex share an index: one for each combination of position,
+    /// normal and texture coordinates.
     pub(super) fn joined(&self) -> Joined {
         let normals = self.normals.as_ref();
         let uvs = self.mesh.uvs();
@@ -311,7 +310,7 @@ impl<'s> Part<'s> {
         }
     }
 
-    /// A normal by its own index; zero where there is none.
+    /// A normal by its index; zero where there is none.
     pub(super) fn normal(&self, index: u32) -> Vec3 {
         let values = self.normals.as_ref().map(|normals| &normals.values);
         values
@@ -320,7 +319,7 @@ impl<'s> Part<'s> {
             .unwrap_or(Vec3::ZERO)
     }
 
-    /// Texture coordinates by their own index; zero where there are none.
+    /// Texture coordinates by their index; zero where there are none.
     pub(super) fn uv(&self, index: u32) -> Vec2 {
         let values = self.mesh.uvs().map(|uvs| &uvs.values);
         let uv = values
@@ -330,20 +329,19 @@ impl<'s> Part<'s> {
     }
 }
 
-/// Vertices of position, normal and texture coordinates, by their indices; and triangles of them.
+/// Vertices as combinations of position, normal and texture coordinates, by their indices; and triangles of them.
 pub(super) struct Joined {
     pub(super) vertices: Vec<[u32; 3]>,
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
-/// How far a rounded sum is from the true one (Møller, "Quasi double-precision in floating point
-/// addition", 1965).
+/// The rounding error of a sum (Møller, "Quasi double-precision in floating point addition", 1965).
 fn sum_error(a: DVec3, b: DVec3, sum: DVec3) -> f64 {
     let part = sum - a;
     ((a - (sum - part)) + (b - part)).length()
 }
 
-/// A number as the shortest decimal that is read as the same.
+/// A number as the shortest decimal that reads back as the same.
 pub(super) enum Decimal {
     Single(Shortest<f32>),
     Double(Shortest<f64>),

@@ -5,20 +5,20 @@ use crate::scene::{Color, Mesh, Scalar, ScalarAt};
 use glam::DVec3;
 use std::io::{self, Write};
 
-/// What vertices and faces have.
+/// The properties of vertices and faces.
 struct Columns {
     doubles: bool,
     normals: bool,
     uvs: bool,
     colors: bool,
     face_colors: bool,
-    /// Names of vertices' scalars, as the meshes have them.
+    /// Names of the vertices' scalars, as the meshes have them.
     scalars: Vec<String>,
-    /// Names of faces' scalars.
+    /// Names of the faces' scalars.
     face_scalars: Vec<String>,
 }
 
-/// What a reader adds to the name of a faces' scalar where vertices have one of that name.
+/// What a reader appends to the name of a face scalar if a vertex scalar has the same name.
 const OF_FACES: &str = " of faces";
 
 /// The names of all meshes' scalars of vertices or of triangles, each once.
@@ -33,7 +33,7 @@ fn names(parts: &Parts<'_>, at: ScalarAt) -> Vec<String> {
     names
 }
 
-/// The values of a mesh's scalars with these names; none of those that it does not have.
+/// The values of a mesh's scalars of these names; an empty list for those that it lacks.
 fn values<'m>(mesh: &'m Mesh, names: &[String], at: ScalarAt) -> Vec<&'m [f32]> {
     let is_it = |scalar: &&Scalar, name: &str| scalar.name == name && scalar.at == at;
     let of = |name: &String| mesh.scalars().iter().find(|scalar| is_it(scalar, name));
@@ -44,7 +44,7 @@ fn values<'m>(mesh: &'m Mesh, names: &[String], at: ScalarAt) -> Vec<&'m [f32]> 
 }
 
 impl Columns {
-    /// Leaves out the scalars whose names a PLY cannot have, or gives to something else.
+    /// Drops the scalars whose names a PLY cannot represent, or uses for something else.
     fn drop_unnamable(&mut self, written: &mut Written) {
         let mut taken = vec!["x", "y", "z"];
         for (has, names) in [
@@ -85,8 +85,8 @@ fn property(name: &str) -> &str {
 
 const COLOR: [&str; 3] = ["red", "green", "blue"];
 
-/// Writes PLY, little-endian or as text: one list of vertices and one of triangles. Coordinates are
-/// double precision where single does not hold them all.
+/// Writes PLY, little-endian or as text: one list of vertices and one of triangles. Coordinates are in double
+/// precision where single precision cannot represent them all.
 pub(super) fn write(
     parts: &Parts<'_>,
     ascii: bool,
@@ -107,7 +107,7 @@ pub(super) fn write(
         doubles: !parts.is_single,
         normals: parts.has(|part| part.normals.is_some()),
         uvs: parts.has(|part| part.mesh.has_uvs()),
-        // Of all or none: a vertex without colour would get one.
+        // Only if all vertices have colours: PLY has no value for a missing one.
         colors: colors.iter().all(Option::is_some) && !colors.is_empty(),
         face_colors: parts.has(|part| !part.mesh.materials().is_empty()),
         scalars: names(parts, ScalarAt::Vertices),
@@ -228,7 +228,7 @@ fn header(
     writeln!(out, "end_header")
 }
 
-/// Numbers as text, a line an element, or as they are in memory.
+/// Writes numbers as text, a line an element, or in binary.
 struct Row<'o> {
     ascii: bool,
     out: &'o mut dyn Write,
@@ -256,7 +256,7 @@ impl Row<'_> {
             .try_for_each(|channel| self.number(*channel, &[*channel]))
     }
 
-    /// What has no value of a scalar has no number.
+    /// A missing value of a scalar is NaN.
     fn scalars(&mut self, scalars: &[&[f32]], index: usize) -> io::Result<()> {
         let mut values = scalars.iter().map(|values| values.get(index).copied());
         values.try_for_each(|value| self.single(value.unwrap_or(f32::NAN)))

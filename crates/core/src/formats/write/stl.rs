@@ -3,7 +3,7 @@ use super::written::{WriteError, Written};
 use glam::{DVec3, Vec3};
 use std::io::{self, Write};
 
-/// Writes STL: corners in single precision, and the normals that they have.
+/// Writes STL: corners in single precision, and normals computed from them.
 pub(super) fn write(
     parts: &Parts<'_>,
     ascii: bool,
@@ -27,7 +27,7 @@ fn binary(parts: &Parts<'_>, out: &mut dyn Write, triangles: u64) -> Result<(), 
         what: format!("{triangles} triangles"),
         format: "STL",
     })?;
-    // It must not begin with `solid`.
+    // A binary header must not start with `solid`.
     let mut header = [0; 80];
     let name = b"Binary STL, written by RayCast";
     header[..name.len()].copy_from_slice(name);
@@ -65,11 +65,11 @@ fn solid(parts: &Parts<'_>, part: &Part<'_>, out: &mut dyn Write) -> io::Result<
     writeln!(out, "endsolid {name}")
 }
 
-/// The normal of a triangle, of unit length; zero where it has no area.
+/// The normal of a triangle, of unit length; zero without area.
 fn normal([a, b, c]: [Vec3; 3]) -> Vec3 {
     let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
     let normal = (b - a).cross(c - a);
-    // Lengths whose squares leave doubles' range are scaled first.
+    // Scaled first, since squares of lengths may leave the range of doubles.
     (normal / normal.abs().max_element())
         .normalize_or_zero()
         .as_vec3()

@@ -12,7 +12,7 @@ use serde_json::Value;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The formats that are read, too, by the names of their files.
+/// The formats that can be read as well, by file names.
 const READ: [(&str, MeshFormat); 6] = [
     ("a.obj", MeshFormat::Obj),
     ("a.ply", MeshFormat::Ply { ascii: false }),
@@ -58,13 +58,13 @@ fn read(scene: &Scene, name: &str, bytes: &[u8]) -> Mesh {
 fn corners(mesh: &Mesh, number: u32) -> [[u64; 3]; 3] {
     let corners = mesh.corners(number).expect("a corner");
     corners.map(|corner| {
-        // One zero of the two.
+        // Adding zero makes minus zero positive.
         let corner = mesh.offset() + corner.as_dvec3() + DVec3::ZERO;
         corner.to_array().map(f64::to_bits)
     })
 }
 
-/// Single-precision coordinates of some decades, with everything that a mesh may have.
+/// Single-precision coordinates over several decades, with every attribute that a mesh may have.
 fn rich() -> MeshData {
     let places: [[f32; 3]; 5] = [
         [0.1, -0.0, 3e-9],
@@ -110,7 +110,7 @@ fn scalars_are_written_as_ply_and_read_again() {
             scalar("heat", vertices, &heat),
             scalar("part", vertices, &[0.0, 1.0, 2.0, 3.0, f32::INFINITY]),
             scalar("heat of faces", triangles, &[1.5, 2.5, -0.0, 4.5]),
-            // Names that are none, or have another meaning.
+            // Names that PLY cannot represent, or that have another meaning there.
             scalar("two words", vertices, &heat),
             scalar("nx", vertices, &heat),
             scalar("red", triangles, &[1.0; 4]),
@@ -153,7 +153,7 @@ fn scalars_are_written_as_ply_and_read_again() {
 }
 
 #[test]
-fn what_is_read_is_written_and_read_again() {
+fn written_meshes_read_back_the_same_in_every_format() {
     let scene = scene([rich()]);
     let mesh = &scene.objects[0].mesh;
     for (name, format) in READ {
@@ -186,7 +186,7 @@ fn what_is_read_is_written_and_read_again() {
                 );
             }
         }
-        // From any to any.
+        // From every format to every other.
         let between = Scene::from(again);
         for (other, format) in READ {
             let (bytes, _) = self::bytes(&between, format);
@@ -204,7 +204,7 @@ fn what_is_read_is_written_and_read_again() {
 }
 
 #[test]
-fn colours_of_vertices_stay() {
+fn vertex_colors_are_written() {
     let mut data = rich();
     data.materials.clear();
     data.colors = (0..5u8)
@@ -252,9 +252,9 @@ fn moves_are_counted() {
     assert_eq!(bytes(&scene, MeshFormat::Glb).1.moved, 0);
 }
 
-/// A reader in double precision moves these to another origin, and the decimals of single-precision numbers are not
-/// these numbers.
-/// Single-precision coordinates, further from zero than the mesh is long: it is stored about an offset.
+/// Single-precision coordinates that lie further from zero than the mesh is long, so that it is stored relative to an
+/// offset. A reader in double precision recentres these, and the shortest decimals of single-precision numbers are
+/// not these numbers.
 fn far() -> MeshData {
     let places = [[1.0, 0.3f32, 0.007446289], [1.0, 0.3, 0.1], [1.1, 0.3, 0.7]];
     MeshData {
@@ -370,7 +370,7 @@ fn objects_are_written_where_they_stand() {
 }
 
 #[test]
-fn materials_of_one_name_are_told_apart() {
+fn materials_with_equal_names_get_unique_names() {
     let mut other = rich();
     other.materials[1].color = Color([9; 3]);
     let scene = scene([rich(), other]);
@@ -384,7 +384,7 @@ fn materials_of_one_name_are_told_apart() {
 }
 
 #[test]
-fn a_glb_is_laid_out_as_it_says() {
+fn a_glbs_lengths_and_offsets_agree_with_its_bytes() {
     let mut scene = scene([rich(), rich()]);
     scene.objects[1].transform.translate = DVec3::new(1e6, 0.0, 0.0);
     let (bytes, written) = bytes(&scene, MeshFormat::Glb);
@@ -461,7 +461,7 @@ fn a_reading_that_is_cancelled_ends_without_a_mesh() {
         let budget = Budget::default().cancelled_by(cancel.clone());
         let files = Held::new(&resolve, &budget);
         let message = mesh_file::read(Path::new(name), &bytes, &files, UpAxis::Y, &|share| {
-            // What is done is done.
+            // Progress ends at 1.
             if share < 1.0 {
                 cancel.cancel();
             }

@@ -2,7 +2,7 @@ use super::parts::Parts;
 use super::written::{WriteError, Written};
 use std::io::Write;
 
-/// Writes triangle text: corners alone, an object behind the other.
+/// Writes triangle text: only corners, object by object.
 pub(super) fn write(
     parts: &Parts<'_>,
     out: &mut dyn Write,

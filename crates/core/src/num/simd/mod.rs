@@ -1,8 +1,8 @@
-//! One source for several instruction sets: the same code, compiled for each, picked at run time.
+//! One source for several instruction sets: each work item is compiled for every set, and dispatched at run time.
 //!
-//! Loops in double precision are left to the compiler to vectorise. Rows of eight numbers in single precision, where it would
-//! not see that they can be laid side by side, are spelt out as [`F32x8`]. Nothing contracts a product and a sum into one
-//! rounding, so the bits are the same on each.
+//! Loops in double precision are left to the compiler to vectorise. Rows of eight single-precision numbers, which it
+//! would not vectorise by itself, are written as [`F32x8`]. No product and sum are contracted into one rounding, so
+//! the bits are the same on each instruction set.
 
 mod plain;
 mod wide;
@@ -12,14 +12,14 @@ use fearless_simd::{Level, Simd as _};
 pub(crate) use plain::Plain;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
-/// Instruction sets that tiles can be cast with, from the plainest to the widest.
+/// Instruction sets that packets can be cast with, from the plainest to the widest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Simd {
-    /// What every machine of this architecture has.
+    /// What every processor of this architecture has.
     Plain,
-    /// NEON, of 64-bit ARM: four numbers in single precision at once.
+    /// NEON, of 64-bit ARM: four single-precision numbers at once.
     Neon,
-    /// AVX2, with what else x86-64-v3 has: eight numbers in single precision at once.
+    /// AVX2 and the rest of x86-64-v3: eight single-precision numbers at once.
     Avx2,
 }
 
@@ -27,7 +27,7 @@ impl Simd {
     /// Each.
     const ALL: [Self; 3] = [Self::Plain, Self::Neon, Self::Avx2];
 
-    /// The widest that this machine has. Sixteen lanes (AVX-512) are not among them: small triangles seldom
+    /// The widest that this machine has. There is no variant with sixteen lanes (AVX-512): small triangles seldom
     /// bound more than eight rays of a row, and frames took as long as with eight, within 2 %.
     pub fn best() -> Self {
         #[cfg(target_arch = "x86_64")]
@@ -41,7 +41,7 @@ impl Simd {
         Self::Plain
     }
 
-    /// The name in statistics.
+    /// The name that statistics show.
     pub fn name(self) -> &'static str {
         match self {
             Self::Plain => "plain",
@@ -54,7 +54,7 @@ impl Simd {
 impl std::str::FromStr for Simd {
     type Err = String;
 
-    /// Reads a name as [`Simd::name`] gives it.
+    /// Parses a name as [`Simd::name`] gives it.
     fn from_str(name: &str) -> Result<Self, String> {
         Self::ALL
             .into_iter()
@@ -63,11 +63,10 @@ impl std::str::FromStr for Simd {
     }
 }
 
-/// How many numbers [`F32x8`] holds.
+/// The number of lanes of [`F32x8`].
 pub(crate) const LANES: usize = 8;
 
-/// Eight numbers in single precision, side by side. An operator works lane by lane; its right side may be
-/// one number for all lanes.
+/// Eight single-precision numbers. Operators work lane by lane; the right side may be one number for all lanes.
 pub(crate) trait F32x8:
     Copy
     + Add<Output = Self>
@@ -79,23 +78,25 @@ pub(crate) trait F32x8:
     + Mul<f32, Output = Self>
     + Div<f32, Output = Self>
 {
-    /// Yes or no for each lane.
+    /// A boolean a lane.
     type Mask: Mask8<F32 = Self>;
 
-    /// To memory.
+    /// Stores the eight to memory.
     fn store(self, to: &mut [f32; LANES]);
     /// Square roots, correctly rounded.
     fn sqrt(self) -> Self;
     /// Magnitudes.
     fn abs(self) -> Self;
-    /// The lesser of two; the other where either is not a number.
+    /// The greatest whole numbers that are not above; no numbers stay what they are.
+    fn floor(self) -> Self;
+    /// The lesser of two in each lane; `other`'s where either is NaN.
     fn min(self, other: Self) -> Self;
-    /// The greater of two; the other where either is not a number.
+    /// The greater of two in each lane; `other`'s where either is NaN.
     fn max(self, other: Self) -> Self;
-    /// Whether it is less than the other; never where either is not a number.
+    /// Whether each lane is less than `other`'s; false where either is NaN.
     fn lt(self, other: Self) -> Self::Mask;
 
-    /// The least of the eight, which are numbers.
+    /// The least of the eight, none of which is NaN.
     #[inline(always)]
     fn reduce_min(self) -> f32 {
         let mut all = [0.0; LANES];
@@ -109,36 +110,36 @@ pub(crate) trait F32x8:
     }
 }
 
-/// Yes or no for each of eight lanes.
+/// Eight booleans.
 pub(crate) trait Mask8: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
-    /// The numbers that it masks.
+    /// The vectors that the mask selects from.
     type F32;
 
-    /// The first where the mask says yes, the second elsewhere.
+    /// `yes` where the mask is true, `no` elsewhere.
     fn select(self, yes: Self::F32, no: Self::F32) -> Self::F32;
-    /// Masked store: writes a number where the mask says yes.
+    /// Masked store: writes a number to the lanes where the mask is true.
     fn store(self, number: u32, to: &mut [u32; LANES]);
     /// The mask as bits, the first lane lowest.
     fn bits(self) -> u32;
 }
 
-/// An instruction set. A value of a type of these is the proof that the machine has it.
+/// An instruction set. Having a value of such a type proves that the machine supports it.
 pub(crate) trait Lanes: Copy {
     /// Eight numbers.
     type F32: F32x8<Mask = Self::Mask>;
-    /// Yes or no for each.
+    /// Eight booleans.
     type Mask: Mask8<F32 = Self::F32>;
 
     /// The same number in all lanes.
     fn splat(self, x: f32) -> Self::F32;
-    /// From memory.
+    /// Loads eight from memory.
     fn load(self, from: &[f32; LANES]) -> Self::F32;
-    /// Eight rows as eight columns.
+    /// Transposes an 8 × 8 matrix of rows.
     fn transpose(self, rows: [Self::F32; LANES]) -> [Self::F32; LANES];
-    /// Prefetches an item of a slice, if there is such an item.
+    /// Prefetches an item of a slice; out of range it does nothing.
     fn prefetch<T>(self, from: &[T], index: usize);
 
-    /// The mask of a lane and those after it.
+    /// The mask that is true in a lane and all after it.
     #[inline(always)]
     fn mask_from(self, lane: usize) -> Self::Mask {
         const LANE: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
@@ -146,13 +147,14 @@ pub(crate) trait Lanes: Copy {
     }
 }
 
-/// Work that is compiled for each instruction set. `run` must be inlined to be.
+/// Work that is compiled for each instruction set. `run` must be `#[inline(always)]`, so that it takes on the
+/// caller's target features.
 pub(crate) trait Work {
-    /// Does it.
+    /// Runs the work.
     fn run(self, lanes: impl Lanes);
 }
 
-/// Runs `work` as compiled for `simd`, or for the best below it that this machine has.
+/// Runs `work` compiled for `simd`, or for the best set below it that this machine has.
 pub(crate) fn dispatch(simd: Simd, work: impl Work) {
     let simd = simd.min(Simd::best());
     #[cfg(target_arch = "x86_64")]

@@ -1,9 +1,9 @@
-//! Lanes as arrays, for any machine.
+//! Lanes as arrays, for any processor.
 
 use super::{F32x8, LANES, Lanes, Mask8};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
-/// No instruction set in particular.
+/// The instruction set that every processor has.
 #[derive(Clone, Copy)]
 pub(crate) struct Plain;
 
@@ -11,7 +11,7 @@ pub(crate) struct Plain;
 #[derive(Clone, Copy)]
 pub(crate) struct PlainF32([f32; LANES]);
 
-/// Eight times yes or no in an array.
+/// Eight booleans in an array.
 #[derive(Clone, Copy)]
 pub(crate) struct PlainMask([bool; LANES]);
 
@@ -26,7 +26,7 @@ macro_rules! each {
     }};
 }
 
-/// The operator between two of a type, and between one and a number for all lanes.
+/// An operator between two vectors, and between a vector and one number for all lanes.
 macro_rules! operator {
     ($($trait:ident $method:ident $symbol:tt),+) => {$(
         impl $trait for PlainF32 {
@@ -78,6 +78,10 @@ impl F32x8 for PlainF32 {
     #[inline(always)]
     fn abs(self) -> Self {
         Self(each!(l => self.0[l].abs()))
+    }
+    #[inline(always)]
+    fn floor(self) -> Self {
+        Self(each!(l => self.0[l].floor()))
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {

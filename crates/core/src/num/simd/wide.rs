@@ -30,7 +30,11 @@ impl<S: Simd> F32x8 for f32x8<S> {
     fn abs(self) -> Self {
         SimdBase::abs(self)
     }
-    // The crate leaves open which of the two its own minimum and maximum are where one is not a number.
+    #[inline(always)]
+    fn floor(self) -> Self {
+        SimdFloat::floor(self)
+    }
+    // The crate leaves unspecified which operand its minimum and maximum return where one is NaN.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
         #[cfg(target_arch = "x86_64")]
@@ -60,7 +64,7 @@ impl<S: Simd> Mask8 for mask32x8<S> {
     fn select(self, yes: Self::F32, no: Self::F32) -> Self::F32 {
         Select::select(self, yes, no)
     }
-    // A select, not a masked store: those take some machines dozens of cycles.
+    // A select, not a masked-store instruction: on some processors those take dozens of cycles.
     #[inline(always)]
     fn store(self, number: u32, to: &mut [u32; LANES]) {
         let number: u32x8<S> = number.simd_into(self.token());
@@ -90,8 +94,8 @@ impl<S: Simd> Lanes for S {
         if let Some(avx2) = self.level().as_avx2() {
             return transposed(avx2, rows.map(Into::into)).map(|column| column.simd_into(self));
         }
-        // Zipping row i with row i + 4 moves the highest bit of a row's number below those of its
-        // columns: three times, and the two have changed places.
+        // Zipping row i with row i + 4 moves the highest bit of a row's index below the bits of its column. Doing so
+        // three times swaps rows and columns.
         let mut rows = rows;
         for _ in 0..LANES.ilog2() {
             let [a, b, c, d, e, f, g, h] = rows;
@@ -114,7 +118,7 @@ impl<S: Simd> Lanes for S {
         #[cfg(target_arch = "x86_64")]
         {
             use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-            // SAFETY: a hint, which faults nowhere; the address is worked out without following it.
+            // SAFETY: a prefetch is a hint and never faults; the address is computed without dereferencing it.
             unsafe { _mm_prefetch::<_MM_HINT_T0>(address.cast()) };
         }
         let _ = address;
@@ -142,7 +146,7 @@ fearless_simd::kernel!(
     #[inline(always)]
     fn transposed(simd: Avx2, rows: [__m256; LANES]) -> [__m256; LANES] {
         let [a, b, c, d, e, f, g, h] = rows;
-        // Pairs of numbers, then of pairs, then of halves.
+        // Interleaves single numbers, then pairs, then halves.
         let (ab, ab_high) = (_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
         let (cd, cd_high) = (_mm256_unpacklo_ps(c, d), _mm256_unpackhi_ps(c, d));
         let (ef, ef_high) = (_mm256_unpacklo_ps(e, f), _mm256_unpackhi_ps(e, f));
@@ -207,6 +211,7 @@ mod tests {
                 c * 0.1,
                 c / 0.1,
                 c.sqrt(),
+                b.floor(),
             ];
             let columns = lanes.transpose(std::array::from_fn(row));
             for number in numbers.into_iter().chain(columns) {
@@ -237,7 +242,7 @@ mod tests {
             bits
         };
         let plain = of(Simd::Plain);
-        assert_eq!(plain.len(), (15 + LANES) * LANES + 4 * (LANES + 1) + 1);
+        assert_eq!(plain.len(), (16 + LANES) * LANES + 4 * (LANES + 1) + 1);
         assert_eq!(of(Simd::best()), plain);
     }
 }

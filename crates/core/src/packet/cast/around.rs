@@ -20,7 +20,7 @@ fn window(rays: &PanoramaRays, part: &RayRect) -> Option<Window> {
 }
 
 /// [`Find`] for a panorama's lattice.
-pub(super) struct FindAround<'a>(pub(super) Find<'a, true>);
+pub(super) struct FindAround<'a>(pub(super) Find<'a>);
 
 impl Work for FindAround<'_> {
     #[inline(always)]
@@ -37,9 +37,12 @@ impl Work for FindAround<'_> {
         };
         let camera = &find.lattice.camera;
         let in_world = |v: DVec3| camera.right() * v.x + camera.up() * v.y + camera.forward() * v.z;
-        let faces = whole.split_at(rays.borders());
         let plane = camera.unit_perspective();
-        for large in faces.flat_map(|face| face.split(LARGE_SIDE)) {
+        let faces = rays.rects_of_faces().map_or_else(
+            || vec![whole],
+            |faces| faces.into_iter().map(RayRect::of).collect(),
+        );
+        for large in faces.into_iter().flat_map(|face| face.split(LARGE_SIDE)) {
             let window = window(&rays, &large);
             let may_hit = match &window {
                 Some(window) => traversal.list_through(lanes, &plane, window),

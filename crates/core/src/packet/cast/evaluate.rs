@@ -1,8 +1,8 @@
-//! Where the rays of a lattice hit what they were found to hit: t, u and v, eight rays of a row at a time.
+//! t, u and v of the rays of a lattice at the triangles that they are known to hit, eight rays of a row at a time.
 
 use crate::bvh::Accel;
 use crate::camera::{Lattice, PanoramaRays};
-use crate::hit::{Cull, MISS, Precision, PrimitiveHit};
+use crate::hit::{Cull, HitNumbers, MISS, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::num::simd::{F32x8, Lanes, Mask8, Work, dispatch};
 use crate::triangle::PreparedRay;
@@ -12,22 +12,34 @@ use crate::triangle::interpolate::{
 use crate::triangle::linear::{LinearHit, Pencil, PencilRow};
 
 impl Accel {
-    /// Interpolates t, u and v where the rays of a lattice hit the triangles that [`Accel::find`] found, the
-    /// primitive indices in `hits`: what [`Accel::cast_primitive`] answers, bit for bit.
+    /// Interpolates t, u and v where the rays of a lattice hit the triangles that [`Accel::find`] found, given by the
+    /// primitive indices in `hits`: bit for bit what [`Accel::cast_primitive`] answers.
     pub fn evaluate(&self, lattice: &Lattice, cull: Cull, precision: Precision, hits: &mut Hits) {
+        self.evaluate_numbers(lattice, cull, precision, HitNumbers::All, hits);
+    }
+
+    /// [`Accel::evaluate`] of some of the numbers; the others may be anything.
+    pub(crate) fn evaluate_numbers(
+        &self,
+        lattice: &Lattice,
+        cull: Cull,
+        precision: Precision,
+        numbers: HitNumbers,
+        hits: &mut Hits,
+    ) {
         hits.primitives.resize(lattice.len(), MISS);
-        hits.make_places();
+        hits.resize_tuv();
         if let Some(halves) = lattice.halves() {
             return self.evaluate_halves((lattice, halves), cull, precision, hits);
         }
         if lattice.camera.has_an_eye_a_column() {
             return self.evaluate_each(lattice, cull, precision, hits);
         }
-        // Those of panoramas are compiled for instances alone.
+        // Panoramas use the variant for instances, so that it is compiled once only.
         if self.has_instances() || lattice.camera.projection().panorama().is_some() {
-            self.evaluate_in::<true>(lattice, cull, precision, hits);
+            self.evaluate_in::<true>(lattice, cull, precision, numbers, hits);
         } else {
-            self.evaluate_in::<false>(lattice, cull, precision, hits);
+            self.evaluate_in::<false>(lattice, cull, precision, numbers, hits);
         }
     }
 
@@ -36,6 +48,7 @@ impl Accel {
         lattice: &Lattice,
         cull: Cull,
         precision: Precision,
+        numbers: HitNumbers,
         hits: &mut Hits,
     ) {
         dispatch(
@@ -45,6 +58,7 @@ impl Accel {
                 lattice,
                 cull,
                 precision,
+                numbers,
                 hits,
             },
         );
@@ -56,10 +70,11 @@ struct Evaluate<'a, const INSTANCES: bool> {
     lattice: &'a Lattice,
     cull: Cull,
     precision: Precision,
+    numbers: HitNumbers,
     hits: &'a mut Hits,
 }
 
-/// Eight rays of a row: what each hits, and t, u and v there.
+/// Eight rays of a row: the triangles that they hit, and t, u and v there.
 struct Eight<'h> {
     primitives: &'h mut [u32; LANES],
     t: &'h mut [f32; LANES],
@@ -79,6 +94,7 @@ impl<const INSTANCES: bool> Work for Evaluate<'_, INSTANCES> {
             lattice,
             cull,
             precision,
+            numbers,
             hits,
         } = self;
         let mut interpolate = Interpolate::<INSTANCES> {
@@ -86,6 +102,7 @@ impl<const INSTANCES: bool> Work for Evaluate<'_, INSTANCES> {
             lattice,
             cull,
             precision,
+            numbers,
             pencil: Pencil::new(lattice, accel.origin),
             around: PanoramaRays::new(lattice).filter(|_| INSTANCES),
             cached: [(MISS, LinearHit::default()); CACHED],
@@ -132,24 +149,29 @@ impl<const INSTANCES: bool> Work for Evaluate<'_, INSTANCES> {
     }
 }
 
-/// Triangles whose linear functions are cached. They are at least eight pixels wide, and a row of 64 rays hits eight of
-/// them: fewer entries set functions up again, more take more of the first-level cache.
-const CACHED: usize = 16;
+/// Triangles whose linear functions are cached: those that a row of 64 rays hits, most of which the next row hits as
+/// well. Fewer entries set functions up again, more use more of the first-level cache.
+const CACHED: usize = 64;
+
+/// The most triangles among eight rays that are interpolated by linear functions. With more, setting the functions up
+/// costs more than interpolating from the corners.
+const FEW_TRIANGLES: u32 = 3;
 
 struct Interpolate<'a, const INSTANCES: bool> {
     accel: &'a Accel,
     lattice: &'a Lattice,
     cull: Cull,
     precision: Precision,
+    numbers: HitNumbers,
     pencil: Option<Pencil>,
     /// The rays of a panorama.
     around: Option<PanoramaRays>,
-    /// By the low bits of the primitive index.
+    /// Indexed by the low bits of the primitive index.
     cached: [(u32, LinearHit); CACHED],
 }
 
 impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
-    /// Interpolates eight rays of a row, from a column on; those beyond the row's end are misses.
+    /// Interpolates eight rays of a row, from a column on; rays beyond the row's end are misses.
     #[inline(always)]
     fn eight(
         &mut self,
@@ -219,8 +241,9 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
         }
     }
 
-    /// The hits of eight rays of one triangle by its linear functions; `None` where any is not sure, or where the
-    /// rays hit several: setting up linear functions costs as much as a few rays without.
+    /// The hits of eight rays with few triangles by the triangles' linear functions. `None` where any lane is not
+    /// sure, or where the rays hit more triangles: setting up linear functions costs as much as interpolating a few rays
+    /// without.
     #[inline(always)]
     fn linear(
         &mut self,
@@ -228,20 +251,57 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
         row: Option<&PencilRow>,
         primitives: &[u32; LANES],
     ) -> Option<RowHits> {
-        if *primitives != [primitives[0]; LANES] {
-            return None;
-        }
         let row = row?;
         let across = places.across(&self.lattice.camera);
-        let hit = self.cached(primitives[0])?;
+        if *primitives == [primitives[0]; LANES] {
+            let found = self.linear_of(&across, row, primitives[0])?;
+            return (found.sure == [true; LANES]).then_some(found);
+        }
+        let mut found = RowHits::NONE;
+        let mut triangles = 0;
+        let mut lane = 0;
+        // From left to right, each over all lanes from its first on: the next one overwrites the rest.
+        while lane < LANES {
+            let (first, primitive) = (lane, primitives[lane]);
+            while lane < LANES && primitives[lane] == primitive {
+                lane += 1;
+            }
+            if primitive != MISS {
+                triangles += 1;
+                if triangles > FEW_TRIANGLES {
+                    return None;
+                }
+                found.replace_from(first, &self.linear_of(&across, row, primitive)?);
+            }
+        }
+        let mut sure = true;
+        for (is_sure, &primitive) in found.sure.iter().zip(primitives) {
+            sure &= is_sure | (primitive == MISS);
+        }
+        sure.then_some(found)
+    }
+
+    /// Eight rays' hits of a triangle by its linear functions; `None` where those say little.
+    #[inline(always)]
+    fn linear_of(
+        &mut self,
+        across: &[f64; LANES],
+        row: &PencilRow,
+        primitive: u32,
+    ) -> Option<RowHits> {
+        let numbers = self.numbers;
+        let hit = self.cached(primitive)?;
         if !hit.is_useful() {
             return None;
         }
-        let found = hit.interpolate(row, &across);
-        (found.sure == [true; LANES]).then_some(found)
+        Some(match numbers {
+            HitNumbers::T => hit.interpolate::<true, false>(row, across),
+            HitNumbers::Weights => hit.interpolate::<false, true>(row, across),
+            HitNumbers::All => hit.interpolate::<true, true>(row, across),
+        })
     }
 
-    /// A triangle's linear functions, from the cache or worked out.
+    /// A triangle's linear functions, cached or computed. `None` where they are of no use.
     #[inline(always)]
     fn cached(&mut self, primitive: u32) -> Option<&LinearHit> {
         let (cached, hit) = &mut self.cached[primitive as usize % CACHED];
@@ -255,8 +315,8 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
         Some(hit)
     }
 
-    /// Corners of the triangles that eight rays hit. Each triangle is written to all lanes from its first on;
-    /// the next one overwrites the rest.
+    /// Corners of the triangles that eight rays hit. Each triangle is written to all lanes from its first on, and the
+    /// next one overwrites the rest.
     #[inline(always)]
     fn corners<L: Lanes>(&self, lanes: L, primitives: &[u32; LANES]) -> Corners {
         let mut all = [lanes.splat(0.0); 9];

@@ -1,5 +1,5 @@
-//! Lattices of pictures for two eyes. Those of a pair are two lattices, of an eye each; rays that share no eye are cast one
-//! by one.
+//! Lattices of pictures for two eyes. A side-by-side or stacked pair is two lattices, one an eye; in other pictures
+//! rays share no eye and are cast one by one.
 
 use super::Find;
 use crate::bvh::Accel;
@@ -11,11 +11,11 @@ use crate::packet::ray_rect::RayRect;
 use crate::triangle::PreparedRay;
 use crate::triangle::clip::Clip;
 
-/// Halves of a lattice, and the column and the row of each one's first ray.
+/// Halves of a lattice, and the column and row of each half's first ray.
 type Halves = [(Lattice, (u32, u32)); 2];
 
 impl Accel {
-    /// [`Accel::find`] for halves of a lattice, each with the place of its first ray.
+    /// [`Accel::find`] for halves of a lattice, each given with the position of its first ray.
     pub(super) fn find_halves(
         &self,
         clip: &Clip,
@@ -74,7 +74,7 @@ impl Accel {
         primitives: &mut [u32],
     ) -> CastCounts {
         let mut counts = CastCounts::default();
-        let mut find = Find::<true> {
+        let mut find = Find {
             accel: self,
             clip,
             lattice,
@@ -111,7 +111,7 @@ impl Accel {
     }
 }
 
-/// Where a row of a half begins in the whole lattice.
+/// The index in the whole lattice of a half's row.
 fn index(lattice: &Lattice, (column, row): (u32, u32), row_of_half: usize) -> usize {
     (row as usize + row_of_half) * lattice.columns as usize + column as usize
 }

@@ -1,7 +1,7 @@
-//! Rasterising where rays lie at places of their own: the packets of panoramas.
+//! Rasterising packets of panoramas, whose rays lie at irregular places.
 //!
-//! Functions are evaluated at each ray's place instead of stepping from ray to ray; cells and rows are found by their
-//! bounds.
+//! Functions are evaluated at each ray's place instead of stepping from ray to ray; the cells and rows that a
+//! triangle touches are found by comparing bounds.
 //!
 //! # Error bound
 //! u = 2⁻²⁴, M as at [`LINEAR_ERROR`](crate::packet::setup::LINEAR_ERROR), whose 48u of M cover all of this. At a ray a
@@ -20,7 +20,7 @@ use crate::packet::places::{ALL_CELLS, Places, first_of};
 use crate::packet::ray_box::RayBox;
 use crate::packet::setup::{CornerLanes, PacketSpace};
 
-/// Functions are set up for all of a packet.
+/// The box of all rays: functions are set up relative to the packet's first place.
 const WHOLE: RayBox = RayBox {
     left: 0,
     right: SIDE as i32 - 1,
@@ -28,21 +28,22 @@ const WHOLE: RayBox = RayBox {
     bottom: SIDE as i32 - 1,
 };
 
-/// A function at eight places. No closure: what is called in one may not be compiled for the instruction set.
+/// The values of a function at eight places. No closure: what is called in one may not be compiled for the
+/// instruction set.
 #[inline(always)]
 fn value<L: Lanes>(lanes: L, f: [f32; 3], (x, y): (L::F32, L::F32)) -> L::F32 {
     let below = lanes.splat(f[0]) + lanes.splat(f[2]) * y;
     below + lanes.splat(f[1]) * x
 }
 
-/// By how much a function differs within half extents.
+/// The most by which a function differs from its value at the centre, within half extents.
 #[inline(always)]
 fn swing<F: F32x8>(f: [f32; 3], (half_x, half_y): (F, F)) -> F {
     half_x * f[1].abs() + half_y * f[2].abs()
 }
 
 impl IntervalZBuffer {
-    /// Clears it for a panorama's packet. Rays that the packet does not have accept nothing.
+    /// Clears it for a panorama's packet. Entries without a ray are infinitely near, so that no triangle wins them.
     #[inline(always)]
     pub(in crate::packet) fn clear_places(&mut self, lanes: impl Lanes, places: &Places) {
         self.clear(lanes, SIDE as u32, SIDE as u32, f32::INFINITY);
@@ -87,7 +88,7 @@ impl IntervalZBuffer {
             }
             let functions = EdgeFunctions::of(&set_up, l, primitive);
             let (cuts, count) = Cut::all(primitive, set_up.edge_error[l], decisions);
-            // What was set up by component has a scale for each edge, and cuts go by one.
+            // A triangle that was set up by component has a scale for each edge, and cutting needs one scale for all.
             if set_up.ill_conditioned[l] || count > 0 && set_up.is_rough[l] {
                 self.mark_places_undecided(lanes, places, &functions, &bounds[l]);
             } else {
@@ -98,7 +99,7 @@ impl IntervalZBuffer {
         self.update_hi_z(lanes);
     }
 
-    /// Rasterises a triangle, and what clipping planes leave of it, cell by cell.
+    /// Rasterises a triangle, or the part that clipping planes keep of it, cell by cell.
     #[inline(always)]
     fn rasterize_cells_at(
         &mut self,
@@ -163,7 +164,7 @@ impl IntervalZBuffer {
         }
     }
 
-    /// Rasterises rows, as bits, of a cell.
+    /// Rasterises some rows, as bits, of a cell.
     #[inline(always)]
     fn rasterize_rows_at(
         &mut self,
@@ -216,7 +217,7 @@ impl IntervalZBuffer {
         }
     }
 
-    /// Merges a triangle into a cell whose rays all lie surely inside its edges.
+    /// Merges a triangle into a cell whose rays are all surely inside its edges.
     #[inline(always)]
     fn cover_at(
         &mut self,
@@ -242,7 +243,7 @@ impl IntervalZBuffer {
         }
     }
 
-    /// Marks every ray undecided that an ill-conditioned triangle may hit: those within its bounds where the signs of
+    /// Marks undecided every ray that an ill-conditioned triangle may hit: those within its bounds where the signs of
     /// its edge functions do not surely differ.
     #[inline(never)]
     fn mark_places_undecided(

@@ -24,14 +24,14 @@ use crate::triangle::clip::AtCorners;
 /// The unit roundoff of single precision.
 const U: f32 = f32::EPSILON / 2.0;
 
-/// One more edge: values at the corners, and the bound on the error of their weighted sum.
+/// An additional edge: the plane's values at the corners, and the bound on the error of their weighted sum.
 #[derive(Clone, Copy)]
 pub(super) struct Cut {
     pub(super) values: [f32; 3],
     pub(super) error: f32,
 }
 
-/// The planes that cut a triangle, and how many they are.
+/// The cuts of a triangle, and their number.
 pub(super) type Cuts = ([Cut; CLIPPING_PLANES], usize);
 
 impl Cut {
@@ -40,7 +40,7 @@ impl Cut {
         error: 0.0,
     };
 
-    /// Those of a triangle whose edge functions are off by `edge_error`.
+    /// The cuts of a triangle whose edge functions are off by `edge_error`.
     #[inline(always)]
     pub(super) fn all(primitive: u32, edge_error: f32, decisions: &Decisions<'_>) -> Cuts {
         let (mut cuts, mut count) = ([Self::NONE; CLIPPING_PLANES], 0);
@@ -65,7 +65,8 @@ impl Cut {
 }
 
 impl IntervalZBuffer {
-    /// Rasterises a triangle that clipping planes cut; `false`, and nothing done, where none does.
+    /// Rasterises a triangle that clipping planes cut. Returns `false`, without doing anything, where no plane cuts
+    /// it.
     #[inline(always)]
     pub(super) fn rasterize_cut(
         &mut self,
@@ -87,7 +88,7 @@ impl IntervalZBuffer {
         let (column, row) = (set_up.column[l] as usize, set_up.row[l] as usize);
         let [left, right, top, bottom] =
             [rays.left, rays.right, rays.top, rays.bottom].map(|edge| edge as usize);
-        // What was set up by component has a scale for each edge.
+        // A triangle that was set up by component has a scale for each edge.
         if set_up.ill_conditioned[l] || set_up.is_rough[l] {
             self.mark_undecided(&functions, (column, row), (left, right), (top, bottom));
             return true;
@@ -111,7 +112,7 @@ impl IntervalZBuffer {
         true
     }
 
-    /// Rasterises rows of eight rays, from the one of ray `first` to the `last` after it.
+    /// Rasterises rows of eight rays, from the row of ray `first` to the `last` row after it.
     #[inline(always)]
     fn rasterize_cut_rows(
         &mut self,
@@ -165,8 +166,8 @@ mod tests {
     use super::*;
     use crate::random::Random;
 
-    /// Where a cut's weighted sum is off by as much as it may: through edge functions that are off, through values that
-    /// are, and through rounding alone. With the bound of any of the three at zero this fails.
+    /// Weighted sums that are off by as much as they may be: through edge functions, through plane values, and
+    /// through rounding alone. With the bound of any of the three at zero this fails.
     #[test]
     fn weighted_sums_are_within_their_bounds() {
         let mut random = Random(37);

@@ -1,18 +1,19 @@
-//! Merging a triangle's depths into rows of eight rays: intervals that do not overlap are ordered.
+//! Merging the depths of a triangle into rows of eight rays: intervals that do not overlap are ordered.
 
 use super::edge_functions::EdgeFunctions;
 use super::{ALL, ROW};
 use crate::num::simd::{F32x8, Lanes, Mask8};
 
-/// Of eight rays, as bits, those that merging a triangle leaves undecided: neither won by it nor surely nearer.
+/// Of eight rays, as bits, those that merging leaves undecided: neither is the triangle surely nearer there nor the
+/// nearest hit so far.
 #[derive(Clone, Copy)]
 pub(super) struct UndecidedRays {
     pub(super) rays: u32,
-    /// Those of all eight that are surely inside the triangle.
+    /// The undecided rays that are surely inside the triangle.
     pub(super) inside: u32,
 }
 
-/// What merging a triangle into rows needs, the same for every row.
+/// The constants of merging a triangle, the same for every row.
 pub(super) struct DepthMerge<L: Lanes> {
     pub(super) primitive: u32,
     error: L::F32,
@@ -31,10 +32,10 @@ impl<L: Lanes> DepthMerge<L> {
         }
     }
 
-    /// Merges a triangle of depth key `near` into a row of rays. `sides` has the rays surely inside and
-    /// surely outside of it; without it, all are inside.
+    /// Merges a triangle of depth key `near` into a row of rays. `sides` has the rays surely inside and surely
+    /// outside the triangle; `None` means that all are inside.
     ///
-    /// No value here is NaN: a triangle whose functions are not finite is ill-conditioned.
+    /// No value here is NaN: a triangle whose functions are not finite is ill-conditioned and is not merged.
     #[inline(always)]
     pub(super) fn row(
         &self,
@@ -54,8 +55,8 @@ impl<L: Lanes> DepthMerge<L> {
             Some((inside, outside)) => (inside & began, outside | unbegun),
             None => (began, unbegun),
         };
-        // The nearest hit is at least as near as every sure hit, and at most as near as every possible one.
-        // A triangle surely further moves neither bound.
+        // A sure hit raises the lower bound of the nearest depth, a possible one raises the upper bound. A triangle
+        // that is surely further changes neither.
         let if_hit = hit.select(near_low, self.never);
         let unless_missed = missed.select(self.never, near_high);
         old_low.max(if_hit).store(low);
@@ -63,7 +64,7 @@ impl<L: Lanes> DepthMerge<L> {
         let wins = hit & old_high.lt(near_low);
         let loses = missed | near_high.lt(old_low);
         wins.store(self.primitive, primitives);
-        // Rays where neither holds stay undecided until something nearer wins them.
+        // Rays that are neither won nor surely nearer stay undecided until a surely nearer triangle wins them.
         UndecidedRays {
             rays: !(wins | loses).bits() & ALL,
             inside: hit.bits(),

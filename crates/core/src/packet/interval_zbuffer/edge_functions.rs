@@ -1,7 +1,7 @@
 use crate::num::simd::LANES;
 use crate::packet::setup::TriangleSetup;
 
-/// Edge functions and depth key of a triangle: value at the first ray, step per column, step per row.
+/// A triangle's edge functions and depth key: value at the first ray, step per column, step per row.
 #[derive(Clone, Copy)]
 pub(super) struct EdgeFunctions {
     pub(super) primitive: u32,

@@ -1,5 +1,5 @@
-//! Small triangles, merged without set-up: provisional, until an order that their coarse depths leave undecided makes
-//! them be set up after all.
+//! Small triangles, merged provisionally, without set-up. Where their coarse depths leave an order undecided they are
+//! evicted and set up after all.
 
 use super::{CELLS, IntervalZBuffer, PROVISIONAL, RAYS, ROW, SIDE, UNDECIDED};
 use crate::hit::MISS;
@@ -8,7 +8,7 @@ use crate::packet::small_triangles::SmallCoverage;
 
 /// The outcome of testing a small triangle.
 pub(crate) enum SmallOutcome {
-    /// Some ray hits it first, so far.
+    /// Some ray hits the triangle first, so far.
     Merged,
     /// No ray hits the triangle, or all that do have nearer hits.
     Missed,
@@ -17,11 +17,11 @@ pub(crate) enum SmallOutcome {
 }
 
 impl IntervalZBuffer {
-    /// Tests a small triangle against the rays of its bounds and merges it, unless some ray leaves
-    /// undecided whether it is the nearest.
+    /// Tests a small triangle against the rays of its bounds and merges it. If the bounds leave undecided for any ray
+    /// whether it hits the triangle, or which triangle is nearer, nothing is merged.
     ///
-    /// One ray at a time: vector stores of overlapping rows would stall on store forwarding, since each
-    /// triangle's rows begin at another column.
+    /// One ray at a time: each triangle's rows begin at another column, and vector loads of rows that overlap earlier
+    /// stores would stall on store forwarding.
     #[inline(always)]
     pub(crate) fn test_small(
         &mut self,
@@ -52,7 +52,8 @@ impl IntervalZBuffer {
             }
         }
         if rivals {
-            // The hits that it replaced are lost, but it is tested again and replaces them again.
+            // The hits that it replaced are lost, but the triangle will be merged again after set-up and is surely
+            // nearer than they were.
             self.evict(rays, primitive);
             return SmallOutcome::Undecided;
         }
@@ -63,8 +64,8 @@ impl IntervalZBuffer {
         SmallOutcome::Merged
     }
 
-    /// Removes a provisional triangle that leaves the order with a small triangle undecided. Returns its
-    /// primitive index and bounds of its rays, for it to be set up and merged again.
+    /// Evicts a provisional triangle whose order with a small triangle is undecided. Returns its primitive index and
+    /// the bounds of its rays, for it to be set up and merged again.
     #[inline(never)]
     pub(crate) fn evict_rival(
         &mut self,
@@ -96,9 +97,9 @@ impl IntervalZBuffer {
         None
     }
 
-    /// Removes a provisional triangle from the rays of a box; returns the bounds of the rays that it had.
+    /// Evicts a provisional triangle from the rays of a box; returns the bounds of the rays that it had won.
     ///
-    /// Hi-z stays as it is: the triangle will be merged again, and was surely as near as hi-z says.
+    /// Hi-z stays valid: the triangle will be merged again, and is surely as near as hi-z says.
     #[inline(never)]
     fn evict(&mut self, rays: &RayBox, primitive: u32) -> Option<RayBox> {
         let mut around: Option<RayBox> = None;
@@ -123,7 +124,7 @@ impl IntervalZBuffer {
         around
     }
 
-    /// Marks the cells of a box dirty, at most two each way.
+    /// Marks the cells of a box dirty: at most two in each direction.
     #[inline(always)]
     fn mark_dirty(&mut self, rays: &RayBox) {
         let columns = 1u32 << (rays.left as usize / ROW) | 1 << (rays.right as usize / ROW);
@@ -132,7 +133,7 @@ impl IntervalZBuffer {
     }
 }
 
-/// Index of a box's first ray in the packet.
+/// The index of a box's first ray.
 #[inline(always)]
 fn first_ray(rays: &RayBox) -> usize {
     rays.top as usize * SIDE + rays.left as usize

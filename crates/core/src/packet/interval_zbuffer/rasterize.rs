@@ -1,5 +1,6 @@
-//! Rasterising triangles that are set up: rows of eight rays, or of large triangles cells of 8 × 8 rays first, whose
-//! extremes decide whether a cell is missed, covered or occluded (Abrash, "Rasterization on Larrabee", 2009).
+//! Rasterising triangles that are set up. Small bounds are rasterised in rows of eight rays; for large ones cells of
+//! 8 × 8 rays come first, whose extremes decide whether a cell is missed, covered or occluded (Abrash, "Rasterization
+//! on Larrabee", 2009).
 
 use super::depth_merge::{DepthMerge, UndecidedRays};
 use super::edge_functions::EdgeFunctions;
@@ -11,12 +12,12 @@ use crate::packet::params::{CELLS, ROW, SIDE};
 use crate::packet::ray_box::RayBox;
 use crate::packet::setup::{CornerLanes, PacketSpace, TriangleSetup};
 
-/// From a cell's first ray to its centre.
+/// The distance from a cell's first ray to its centre.
 const HALF: f32 = (ROW as f32 - 1.0) * 0.5;
-/// Centres of two rows of cells.
+/// Columns of the centres of two rows of cells.
 const CELL_X: [f32; ROW] = [3.5, 11.5, 19.5, 27.5, 3.5, 11.5, 19.5, 27.5];
 const CELL_Y: [f32; ROW] = [3.5, 3.5, 3.5, 3.5, 11.5, 11.5, 11.5, 11.5];
-/// Bit masks over two rows of cells: the first one to four columns, and the first row.
+/// Bit masks over two rows of cells: the cells of the first one to four columns, and those of the first row.
 const CELL_COLUMNS: [u32; CELLS] = [0x11, 0x33, 0x77, 0xff];
 const CELL_FIRST_ROW: u32 = 0x0f;
 
@@ -24,8 +25,8 @@ const CELL_FIRST_ROW: u32 = 0x0f;
 pub(super) const COLUMNS: [f32; ROW] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 impl IntervalZBuffer {
-    /// Sets rough triangles up again by component. Those (as bits) that exact arithmetic decides no ray hits, of the
-    /// ill-conditioned ones and of those that orthographic rays may begin at.
+    /// Sets rough triangles up again with componentwise bounds. Returns those triangles, as bits, that exact
+    /// arithmetic proves unhit, among the ill-conditioned ones and those that orthographic rays may start at.
     #[inline(never)]
     pub(super) fn refine(
         &self,
@@ -61,8 +62,9 @@ impl IntervalZBuffer {
         never_hit
     }
 
-    /// Sets up eight triangles and rasterises those with a primitive index, each within its bounds. Those that are
-    /// ill-conditioned, or that rays may begin at, are left out where exact arithmetic decides that no ray hits them.
+    /// Sets up eight triangles and rasterises those with a primitive index, each within its bounds. Ill-conditioned
+    /// triangles, and those that orthographic rays may start at, are skipped where exact arithmetic proves that no
+    /// ray hits them.
     #[inline(always)]
     pub(in crate::packet) fn rasterize(
         &mut self,
@@ -157,7 +159,7 @@ impl IntervalZBuffer {
         let columns = right / ROW - column / ROW + 1;
         let rows = bottom / ROW - row / ROW + 1;
         let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
-        // All cells from the first, two rows of them at a time.
+        // All rows of cells, two at a time.
         for cell_row in (0..rows).step_by(ROW / CELLS) {
             let (x, y) = (
                 lanes.load(&CELL_X),
@@ -255,7 +257,7 @@ impl IntervalZBuffer {
         }
     }
 
-    /// Merges a triangle into a cell whose rays all lie surely inside its edges.
+    /// Merges a triangle into a cell whose rays are all surely inside its edges.
     #[inline(always)]
     pub(super) fn cover(
         &mut self,
@@ -282,8 +284,9 @@ impl IntervalZBuffer {
         }
     }
 
-    /// Of eight rays from `first` on, marks those that merging left undecided, and records their triangle so far and this
-    /// one as rivals. Where a ray is surely inside this one and both lie in one plane, the lower primitive id wins instead.
+    /// Of eight rays from `first` on, marks undecided those that merging left undecided, and records the triangle
+    /// stored so far and this one as rivals. Where a ray is surely inside this triangle and both lie in one plane,
+    /// the lower primitive id wins instead.
     #[inline(never)]
     pub(super) fn leave_undecided(
         &mut self,
@@ -310,7 +313,7 @@ impl IntervalZBuffer {
                 && same & undecided.inside != 0
                 && let Some(nearer) = decisions.first_in_one_plane(rival, primitive)
             {
-                // Both hits have one depth, which either's bounds hold.
+                // Both hits have the same depth, and the stored bounds of either contain it.
                 if nearer == primitive {
                     for_each_bit(u64::from(same & undecided.inside), |lane| {
                         self.primitives[first + lane] = primitive;
@@ -325,8 +328,8 @@ impl IntervalZBuffer {
         }
     }
 
-    /// Marks every ray undecided that an ill-conditioned triangle may hit: those in its bounds where the
-    /// signs of its edge functions do not surely differ.
+    /// Marks undecided every ray that an ill-conditioned triangle may hit: those within its bounds where the signs of
+    /// its edge functions do not surely differ.
     #[inline(never)]
     pub(super) fn mark_undecided(
         &mut self,

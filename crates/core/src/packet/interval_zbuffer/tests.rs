@@ -1,4 +1,4 @@
-//! What the interval z-buffer leaves undecided, and what it culls.
+//! Which rays the interval z-buffer leaves undecided, and which cells it culls.
 
 use super::depth_merge::DepthMerge;
 use super::edge_functions::EdgeFunctions;
@@ -12,7 +12,7 @@ use crate::packet::decisions::Decisions;
 use crate::triangle::clip::Clip;
 use glam::DVec3;
 
-/// A triangle whose edge functions are the same at every ray.
+/// A triangle whose edge functions are constant.
 fn flat(edge: f32, depth_key: [f32; 3]) -> EdgeFunctions {
     EdgeFunctions {
         primitive: 7,
@@ -31,7 +31,7 @@ fn decisions<'a>(accel: &'a Accel, clip: &'a Clip) -> Decisions<'a> {
         up: DVec3::Y,
     };
     let camera = Camera::new(placement, Projection::Perspective, plane);
-    // Fast casting decides nothing about planes.
+    // Fast casting makes no exact decisions about planes.
     Decisions::new(accel, clip, &camera, Precision::Fast)
 }
 
@@ -40,8 +40,8 @@ fn undecided(zbuffer: &IntervalZBuffer) -> usize {
     stored.filter(|&&stored| stored == UNDECIDED).count()
 }
 
-/// Cells and rows leave undecided what lies within the bound on the edge functions' error, on either side; without
-/// it they would not.
+/// Edge functions within their error bound of zero leave rays undecided, in cells and in rows. Without the bound they
+/// would be decided.
 #[test]
 fn edges_within_their_error_are_undecided() {
     let (accel, clip) = (waves(1, 1.0, DVec3::ZERO), Clip::NONE);
@@ -61,18 +61,18 @@ fn edges_within_their_error_are_undecided() {
         assert_eq!(undecided(&zbuffer), if expected { 64 } else { 0 }, "{edge}");
         zbuffer.clear(Plain, 32, 32, f32::INFINITY);
         zbuffer.mark_undecided(&functions, (0, 0), (0, 7), (0, 7));
-        // One sign of another edge is sure: where this one's is the opposite no ray hits the triangle.
+        // The sign of another edge is sure: where this edge surely has the opposite sign no ray hits the triangle.
         assert_eq!(undecided(&zbuffer), if edge < -0.25 { 0 } else { 64 });
     }
 }
 
-/// A cell is occluded only where all its rays surely have a nearer hit: at the greatest depth key in it, and by
-/// more than that is off.
+/// A cell is occluded only where all its rays surely have a nearer hit: by the greatest depth key of the triangle in
+/// the cell, plus the error bound.
 #[test]
 fn cells_that_may_hold_a_first_hit_are_not_occluded() {
     let (accel, clip) = (waves(1, 1.0, DVec3::ZERO), Clip::NONE);
     let mut decisions = decisions(&accel, &clip);
-    // The least bound of what is there is 0.75.
+    // The least lower bound of the stored depths is 0.75.
     for (depth_key, expected) in [
         ([0.4375, 0.0, 0.0], 0),
         ([0.625, 0.0, 0.0], 64),
@@ -92,7 +92,7 @@ fn cells_that_may_hold_a_first_hit_are_not_occluded() {
     }
 }
 
-/// Intervals that share a number leave the order undecided, and so does a depth where rays may begin.
+/// Intervals that share a number leave the order undecided, and so does a depth where rays may start.
 #[test]
 fn intervals_that_touch_are_undecided() {
     let functions = EdgeFunctions {
@@ -114,8 +114,8 @@ fn intervals_that_touch_are_undecided() {
         &mut high,
         &mut primitives,
     );
-    // Touches from before, is before, touches from behind, is behind, lies within; touches the beginning from
-    // both sides, and is behind it.
+    // Intervals that touch from the front, lie in front, touch from behind, lie behind, lie within; touch the start
+    // of rays from either side, and lie behind it.
     assert_eq!(undecided.rays, 0b0111_0101);
     assert_eq!(undecided.inside, 0b0001_1111);
     assert_eq!(primitives, [3, 7, 3, 3, 3, 3, 3, 3]);

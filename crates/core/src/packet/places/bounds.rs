@@ -6,7 +6,11 @@ use crate::packet::frustum::Window;
 use crate::packet::params::{CELLS, ROW, SIDE};
 use crate::packet::place_box::PlaceBox;
 
-/// Bounds of eight sets of places.
+/// Cells that a triangle's bounds touch up to which their rays are looked at one by one before it is set up. Triangles
+/// smaller than the ray spacing touch one, or four at a corner; larger ones have a ray within.
+const FEW_CELLS: u32 = 4;
+
+/// Eight boxes of places.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(super) struct PlaceBoxes {
@@ -80,7 +84,7 @@ impl Places {
             cells.bottom[lane] = -(zero - bottom).reduce_min();
         }
         for (cells, centres) in self.cells.iter().zip(&mut self.centres) {
-            // Rounded: `interval_zbuffer::at_places` has room for that.
+            // The rounding is covered by the bound in `interval_zbuffer::at_places`.
             let half = |least: f32, most: f32| (most - least) * 0.5;
             for lane in 0..LANES {
                 centres.x[lane] = (cells.left[lane] + cells.right[lane]) * 0.5;
@@ -105,7 +109,7 @@ impl Places {
                 all.top = all.top.min(row.top);
                 all.bottom = all.bottom.max(row.bottom);
             }
-            // Rounded to single precision: less than 2⁻¹⁸ of a column.
+            // Places were rounded to single precision: by less than 2⁻¹⁸ of a column.
             let slack = 1.0 / (1 << 16) as f64;
             let across = |place: f32| left + (f64::from(place) - MARGIN) * step;
             let along = |place: f32| high - (f64::from(place) - MARGIN) * step;
@@ -148,7 +152,40 @@ impl Places {
         self.rows[cell % ALL_CELLS].touched(lanes, by)
     }
 
-    /// Eight cells' centres, the first eight or the last.
+    /// Whether a ray of these cells (as bits) lies within a box; always where there are many cells.
+    #[inline(always)]
+    pub(in crate::packet) fn has_ray_within(
+        &self,
+        lanes: impl Lanes,
+        mut cells: u32,
+        by: &PlaceBox,
+    ) -> bool {
+        if cells.count_ones() > FEW_CELLS {
+            return true;
+        }
+        let (left, right) = (lanes.splat(by.left), lanes.splat(by.right));
+        let (top, bottom) = (lanes.splat(by.top), lanes.splat(by.bottom));
+        while cells != 0 {
+            let cell = cells.trailing_zeros() as usize;
+            cells &= cells - 1;
+            let mut rows = self.rows_touched(lanes, cell, by);
+            while rows != 0 {
+                let first = first_of(cell, rows.trailing_zeros() as usize);
+                rows &= rows - 1;
+                let Some((x, y)) = self.eight(first) else {
+                    return true;
+                };
+                let (x, y) = (lanes.load(x), lanes.load(y));
+                let beside = x.lt(left) | right.lt(x) | y.lt(top) | bottom.lt(y);
+                if beside.bits() & ((1 << LANES) - 1) != (1 << LANES) - 1 {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// The centres of eight cells, the first eight or the last.
     #[inline(always)]
     pub(in crate::packet) fn centres(&self, half: usize) -> &CellCentres {
         &self.centres[half % (ALL_CELLS / LANES)]

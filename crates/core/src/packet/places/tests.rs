@@ -19,10 +19,10 @@ fn lattices() -> impl Iterator<Item = Lattice> {
     })
 }
 
-/// The truth is the ray's own direction through the packet's map, which is off by a tenth of the bound. Of rays very
-/// close together places are off by more than single precision rounds them by: they need the bound.
+/// The truth is the ray's own direction through the packet's map, which is off by a tenth of the bound. Places of
+/// rays that are very close together are off by more than rounding to single precision: they need the bound.
 #[test]
-fn rays_are_where_their_places_say() {
+fn places_are_within_their_error_bound_of_rays() {
     let (mut packets, mut needed) = (0, 0);
     for lattice in lattices() {
         let rays = PanoramaRays::new(&lattice).expect("a panorama");
@@ -63,10 +63,10 @@ fn rays_are_where_their_places_say() {
     assert!(needed > 100, "{needed}");
 }
 
-/// A cell's window holds its rays' tangents, of which places are the roundings to single precision. Without room for
-/// these this fails.
+/// A cell's window contains its rays' tangents, of which places are the roundings to single precision. Without slack
+/// for these this fails.
 #[test]
-fn windows_of_cells_hold_their_rays() {
+fn windows_of_cells_contain_their_rays() {
     let mut rays_seen = 0;
     for lattice in lattices() {
         let rays = PanoramaRays::new(&lattice).expect("a panorama");
@@ -102,7 +102,7 @@ fn windows_of_cells_hold_their_rays() {
     assert!(rays_seen > 5_000, "{rays_seen}");
 }
 
-/// What a ray's place is in touches the ray's row and cell.
+/// A box that contains a ray's place touches the ray's row and cell.
 #[test]
 fn boxes_touch_the_rows_and_cells_of_the_rays_in_them() {
     for lattice in lattices() {
@@ -130,7 +130,7 @@ fn boxes_touch_the_rows_and_cells_of_the_rays_in_them() {
             assert!(places.rows_touched(Plain, cell, &own) >> (at / SIDE % ROW) & 1 != 0);
             let centres = places.centres(cell / LANES);
             let lane = cell % LANES;
-            // Both are rounded.
+            // Both were rounded.
             let rounding = 2.0 * SIDE as f64 / f64::from(1 << 24);
             let exact = f64::from(x) - f64::from(centres.x[lane]);
             assert!(exact.abs() <= f64::from(centres.half_x[lane]) + rounding);

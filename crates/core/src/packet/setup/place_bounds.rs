@@ -1,12 +1,12 @@
 //! Bounds of triangles in packet space, for rays that lie at [`Places`](crate::packet::places::Places) of their own.
 //!
 //! # Error bound
-//! A corner's place is X/Z and Y/Z, with X and Y off by Kδ and Z by δ (see [`setup`](super)). Where Z ≥ 1024δ, a place p
-//! is off by less than 1.001(K + |p|)δ/Z. 1.01(K + h + 64)δ/Z, which is taken, is more where |p| ≤ 100 + K/120; a place
-//! further out is off by less than (K + |p|)/1000, and stays beyond 32 columns or rows, where no ray is. The rays' own
-//! error comes on top. Places of rays and these bounds are rounded to single precision alike: rounding keeps their
-//! order. A hit is no nearer than the nearest corner, whose inverse depth is off by 1.01δ/Z of itself, and by u where it is
-//! rounded to single precision: twice both are taken.
+//! A corner's place is X/Z and Y/Z, with X and Y off by Kδ and Z by δ (see [`setup`](super)). Where Z ≥ 1024δ, a
+//! place p is off by less than 1.001(K + |p|)δ/Z. 1.01(K + h + 64)δ/Z, which is taken, is more where |p| ≤ 100 +
+//! K/120; a place further out is off by less than (K + |p|)/1000, and stays beyond 32 columns or rows, where no ray
+//! is. The rays' own error comes on top. Places of rays and these bounds are rounded to single precision alike:
+//! rounding keeps their order. A hit is no nearer than the nearest corner, whose inverse depth is off by 1.01δ/Z of
+//! itself, and by u where it is rounded to single precision: twice both are taken.
 
 #![allow(
     clippy::needless_range_loop,
@@ -123,8 +123,8 @@ mod tests {
         math::pow(10.0, least + (most - least) * random.unit())
     }
 
-    /// Checks that what a ray hits has the ray's place within its bounds, and is no nearer than they say. Whether it
-    /// hits.
+    /// Checks that a hit's ray has its place within the bounds, and that the hit is no nearer than the bounds say.
+    /// Returns whether the ray hits.
     fn holds(
         space: &PacketSpace,
         frame: DVec3,
@@ -168,8 +168,8 @@ mod tests {
         true
     }
 
-    /// Triangles with a corner on a ray, far from what corners are relative to: the eye's place there is rounded. With
-    /// the bound on corners at zero this fails, and with either on the nearest depth.
+    /// Triangles with a corner on a ray, far from the point that corners are relative to, so that the eye's position
+    /// there is rounded. With the bound on corners at zero this fails, and with either bound on the nearest depth.
     #[test]
     fn rays_through_corners_are_within_the_bounds() {
         let mut random = Random(92);
@@ -199,7 +199,7 @@ mod tests {
             let placement = Placement::towards(eye, frame + a.as_dvec3());
             let camera = Camera::new(placement, Projection::Perspective, plane);
             let space = space(&camera, frame, Cull::None);
-            // The view axis goes through the corner but for rounding.
+            // The view axis goes through the corner except for rounding.
             for aside in [0.0, 1e-4, -1e-4] {
                 let ray = camera.ray(16.0 + aside, 16.0 - aside);
                 let place = [15.5 + aside, 15.5 - aside];
@@ -209,7 +209,7 @@ mod tests {
         assert!(hits > 1000, "{hits}");
     }
 
-    /// Rays lie beside their places by what they may. With their error at zero this fails.
+    /// Rays beside their places by as much as they may be. With their error at zero this fails.
     #[test]
     fn rays_beside_their_places_are_within_the_bounds() {
         let mut random = Random(93);
@@ -232,14 +232,15 @@ mod tests {
         assert!(hits > 100, "{hits}");
     }
 
-    /// Triangles in front of the eye by less than its place is rounded. Without δ they would be taken to be behind.
+    /// Triangles in front of the eye by less than the rounding of its position. Without δ they would count as behind
+    /// it.
     #[test]
     fn triangles_within_rounding_of_the_eyes_plane_are_not_behind() {
         let mut random = Random(94);
         let mut hits = 0;
         let frame = DVec3::X * 1e-9;
         for _ in 0..20_000 {
-            // In steps of 2⁻²⁸ there; the eye is half a step beside one.
+            // Coordinates there are multiples of 2⁻²⁸, and the eye is half of that beside one.
             let x = f64::from(1 << 25);
             let unit = 2f64.powi(-28);
             let eye = DVec3::new(x, 0.0, 0.0);

@@ -1,5 +1,5 @@
-//! The rays of a packet, and the map T from world space to packet space. The bounds on its errors are derived in
-//! [`setup`](super).
+//! The rays of a packet, and the map T from world space to packet space. [`setup`](super) derives the bounds on its
+//! errors.
 
 use super::{CornerLanes, EPSILON, REACH};
 use crate::camera::{Camera, Projection};
@@ -8,11 +8,11 @@ use crate::num::simd::LANES;
 use crate::packet::depth_reference::DepthReference;
 use glam::DVec3;
 
-/// The rays of a packet: what maps triangles into its space.
+/// The map of triangles into a packet's space, with the magnitudes of its error bounds.
 #[derive(Clone, Debug)]
 pub(crate) struct PacketSpace {
     pub(in crate::packet) perspective: bool,
-    /// What corners are taken relative to.
+    /// The point that corners are relative to.
     pub(in crate::packet) origin: DVec3,
     /// From there to the point of depth one on the first ray.
     pub(in crate::packet) unit_depth: DVec3,
@@ -32,7 +32,7 @@ pub(crate) struct PacketSpace {
     /// B/D; one for orthographic packets.
     pub(in crate::packet) obliqueness: f64,
     pub(in crate::packet) rays: PacketRays,
-    /// What depth keys are relative to.
+    /// The reference of depth keys.
     pub(in crate::packet) reference: f64,
 }
 
@@ -50,8 +50,8 @@ pub(in crate::packet) struct PacketRays {
 }
 
 impl PacketSpace {
-    /// The packet whose first ray goes through (x, y) of the picture, with rays `stride` pixels apart. `eye` is
-    /// the camera's, relative to what corners are relative to, and off by at most `eye_error`.
+    /// The packet whose first ray goes through (x, y) of the picture, with rays `stride` pixels apart. `eye` is the
+    /// camera's, relative to the point that corners are relative to, and off by at most `eye_error`.
     pub(crate) fn new(
         camera: &Camera,
         eye: DVec3,
@@ -71,7 +71,7 @@ impl PacketSpace {
             (camera.direction(x, y), distance, eye, eye_error)
         } else {
             let origin = eye + camera.on_plane(x, y);
-            // Each ray's own origin is rounded in world space, and its place on the plane before.
+            // Each ray's own origin is rounded in world space, and its place on the plane is rounded before that.
             let world = camera.placement().eye.abs().max_element()
                 + origin.abs().max_element()
                 + 2.0 * reach;
@@ -133,7 +133,7 @@ impl PacketSpace {
         }
     }
 
-    /// The same packet, with depth keys relative to a reference.
+    /// The same space, with depth keys relative to a reference.
     pub(in crate::packet) fn relative_to(self, reference: DepthReference) -> Self {
         Self {
             reference: reference.key().into(),

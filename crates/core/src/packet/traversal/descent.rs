@@ -1,28 +1,28 @@
-//! A packet's descent through the tree: the stack of subtrees, and what is known to be behind all hits.
+//! A packet's descent through the tree: the stack of subtrees, and the depths beyond which everything is occluded.
 
 use crate::bvh::tree::{BoxPair, DEPTH_LIMIT, Subtree};
 use crate::camera::{Lattice, Projection};
 use crate::packet::frustum::{CellFrusta, Frustum};
 use std::ops::Range;
 
-/// The most triangles of a small subtree that is taken as a leaf. With more, triangles are projected that its nodes
+/// The most triangles of a small subtree that is treated as a leaf. With more, triangles are projected that its nodes
 /// would cull; with fewer, visiting nodes takes longer than projecting the triangles that they cull.
 const RUN: u32 = 32;
 
-/// The largest extent of a small subtree's box, its three sides added, in columns. The nodes of a larger box cull many
-/// triangles beside a packet of 32 columns; those of a smaller one cull few.
+/// The largest size of a small subtree's box, the sum of its three sides, in columns. The nodes of a larger box cull
+/// many triangles beside a packet of 32 columns; those of a smaller one cull few.
 const SMALL: f64 = 16.0;
 
-/// The deepest stack: a pair of entry points, one more subtree a level below, and the primitive index above the top that
-/// is written without a branch.
+/// The greatest depth of the stack: a pair of entry points, one more subtree a level below, and the entry above the
+/// top that is written without a branch.
 const STACK: usize = DEPTH_LIMIT + 3;
 
-/// How far along the view axis a box may begin and still hold a first hit.
+/// How far along the view axis a box may begin and still contain a closest hit.
 #[derive(Clone, Copy)]
 pub(super) struct Limits {
-    /// Of some ray of the packet.
+    /// For any ray of the packet.
     pub(super) furthest: f32,
-    /// Of the cell whose hits are nearest: beyond it, some cell is occluded.
+    /// For every ray of some cell: a box beyond it is occluded in at least one cell.
     pub(super) nearest_cell: f32,
 }
 
@@ -31,16 +31,16 @@ pub(super) struct Descent {
     pub(super) frustum: Frustum,
     pub(super) small: SmallBoxes,
     pub(super) limits: Limits,
-    /// Nodes so far whose children may be occluded in all cells they touch.
+    /// The number of nodes so far whose children may be occluded in all cells that they touch.
     pub(super) doubtful: usize,
-    /// The cells' frusta, once they save more than they cost.
+    /// The frusta of the cells, once they save more than they cost.
     pub(super) cells: Option<CellFrusta>,
-    /// Subtrees to visit, the nearest on top, and where each begins.
+    /// Subtrees to visit, the nearest on top, and where each begins along the view axis.
     pub(super) stack: [(Subtree, f32); STACK],
     pub(super) depth: usize,
     /// The next pair of entry points.
     pub(super) pair: usize,
-    /// What is left of the leaf that was reached.
+    /// The rest of the leaf that was reached.
     pub(super) leaf: Range<u32>,
     /// Whether small triangles were merged since hi-z was updated.
     pub(super) merged_small: bool,
@@ -66,8 +66,8 @@ impl Descent {
         }
     }
 
-    /// Puts two children on the stack if they are hit, the nearer one on top. Without a branch: a child
-    /// that is missed is written above the top.
+    /// Pushes those of two children that are hit, the nearer one on top. Without a branch: a child that is missed is
+    /// written above the top.
     #[inline(always)]
     pub(super) fn push(
         &mut self,
@@ -82,15 +82,15 @@ impl Descent {
     }
 }
 
-/// The size below which boxes count as small: a bound on the sum of their sides, linear in where they begin
-/// along the view axis.
+/// The size below which boxes count as small: a limit on the sum of their sides, linear in where they begin along the
+/// view axis.
 pub(super) struct SmallBoxes {
     slope: f32,
     constant: f32,
 }
 
 impl SmallBoxes {
-    /// Those of a lattice's packets.
+    /// For the packets of a lattice.
     pub(super) fn new(lattice: &Lattice) -> Self {
         let camera = &lattice.camera;
         let side = (SMALL * camera.plane().step * f64::from(lattice.stride)) as f32;
@@ -106,7 +106,7 @@ impl SmallBoxes {
         }
     }
 
-    /// The subtree, as a leaf if its box is small.
+    /// The subtree, or a leaf of all its triangles if its box is small.
     #[inline(always)]
     pub(super) fn whole(
         &self,

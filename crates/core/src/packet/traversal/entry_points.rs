@@ -10,13 +10,13 @@ use crate::packet::frustum::{Frustum, Window};
 use crate::packet::ray_rect::RayRect;
 use glam::{DVec3, Vec3};
 
-/// Entry points at which a large packet's descent ends. Fewer make its packets repeat the upper levels of
-/// the tree; more make each packet test subtrees that it misses.
+/// The number of entry points at which a large packet's descent ends. With fewer its packets repeat the upper levels
+/// of the tree; with more each packet tests subtrees that it misses.
 const MAX_ENTRY_POINTS: usize = 24;
 
-/// Stands beside an entry point that is left over from the pairs: a box outside every frustum, its least corner above
-/// its greatest (finite, since planes multiply it by zero), and an empty leaf. Where a frustum's own numbers overflow, as
-/// of an eye 1e150 away, every box may count as inside.
+/// Fills the last pair where the number of entry points is odd: an empty leaf whose box is outside every frustum,
+/// since its least corner is above its greatest (both finite, since planes multiply them by zero). Where a frustum's
+/// own numbers overflow, with an eye 1e150 away, every box may count as inside.
 const NOTHING: (Box32, Subtree) = (
     Box32 {
         min: Vec3::MAX,
@@ -42,7 +42,7 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
         self.list_in(lanes, &frustum, camera);
     }
 
-    /// Finds the entry points of a frustum of a camera's.
+    /// Finds the entry points of a frustum of a camera.
     #[inline(always)]
     fn list_in(&mut self, lanes: impl Lanes, frustum: &Frustum, camera: &Camera) {
         let tree = &self.accel.tree;
@@ -72,7 +72,7 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
             }
             std::mem::swap(&mut self.list, &mut self.next);
         }
-        // What more precision would decide otherwise, fast casting does not.
+        // Fast casting uses no reference: it leaves undecided orders to rounding.
         if self.decisions.are_exact() {
             let boxes = self.list.iter().map(|entry| entry.1);
             self.reference = DepthReference::of(boxes, camera, self.eye);
@@ -89,8 +89,8 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
         }
     }
 
-    /// Finds the entry points of a large packet of rays through a window of a view, which its packets share. Whether there
-    /// are any.
+    /// Finds the entry points of a large packet whose packets share a view, from the rays through a window of it.
+    /// Returns whether there are any.
     #[inline(always)]
     pub(in crate::packet) fn list_through(
         &mut self,
@@ -103,8 +103,8 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
         !self.list.is_empty()
     }
 
-    /// Finds the entry points of a large packet of a panorama, which looks along an axis in world space and within a
-    /// cone of this tangent; all of the tree where that is not known. Whether there are any.
+    /// Finds the entry points of a large packet of a panorama that looks along an axis in world space, within a cone
+    /// of this tangent; without a known cone, the whole tree. Returns whether there are any.
     #[inline(always)]
     pub(in crate::packet) fn list_around(
         &mut self,
@@ -131,7 +131,7 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
                 near: f32::NEG_INFINITY,
             });
         }
-        // A packet has a view axis of its own.
+        // Each packet has a view axis of its own, so depths along the large packet's axis do not apply.
         for pair in &mut self.pairs {
             pair.near = f32::NEG_INFINITY;
         }

@@ -1,4 +1,4 @@
-//! Packet traversal for the rays of a panorama, which lie at places of their own.
+//! Traversal for packets of a panorama, whose rays lie at irregular places.
 
 use super::descent::{Descent, SmallBoxes};
 use super::{Batch, LANES, MANY_RAYS, Traversal};
@@ -15,7 +15,7 @@ use crate::packet::ray_rect::RayRect;
 use crate::packet::setup::place_bounds::PlaceBounds;
 
 impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
-    /// The eye, as a camera's whose axes are other ones.
+    /// The viewpoint of a camera with the same eye and other axes.
     pub(super) fn seen_from<'v>(&'v self, view: &'v Camera) -> Viewpoint<'v> {
         Viewpoint {
             camera: view,
@@ -43,8 +43,8 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
         false
     }
 
-    /// Casts a panorama's packet from the entry points of its large packet on. Returns `false`, and
-    /// leaves `zbuffer` as it is, where no triangle is near its rays.
+    /// Casts a panorama's packet from the entry points of its large packet. Returns `false`, and leaves `zbuffer`
+    /// unchanged, where no triangle is near its rays.
     #[inline(always)]
     pub(in crate::packet) fn cast_at_places(
         &mut self,
@@ -64,7 +64,7 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
         let space = space.relative_to(self.reference);
         let mut descent = Descent::new(frustum, SmallBoxes::new(self.lattice));
         descent.cells = Some(cells);
-        // Read for the cells' frusta alone, which are built already.
+        // Used for the cells' frusta only, which are built already.
         let part = RayRect {
             column: 0,
             row: 0,
@@ -83,7 +83,9 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
                     let near = self.reference.relative_above(bounds.nearest[lane]);
                     let around = bounds.of(lane);
                     let cells = places.cells_touched(lanes, &around);
-                    if !zbuffer.occludes_cells(lanes, cells, near) {
+                    if !zbuffer.occludes_cells(lanes, cells, near)
+                        && places.has_ray_within(lanes, cells, &around)
+                    {
                         boxes[self.queued.len & (LANES - 1)] = around;
                         self.queued.push(self.batch.primitives[lane]);
                         covered += (cells.count_ones() as usize * ROW) as i32;

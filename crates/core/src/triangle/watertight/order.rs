@@ -9,7 +9,7 @@ use glam::Vec3;
 use std::cmp::Ordering;
 
 impl PreparedRay {
-    /// Which of two hits comes first along the ray: of two at one distance the lower primitive id.
+    /// Which of two hits comes first along the ray; of two at one distance, the lower primitive id.
     pub(crate) fn order(
         &self,
         first: &Nearest,
@@ -59,12 +59,12 @@ impl PreparedRay {
         self.was_exact.set(true);
         let [candidate, nearest] =
             [candidate, nearest].map(|hit| self.placed(corners(hit.primitive)));
-        // Both were decided to be hits.
+        // Both are known to be hits.
         exact::compare(&self.ray, &candidate, &nearest, self.cull).unwrap_or(Ordering::Greater)
     }
 }
 
-/// Which of two hits is surely nearer.
+/// Which of two hits is surely nearer; `None` where their intervals overlap.
 fn order_of(verdicts: [Verdict; 2]) -> Option<Ordering> {
     let [Verdict::Hit(a), Verdict::Hit(b)] = verdicts else {
         return None;

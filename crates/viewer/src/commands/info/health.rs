@@ -1,4 +1,4 @@
-//! What is wrong with a mesh, and how much there is of it.
+//! Faults of a mesh, its area and its volume.
 
 use raycast_core::glam::DAffine3;
 use raycast_core::health::{self, Health, Intersections};
@@ -7,14 +7,14 @@ use serde::Serialize;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// What has been found out about meshes: of one that many objects have, once.
+/// Results for meshes; a mesh that several objects share is examined once.
 #[derive(Default)]
 pub(super) struct Findings {
     known: HashMap<*const Mesh, (Health, Option<Intersections>)>,
     deep: bool,
 }
 
-/// How the triangles of a mesh join, and how much there is of it.
+/// How the triangles of a mesh join, and its size.
 #[derive(Debug, Serialize)]
 pub(super) struct HealthInfo {
     pub(super) closed: bool,
@@ -28,18 +28,18 @@ pub(super) struct HealthInfo {
     unused_vertices: usize,
     one_sided: usize,
     inside_out: usize,
-    /// Pairs of triangles that meet elsewhere than at a corner or an edge of both; `null` where nobody asked.
+    /// Pairs of triangles that intersect elsewhere than at a common corner or edge; `null` if not requested.
     self_intersections: Option<usize>,
     /// Whether there are more pairs than were counted.
     more_self_intersections: bool,
-    /// In its place in the scene, in scene units.
+    /// Under its transform in the scene, in scene units.
     pub(super) area: f64,
-    /// `null` where it is open.
+    /// `null` for an open mesh.
     pub(super) volume: Option<f64>,
 }
 
 impl Findings {
-    /// `deep` looks for self-intersections, which takes many times as long.
+    /// `deep` searches self-intersections as well, which takes many times as long.
     pub(super) fn new(deep: bool) -> Self {
         Self {
             deep,
@@ -47,7 +47,7 @@ impl Findings {
         }
     }
 
-    /// What is wrong with a mesh in its place.
+    /// Examines a mesh under its transform.
     pub(super) fn of(
         &mut self,
         mesh: &Arc<Mesh>,
@@ -85,7 +85,7 @@ impl Findings {
 }
 
 impl HealthInfo {
-    /// The faults that there are, in words.
+    /// The faults, in words.
     pub(super) fn faults(&self) -> String {
         let intersections = match self.more_self_intersections {
             true => ["and more self-intersections"; 2],

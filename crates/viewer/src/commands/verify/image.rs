@@ -1,4 +1,4 @@
-//! Images that RayCast wrote, read whole or row by row.
+//! Images that RayCast wrote, read whole or by rows.
 
 use crate::failure::Failure;
 use raycast_core::camera::Rect;
@@ -7,14 +7,14 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-/// Pixels of an image that is read, or rendered, at once.
+/// The most pixels of an image that are read, or rendered, at once.
 pub(super) const WHOLE: u64 = 1 << 21;
 
 /// An image that RayCast wrote.
 pub(super) enum Image<'a> {
-    /// All of it: of few pixels, or a fragment, whose checksum is that of all its pixels.
+    /// Read whole: a small image, or a fragment, whose checksum covers all its pixels.
     Whole(Box<ImageFile>),
-    /// To be read from the top; the name is for errors.
+    /// Read from the top; the path is for errors.
     Rows(&'a Path, Box<RowReader<BufReader<File>>>),
 }
 

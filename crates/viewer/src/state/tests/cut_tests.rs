@@ -80,11 +80,12 @@ fn three_clicks_make_a_plane_and_three_on_a_line_none() {
     let camera = state.camera().expect("a camera");
     let click = |x: f64, y: f64| Command::Pin {
         at: camera.project(DVec3::new(x, y, 0.0)).expect("in front"),
+        beside: false,
     };
     let corners = [click(0.1, 0.1), click(0.7, 0.1), click(0.1, 0.7)];
     do_all(&mut state, [Command::SetCutting(true)]);
     do_all(&mut state, corners);
-    assert!(state.cutting.is_none() && state.pinned.is_none());
+    assert!(state.cutting.is_none() && state.picks.current().is_none());
     let [plane] = planes(&state)[..] else {
         panic!("one plane: {:?}", planes(&state));
     };

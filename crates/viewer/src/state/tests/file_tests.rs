@@ -290,6 +290,51 @@ fn a_file_read_again_keeps_the_camera_and_what_a_person_changed() {
 }
 
 #[test]
+fn a_file_read_again_finds_objects_that_were_put_in_another_order() {
+    let News::Loaded(mut first) = loaded(3, None) else {
+        panic!("it is a scene");
+    };
+    let apart = |document: &mut Document| {
+        let mut scene = Scene::clone(&document.scene);
+        for (number, object) in scene.objects.iter_mut().enumerate() {
+            object.mesh = Arc::new(Mesh::new(MeshData {
+                positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y * (number + 1) as f64],
+                triangles: vec![[0, 1, 2]],
+                ..MeshData::default()
+            }));
+        }
+        let scene = Arc::new(scene);
+        *document = Document {
+            paths: document.paths.clone(),
+            ..Document::new(1, "mesh.obj", Arc::clone(&scene), tree(&scene))
+        };
+    };
+    apart(&mut first.document);
+    let mut state = State::default();
+    receive(&mut state, News::Loaded(first), Duration::ZERO);
+    let end = Insertion {
+        before: 3,
+        parent: None,
+    };
+    update(&mut state, Command::Reorder(0, end));
+    build(&mut state);
+    let News::Loaded(mut again) = loaded(3, None) else {
+        panic!("it is a scene");
+    };
+    apart(&mut again.document);
+    again.keep = Keep::All;
+    let read = Arc::clone(&again.document.scene);
+    receive(&mut state, News::Loaded(again), Duration::ZERO);
+    assert_eq!(names(&state), ["object 1", "object 2", "object 0"]);
+    for (now, was) in [(0, 1), (1, 2), (2, 0)] {
+        let mesh = &document(&state).scene.objects[now].mesh;
+        assert!(Arc::ptr_eq(mesh, &read.objects[was].mesh), "{now}");
+    }
+    update(&mut state, Command::Undo);
+    assert_eq!(names(&state), ["object 0", "object 1", "object 2"]);
+}
+
+#[test]
 fn undo_outlives_a_file_that_is_read_again_and_shows_what_it_holds_now() {
     let mut state = opened(2);
     update(&mut state, Command::SetVisible(0, false));

@@ -50,7 +50,14 @@ fn bring(state: &mut State, to: (f64, f64), snaps: bool) -> Option<Effect> {
 
 #[test]
 fn a_drag_along_an_axis_puts_the_point_that_was_grabbed_under_the_hand() {
-    for projection in [Projection::Perspective, Projection::Orthographic] {
+    let around = [
+        Panorama::Equirectangular,
+        Panorama::Cylindrical,
+        Panorama::Stereographic,
+    ];
+    let around = around.map(Projection::Panoramic);
+    let flat = [Projection::Perspective, Projection::Orthographic];
+    for projection in flat.into_iter().chain(around) {
         let mut state = with_handles(Tool::Move);
         update(&mut state, Command::SetProjection(projection));
         let (start, middle) = (transform(&state), middle_of(&state));

@@ -13,6 +13,7 @@ use super::update::{advance, middle, update};
 use super::*;
 use crate::state::document::{Document, Tree};
 use crate::state::effect::Keep;
+use crate::state::insertion::Insertion;
 use crate::state::inspection::{Checked, Fault, Shown};
 use crate::state::measure::{Kind, Measurement};
 use crate::state::motion;
@@ -20,12 +21,14 @@ use crate::state::news::{DialogAnswer, Loaded, News, expire_toasts, receive};
 use crate::state::viewpoint::{DEFAULT_FOV, StandardView, Viewpoint};
 use crate::state::{Answer, Replacing, TILES_LIMIT};
 use raycast_core::camera::{
-    FrameLock, Grid, PixelFilter, Placement, Projection, Stereo, StereoKind,
+    FrameLock, Grid, Panorama, PixelFilter, Placement, Projection, Stereo, StereoKind,
 };
 use raycast_core::formats::{CameraFile, ImageSettings};
 use raycast_core::glam::{DAffine3, DVec3};
-use raycast_core::scene::{Color, ColorRule, Mesh, MeshData, Object, Scene, Texture, Transform};
-use raycast_core::shade::Mode;
+use raycast_core::scene::{
+    Color, ColorRule, Mesh, MeshData, Object, Scene, Shape, Texture, Transform,
+};
+use raycast_core::shade::{Mode, TextureProjection};
 use raycast_core::{Accel, Cull, Precision};
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -107,8 +107,8 @@ fn what_is_pinned_moves_with_its_object_at_once() {
     let at = camera
         .project(DVec3::new(2.25, 0.5, 0.0))
         .expect("in front");
-    update(&mut state, Command::Pin { at });
-    let pinned = |state: &State| state.pinned.as_ref().map(|pinned| pinned.corners[0]);
+    update(&mut state, Command::Pin { at, beside: false });
+    let pinned = |state: &State| state.picks.current().map(|pinned| pinned.corners[0]);
     assert_eq!(pinned(&state), Some(DVec3::X * 2.0));
     let moved = Transform {
         translate: DVec3::X * 5.0,
@@ -118,7 +118,7 @@ fn what_is_pinned_moves_with_its_object_at_once() {
     let effect = update(&mut state, Command::SetTransform(1, moved));
     assert_eq!(effect, Some(Effect::Weigh(1)));
     assert_eq!(pinned(&state), Some(DVec3::X * 5.0));
-    let pin = state.pinned.as_ref().expect("still there");
+    let pin = state.picks.current().expect("still there");
     assert!(pin.pick.point.distance(DVec3::new(5.25, 0.5, 0.0)) < 1e-6);
     assert!(pin.has_moved);
 }
@@ -173,6 +173,223 @@ fn a_parent_is_given_in_place_moves_its_children_and_is_taken_away() {
     update(&mut state, Command::Undo);
     assert_eq!(document(&state).scene.objects[2].parent, None);
     assert!(place(&state, 2).abs_diff_eq(before, 0.0));
+}
+
+#[test]
+fn several_picks_make_a_list_of_which_one_is_looked_at() {
+    let mut state = opened_to_edit(3);
+    do_all(
+        &mut state,
+        [Command::Look(StandardView::Front), Command::Fit],
+    );
+    let camera = state.camera().expect("a camera");
+    let pin = |x: f64, beside| {
+        let at = camera.project(DVec3::new(x + 0.25, 0.5, 0.0));
+        let at = at.expect("in front");
+        Command::Pin { at, beside }
+    };
+    let listed = |state: &State| -> Vec<u32> {
+        let picks = state.picks.list().iter();
+        picks.map(|pinned| pinned.pick.hit.object).collect()
+    };
+    do_all(&mut state, [pin(0.0, true), pin(2.0, true), pin(4.0, true)]);
+    assert_eq!((listed(&state), state.selected), (vec![0, 1, 2], Some(2)));
+    // Beside everything there is nothing to add, and nothing is lost.
+    let at = (1.0, 1.0);
+    update(&mut state, Command::Pin { at, beside: true });
+    assert_eq!(listed(&state), [0, 1, 2]);
+    update(&mut state, Command::ChoosePick(0));
+    assert_eq!((state.picks.current_index(), state.selected), (0, Some(0)));
+    update(&mut state, Command::ChoosePick(9));
+    assert_eq!(state.picks.current_index(), 0);
+    update(&mut state, Command::ChoosePick(2));
+    update(&mut state, Command::RemovePick(0));
+    assert_eq!(
+        (listed(&state), state.picks.current_index()),
+        (vec![1, 2], 1)
+    );
+    update(&mut state, Command::RemovePick(1));
+    assert_eq!((listed(&state), state.picks.current_index()), (vec![1], 0));
+    // A plain click lets go of all others.
+    do_all(&mut state, [pin(4.0, true), pin(0.0, false)]);
+    assert_eq!(listed(&state), [0]);
+    do_all(&mut state, [pin(4.0, true), Command::Dismiss]);
+    assert!(listed(&state).is_empty());
+}
+
+#[test]
+fn a_pick_tells_the_texel_of_the_file_that_is_there() {
+    let mut state = opened_to_edit(2);
+    let texels = (0..64).map(|i| [i, 2 * i, 0, 255]).collect();
+    let image = Texture::new(8, 8, texels).expect("a good texture");
+    let crop = raycast_core::scene::Crop {
+        x: 2,
+        y: 1,
+        width: 4,
+        height: 4,
+    };
+    let image = Arc::new(image.cropped(crop).expect("within"));
+    let mut scene = Scene::clone(&document(&state).scene);
+    scene.objects[1].texture = Some(image);
+    if let Some(document) = &mut state.document {
+        document.set_scene(Arc::new(scene));
+    }
+    do_all(
+        &mut state,
+        [
+            Command::SetTextureProjection(TextureProjection::Plane),
+            Command::Look(StandardView::Front),
+            Command::Fit,
+        ],
+    );
+    let camera = state.camera().expect("a camera");
+    let texel = |state: &mut State, x: f64| {
+        let at = camera.project(DVec3::new(x, 0.6, 0.0));
+        let at = at.expect("in front");
+        update(state, Command::Pin { at, beside: false });
+        let pinned = state.picks.current().cloned().expect("a triangle");
+        state.texel(&pinned)
+    };
+    // The plane lies once over the box, a square of side 1 from (2, 0): (0.3, 0.6) is in the second of four columns
+    // of the crop and, from the top, in the second of its rows.
+    let found = texel(&mut state, 2.3).expect("an image");
+    assert_eq!((found.column, found.row), (2 + 1, 1 + 1));
+    assert_eq!(found.color, [19, 38, 0, 255]);
+    assert_eq!(texel(&mut state, 0.3), None, "the other has no image");
+}
+
+#[test]
+fn an_object_put_elsewhere_in_the_list_takes_its_number_mark_lock_and_children_along() {
+    let mut state = opened_to_edit(4);
+    update(&mut state, Command::SetParent(3, Some(2)));
+    update(&mut state, Command::SetLocked(0, true));
+    do_all(
+        &mut state,
+        [Command::Look(StandardView::Front), Command::Fit],
+    );
+    let camera = state.camera().expect("a camera");
+    let place = camera.project(DVec3::new(4.25, 0.5, 0.0));
+    let at = place.expect("in front");
+    update(&mut state, Command::Pin { at, beside: false });
+    update(&mut state, Command::Select(Some(2)));
+    let (before, parent) = (0, None);
+    let to = Insertion { before, parent };
+    let effect = update(&mut state, Command::Reorder(2, to));
+    assert_eq!(effect, Some(Effect::Weigh(0)), "no tree is built");
+    let listed = ["object 2", "object 0", "object 1", "object 3"];
+    assert_eq!(names(&state), listed);
+    let hit = |state: &State| state.picks.current().map(|pinned| pinned.pick.hit.object);
+    assert_eq!((state.selected, hit(&state)), (Some(0), Some(0)));
+    assert_eq!(document(&state).scene.objects[3].parent, Some(0));
+    let locks = |state: &State| [0, 1, 2, 3].map(|object| state.is_locked(object));
+    assert_eq!(locks(&state), [false, true, false, false]);
+    // The ray that met it meets it still, by its new number.
+    let ray = document(&state)
+        .accel
+        .cast(&camera.ray(at.0, at.1), Default::default());
+    assert_eq!(ray.map(|hit| hit.object), Some(0));
+
+    update(&mut state, Command::Undo);
+    assert_eq!((state.selected, hit(&state)), (Some(2), Some(2)));
+    assert_eq!(locks(&state), [true, false, false, false]);
+    update(&mut state, Command::Redo);
+    assert_eq!((state.selected, hit(&state)), (Some(0), Some(0)));
+    assert_eq!(names(&state), listed);
+
+    // To the end, and with nothing; and what has no sense changes nothing.
+    let end = Insertion {
+        before: 4,
+        parent: None,
+    };
+    update(&mut state, Command::Reorder(3, end));
+    assert_eq!(names(&state), listed);
+    assert_eq!(document(&state).scene.objects[3].parent, None);
+    let objects = Arc::clone(&document(&state).scene);
+    let (before, parent) = (9, None);
+    update(
+        &mut state,
+        Command::Reorder(3, Insertion { before, parent }),
+    );
+    update(&mut state, Command::Reorder(9, end));
+    let parent = Some(0);
+    update(
+        &mut state,
+        Command::Reorder(0, Insertion { before: 1, parent }),
+    );
+    assert!(Arc::ptr_eq(&objects, &document(&state).scene));
+}
+
+#[test]
+fn shapes_are_put_in_changed_by_numbers_and_undone() {
+    let mut state = opened_to_edit(2);
+    let [cube, _, sphere, ..] = crate::state::shapes::SHAPES;
+    for shape in [cube, cube, sphere] {
+        assert_eq!(
+            update(&mut state, Command::AddShape(shape)),
+            Some(Effect::Build)
+        );
+        build(&mut state);
+    }
+    assert_eq!(names(&state)[2..], ["cube", "cube 2", "sphere"]);
+    assert_eq!(state.selected, Some(4));
+    let object = &document(&state).scene.objects[4];
+    assert_eq!(object.transform.translate, state.viewpoint.orbit.pivot);
+    assert_eq!(object.mesh.triangles().len() as u64, sphere.triangles());
+    assert!(
+        document(&state).can_be_saved(),
+        "a scene file says what they are"
+    );
+    let with = |radius, segments| Shape::Sphere {
+        radius,
+        segments,
+        rings: 8,
+    };
+    update(&mut state, Command::SetShape(4, with(2.0, 12)));
+    update(&mut state, Command::SetShape(4, with(3.0, 12)));
+    let object = &document(&state).scene.objects[4];
+    assert_eq!(
+        (object.shape, object.mesh.bounds().size().y),
+        (Some(with(3.0, 12)), 6.0)
+    );
+    // What has no mesh, is too much for one frame, or is no shape, changes nothing.
+    let scene = Arc::clone(&document(&state).scene);
+    for (which, shape) in [
+        (4, with(0.0, 12)),
+        (4, with(1.0, 16_000)),
+        (0, cube),
+        (9, cube),
+    ] {
+        update(&mut state, Command::SetShape(which, shape));
+        assert!(Arc::ptr_eq(&document(&state).scene, &scene));
+    }
+    update(&mut state, Command::Undo);
+    assert_eq!(document(&state).scene.objects[4].shape, Some(sphere));
+    update(&mut state, Command::Undo);
+    assert_eq!(names(&state).len(), 4);
+}
+
+#[test]
+fn one_row_up_or_down_is_past_a_neighbour_with_the_same_parent() {
+    let mut state = opened_to_edit(4);
+    update(&mut state, Command::SetParent(1, Some(3)));
+    let step =
+        |state: &State, which, down| Insertion::step(&document(state).scene.objects, which, down);
+    let parent = None;
+    assert_eq!(step(&state, 0, false), None);
+    assert_eq!(step(&state, 0, true), Some(Insertion { before: 3, parent }));
+    assert_eq!(
+        step(&state, 2, false),
+        Some(Insertion { before: 0, parent })
+    );
+    assert_eq!(step(&state, 1, true), None);
+    assert_eq!(step(&state, 3, true), None);
+    let down = step(&state, 0, true).expect("there is a row below");
+    update(&mut state, Command::Reorder(0, down));
+    assert_eq!(
+        names(&state),
+        ["object 1", "object 2", "object 0", "object 3"]
+    );
+    assert_eq!(document(&state).scene.objects[0].parent, Some(3));
 }
 
 #[test]
@@ -258,8 +475,8 @@ fn a_click_pins_what_is_there_with_its_values() {
     let at = camera
         .project(DVec3::new(2.25, 0.5, 0.0))
         .expect("in front");
-    update(&mut state, Command::Pin { at });
-    let pinned = state.pinned.clone().expect("the second triangle");
+    update(&mut state, Command::Pin { at, beside: false });
+    let pinned = state.picks.current().cloned().expect("the second triangle");
     assert_eq!(
         (pinned.object.as_str(), pinned.normal),
         ("object 1", DVec3::Z)
@@ -269,8 +486,14 @@ fn a_click_pins_what_is_there_with_its_values() {
     assert_eq!(state.selected, Some(1));
     let copied = update(&mut state, Command::Copy("2.25".to_owned()));
     assert_eq!(copied, Some(Effect::Copy("2.25".to_owned())));
-    update(&mut state, Command::Pin { at: (1.0, 1.0) });
-    assert!(state.pinned.is_none() && state.selected.is_none());
+    update(
+        &mut state,
+        Command::Pin {
+            at: (1.0, 1.0),
+            beside: false,
+        },
+    );
+    assert!(state.picks.current().is_none() && state.selected.is_none());
 }
 
 #[test]
@@ -396,26 +619,44 @@ fn clicks_measure_between_vertices_while_a_tool_is_on() {
     update(&mut state, Command::SetTool(Some(Kind::Distance)));
     for corner in [DVec3::X, DVec3::Y] {
         let at = near(&state, corner);
-        update(&mut state, Command::Pin { at });
+        update(&mut state, Command::Pin { at, beside: false });
     }
     let [measured] = &state.measuring.list[..] else {
         panic!("{:?}", state.measuring);
     };
     assert_eq!(measured.points, [DVec3::X, DVec3::Y], "vertices, not hits");
-    assert_eq!(state.pinned, None);
+    assert_eq!(state.picks.current(), None);
     update(&mut state, Command::SetSnaps(false));
     let beside = near(&state, DVec3::X);
-    update(&mut state, Command::Pin { at: beside });
+    update(
+        &mut state,
+        Command::Pin {
+            at: beside,
+            beside: false,
+        },
+    );
     assert_ne!(state.measuring.points, [DVec3::X]);
     // Beside everything nothing is taken; Esc lets the point go, then the tool.
-    update(&mut state, Command::Pin { at: (0.5, 0.5) });
+    update(
+        &mut state,
+        Command::Pin {
+            at: (0.5, 0.5),
+            beside: false,
+        },
+    );
     assert_eq!(state.measuring.points.len(), 1);
     update(&mut state, Command::Dismiss);
     assert!(state.measuring.points.is_empty() && state.measuring.tool.is_some());
     update(&mut state, Command::Dismiss);
     assert_eq!(state.measuring.tool, None);
-    update(&mut state, Command::Pin { at: beside });
-    assert!(state.pinned.is_some(), "clicks pick again");
+    update(
+        &mut state,
+        Command::Pin {
+            at: beside,
+            beside: false,
+        },
+    );
+    assert!(state.picks.current().is_some(), "clicks pick again");
 }
 
 #[test]

@@ -11,6 +11,8 @@ pub enum Menu {
     File,
     /// Undo, and objects.
     Edit,
+    /// Files and shapes beside what is open.
+    Add,
     /// The camera.
     View,
     /// What the picture shows.
@@ -25,9 +27,10 @@ pub enum Menu {
 
 impl Menu {
     /// All of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::File,
         Self::Edit,
+        Self::Add,
         Self::View,
         Self::Look,
         Self::Tools,
@@ -40,6 +43,7 @@ impl Menu {
         match self {
             Self::File => "File",
             Self::Edit => "Edit",
+            Self::Add => "Add",
             Self::View => "View",
             Self::Look => "Look",
             Self::Tools => "Tools",

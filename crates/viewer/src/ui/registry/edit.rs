@@ -1,10 +1,11 @@
 //! Undo, and objects.
 
 use super::action::{Action, Menu};
-use super::chord::{ctrl, ctrl_shift, plain, shift};
+use super::chord::{alt, ctrl, ctrl_shift, plain, shift};
 use super::when::has_scene;
 use crate::state::command::Command;
 use crate::state::handle::Tool;
+use crate::state::insertion::Insertion;
 use crate::state::turn::Turning;
 use crate::state::{PromptKind, State};
 use egui::Key;
@@ -19,6 +20,20 @@ macro_rules! handles {
         })
         .when(has_scene)
         .on(|state| state.manipulating.tool == Some(Tool::$tool))
+    };
+}
+
+macro_rules! step {
+    ($id:literal, $name:literal, $does:literal, $key:expr, $down:literal) => {
+        Action::of(Menu::Edit, $id, $name, $does, &[alt($key)], |state| {
+            // There is one: the action cannot be used otherwise.
+            let to = step(state, $down).unwrap_or(Insertion {
+                before: usize::MAX,
+                parent: None,
+            });
+            Command::Reorder(selected(state), to)
+        })
+        .when(|state| step(state, $down).is_some())
     };
 }
 
@@ -157,6 +172,21 @@ pub(super) static ACTIONS: &[Action] = &[
         |state| Command::SetTransform(selected(state), rest(state)),
     )
     .when(|state| has_selected(state) && transform(state) != Some(rest(state))),
+    step!(
+        "object.up",
+        "Up in the list",
+        "Put the marked object one row up",
+        Key::ArrowUp,
+        false
+    )
+    .apart(),
+    step!(
+        "object.down",
+        "Down in the list",
+        "Put the marked object one row down",
+        Key::ArrowDown,
+        true
+    ),
     Action::of(
         Menu::Edit,
         "object.delete",
@@ -175,6 +205,12 @@ fn has_selected(state: &State) -> bool {
 /// The marked object; commands on it apply only where there is one.
 fn selected(state: &State) -> usize {
     state.selected.unwrap_or(usize::MAX)
+}
+
+/// Where the marked object goes by one row.
+fn step(state: &State, down: bool) -> Option<Insertion> {
+    let objects = &state.document.as_ref()?.scene.objects;
+    Insertion::step(objects, state.selected?, down)
 }
 
 fn is_visible(state: &State) -> bool {

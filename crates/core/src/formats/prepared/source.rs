@@ -1,0 +1,200 @@
+//! The bytes of a prepared file as they arrive: each is read once, straight to where it belongs, and taken into the
+//! checksum there.
+
+use super::checksum::{BLOCK, BYTES, of_block, of_blocks};
+use crate::digest::Digester;
+use rayon::prelude::*;
+use std::io;
+
+/// Reads all of a slice from a place of a file on.
+pub(in crate::formats) type ReadAt<'s> = &'s (dyn Fn(u64, &mut [u8]) -> io::Result<()> + Sync);
+
+/// Bytes that are read ahead for what is small; what is as large is read by itself. More are read twice as often by threads
+/// that wait for each other; with fewer the system is asked more often.
+const AHEAD: usize = 1 << 16;
+
+/// Bytes on their way from a file to its contents.
+pub(super) struct Source<'s> {
+    read_at: ReadAt<'s>,
+    /// How many there are.
+    length: usize,
+    /// How many were taken.
+    taken: usize,
+    /// Those that were read ahead, and how many of them were taken.
+    ahead: (Vec<u8>, usize),
+    sums: Checksums,
+}
+
+impl<'s> Source<'s> {
+    /// The first bytes of a file.
+    pub(super) fn new(read_at: ReadAt<'s>, length: usize) -> Self {
+        Self {
+            read_at,
+            length,
+            taken: 0,
+            ahead: (Vec::new(), 0),
+            sums: Checksums::new(),
+        }
+    }
+
+    /// How many there are.
+    pub(super) fn length(&self) -> usize {
+        self.length
+    }
+
+    /// How many were taken.
+    pub(super) fn taken(&self) -> usize {
+        self.taken
+    }
+
+    /// How many are left.
+    pub(super) fn left(&self) -> usize {
+        self.length - self.taken
+    }
+
+    /// Fills a slice that is no longer than what is left.
+    pub(super) fn take(&mut self, mut to: &mut [u8]) -> io::Result<()> {
+        while !to.is_empty() {
+            let (ahead, used) = &mut self.ahead;
+            if *used == ahead.len() {
+                if to.len() >= AHEAD {
+                    return self.take_directly(to);
+                }
+                ahead.resize(AHEAD.min(self.length - self.taken), 0);
+                (self.read_at)(self.taken as u64, ahead)?;
+                *used = 0;
+            }
+            let count = to.len().min(ahead.len() - *used);
+            if count == 0 {
+                return Err(io::ErrorKind::UnexpectedEof.into());
+            }
+            let (first, rest) = to.split_at_mut(count);
+            first.copy_from_slice(&ahead[*used..*used + count]);
+            *used += count;
+            self.taken += count;
+            self.sums.add(first);
+            to = rest;
+        }
+        Ok(())
+    }
+
+    /// Fills a slice, whole blocks by several threads.
+    fn take_directly(&mut self, to: &mut [u8]) -> io::Result<()> {
+        let begun = self.taken % BLOCK;
+        let first = if begun == 0 {
+            0
+        } else {
+            to.len().min(BLOCK - begun)
+        };
+        let (first, rest) = to.split_at_mut(first);
+        let (whole, last) = rest.split_at_mut(rest.len() / BLOCK * BLOCK);
+        self.take_piece(first)?;
+        let start = self.taken as u64;
+        let read_at = self.read_at;
+        let blocks = whole.par_chunks_mut(BLOCK).enumerate();
+        let sums = blocks.map(|(number, block)| {
+            read_at(start + (number * BLOCK) as u64, block)?;
+            Ok(of_block(block))
+        });
+        let sums = sums.collect::<io::Result<Vec<_>>>()?;
+        self.sums.finished.extend(sums.as_flattened());
+        self.taken += whole.len();
+        self.take_piece(last)
+    }
+
+    fn take_piece(&mut self, to: &mut [u8]) -> io::Result<()> {
+        (self.read_at)(self.taken as u64, to)?;
+        self.taken += to.len();
+        self.sums.add(to);
+        Ok(())
+    }
+
+    /// The checksum of all there are; what was not taken is read for it.
+    pub(super) fn checksum(&mut self) -> io::Result<[u8; BYTES]> {
+        let mut rest = Vec::new();
+        while self.left() > 0 {
+            rest.resize(self.left().min(16 * BLOCK), 0);
+            self.take(&mut rest)?;
+        }
+        Ok(self.sums.finish())
+    }
+}
+
+/// The checksums of a file's blocks.
+struct Checksums {
+    /// Of the block that is begun, so many bytes of it.
+    begun: (Digester, usize),
+    /// Of those before it.
+    finished: Vec<u8>,
+}
+
+impl Checksums {
+    fn new() -> Self {
+        Self {
+            begun: (Digester::new(), 0),
+            finished: Vec::new(),
+        }
+    }
+
+    /// Adds the next bytes.
+    fn add(&mut self, mut bytes: &[u8]) {
+        while !bytes.is_empty() {
+            let (digest, filled) = &mut self.begun;
+            let (these, rest) = bytes.split_at(bytes.len().min(BLOCK - *filled));
+            digest.bytes(these);
+            *filled += these.len();
+            if *filled == BLOCK {
+                self.end_block();
+            }
+            bytes = rest;
+        }
+    }
+
+    fn end_block(&mut self) {
+        self.finished.extend(self.begun.0.finish().to_bytes());
+        self.begun = (Digester::new(), 0);
+    }
+
+    fn finish(&mut self) -> [u8; BYTES] {
+        if self.begun.1 > 0 {
+            self.end_block();
+        }
+        of_blocks(&self.finished)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::checksum::checksum;
+    use super::*;
+    use crate::random::Random;
+
+    /// Slices of any length, small, large, and over the borders of blocks, hold the bytes in their order, and the checksum
+    /// is that of all of them.
+    #[test]
+    fn bytes_arrive_in_order_and_are_all_in_the_checksum() {
+        let mut random = Random(97);
+        for length in [0, 1, 100, AHEAD, BLOCK - 1, BLOCK, 5 * BLOCK + 17] {
+            let bytes: Vec<u8> = (0..length).map(|_| (random.unit() * 256.0) as u8).collect();
+            let read_at = |at: u64, to: &mut [u8]| {
+                to.copy_from_slice(&bytes[at as usize..at as usize + to.len()]);
+                Ok(())
+            };
+            for share in [0.001, 0.3, 1.0] {
+                let mut source = Source::new(&read_at, length);
+                let mut taken = Vec::new();
+                while taken.len() < length / 10 * 9 {
+                    let most = (length as f64 * share) as usize + 2;
+                    let count = ((random.unit() * most as f64) as usize).min(source.left());
+                    let mut to = vec![0; count];
+                    source.take(&mut to).expect("they are there");
+                    taken.extend(to);
+                    assert_eq!(source.taken(), taken.len());
+                }
+                assert!(taken == bytes[..taken.len()], "{length} {share}");
+                let sum = source.checksum().expect("they are there");
+                assert_eq!(sum, checksum(&bytes), "{length} {share}");
+            }
+        }
+    }
+}

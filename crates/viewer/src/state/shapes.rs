@@ -1,0 +1,134 @@
+//! Cubes, balls and their kind, put in and changed by numbers.
+
+use super::State;
+use super::effect::Effect;
+use super::objects;
+use raycast_core::glam::{DVec2, DVec3};
+use raycast_core::scene::{Mesh, Object, Shape};
+use std::sync::Arc;
+
+/// The most triangles of a shape that is made here, between two frames: they take some 5 ms. Scene files may have
+/// more.
+const MOST_TRIANGLES: u64 = 1 << 15;
+
+const SEGMENTS: u32 = 64;
+const RINGS: u32 = 32;
+
+/// Shapes to put in, as scene files have them where they say no number.
+pub const SHAPES: [Shape; 7] = [
+    Shape::Cube { size: DVec3::ONE },
+    Shape::Plane { size: DVec2::ONE },
+    Shape::Sphere {
+        radius: 1.0,
+        segments: SEGMENTS,
+        rings: RINGS,
+    },
+    Shape::Cone {
+        radius: 1.0,
+        height: 1.0,
+        segments: SEGMENTS,
+    },
+    Shape::Cylinder {
+        radius: 1.0,
+        height: 1.0,
+        segments: SEGMENTS,
+    },
+    Shape::Torus {
+        radius: 1.0,
+        tube: 0.25,
+        segments: SEGMENTS,
+        rings: RINGS,
+    },
+    Shape::Disc {
+        radius: 1.0,
+        segments: SEGMENTS,
+    },
+];
+
+/// Puts a shape where one orbits about, a round share of the scene large, behind the other objects.
+pub(super) fn add(state: &mut State, shape: Shape) -> Option<Effect> {
+    let mesh = mesh(state, &shape)?;
+    let objects = &state.document.as_ref()?.scene.objects;
+    let is_taken = |name: &str| objects.iter().any(|object| object.name == name);
+    let numbered = (2..).map(|number| format!("{} {number}", shape.name()));
+    let name = std::iter::once(shape.name().to_owned())
+        .chain(numbered)
+        .find(|name| !is_taken(name))?;
+    let mut object = Object::new(name, mesh);
+    object.shape = Some(shape);
+    object.transform.translate = state.viewpoint.orbit.pivot;
+    object.transform.scale = DVec3::splat(round(state.extent() * 0.1));
+    let place = objects.len();
+    let effect = objects::edit(state, |objects| objects.push(object));
+    state.selected = Some(place);
+    effect
+}
+
+/// Gives an object that is a shape other numbers.
+pub(super) fn set(state: &mut State, which: usize, shape: Shape) -> Option<Effect> {
+    let object = state.document.as_ref()?.scene.objects.get(which)?;
+    object.shape?;
+    if !objects::is_free(state, which) {
+        return None;
+    }
+    let mesh = mesh(state, &shape)?;
+    objects::edit_one(state, which, |object| {
+        object.shape = Some(shape);
+        object.mesh = mesh;
+    })
+}
+
+/// Its mesh, if it is one that is made here; says so otherwise.
+fn mesh(state: &mut State, shape: &Shape) -> Option<Arc<Mesh>> {
+    if shape.check().is_ok() && shape.triangles() > MOST_TRIANGLES {
+        state.tell("More triangles than a shape is given here: a scene file can");
+        return None;
+    }
+    let mesh = shape.mesh().ok()?;
+    Some(Arc::new(Mesh::new(mesh)))
+}
+
+/// The nearest of …, 0.1, 0.2, 0.5, 1, … that is no larger.
+fn round(length: f64) -> f64 {
+    if !length.is_normal() || length < 0.0 {
+        return 1.0;
+    }
+    let mut power = 1.0;
+    while power > length {
+        power *= 0.1;
+    }
+    while power * 10.0 <= length {
+        power *= 10.0;
+    }
+    let digit = [5.0, 2.0].into_iter().find(|d| d * power <= length);
+    digit.unwrap_or(1.0) * power
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_shape_is_made_and_small_enough() {
+        for shape in SHAPES {
+            assert_eq!(shape.check(), Ok(()));
+            assert!(shape.triangles() <= MOST_TRIANGLES);
+        }
+    }
+
+    #[test]
+    fn sizes_are_round_and_no_larger() {
+        for (length, rounded) in [
+            (1.0, 1.0),
+            (0.37, 0.2),
+            (7.0, 5.0),
+            (0.0021, 0.002),
+            (999.0, 500.0),
+            (0.0, 1.0),
+            (f64::INFINITY, 1.0),
+        ] {
+            let found = round(length);
+            assert!((found - rounded).abs() < 1e-9, "{length}: {found}");
+        }
+    }
+}
