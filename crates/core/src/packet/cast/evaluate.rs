@@ -153,8 +153,8 @@ impl<const INSTANCES: bool> Work for Evaluate<'_, INSTANCES> {
 /// well. Fewer entries set functions up again, more use more of the first-level cache.
 const CACHED: usize = 64;
 
-/// The most triangles among eight rays that are interpolated by linear functions. With more, setting the functions up
-/// costs more than interpolating from the corners.
+/// The most triangles among eight rays that are interpolated by linear functions. With more, their functions cost more
+/// than interpolating from the corners, even where they are cached.
 const FEW_TRIANGLES: u32 = 3;
 
 struct Interpolate<'a, const INSTANCES: bool> {
@@ -241,9 +241,9 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
         }
     }
 
-    /// The hits of eight rays with few triangles by the triangles' linear functions. `None` where any lane is not
-    /// sure, or where the rays hit more triangles: setting up linear functions costs as much as interpolating a few rays
-    /// without.
+    /// The hits of eight rays with one triangle by its linear functions, or with few whose functions are cached. `None`
+    /// where any lane is not sure, and for other rays: setting up linear functions costs as much as interpolating a few
+    /// rays without.
     #[inline(always)]
     fn linear(
         &mut self,
@@ -257,8 +257,10 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
             let found = self.linear_of(&across, row, primitives[0])?;
             return (found.sure == [true; LANES]).then_some(found);
         }
+        if !self.are_few_and_cached(primitives) {
+            return None;
+        }
         let mut found = RowHits::NONE;
-        let mut triangles = 0;
         let mut lane = 0;
         // From left to right, each over all lanes from its first on: the next one overwrites the rest.
         while lane < LANES {
@@ -267,10 +269,6 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
                 lane += 1;
             }
             if primitive != MISS {
-                triangles += 1;
-                if triangles > FEW_TRIANGLES {
-                    return None;
-                }
                 found.replace_from(first, &self.linear_of(&across, row, primitive)?);
             }
         }
@@ -279,6 +277,25 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
             sure &= is_sure | (primitive == MISS);
         }
         sure.then_some(found)
+    }
+
+    /// Whether eight rays hit few triangles, and the linear functions of all are cached.
+    #[inline(always)]
+    fn are_few_and_cached(&self, primitives: &[u32; LANES]) -> bool {
+        let mut triangles = 0;
+        let mut last = MISS;
+        for &primitive in primitives {
+            if primitive != last && primitive != MISS {
+                triangles += 1;
+                if triangles > FEW_TRIANGLES
+                    || self.cached[primitive as usize % CACHED].0 != primitive
+                {
+                    return false;
+                }
+            }
+            last = primitive;
+        }
+        true
     }
 
     /// Eight rays' hits of a triangle by its linear functions; `None` where those say little.
