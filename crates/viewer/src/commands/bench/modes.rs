@@ -123,7 +123,7 @@ pub(super) fn run(args: &BenchArgs, pool: &ThreadPool) -> Result<(), Failure> {
         measure(made.to_string(), scene, cameras)?;
     }
     let pixels = f64::from(args.size.0) * f64::from(args.size.1);
-    let per_second = written_per_second(pixels as usize * BYTES);
+    let per_second = written_per_second();
     let modes = PICTURES.iter().zip(modes).map(|((mode, _, extra), views)| {
         let share = 1.0 / views.len().max(1) as f64;
         let roots = views
@@ -226,16 +226,20 @@ fn textured(scene: &Scene) -> Scene {
     scene
 }
 
-/// How many bytes a second one thread writes.
-fn written_per_second(bytes: usize) -> f64 {
-    let mut memory = vec![0u8; bytes];
+/// More bytes than caches hold, so that memory is measured.
+const UNCACHED: usize = 1 << 28;
+
+/// How many bytes a second one thread writes to memory.
+fn written_per_second() -> f64 {
+    let mut memory = vec![0u8; UNCACHED];
     let mut least = Duration::MAX;
-    for turn in 0..10 {
+    for turn in 0..5 {
         let started = Instant::now();
         std::hint::black_box(&mut memory).fill(turn);
         least = least.min(started.elapsed());
     }
-    bytes as f64 / least.as_secs_f64()
+    std::hint::black_box(&memory);
+    UNCACHED as f64 / least.as_secs_f64()
 }
 
 fn beside(one: Duration, other: Duration) -> f64 {
