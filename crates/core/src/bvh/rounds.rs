@@ -34,8 +34,8 @@ pub(super) fn are_many(boxes: &[Aabb]) -> bool {
     }
     let sampled = (boxes.len() / BOXES_A_SAMPLE).max(FEWEST_SAMPLED);
     let stride = boxes.len() / sampled;
-    // One of every so many, each elsewhere among them: of a regular grid even steps would leave lines of equal boxes, all of
-    // which are as near to one another.
+    // One box of every `stride`, at a scattered position: even steps through a regular grid would leave lines of equal
+    // boxes, all equally near to one another.
     let elsewhere =
         |index: usize| ((index as u32).wrapping_mul(0x9e37_79b9) >> 16) as usize % stride;
     let sample: Vec<Aabb> = (0..boxes.len() / stride)
@@ -46,7 +46,8 @@ pub(super) fn are_many(boxes: &[Aabb]) -> bool {
     !ends(&sample, most)
 }
 
-/// Whether clustering ends within so many looks at a cluster. It is Meister's and Bittner's, as obvhs does it.
+/// Whether clustering ends within so many looks at a cluster (Meister and Bittner, "Parallel locally-ordered clustering
+/// for bounding volume hierarchy construction", 2018), with the search distances that obvhs is given.
 fn ends(boxes: &[Aabb], most: usize) -> bool {
     let corners = |b: &Aabb| Box32 {
         min: b.min.into(),
