@@ -53,6 +53,7 @@ mod observer;
 mod params;
 mod place_box;
 mod places;
+mod plane_order;
 mod ray_bounds;
 #[cfg(test)]
 mod ray_bounds_tests;

@@ -17,6 +17,7 @@ use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use crate::packet::decisions::Decisions;
 use crate::packet::place_box::PlaceBox;
 use crate::packet::places::{ALL_CELLS, Places, first_of};
+use crate::packet::plane_order::PlacesWithin;
 use crate::packet::ray_box::RayBox;
 use crate::packet::setup::{CornerLanes, PacketSpace};
 
@@ -153,6 +154,15 @@ impl IntervalZBuffer {
                 if nearest[lane] < self.hi_z[cell] {
                     continue;
                 }
+                if self.ordered >> cell & 1 != 0 {
+                    let within = PlacesWithin {
+                        centre: [cells.x[lane], cells.y[lane]].map(f64::from),
+                        half: [cells.half_x[lane], cells.half_y[lane]].map(f64::from),
+                    };
+                    if self.is_behind_stored(functions.primitive, (cell, &within), decisions) {
+                        continue;
+                    }
+                }
                 if inside >> lane & 1 != 0 && cuts.is_empty() {
                     self.cover_at(lanes, places, functions, cell, decisions);
                 } else {
@@ -212,7 +222,8 @@ impl IntervalZBuffer {
             let near = value(lanes, depth_key, at);
             let undecided = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
             if undecided.rays != 0 {
-                self.leave_undecided(merge.primitive, undecided, first, decisions);
+                let at = (first, (x, y));
+                self.leave_undecided(merge.primitive, undecided, at, decisions);
             }
         }
     }
@@ -238,7 +249,8 @@ impl IntervalZBuffer {
             let near = value(lanes, functions.depth_key, (lanes.load(x), lanes.load(y)));
             let undecided = merge.row(lanes, near, None, low, high, primitives);
             if undecided.rays != 0 {
-                self.leave_undecided(merge.primitive, undecided, first, decisions);
+                let at = (first, (x, y));
+                self.leave_undecided(merge.primitive, undecided, at, decisions);
             }
         }
     }

@@ -1,0 +1,232 @@
+//! Which of two triangles the rays of a packet hit first, by the [`Plane`] of one and the corners of the other.
+//!
+//! A ray hits the second triangle at the mean Σ Eₖbₖ / ΣEₖ of its corners, with Eₖ its edge functions at the ray's place
+//! (i, j), none of which is negative there. With sₖ the signed distances of the corners from the plane of the first, its
+//! normal turned to the side that rays go to,
+//!
+//! F(i, j) = Σ sₖEₖ(i, j)
+//!
+//! is positive where the first triangle is hit before the second, and negative where it is hit after. F is linear in i
+//! and j. So triangles that lie closer together than single precision distinguishes are ordered eight rays at once, or
+//! a cell at once, where depth intervals would leave each ray to be decided on its own.
+//!
+//! # Error bound
+//! ε = 2⁻⁵³. Where Eₖ is off by δ ([`PacketSpace::edges_in_double`]) and at most Mₖ over the packet, F is off by
+//! Σ(|sₖ|δ + δsₖ(Mₖ + δ)), and by 6ε of Σ|sₖ|Mₖ through its own roundings. Places of panoramas, and the centre and half the
+//! extent of cells, are in single precision: F moves by its slope times [`PLACE_ERROR`].
+
+use super::params::{CELLS, ROW};
+use super::setup::{Linear, PacketSpace, REACH};
+use crate::hit::MISS;
+use crate::num::simd::LANES;
+use crate::triangle::plane::{LEAST, Plane};
+use glam::Vec3;
+
+/// The unit roundoff of double precision.
+const EPSILON: f64 = f64::EPSILON / 2.0;
+
+/// The error of places in single precision: of a ray's, or of a cell's centre and half of its extent.
+const PLACE_ERROR: f64 = 4.0 * REACH / (1u64 << 24) as f64;
+
+/// Pairs of triangles, and planes, in the cache. A cell seldom shows more triangles at once; more entries would push
+/// the packet out of the first-level cache.
+const CACHED: usize = 16;
+
+/// A triangle's plane, its normal turned to the side that rays go to; `None` where it is not sure how rays cross it.
+type TurnedPlane = Option<Plane>;
+
+/// The edge functions of a triangle over a packet, and the bound on their error; `None` where it is not sure which
+/// side of the triangle the packet sees.
+type Edges = Option<([Linear; 3], f64)>;
+
+/// A triangle's plane as the rays of a packet cross it. For a perspective packet they go from the eye to the plane, as
+/// hits lie in front of the eye.
+fn turned(space: &PacketSpace, corners: [Vec3; 3]) -> TurnedPlane {
+    let plane = Plane::new(corners);
+    if space.perspective {
+        plane.turned_from(space.origin, space.origin_error)
+    } else {
+        plane.turned_along(space.rays.direction, 0.0)
+    }
+}
+
+/// The order of two triangles along the rays of a packet.
+#[derive(Clone, Copy, Debug)]
+struct PlaneOrder {
+    /// F: positive where the first triangle is nearer.
+    function: Linear,
+    /// Bound on its error; NaN or infinite where nothing is known.
+    error: f64,
+}
+
+impl PlaneOrder {
+    const UNKNOWN: Self = Self {
+        function: Linear {
+            constant: 0.0,
+            x: 0.0,
+            y: 0.0,
+        },
+        error: f64::INFINITY,
+    };
+
+    /// The order of a plane's triangle and another one.
+    fn new(plane: &TurnedPlane, corners: [Vec3; 3], edges: &Edges) -> Self {
+        let Some(plane) = plane else {
+            return Self::UNKNOWN;
+        };
+        let distances = corners.map(|corner| plane.distance(corner));
+        let are_all = |sign: f64| {
+            let mut all = distances.iter();
+            all.all(|(distance, error)| distance * sign > error + LEAST)
+        };
+        for sign in [1.0, -1.0] {
+            if are_all(sign) {
+                return Self {
+                    function: Linear {
+                        constant: sign,
+                        ..Self::UNKNOWN.function
+                    },
+                    error: 0.0,
+                };
+            }
+        }
+        let Some((edges, edge_error)) = edges else {
+            return Self::UNKNOWN;
+        };
+        let mut function = Self::UNKNOWN.function;
+        let mut error = 0.0;
+        for ((distance, distance_error), edge) in distances.into_iter().zip(edges) {
+            function.constant += distance * edge.constant;
+            function.x += distance * edge.x;
+            function.y += distance * edge.y;
+            let most = edge.constant.abs() + REACH * edge.slope();
+            error += distance.abs() * (edge_error + 6.0 * EPSILON * most)
+                + distance_error * (most + edge_error);
+        }
+        Self {
+            function,
+            error: (error + PLACE_ERROR * function.slope()) * 1.01 + LEAST,
+        }
+    }
+
+    /// Rays, as bits, for which the first triangle is surely nearer, and those for which the second is.
+    fn of_eight(&self, (x, y): (&[f32; LANES], &[f32; LANES])) -> [u32; 2] {
+        let Linear {
+            constant,
+            x: right,
+            y: down,
+        } = self.function;
+        let [mut first, mut second] = [0; 2];
+        for lane in 0..LANES {
+            let value = constant + right * f64::from(x[lane]) + down * f64::from(y[lane]);
+            first |= u32::from(value > self.error) << lane;
+            second |= u32::from(value < -self.error) << lane;
+        }
+        [first, second]
+    }
+
+    /// Whether the first triangle is surely nearer for all rays of a box of places.
+    fn is_first_within(&self, places: &PlacesWithin) -> bool {
+        let Linear { constant, x, y } = self.function;
+        let PlacesWithin { centre, half } = *places;
+        let value = constant + x * centre[0] + y * centre[1];
+        value - (x.abs() * half[0] + y.abs() * half[1]) > self.error
+    }
+}
+
+/// A box of places: its centre and half its extents.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlacesWithin {
+    pub(super) centre: [f64; 2],
+    pub(super) half: [f64; 2],
+}
+
+impl PlacesWithin {
+    /// Those of a cell of a lattice's packet.
+    pub(super) fn of_cell(cell: usize) -> Self {
+        let half = (ROW as f64 - 1.0) * 0.5;
+        let first = [cell % CELLS, cell / CELLS].map(|at| (at * ROW) as f64);
+        Self {
+            centre: first.map(|first| first + half),
+            half: [half; 2],
+        }
+    }
+}
+
+/// The orders of pairs of triangles along the rays of a packet, cached.
+#[derive(Debug)]
+pub(super) struct PlaneOrders {
+    /// The packet's rays; `None` before the first packet.
+    space: Option<PacketSpace>,
+    /// Whether the cache holds what is known along another packet's rays.
+    is_stale: bool,
+    /// By the low bits of the primitive index.
+    planes: [(u32, TurnedPlane); CACHED],
+    /// Of the triangle that was last ordered with others.
+    edges: (u32, Edges),
+    /// By the low bits of the sum of both.
+    orders: [([u32; 2], PlaneOrder); CACHED],
+}
+
+impl PlaneOrders {
+    pub(super) fn new() -> Self {
+        Self {
+            space: None,
+            is_stale: true,
+            planes: [(MISS, None); CACHED],
+            edges: (MISS, None),
+            orders: [([MISS; 2], PlaneOrder::UNKNOWN); CACHED],
+        }
+    }
+
+    /// Sets the rays that triangles are ordered along.
+    pub(super) fn set_rays(&mut self, space: &PacketSpace) {
+        self.space = Some(space.clone());
+        self.is_stale = true;
+    }
+
+    /// Of eight rays, as bits, those for which the first of two triangles is surely nearer where they hit both, and
+    /// those for which the second is. `corners` gives those of a primitive index.
+    pub(super) fn of_eight(
+        &mut self,
+        pair: [u32; 2],
+        places: (&[f32; LANES], &[f32; LANES]),
+        corners: impl Fn(u32) -> [Vec3; 3],
+    ) -> [u32; 2] {
+        self.order(pair, corners).of_eight(places)
+    }
+
+    /// Whether the first of two triangles is surely nearer for all rays of a box of places that hit both.
+    pub(super) fn is_first_within(
+        &mut self,
+        pair: [u32; 2],
+        places: &PlacesWithin,
+        corners: impl Fn(u32) -> [Vec3; 3],
+    ) -> bool {
+        self.order(pair, corners).is_first_within(places)
+    }
+
+    fn order(&mut self, pair: [u32; 2], corners: impl Fn(u32) -> [Vec3; 3]) -> &PlaneOrder {
+        if std::mem::take(&mut self.is_stale) {
+            self.planes.fill((MISS, None));
+            self.orders.fill(([MISS; 2], PlaneOrder::UNKNOWN));
+            self.edges.0 = MISS;
+        }
+        let [first, second] = pair;
+        let (cached, order) = &mut self.orders[first.wrapping_add(second) as usize % CACHED];
+        if *cached != pair
+            && let Some(space) = &self.space
+        {
+            let (of, plane) = &mut self.planes[first as usize % CACHED];
+            if *of != first {
+                (*of, *plane) = (first, turned(space, corners(first)));
+            }
+            let corners = corners(second);
+            if self.edges.0 != second {
+                self.edges = (second, space.edges_in_double(corners));
+            }
+            (*cached, *order) = (pair, PlaneOrder::new(plane, corners, &self.edges.1));
+        }
+        order
+    }
+}
