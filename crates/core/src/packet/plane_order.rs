@@ -230,3 +230,130 @@ impl PlaneOrders {
         order
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Projection;
+    use crate::hit::Cull;
+    use crate::math;
+    use crate::packet::params::SIDE;
+    use crate::packet::setup_tests::{camera, space};
+    use crate::random::Random;
+    use crate::triangle::exact::{self, Placed};
+    use glam::DVec3;
+    use std::cmp::Ordering;
+
+    /// Two triangles that are a few units in the last place apart, or cross at a small angle, before a camera with rays
+    /// `pitch` apart.
+    fn near_pair(random: &mut Random, middle: DVec3, pitch: f64) -> [[Vec3; 3]; 2] {
+        let size = pitch * 40.0;
+        let first = [(); 3].map(|()| (middle + random.point() * size).as_vec3());
+        let apart = size * math::pow(10.0, -4.0 - 5.0 * random.unit());
+        let [a, b, c] = first.map(Vec3::as_dvec3);
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        // Another triangle of the plane, its corners moved off it.
+        let second = [(); 3].map(|()| {
+            let (s, t) = (random.signed() * 2.0, random.signed() * 2.0);
+            let off = normal * (apart * random.signed());
+            (a + (b - a) * s + (c - a) * t + off).as_vec3()
+        });
+        [first, second]
+    }
+
+    /// Orders are those of exact arithmetic, for rays and for cells. With the error of edge functions, or of distances,
+    /// at zero this fails.
+    #[test]
+    fn pairs_a_rounding_apart_are_ordered_as_exact_arithmetic_orders_them() {
+        let mut random = Random(73);
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let [mut hits, mut decided, mut cells] = [0; 3];
+            for _ in 0..600 {
+                let middle = random.point() * 3.0;
+                let pitch = math::pow(10.0, -1.0 - 5.0 * random.unit());
+                let camera = camera(&mut random, middle, projection, pitch);
+                let pair = near_pair(&mut random, middle, pitch);
+                let space = space(&camera, DVec3::ZERO, Cull::None);
+                let mut orders = PlaneOrders::new();
+                orders.set_rays(&space);
+                let corners = |primitive: u32| pair[primitive as usize];
+                let placed = pair.map(|corners| Placed {
+                    corners,
+                    origin: DVec3::ZERO,
+                });
+                for _ in 0..12 {
+                    let (x, y) = (
+                        (random.unit() * SIDE as f64).floor(),
+                        (random.unit() * SIDE as f64).floor(),
+                    );
+                    let ray = camera.ray(x + 0.5, y + 0.5);
+                    let truth = exact::compare(&ray, &placed[0], &placed[1], Cull::None);
+                    let Some(truth) = truth else { continue };
+                    hits += 1;
+                    let places = (&[x as f32; LANES], &[y as f32; LANES]);
+                    let [first, second] = orders.of_eight([0, 1], places, corners);
+                    assert!(first & second == 0);
+                    assert!(first == 0 || truth == Ordering::Less, "{pair:?} {x} {y}");
+                    assert!(
+                        second == 0 || truth == Ordering::Greater,
+                        "{pair:?} {x} {y}"
+                    );
+                    decided += u32::from(first | second != 0);
+                    let cell = y as usize / ROW * CELLS + x as usize / ROW;
+                    let within = PlacesWithin::of_cell(cell);
+                    if orders.is_first_within([0, 1], &within, corners) {
+                        assert_eq!(truth, Ordering::Less, "{pair:?} {cell}");
+                        cells += 1;
+                    }
+                }
+            }
+            assert!(hits > 250 && cells > hits / 5, "{hits} {cells}");
+            assert!(decided > hits * 9 / 10, "{decided} of {hits}");
+        }
+    }
+
+    /// Where two planes cross between a ray and its place in single precision, the place does not decide. With
+    /// [`PLACE_ERROR`] at zero this fails.
+    #[test]
+    fn places_in_single_precision_do_not_decide_across_a_crossing() {
+        let place = 17.0 + f64::from(f32::EPSILON);
+        let crossing = 17.0 + f64::from(f32::EPSILON) / 2.0;
+        assert_eq!(place as f32, 17.0);
+        let edge = |x: f64, constant: f64| Linear {
+            constant,
+            x,
+            y: 0.0,
+        };
+        // Distances of 1, −1 and 0 from the plane z = 0, and edge functions whose difference is x − crossing.
+        let plane = Plane::new([Vec3::ZERO, Vec3::X, Vec3::Y]);
+        let corners = [Vec3::Z, -Vec3::Z, Vec3::ZERO];
+        let edges = [edge(1.0, 0.0), edge(0.0, crossing), edge(0.0, 1.0)];
+        let order = PlaneOrder::new(&Some(plane), corners, &Some((edges, 0.0)));
+        let of = |x: f64| order.of_eight((&[x as f32; LANES], &[0.0; LANES]));
+        assert_eq!(of(place), [0, 0]);
+        assert_eq!([of(18.0), of(16.0)], [[0xff, 0], [0, 0xff]]);
+    }
+
+    #[test]
+    fn orders_of_another_packet_are_forgotten() {
+        let mut random = Random(74);
+        let pair = [
+            [Vec3::ZERO, Vec3::X, Vec3::Y],
+            [Vec3::Z, Vec3::X + Vec3::Z, Vec3::Y + Vec3::Z],
+        ];
+        let corners = |primitive: u32| pair[primitive as usize];
+        let places = (&[0.0; LANES], &[0.0; LANES]);
+        let mut orders = PlaneOrders::new();
+        assert_eq!(orders.of_eight([0, 1], places, corners), [0, 0]);
+        for _ in 0..40 {
+            let camera = camera(&mut random, DVec3::ZERO, Projection::Perspective, 0.01);
+            orders.set_rays(&space(&camera, DVec3::ZERO, Cull::None));
+            let expected = match camera.placement().eye.z {
+                z if z > 1.1 => [0, 0xff],
+                z if z < -0.1 => [0xff, 0],
+                _ => continue,
+            };
+            assert_eq!(orders.of_eight([0, 1], places, corners), expected);
+        }
+    }
+}

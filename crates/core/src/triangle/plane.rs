@@ -103,3 +103,118 @@ impl Plane {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    /// Whole numbers, which single precision holds and whose determinants 128-bit integers hold.
+    fn whole(random: &mut Random, most: f64) -> [i128; 3] {
+        [(); 3].map(|()| (random.signed() * most).round() as i128)
+    }
+
+    fn point(of: [i128; 3]) -> Vec3 {
+        Vec3::from_array(of.map(|x| x as f32))
+    }
+
+    fn minus(a: [i128; 3], b: [i128; 3]) -> [i128; 3] {
+        [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+    }
+
+    fn determinant(a: [i128; 3], b: [i128; 3], c: [i128; 3]) -> i128 {
+        a[0] * (b[1] * c[2] - b[2] * c[1])
+            + a[1] * (b[2] * c[0] - b[0] * c[2])
+            + a[2] * (b[0] * c[1] - b[1] * c[0])
+    }
+
+    /// Points in a plane but for roundings. With the bound at zero this fails.
+    #[test]
+    fn distances_are_within_their_bounds_of_those_in_integers() {
+        let mut random = Random(71);
+        let mut decided = 0;
+        for _ in 0..20_000 {
+            let most = f64::from(1 << 20);
+            let [a, b, c] = [(); 3].map(|()| whole(&mut random, most));
+            let (u, v) = (minus(b, a), minus(c, a));
+            let (s, t) = (random.signed(), random.signed());
+            let at = [0, 1, 2].map(|k| a[k] + (u[k] as f64 * s + v[k] as f64 * t) as i128);
+            let truth = determinant(minus(at, a), u, v);
+            let (value, error) = Plane::new([a, b, c].map(point)).distance(point(at));
+            let off = (value as i128 - truth).unsigned_abs();
+            assert!(off as f64 <= error + 0.5, "{a:?} {b:?} {c:?} {at:?}");
+            decided += u32::from(value.abs() > error);
+        }
+        assert!(decided > 19_000, "{decided}");
+    }
+
+    /// Directions that are parallel to a plane but for roundings. With either term of the bound at zero this fails.
+    #[test]
+    fn planes_turn_to_where_integers_say_that_rays_go() {
+        let mut random = Random(72);
+        let [mut turned, mut unsure] = [0; 2];
+        for round in 0..20_000 {
+            let most = f64::from(1 << 20);
+            let [a, b, c] = [(); 3].map(|()| whole(&mut random, most));
+            let (u, v) = (minus(b, a), minus(c, a));
+            let (s, t) = (random.signed(), random.signed());
+            let along = [0, 1, 2].map(|k| (u[k] as f64 * s + v[k] as f64 * t) as i128);
+            // Every other direction is moved by as much as its error allows.
+            let off = if round % 2 == 0 {
+                [0; 3]
+            } else {
+                whole(&mut random, 9.0)
+            };
+            let truth = determinant(along, u, v).signum();
+            let seen = [0, 1, 2].map(|k| (along[k] + off[k]) as f64);
+            let error = off.map(i128::abs).into_iter().max().unwrap_or(0);
+            let plane = Plane::new([a, b, c].map(point));
+            let normal = plane.normal;
+            match plane.turned_along(DVec3::from_array(seen), error as f64) {
+                Some(plane) if truth > 0 => assert_eq!(plane.normal, normal),
+                Some(plane) => {
+                    assert_eq!(plane.normal, -normal);
+                    assert!(truth < 0);
+                }
+                None => unsure += 1,
+            }
+            turned += 1;
+        }
+        assert!(
+            unsure > 100 && unsure < turned * 3 / 4,
+            "{unsure} of {turned}"
+        );
+    }
+
+    /// A hit on the line where two planes cross, with weights that are off by as much as they may be. With the error of
+    /// weights at zero this fails.
+    #[test]
+    fn sides_of_hits_next_to_where_planes_cross_are_not_sure() {
+        let plane = Plane::new([Vec3::ZERO, Vec3::X, Vec3::Y]);
+        let corners = [
+            Vec3::new(0.0, 0.0, -1.0),
+            Vec3::new(1.0, 0.0, 1.0),
+            Vec3::new(0.0, 1.0, 1.0),
+        ];
+        let at = |u: f64, v: f64| Nearest {
+            primitive: 0,
+            t: 1.0,
+            t_error: 0.0,
+            u,
+            v,
+        };
+        let off = 1.0 / f64::from(1 << 26);
+        for (u, v) in [(off, off), (-off, -off), (off, 0.0), (0.0, 0.0)] {
+            assert_eq!(plane.side_of(&at(0.25 + u, 0.25 + v), corners), None);
+        }
+        assert_eq!(plane.side_of(&at(0.26, 0.25), corners), Some(1.0));
+        assert_eq!(plane.side_of(&at(0.24, 0.25), corners), Some(-1.0));
+        // All corners lie on one side: no weight matters.
+        let above = corners.map(|corner| corner + Vec3::Z * 1.5);
+        assert_eq!(plane.side_of(&at(f64::NAN, 0.0), above), Some(1.0));
+        assert_eq!(
+            plane.side_of(&at(f64::NAN, 0.0), above.map(|c| -c)),
+            Some(-1.0)
+        );
+    }
+}
