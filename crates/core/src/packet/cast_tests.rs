@@ -432,7 +432,7 @@ fn layers_a_rounding_apart_are_ordered_as_single_rays_order_them() {
                 (DVec3::new(0.0, 0.0, 3.0), DVec3::ZERO),
                 (DVec3::new(2.0, 1.0, -1.5), DVec3::new(0.0, 0.0, 0.2)),
                 // Next to the first corner.
-                (base[0] + DVec3::Z * 1e-6, DVec3::ZERO),
+                (base[0] + DVec3::new(1e-8, 2e-8, 1e-7), base[0] - DVec3::Z),
             ] {
                 let up = DVec3::Y;
                 let distance = eye.distance(target);
@@ -448,6 +448,6 @@ fn layers_a_rounding_apart_are_ordered_as_single_rays_order_them() {
                 most_shown = most_shown.max(found.len());
             }
         }
-        assert!(hits > 5000 && most_shown > 5, "{hits} {most_shown}");
+        assert!(hits > 1500 && most_shown > 2, "{hits} {most_shown}");
     }
 }

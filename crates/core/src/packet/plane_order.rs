@@ -244,33 +244,55 @@ mod tests {
     use glam::DVec3;
     use std::cmp::Ordering;
 
-    /// Two triangles that are a few units in the last place apart, or cross at a small angle, before a camera with rays
-    /// `pitch` apart.
+    /// Two triangles that are a few units in the last place apart, or cross at a small angle, or lie in exactly one plane,
+    /// before a camera with rays `pitch` apart.
     fn near_pair(random: &mut Random, middle: DVec3, pitch: f64) -> [[Vec3; 3]; 2] {
         let size = pitch * 40.0;
-        let first = [(); 3].map(|()| (middle + random.point() * size).as_vec3());
+        let is_one_plane = random.unit() < 0.2;
+        // Whole multiples of a power of two.
+        let grain = f64::from_bits(size.to_bits() >> 52 << 52) / 4096.0;
+        let rounded = |point: DVec3| (point / grain).round() * grain;
+        let first = [(); 3].map(|()| {
+            let corner = random.point() * size;
+            if is_one_plane {
+                rounded(corner)
+            } else {
+                middle + corner
+            }
+        });
+        let first = first.map(DVec3::as_vec3);
         let apart = size * math::pow(10.0, -4.0 - 5.0 * random.unit());
         let [a, b, c] = first.map(Vec3::as_dvec3);
         let normal = (b - a).cross(c - a).normalize_or_zero();
         // Another triangle of the plane, its corners moved off it.
         let second = [(); 3].map(|()| {
             let (s, t) = (random.signed() * 2.0, random.signed() * 2.0);
+            if is_one_plane {
+                let (s, t) = ((s * 2.0).round(), (t * 2.0).round());
+                return (a + (b - a) * s + (c - a) * t).as_vec3();
+            }
             let off = normal * (apart * random.signed());
             (a + (b - a) * s + (c - a) * t + off).as_vec3()
         });
         [first, second]
     }
 
-    /// Orders are those of exact arithmetic, for rays and for cells. With the error of edge functions, or of distances,
-    /// at zero this fails.
+    /// Orders are those of exact arithmetic, for rays and for cells.
     #[test]
     fn pairs_a_rounding_apart_are_ordered_as_exact_arithmetic_orders_them() {
         let mut random = Random(73);
         for projection in [Projection::Perspective, Projection::Orthographic] {
             let [mut hits, mut decided, mut cells] = [0; 3];
-            for _ in 0..600 {
-                let middle = random.point() * 3.0;
-                let pitch = math::pow(10.0, -1.0 - 5.0 * random.unit());
+            for _ in 0..900 {
+                // Next to zero single precision distinguishes corners at any distance of the eye.
+                let is_at_zero = random.unit() < 0.5;
+                let middle = if is_at_zero {
+                    DVec3::ZERO
+                } else {
+                    random.point() * 3.0
+                };
+                let finest = if is_at_zero { 13.0 } else { 5.0 };
+                let pitch = math::pow(10.0, -1.0 - finest * random.unit());
                 let camera = camera(&mut random, middle, projection, pitch);
                 let pair = near_pair(&mut random, middle, pitch);
                 let space = space(&camera, DVec3::ZERO, Cull::None);
@@ -308,7 +330,7 @@ mod tests {
                 }
             }
             assert!(hits > 250 && cells > hits / 5, "{hits} {cells}");
-            assert!(decided > hits * 9 / 10, "{decided} of {hits}");
+            assert!(decided > hits / 2, "{decided} of {hits}");
         }
     }
 
@@ -332,6 +354,54 @@ mod tests {
         let of = |x: f64| order.of_eight((&[x as f32; LANES], &[0.0; LANES]));
         assert_eq!(of(place), [0, 0]);
         assert_eq!([of(18.0), of(16.0)], [[0xff, 0], [0, 0xff]]);
+    }
+
+    fn constant(constant: f64) -> Linear {
+        Linear {
+            constant,
+            x: 0.0,
+            y: 0.0,
+        }
+    }
+
+    fn signs(order: &PlaneOrder) -> [u32; 2] {
+        order.of_eight((&[0.0; LANES], &[0.0; LANES]))
+    }
+
+    /// With the error of edge functions at zero this fails.
+    #[test]
+    fn sums_within_the_error_of_edge_functions_decide_nothing() {
+        let plane = Plane::new([Vec3::ZERO, Vec3::X, Vec3::Y]);
+        let corners = [Vec3::Z, -Vec3::Z, Vec3::ZERO];
+        let of = |more: f64| {
+            let edges = [constant(1.0 + more), constant(1.0), constant(1.0)];
+            signs(&PlaneOrder::new(
+                &Some(plane),
+                corners,
+                &Some((edges, 1e-9)),
+            ))
+        };
+        assert_eq!([of(1.9e-9), of(-1.9e-9)], [[0; 2]; 2]);
+        assert_eq!([of(2.1e-9), of(-2.1e-9)], [[0xff, 0], [0, 0xff]]);
+    }
+
+    /// Corners in exactly the plane, whose rounded distances are not zero. With the error of distances at zero this fails.
+    #[test]
+    fn corners_within_rounding_of_a_plane_decide_nothing() {
+        let mut random = Random(76);
+        let mut rounded = 0;
+        for _ in 0..500 {
+            let mut whole = || [(); 3].map(|()| (random.signed() * 1048576.0).round());
+            let [a, b, c] = [whole(), whole(), whole()].map(DVec3::from_array);
+            let at = |s: f64, t: f64| (a + (b - a) * s + (c - a) * t).as_vec3();
+            let plane = Plane::new([a, b, c].map(|corner| corner.as_vec3()));
+            let corners = [at(2.0, -3.0), at(-1.0, 3.0), at(3.0, 2.0)];
+            let edges = [constant(1.0), constant(2.0), constant(0.5)];
+            let order = PlaneOrder::new(&Some(plane), corners, &Some((edges, 0.0)));
+            assert_eq!(signs(&order), [0, 0], "{a} {b} {c}");
+            rounded += u32::from(order.function.constant != 0.0);
+        }
+        assert!(rounded > 200, "{rounded}");
     }
 
     #[test]

@@ -159,11 +159,12 @@ mod tests {
             let (u, v) = (minus(b, a), minus(c, a));
             let (s, t) = (random.signed(), random.signed());
             let along = [0, 1, 2].map(|k| (u[k] as f64 * s + v[k] as f64 * t) as i128);
-            // Every other direction is moved by as much as its error allows.
-            let off = if round % 2 == 0 {
-                [0; 3]
-            } else {
-                whole(&mut random, 9.0)
+            // Some are exactly parallel, and some are moved by as much as their error allows.
+            let [s, t] = [s, t].map(|s| (s * 1024.0) as i128);
+            let (along, off) = match round % 3 {
+                0 => (along, [0; 3]),
+                1 => ([0, 1, 2].map(|k| u[k] * s + v[k] * t), [0; 3]),
+                _ => (along, whole(&mut random, 9.0)),
             };
             let truth = determinant(along, u, v).signum();
             let seen = [0, 1, 2].map(|k| (along[k] + off[k]) as f64);
