@@ -432,7 +432,7 @@ fn layers_a_rounding_apart_are_ordered_as_single_rays_order_them() {
                 (DVec3::new(0.0, 0.0, 3.0), DVec3::ZERO),
                 (DVec3::new(2.0, 1.0, -1.5), DVec3::new(0.0, 0.0, 0.2)),
                 // Next to the first corner.
-                (base[0] + DVec3::new(1e-8, 2e-8, 1e-7), base[0] - DVec3::Z),
+                (base[0] + DVec3::new(1e-6, 2e-6, 1e-5), base[0] - DVec3::Z),
             ] {
                 let up = DVec3::Y;
                 let distance = eye.distance(target);
