@@ -55,8 +55,8 @@ pub(crate) struct IntervalZBuffer {
     hi_z: [f32; CELLS * CELLS],
     /// Cells whose hi-z may be out of date, as bits.
     dirty: u32,
-    /// Cells with rays of which depths left two triangles' order undecided, as bits.
-    ordered: u32,
+    /// For each cell, how many times depths left the order of two triangles undecided in a row of it.
+    contested: [u8; CELLS * CELLS],
     /// For each undecided ray, the triangles that it is undecided between.
     rivals: Rivals,
     /// The depth key where orthographic rays start: no hit is nearer. Infinite for perspective packets.
@@ -71,7 +71,7 @@ impl IntervalZBuffer {
             primitives: [MISS; RAYS],
             hi_z: [f32::NEG_INFINITY; CELLS * CELLS],
             dirty: 0,
-            ordered: 0,
+            contested: [0; CELLS * CELLS],
             rivals: Rivals::default(),
             begin: f32::INFINITY,
         }
@@ -86,7 +86,7 @@ impl IntervalZBuffer {
         self.primitives = [MISS; RAYS];
         self.hi_z = [f32::NEG_INFINITY; CELLS * CELLS];
         self.dirty = 0;
-        self.ordered = 0;
+        self.contested = [0; CELLS * CELLS];
         self.rivals.clear();
         self.begin = begin;
         let (columns, rows) = (columns as usize, rows as usize);

@@ -153,29 +153,42 @@ impl PlacesWithin {
     }
 }
 
-/// The orders of pairs of triangles along the rays of a packet, cached.
+/// The orders of pairs of triangles along the rays of a packet.
 #[derive(Debug)]
 pub(super) struct PlaneOrders {
     /// The packet's rays; `None` before the first packet.
     space: Option<PacketSpace>,
     /// Whether the cache holds what is known along another packet's rays.
     is_stale: bool,
+    /// Allocated on first use, since most pictures need none.
+    cache: Option<Box<Cache>>,
+}
+
+/// What is known of the triangles that were ordered last.
+#[derive(Debug)]
+struct Cache {
     /// By the low bits of the primitive index.
     planes: [(u32, TurnedPlane); CACHED],
     /// Of the triangle that was last ordered with others.
     edges: (u32, Edges),
-    /// By the low bits of the sum of both.
+    /// By the low bits of the sum of both primitive indices.
     orders: [([u32; 2], PlaneOrder); CACHED],
+}
+
+impl Cache {
+    const EMPTY: Self = Self {
+        planes: [(MISS, None); CACHED],
+        edges: (MISS, None),
+        orders: [([MISS; 2], PlaneOrder::UNKNOWN); CACHED],
+    };
 }
 
 impl PlaneOrders {
     pub(super) fn new() -> Self {
         Self {
             space: None,
-            is_stale: true,
-            planes: [(MISS, None); CACHED],
-            edges: (MISS, None),
-            orders: [([MISS; 2], PlaneOrder::UNKNOWN); CACHED],
+            is_stale: false,
+            cache: None,
         }
     }
 
@@ -206,28 +219,28 @@ impl PlaneOrders {
         self.order(pair, corners).is_first_within(places)
     }
 
-    fn order(&mut self, pair: [u32; 2], corners: impl Fn(u32) -> [Vec3; 3]) -> &PlaneOrder {
+    fn order(&mut self, pair: [u32; 2], corners: impl Fn(u32) -> [Vec3; 3]) -> PlaneOrder {
+        let Some(space) = &self.space else {
+            return PlaneOrder::UNKNOWN;
+        };
+        let cache = self.cache.get_or_insert_with(|| Box::new(Cache::EMPTY));
         if std::mem::take(&mut self.is_stale) {
-            self.planes.fill((MISS, None));
-            self.orders.fill(([MISS; 2], PlaneOrder::UNKNOWN));
-            self.edges.0 = MISS;
+            **cache = Cache::EMPTY;
         }
         let [first, second] = pair;
-        let (cached, order) = &mut self.orders[first.wrapping_add(second) as usize % CACHED];
-        if *cached != pair
-            && let Some(space) = &self.space
-        {
-            let (of, plane) = &mut self.planes[first as usize % CACHED];
+        let (cached, order) = &mut cache.orders[first.wrapping_add(second) as usize % CACHED];
+        if *cached != pair {
+            let (of, plane) = &mut cache.planes[first as usize % CACHED];
             if *of != first {
                 (*of, *plane) = (first, turned(space, corners(first)));
             }
             let corners = corners(second);
-            if self.edges.0 != second {
-                self.edges = (second, space.edges_in_double(corners));
+            if cache.edges.0 != second {
+                cache.edges = (second, space.edges_in_double(corners));
             }
-            (*cached, *order) = (pair, PlaneOrder::new(plane, corners, &self.edges.1));
+            (*cached, *order) = (pair, PlaneOrder::new(plane, corners, &cache.edges.1));
         }
-        order
+        *order
     }
 }
 

@@ -12,6 +12,7 @@
 use super::cut_triangles::Cut;
 use super::depth_merge::DepthMerge;
 use super::edge_functions::EdgeFunctions;
+use super::rasterize::CONTESTED;
 use super::{ALL, IntervalZBuffer, ROW, SIDE, UNDECIDED, for_each_bit, stored_primitive};
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use crate::packet::decisions::Decisions;
@@ -154,7 +155,7 @@ impl IntervalZBuffer {
                 if nearest[lane] < self.hi_z[cell] {
                     continue;
                 }
-                if self.ordered >> cell & 1 != 0 {
+                if self.contested[cell] > CONTESTED {
                     let within = PlacesWithin {
                         centre: [cells.x[lane], cells.y[lane]].map(f64::from),
                         half: [cells.half_x[lane], cells.half_y[lane]].map(f64::from),

@@ -23,6 +23,11 @@ const CELL_Y: [f32; ROW] = [3.5, 3.5, 3.5, 3.5, 11.5, 11.5, 11.5, 11.5];
 const CELL_COLUMNS: [u32; CELLS] = [0x11, 0x33, 0x77, 0xff];
 const CELL_FIRST_ROW: u32 = 0x0f;
 
+/// How many times the order of two triangles is undecided in the rows of a cell before its triangles are compared with
+/// others by their planes: two triangles that cover it. With fewer, cells where a few triangles touch are compared for
+/// nothing (visibility of the dahlia took 7 % longer); with more, layers are merged ray by ray for longer.
+pub(super) const CONTESTED: u8 = 2 * ROW as u8;
+
 /// The most changes of the stored triangle, ray by ray, up to which a cell's triangles are compared with another by
 /// their planes. With more changes comparing takes longer than merging.
 const MOST_STORED: u32 = 16;
@@ -203,7 +208,7 @@ impl IntervalZBuffer {
                 if nearest[cell] < self.hi_z[place] {
                     continue;
                 }
-                if self.ordered >> place & 1 != 0 {
+                if self.contested[place] > CONTESTED {
                     let within = PlacesWithin::of_cell(place);
                     if self.is_behind_stored(functions.primitive, (place, &within), decisions) {
                         continue;
@@ -345,7 +350,8 @@ impl IntervalZBuffer {
                     Some(_) => [same, 0],
                     None => decisions.order_of_eight([rival, primitive], places),
                 };
-                self.ordered |= 1 << cell_of(first);
+                let contested = &mut self.contested[cell_of(first) % (CELLS * CELLS)];
+                *contested = contested.saturating_add(1);
                 let wins = wins & same & undecided.inside;
                 for_each_bit(u64::from(wins), |lane| {
                     self.primitives[first + lane] = primitive;
