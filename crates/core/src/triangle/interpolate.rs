@@ -6,6 +6,7 @@
 
 use super::edges::{Edges, axes, greater, major_axis};
 use crate::camera::{Camera, Lattice, Projection, Vectors};
+use crate::hit::{MISS, PrimitiveHit};
 use glam::DVec3;
 
 pub(crate) use crate::num::simd::LANES;
@@ -18,8 +19,9 @@ pub(crate) struct RowHits {
     pub(crate) t: [f32; LANES],
     pub(crate) u: [f32; LANES],
     pub(crate) v: [f32; LANES],
-    /// Whether a lane has the bits of the single ray; other lanes must be interpolated alone.
-    pub(crate) sure: [bool; LANES],
+    /// All bits set where a lane has the bits of the single ray, else none; other lanes must be interpolated alone. As
+    /// wide as the numbers that decide it: compilers narrow lanes of booleans one by one.
+    pub(crate) sure: [u64; LANES],
 }
 
 impl RowHits {
@@ -28,8 +30,31 @@ impl RowHits {
         t: [0.0; LANES],
         u: [0.0; LANES],
         v: [0.0; LANES],
-        sure: [false; LANES],
+        sure: [0; LANES],
     };
+
+    /// Whether all lanes have the bits of the single ray.
+    #[inline(always)]
+    pub(crate) fn are_sure(&self) -> bool {
+        let mut all = !0;
+        for sure in self.sure {
+            all &= sure;
+        }
+        all == !0
+    }
+
+    /// Gives the lanes of misses a miss's numbers, which are sure.
+    #[inline(always)]
+    pub(crate) fn clear_misses(&mut self, primitives: &[u32; LANES]) {
+        let none = PrimitiveHit::NONE;
+        for (lane, &primitive) in primitives.iter().enumerate() {
+            let is_miss = primitive == MISS;
+            self.t[lane] = if is_miss { none.t } else { self.t[lane] };
+            self.u[lane] = if is_miss { none.u } else { self.u[lane] };
+            self.v[lane] = if is_miss { none.v } else { self.v[lane] };
+            self.sure[lane] |= mask(is_miss);
+        }
+    }
 
     /// Takes the lanes from `first` on from others.
     #[inline(always)]
@@ -39,6 +64,12 @@ impl RowHits {
         replace_from(&mut self.v, first, &others.v);
         replace_from(&mut self.sure, first, &others.sure);
     }
+}
+
+/// All bits set, or none.
+#[inline(always)]
+pub(super) fn mask(is_set: bool) -> u64 {
+    if is_set { !0 } else { 0 }
 }
 
 /// One kind of number at a time, which compilers vectorise.
@@ -206,7 +237,8 @@ fn interpolate<const MAJOR: usize, const RAYS: u8>(
         );
         let [t, u, v] = edges.weights(advance);
         // A camera's rays have t_min = 0 and no t_max. The sign of t is right, since its error is far less than t.
-        hits.sure[lane] = same_major & edges.surely_inside() & edges.surely_single() & (t > 0.0);
+        hits.sure[lane] =
+            mask(same_major & edges.surely_inside() & edges.surely_single() & (t > 0.0));
         hits.t[lane] = t as f32;
         hits.u[lane] = u as f32;
         hits.v[lane] = v as f32;

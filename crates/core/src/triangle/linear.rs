@@ -31,7 +31,7 @@
 //! * **The same path.** Where K/|D·N| ≤ 2⁻²⁸ and each weight is greater than its bound, the edge functions there are
 //!   beyond E and well conditioned; where t's bound is at most 2⁻²⁸t, t is good to single precision there.
 
-use super::interpolate::{LANES, RowHits};
+use super::interpolate::{LANES, RowHits, mask};
 use crate::camera::{Lattice, Projection};
 use crate::ray::relative_origin;
 use glam::{DVec3, Vec3};
@@ -207,7 +207,7 @@ impl LinearHit {
                 hits.u[lane] = u as f32;
                 hits.v[lane] = v as f32;
             }
-            hits.sure[lane] = sure;
+            hits.sure[lane] = mask(sure);
         }
         hits
     }
@@ -250,7 +250,7 @@ mod tests {
                 let pencil_row = pencil.row(lattice.camera.across_and_along(0.0, y).1);
                 let found = hit.interpolate::<true, true>(&pencil_row, &across);
                 for column in 0..LANES {
-                    if !found.sure[column] {
+                    if found.sure[column] == 0 {
                         tally.unsure += 1;
                         continue;
                     }

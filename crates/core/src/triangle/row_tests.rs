@@ -62,7 +62,7 @@ fn sure_lanes_have_the_bits_of_the_single_ray() {
                 let places = Places::new(&lattice, 0, row);
                 let found = interpolate_row(&lattice.camera, scene.0, places, &all);
                 for column in 0..LANES {
-                    if !found.sure[column] {
+                    if found.sure[column] == 0 {
                         unsure += 1;
                         continue;
                     }

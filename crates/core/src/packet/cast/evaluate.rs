@@ -3,7 +3,7 @@
 use crate::bvh::Accel;
 use crate::camera::{Lattice, PanoramaRays};
 use crate::hit::{Cull, HitNumbers, MISS, Precision, PrimitiveHit};
-use crate::hits::Hits;
+use crate::hits::{Hits, Run, runs};
 use crate::num::simd::{F32x8, Lanes, Mask8, Work, dispatch};
 use crate::triangle::PreparedRay;
 use crate::triangle::interpolate::{
@@ -80,6 +80,15 @@ struct Eight<'h> {
     t: &'h mut [f32; LANES],
     u: &'h mut [f32; LANES],
     v: &'h mut [f32; LANES],
+}
+
+impl Eight<'_> {
+    #[inline(always)]
+    fn set(&mut self, hits: &RowHits) {
+        *self.t = hits.t;
+        *self.u = hits.u;
+        *self.v = hits.v;
+    }
 }
 
 impl<const INSTANCES: bool> Work for Evaluate<'_, INSTANCES> {
@@ -179,22 +188,17 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
         column: u32,
         row: u32,
         pencil_row: Option<&PencilRow>,
-        eight: Eight<'_>,
+        mut eight: Eight<'_>,
     ) {
-        let Eight {
-            primitives,
-            t,
-            u,
-            v,
-        } = eight;
-        if *primitives == [MISS; LANES] {
-            *t = [PrimitiveHit::NONE.t; LANES];
-            *u = [PrimitiveHit::NONE.u; LANES];
-            *v = [PrimitiveHit::NONE.v; LANES];
+        if *eight.primitives == [MISS; LANES] {
+            *eight.t = [PrimitiveHit::NONE.t; LANES];
+            *eight.u = [PrimitiveHit::NONE.u; LANES];
+            *eight.v = [PrimitiveHit::NONE.v; LANES];
             return;
         }
+        let primitives = &*eight.primitives;
         // No closure: what is called in one would not be compiled for the instruction set.
-        let found = if INSTANCES && let Some(rays) = &self.around {
+        let mut found = if INSTANCES && let Some(rays) = &self.around {
             let directions = rays.eight_in_world(column, row);
             let corners = self.corners(lanes, primitives);
             let first = (primitives.iter().position(|&it| it != MISS)).unwrap_or_default();
@@ -202,41 +206,19 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
             interpolate_around(camera, frame, (&directions, first), &corners)
         } else {
             let places = Places::new(self.lattice, column, row);
-            match self.linear(places, pencil_row, primitives) {
-                Some(found) => found,
-                None => {
-                    let corners = self.corners(lanes, primitives);
-                    interpolate_row(&self.lattice.camera, self.accel.origin, places, &corners)
-                }
+            if let Some(found) = self.linear(places, pencil_row, primitives) {
+                return eight.set(&found);
             }
+            let corners = self.corners(lanes, primitives);
+            interpolate_row(&self.lattice.camera, self.accel.origin, places, &corners)
         };
-        let mut undecided = false;
-        for lane in 0..LANES {
-            let is_hit = primitives[lane] != MISS;
-            undecided |= is_hit & !found.sure[lane];
-            t[lane] = if is_hit {
-                found.t[lane]
-            } else {
-                PrimitiveHit::NONE.t
-            };
-            u[lane] = if is_hit {
-                found.u[lane]
-            } else {
-                PrimitiveHit::NONE.u
-            };
-            v[lane] = if is_hit {
-                found.v[lane]
-            } else {
-                PrimitiveHit::NONE.v
-            };
-        }
-        if undecided {
-            for lane in (0..LANES).filter(|&lane| !found.sure[lane]) {
-                if primitives[lane] != MISS {
-                    let hit = self.one(primitives[lane], column + lane as u32, row);
-                    primitives[lane] = hit.primitive;
-                    (t[lane], u[lane], v[lane]) = (hit.t, hit.u, hit.v);
-                }
+        found.clear_misses(primitives);
+        eight.set(&found);
+        if !found.are_sure() {
+            for lane in (0..LANES).filter(|&lane| found.sure[lane] == 0) {
+                let hit = self.one(eight.primitives[lane], column + lane as u32, row);
+                eight.primitives[lane] = hit.primitive;
+                (eight.t[lane], eight.u[lane], eight.v[lane]) = (hit.t, hit.u, hit.v);
             }
         }
     }
@@ -255,47 +237,32 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
         let across = places.across(&self.lattice.camera);
         if *primitives == [primitives[0]; LANES] {
             let found = self.linear_of(&across, row, primitives[0])?;
-            return (found.sure == [true; LANES]).then_some(found);
+            return found.are_sure().then_some(found);
         }
         if !self.are_few_and_cached(primitives) {
             return None;
         }
         let mut found = RowHits::NONE;
-        let mut lane = 0;
-        // From left to right, each over all lanes from its first on: the next one overwrites the rest.
-        while lane < LANES {
-            let (first, primitive) = (lane, primitives[lane]);
-            while lane < LANES && primitives[lane] == primitive {
-                lane += 1;
-            }
-            if primitive != MISS {
-                found.replace_from(first, &self.linear_of(&across, row, primitive)?);
-            }
+        for run in runs(primitives) {
+            let of_triangle = self.linear_of(&across, row, run.primitive)?;
+            found.replace_from(run.first, &of_triangle);
         }
-        let mut sure = true;
-        for (is_sure, &primitive) in found.sure.iter().zip(primitives) {
-            sure &= is_sure | (primitive == MISS);
-        }
-        sure.then_some(found)
+        found.clear_misses(primitives);
+        found.are_sure().then_some(found)
     }
 
     /// Whether eight rays hit few triangles, and the linear functions of all are cached.
     #[inline(always)]
     fn are_few_and_cached(&self, primitives: &[u32; LANES]) -> bool {
-        let mut triangles = 0;
-        let mut last = MISS;
-        for &primitive in primitives {
-            if primitive != last && primitive != MISS {
-                triangles += 1;
-                if triangles > FEW_TRIANGLES
-                    || self.cached[primitive as usize % CACHED].0 != primitive
-                {
-                    return false;
-                }
-            }
-            last = primitive;
+        let runs = runs(primitives);
+        if runs.left() > FEW_TRIANGLES {
+            return false;
         }
-        true
+        let mut are_cached = true;
+        for run in runs {
+            are_cached &= self.cached[run.primitive as usize % CACHED].0 == run.primitive;
+        }
+        are_cached
     }
 
     /// Eight rays' hits of a triangle by its linear functions; `None` where those say little.
@@ -337,19 +304,12 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
     #[inline(always)]
     fn corners<L: Lanes>(&self, lanes: L, primitives: &[u32; LANES]) -> Corners {
         let mut all = [lanes.splat(0.0); 9];
-        let mut lane = 0;
-        while lane < LANES {
-            let primitive = primitives[lane];
-            let from = lanes.mask_from(lane);
-            while lane < LANES && primitives[lane] == primitive {
-                lane += 1;
-            }
-            if primitive != MISS {
-                let [a, b, c] = self.accel.corners_of::<INSTANCES>(primitive);
-                let one = [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z];
-                for (all, one) in all.iter_mut().zip(one) {
-                    *all = from.select(lanes.splat(one), *all);
-                }
+        for Run { primitive, first } in runs(primitives) {
+            let [a, b, c] = self.accel.corners_of::<INSTANCES>(primitive);
+            let one = [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z];
+            let from = lanes.mask_from(first);
+            for (all, one) in all.iter_mut().zip(one) {
+                *all = from.select(lanes.splat(one), *all);
             }
         }
         let mut corners = [[0.0; LANES]; 9];
