@@ -5,7 +5,9 @@ mod edge_choice;
 mod edge_kinds;
 mod edges;
 mod eight;
+mod eight_channels;
 mod eight_colors;
+mod eight_texture;
 mod facet;
 mod footprint;
 mod ground;
@@ -14,6 +16,7 @@ mod light;
 mod line_overlay;
 #[cfg(test)]
 mod line_tests;
+mod lines;
 mod mapping;
 mod mipmap;
 mod mode;
@@ -47,6 +50,7 @@ mod vertex_color_tests;
 
 pub use crate::scene::TextureProjection;
 pub use edge_kinds::{EdgeKinds, EdgeKindsError};
+pub(crate) use eight_channels::Channels;
 pub(crate) use legend::DrawnLegend;
 pub use legend::Legend;
 pub use mapping::{texture_corners, texture_point};
@@ -54,7 +58,7 @@ pub use mode::{Background, Filter, Ground, GroundError, LightSet, Mode, Shading,
 pub use photograph::PhotographError;
 pub(crate) use section::{Cut, Section, Shown};
 pub use shader::Shader;
-pub(crate) use srgb::{encode, encode_premultiplied, over_black};
+pub(crate) use srgb::{encode, encode_all_premultiplied, encode_premultiplied, over_black};
 pub use texture_map::TextureMap;
 pub use tile::TileShader;
 pub(crate) use translucent::{SEEN, Translucent};

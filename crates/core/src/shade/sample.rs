@@ -1,8 +1,11 @@
 //! Reading textures in linear light, wrapped beyond the image.
 
 use super::Filter;
+use super::smooth::{Row, Rows, Vectors};
 use super::srgb::Tables;
+use crate::num::simd::{LANES, Lanes};
 use crate::scene::{Texture, Wrap};
+use glam::Vec3;
 
 /// The texture at (u, v): origin bottom left, one repeat a unit, linear light with premultiplied alpha. Texel centres
 /// lie half a texel from the texture's edges. Beyond the image it is wrapped.
@@ -40,6 +43,123 @@ pub(super) fn sample(
             })
         }
     }
+}
+
+/// [`sample`] at eight places, as colours and alphas.
+#[inline(always)]
+pub(super) fn sample_eight<L: Lanes>(
+    lanes: L,
+    tables: &Tables,
+    texture: &Texture,
+    uv: &[[f64; LANES]; 2],
+    filter: Filter,
+) -> (Vectors<L>, L::F32) {
+    // Numbers of texels fit 32 bits, and so do columns and rows.
+    if !texture.repeats() || i32::try_from(texture.texels().len()).is_err() {
+        return sample_one_by_one(lanes, tables, texture, uv, filter);
+    }
+    let (width, height) = (f64::from(texture.width()), f64::from(texture.height()));
+    let (mut xs, mut ys) = ([0.0; LANES], [0.0; LANES]);
+    for lane in 0..LANES {
+        xs[lane] = within(uv[0][lane]) * width;
+        ys[lane] = (1.0 - within(uv[1][lane])) * height;
+    }
+    let size = (texture.width(), texture.height());
+    if filter == Filter::Nearest {
+        let mut texels = [0; LANES];
+        for (texel, (x, y)) in texels.iter_mut().zip(xs.iter().zip(ys)) {
+            let x = if (*x as u32) < size.0 { *x as u32 } else { 0 };
+            let y = if (y as u32) < size.1 { y as u32 } else { 0 };
+            *texel = y * size.0 + x;
+        }
+        let (color, alpha) = Texels::read(tables, texture, &texels).load(lanes);
+        return (color, alpha);
+    }
+    let (lefts, rights, across) = eight_neighbors(&xs, size.0);
+    let (tops, bottoms, down) = eight_neighbors(&ys, size.1);
+    let one = lanes.splat(1.0);
+    let (right, below) = (lanes.load(&across), lanes.load(&down));
+    let mut color = Vectors::splat(lanes, Vec3::ZERO);
+    let mut alpha = lanes.splat(0.0);
+    for (rows, high) in [(tops, one - below), (bottoms, below)] {
+        for (columns, wide) in [(lefts, one - right), (rights, right)] {
+            let mut texels = [0; LANES];
+            for lane in 0..LANES {
+                texels[lane] = rows[lane] * size.0 + columns[lane];
+            }
+            let (texel, opacity) = Texels::read(tables, texture, &texels).load(lanes);
+            color = color.plus(texel.scaled(wide).scaled(high));
+            alpha = alpha + opacity * wide * high;
+        }
+    }
+    (color, alpha)
+}
+
+/// [`neighbors`] of eight positions within a side.
+#[inline(always)]
+fn eight_neighbors(places: &[f64; LANES], size: u32) -> ([u32; LANES], [u32; LANES], Row) {
+    let (mut first, mut second, mut fraction) = ([0; LANES], [0; LANES], [0.0; LANES]);
+    for lane in 0..LANES {
+        let from_center = places[lane] - 0.5;
+        let before = from_center.floor();
+        fraction[lane] = (from_center - before) as f32;
+        // From −1 to the last texel: positions are from 0 to the side's length.
+        let before = before as i32;
+        let at = if before < 0 { size - 1 } else { before as u32 };
+        first[lane] = at;
+        second[lane] = if at + 1 == size { 0 } else { at + 1 };
+    }
+    (first, second, fraction)
+}
+
+/// Eight texels in linear light, alpha multiplied in.
+struct Texels {
+    color: Rows,
+    alpha: Row,
+}
+
+impl Texels {
+    #[inline(always)]
+    fn read(tables: &Tables, texture: &Texture, at: &[u32; LANES]) -> Self {
+        let texels = texture.texels();
+        let mut bytes = [[0; 4]; LANES];
+        for (bytes, at) in bytes.iter_mut().zip(at) {
+            *bytes = texels[*at as usize];
+        }
+        let mut color = Rows::ZERO;
+        let mut alpha = [0.0; LANES];
+        for (lane, [r, g, b, a]) in bytes.into_iter().enumerate() {
+            color.0[0][lane] = tables.decode(r);
+            color.0[1][lane] = tables.decode(g);
+            color.0[2][lane] = tables.decode(b);
+            alpha[lane] = f32::from(a);
+        }
+        Self { color, alpha }
+    }
+
+    #[inline(always)]
+    fn load<L: Lanes>(&self, lanes: L) -> (Vectors<L>, L::F32) {
+        // 255 is 1 exactly, and changes no colour.
+        let alpha = lanes.load(&self.alpha) / 255.0;
+        (Vectors::load(lanes, &self.color).scaled(alpha), alpha)
+    }
+}
+
+#[inline(always)]
+fn sample_one_by_one<L: Lanes>(
+    lanes: L,
+    tables: &Tables,
+    texture: &Texture,
+    uv: &[[f64; LANES]; 2],
+    filter: Filter,
+) -> (Vectors<L>, L::F32) {
+    let (mut color, mut alpha) = (Rows::ZERO, [0.0; LANES]);
+    for lane in 0..LANES {
+        let [r, g, b, a] = sample(tables, texture, uv[0][lane], uv[1][lane], filter);
+        color.set(lane, Vec3::new(r, g, b));
+        alpha[lane] = a;
+    }
+    (Vectors::load(lanes, &color), lanes.load(&alpha))
 }
 
 /// As [`sample`], for a texture that does not repeat.
@@ -90,6 +210,7 @@ fn border(tables: &Tables, wrap: Wrap) -> [f32; 4] {
 }
 
 /// The fractional part of a coordinate, 0 to 1.
+#[inline(always)]
 fn within(coordinate: f64) -> f64 {
     if coordinate.is_finite() {
         coordinate - coordinate.floor()
@@ -125,6 +246,8 @@ fn texel(tables: &Tables, texture: &Texture, x: u32, y: u32) -> [f32; 4] {
 mod tests {
     use super::super::srgb::tables;
     use super::*;
+    use crate::num::simd::{F32x8, Simd, Work, dispatch};
+    use crate::random::Random;
 
     /// 4 × 2 opaque texels, all different.
     fn texture() -> Texture {
@@ -218,6 +341,80 @@ mod tests {
 
     /// Opaque linear light of a border.
     const RED: [f32; 4] = [1.0, 0.0, 0.0, 1.0];
+
+    struct SampleEight<'a> {
+        texture: &'a Texture,
+        uv: &'a [[f64; LANES]; 2],
+        filter: Filter,
+        found: &'a mut [Row; 4],
+    }
+
+    impl Work for SampleEight<'_> {
+        #[inline(always)]
+        fn run(self, lanes: impl Lanes) {
+            let (color, alpha) = sample_eight(lanes, tables(), self.texture, self.uv, self.filter);
+            let [r, g, b, a] = self.found;
+            [*r, *g, *b] = color.store().0;
+            alpha.store(a);
+        }
+    }
+
+    /// On each side of texels' centres and borders and of the image's seams, and far away.
+    #[test]
+    fn eight_samples_have_the_bits_of_single_ones() {
+        let mut random = Random(5);
+        let texel = |i: u32| {
+            [
+                (i * 37) as u8,
+                (i * 91) as u8,
+                (i * 11) as u8,
+                (i * 59) as u8,
+            ]
+        };
+        for (width, height) in [(1, 1), (2, 1), (5, 3), (64, 1), (127, 33)] {
+            let texels = (0..width * height).map(texel).collect();
+            let texture = Texture::new(width, height, texels).expect("a good texture");
+            let clamped = texture.clone().wrapped([Wrap::Clamp, Wrap::Mirror]);
+            for texture in [&texture, &clamped] {
+                for round in 0..200 {
+                    let mut coordinate = |size: u32| {
+                        let near = (random.signed() * 40.0).round() / f64::from(size * 2);
+                        match round % 4 {
+                            0 => near,
+                            1 => near.next_up(),
+                            2 => near.next_down(),
+                            _ => random.signed() * crate::math::pow(10.0, random.signed() * 20.0),
+                        }
+                    };
+                    let mut uv = [[0.0; LANES]; 2];
+                    uv[0] = uv[0].map(|_| coordinate(width));
+                    uv[1] = uv[1].map(|_| coordinate(height));
+                    if round == 0 {
+                        uv[0] = [-0.0, f64::NAN, f64::INFINITY, -1e-30, 1e300, 0.5, 1.0, -1.0];
+                        uv[1] = [f64::NEG_INFINITY, -1e-30, 0.0, -0.0, 1.0, 1e-300, 0.5, 2.0];
+                    }
+                    for filter in [Filter::Nearest, Filter::Bilinear] {
+                        for simd in [Simd::Plain, Simd::Avx2] {
+                            let mut found = [[0.0; LANES]; 4];
+                            let work = SampleEight {
+                                texture,
+                                uv: &uv,
+                                filter,
+                                found: &mut found,
+                            };
+                            dispatch(simd, work);
+                            for lane in 0..LANES {
+                                let (u, v) = (uv[0][lane], uv[1][lane]);
+                                let expected = sample(tables(), texture, u, v, filter);
+                                let found = found.map(|row| row[lane]);
+                                assert_eq!(found, expected, "{width} {height} {u} {v} {filter:?}");
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
 
     #[test]
     fn each_wrap_shows_its_texels_beyond_the_image() {

@@ -1,12 +1,12 @@
 use super::depth_colors::DepthColors;
-use super::edge_choice::EdgeChoice;
-use super::edges::{EdgeLines, LineStyle};
+use super::edges::EdgeLines;
 use super::eight_colors::EightColors;
 use super::facet::{Facet, Mapping, Needs, SurfaceTriangle, Varied, blend, facing_normal, unit};
 use super::ground::GroundGrid;
 use super::legend::Legend;
 use super::light::Lights;
 use super::line_overlay::{LineOverlay, Wanted};
+use super::lines::Lines;
 use super::own_color::{OwnColors, Placed, distance_range};
 use super::ramp::Span;
 use super::reflection::{self, PlainReflectance, Surface, Surfaces};
@@ -14,12 +14,12 @@ use super::section::Section;
 use super::sides::Sides;
 use super::slopes::slopes;
 use super::smooth::{self, Facets, Row, Vectors};
-use super::srgb::{self, Tables, over};
+use super::srgb::{self, Tables};
 use super::texturing::Texturing;
 use super::translucent::Translucent;
-use super::{Background, Mode, Shading, Wireframe};
+use super::{Background, Filter, Mode, Shading, Wireframe};
 use crate::bvh::Accel;
-use crate::camera::{Camera, PanoramaRays, Projection, Rect};
+use crate::camera::{Camera, Lattice, Projection, Rect};
 use crate::hit::{Cull, Detail, HitNumbers, MISS, PrimitiveHit};
 use crate::num::simd::{LANES, Lanes, Simd};
 use crate::scene::{
@@ -57,7 +57,7 @@ pub struct Shader<'a> {
     background: Option<[Vec3; 2]>,
     /// The background at the middle of each row.
     backdrops: Vec<[u8; 4]>,
-    lines: Lines<'a>,
+    pub(super) lines: Lines<'a>,
     ground: Option<GroundGrid>,
     section: Option<Section<'a>>,
     masks: Option<Masks<'a>>,
@@ -65,77 +65,6 @@ pub struct Shader<'a> {
     /// Which sides of triangles are seen, and the colour of backs, where they have their own.
     backs: Option<(Sides, Vec3)>,
     pub(super) tables: &'static Tables,
-}
-
-/// How lines look.
-#[derive(Debug)]
-struct Lines<'a> {
-    color: Vec3,
-    boundary: Vec3,
-    non_manifold: Vec3,
-    width: f64,
-    /// Which edges have them; `None`: all.
-    choice: Option<EdgeChoice<'a>>,
-    /// How strongly hidden ones show.
-    hidden: f32,
-    /// Those that no triangle at a pixel has, where any are to be seen.
-    overlay: Option<LineOverlay>,
-}
-
-impl<'a> Lines<'a> {
-    fn new(scene: &'a Scene, lines: Wireframe, needs: Needs) -> Self {
-        let width = if lines.width.is_finite() {
-            lines.width.max(0.0)
-        } else {
-            Wireframe::ALONE.width
-        };
-        Self {
-            color: srgb::linear(lines.color),
-            boundary: srgb::linear(Wireframe::BOUNDARY),
-            non_manifold: srgb::linear(Wireframe::NON_MANIFOLD),
-            width: f64::from(width),
-            choice: (needs.edges)
-                .then(|| EdgeChoice::new(scene, lines.edges))
-                .flatten(),
-            hidden: if needs.edges { lines.hidden } else { 0.0 },
-            overlay: None,
-        }
-    }
-
-    /// A line over what it lies on.
-    fn over(&self, (coverage, style): (f32, LineStyle), under: [f32; 4]) -> [f32; 4] {
-        let color = match style {
-            LineStyle::Plain | LineStyle::Feature => self.color,
-            LineStyle::Boundary => self.boundary,
-            LineStyle::NonManifold => self.non_manifold,
-        };
-        over(color, coverage, under)
-    }
-
-    /// Hidden lines over what hides them.
-    fn seen_through(&self, x: f64, y: f64, under: [f32; 4]) -> [f32; 4] {
-        match &self.overlay {
-            Some(overlay) if self.hidden > 0.0 => {
-                let (coverage, style) = overlay.hidden(x, y);
-                self.over((coverage * self.hidden, style), under)
-            }
-            _ => under,
-        }
-    }
-
-    /// Silhouettes over what lies behind them, at `t`.
-    fn outlined(&self, x: f64, y: f64, t: f32, under: [f32; 4]) -> [f32; 4] {
-        match &self.overlay {
-            Some(overlay) if self.has_silhouettes() => {
-                self.over(overlay.silhouette(x, y, t), under)
-            }
-            _ => under,
-        }
-    }
-
-    fn has_silhouettes(&self) -> bool {
-        (self.choice.as_ref()).is_some_and(EdgeChoice::has_silhouettes)
-    }
 }
 
 impl<'a> Shader<'a> {
@@ -438,7 +367,8 @@ impl<'a> Shader<'a> {
     pub(super) fn eight_colors(&self) -> Option<EightColors> {
         let is_parallel = self.camera.projection().is_parallel();
         let shows_ground = self.ground.is_some() && is_parallel;
-        if self.needs.edges || shows_ground || self.has_many_eyes() {
+        let bends_lines = self.needs.edges && self.is_panoramic();
+        if shows_ground || bends_lines || self.lines.overlay.is_some() || self.has_many_eyes() {
             return None;
         }
         match self.shading.mode {
@@ -451,6 +381,7 @@ impl<'a> Shader<'a> {
             Mode::Depth if self.depth.are_grey() => Some(EightColors::Depth),
             Mode::Barycentric => Some(EightColors::Barycentric),
             Mode::Uv => Some(EightColors::Uv),
+            Mode::Wireframe if self.background.is_some() => Some(EightColors::Lines),
             _ => None,
         }
     }
@@ -479,9 +410,25 @@ impl<'a> Shader<'a> {
         smooth::to_eye(lanes, &self.to_eye, place)
     }
 
-    /// The rays of a rectangle's pixels, where the picture is no plane.
-    pub(super) fn rays(&self, rect: Rect) -> Option<PanoramaRays> {
-        PanoramaRays::new(&self.camera.sub_camera(rect).lattice())
+    /// The rays of a rectangle's pixels.
+    pub(super) fn lattice(&self, rect: Rect) -> Lattice {
+        self.camera.sub_camera(rect).lattice()
+    }
+
+    /// How textures are read.
+    pub(super) fn filter(&self) -> Filter {
+        self.shading.filter
+    }
+
+    /// How much of textures shows on objects that do not set it.
+    pub(super) fn blend(&self) -> f32 {
+        self.shading.blend
+    }
+
+    /// The texture on a triangle that has a mapping.
+    #[inline(always)]
+    pub(super) fn texture_on(&self, facet: &Facet) -> Option<&'a Texture> {
+        self.scene.objects[facet.object as usize].texture_on(facet.triangle)
     }
 
     /// What the mode asks of each triangle.
@@ -851,7 +798,7 @@ impl<'a> Shader<'a> {
 
     /// The triangle's own colour at barycentrics (u, v): linear light.
     #[inline(always)]
-    fn own_color(&self, facet: &Facet, u: f32, v: f32) -> Vec3 {
+    pub(super) fn own_color(&self, facet: &Facet, u: f32, v: f32) -> Vec3 {
         match &facet.varied {
             Varied::No => facet.color,
             Varied::Colors(colors) => blend(*colors, u, v),
@@ -871,8 +818,7 @@ impl<'a> Shader<'a> {
         let Some(mapping) = &facet.texture else {
             return color;
         };
-        let object = &self.scene.objects[facet.object as usize];
-        let Some(texture) = object.texture_on(facet.triangle) else {
+        let Some(texture) = self.texture_on(facet) else {
             return color;
         };
         let texture = (facet.object, texture);
@@ -899,8 +845,7 @@ impl<'a> Shader<'a> {
     /// Where the texture was taken that a hit on a triangle shows if it is seen from there.
     pub(super) fn taken_from(&self, facet: &Facet, hit: &PrimitiveHit) -> Option<DVec3> {
         let mapping = facet.texture.as_ref()?;
-        let object = &self.scene.objects[facet.object as usize];
-        let texture = object.texture_on(facet.triangle)?;
+        let texture = self.texture_on(facet)?;
         self.texturing
             .taken_from((facet.object, texture), mapping, hit)
     }

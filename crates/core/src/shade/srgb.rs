@@ -1,9 +1,9 @@
 //! Between sRGB bytes and linear light (IEC 61966-2-1), by tables: exact to the last byte, and no
 //! power in any pixel's loop.
 
-use super::smooth::Vectors;
+use super::smooth::{Rows, Vectors};
 use crate::math;
-use crate::num::simd::{F32x8, LANES, Lanes};
+use crate::num::simd::{F32x8, LANES, Lanes, Simd, Work, dispatch};
 use crate::scene::Color;
 use glam::Vec3;
 use std::sync::LazyLock;
@@ -86,6 +86,7 @@ impl Tables {
     }
 
     /// The linear light of a byte.
+    #[inline]
     pub(crate) fn decode(&self, byte: u8) -> f32 {
         self.linear[usize::from(byte)]
     }
@@ -148,18 +149,20 @@ impl Tables {
         values: Vectors<L>,
         pixels: &mut [[u8; 4]; LANES],
     ) {
-        let (zero, most) = (lanes.splat(0.0), lanes.splat(255.0));
-        let mut bytes = [[0; LANES]; 3];
-        for (value, bytes) in values.xyz().into_iter().zip(&mut bytes) {
-            // No number becomes zero.
-            let whole = (value * 255.0 + 0.5).max(zero).min(most).floor() + WHOLE;
-            let mut row = [0.0; LANES];
-            whole.store(&mut row);
+        pack(&displayed_bytes(lanes, values), pixels);
+    }
+
+    /// [`Tables::display`] of eight colours.
+    #[inline(always)]
+    pub(super) fn displayed<L: Lanes>(&self, lanes: L, values: Vectors<L>) -> Vectors<L> {
+        let bytes = displayed_bytes(lanes, values);
+        let mut light = Rows::ZERO;
+        for (light, bytes) in light.0.iter_mut().zip(bytes) {
             for lane in 0..LANES {
-                bytes[lane] = row[lane].to_bits() % 256;
+                light[lane] = self.linear[bytes[lane] as usize % 256];
             }
         }
-        pack(&bytes, pixels);
+        Vectors::load(lanes, &light)
     }
 
     /// The bytes of an opaque colour.
@@ -178,6 +181,23 @@ impl Tables {
         // The cast is saturating, and NaN becomes zero.
         self.decode((value * 255.0 + 0.5) as u8)
     }
+}
+
+/// The nearest bytes of eight colours that are meant as sRGB, 0 to 1.
+#[inline(always)]
+fn displayed_bytes<L: Lanes>(lanes: L, values: Vectors<L>) -> [[u32; LANES]; 3] {
+    let (zero, most) = (lanes.splat(0.0), lanes.splat(255.0));
+    let mut bytes = [[0; LANES]; 3];
+    for (value, bytes) in values.xyz().into_iter().zip(&mut bytes) {
+        // NaN becomes zero.
+        let whole = (value * 255.0 + 0.5).max(zero).min(most).floor() + WHOLE;
+        let mut row = [0.0; LANES];
+        whole.store(&mut row);
+        for lane in 0..LANES {
+            bytes[lane] = row[lane].to_bits() % 256;
+        }
+    }
+    bytes
 }
 
 /// Eight opaque pixels of these bytes.
@@ -225,6 +245,43 @@ pub(crate) fn encode_premultiplied([r, g, b, a]: [f32; 4]) -> [u8; 4] {
     }
     let [r, g, b] = [r / a, g / a, b / a].map(|channel| TABLES.encode(channel));
     [r, g, b, alpha]
+}
+
+/// [`encode_premultiplied`] of many colours; most are opaque.
+pub(crate) fn encode_all_premultiplied(simd: Simd, colors: &[[f32; 4]], pixels: &mut [[u8; 4]]) {
+    dispatch(simd, EncodeAll { colors, pixels });
+}
+
+struct EncodeAll<'c, 'p> {
+    colors: &'c [[f32; 4]],
+    pixels: &'p mut [[u8; 4]],
+}
+
+impl Work for EncodeAll<'_, '_> {
+    #[inline(always)]
+    fn run(self, lanes: impl Lanes) {
+        let (eights, rest) = self.colors.as_chunks::<LANES>();
+        let (pixels, pixels_rest) = self.pixels.as_chunks_mut::<LANES>();
+        let tables = tables();
+        for (colors, pixels) in eights.iter().zip(pixels) {
+            let mut rows = Rows::ZERO;
+            let mut are_opaque = true;
+            for (lane, &[r, g, b, a]) in colors.iter().enumerate() {
+                rows.set(lane, Vec3::new(r, g, b));
+                are_opaque &= a == 1.0;
+            }
+            if are_opaque {
+                tables.encode_row(lanes, Vectors::load(lanes, &rows), pixels);
+            } else {
+                for (color, pixel) in colors.iter().zip(pixels) {
+                    *pixel = encode_premultiplied(*color);
+                }
+            }
+        }
+        for (color, pixel) in rest.iter().zip(pixels_rest) {
+            *pixel = encode_premultiplied(*color);
+        }
+    }
 }
 
 /// Linear light with alpha multiplied in, from sRGB bytes with alpha apart.
@@ -319,6 +376,29 @@ mod tests {
             (f32::INFINITY, 255),
         ] {
             assert_eq!(TABLES.encode(value), byte, "{value}");
+        }
+    }
+
+    #[test]
+    fn many_colors_have_the_bytes_of_single_ones() {
+        let mut random = Random(2);
+        for count in [0, 7, 8, 50] {
+            for is_opaque in [true, false] {
+                let color = |_| {
+                    let [r, g, b, a] = [(); 4].map(|()| random.unit() as f32 * 1.2 - 0.1);
+                    [r, g, b, if is_opaque { 1.0 } else { a.clamp(0.0, 1.0) }]
+                };
+                let colors: Vec<_> = (0..count).map(color).collect();
+                for simd in [Simd::Plain, Simd::Avx2] {
+                    let mut pixels = vec![[0; 4]; count];
+                    encode_all_premultiplied(simd, &colors, &mut pixels);
+                    let expected: Vec<_> = colors
+                        .iter()
+                        .map(|&color| encode_premultiplied(color))
+                        .collect();
+                    assert_eq!(pixels, expected);
+                }
+            }
         }
     }
 

@@ -1,8 +1,8 @@
+use super::eight::HitRows;
 use super::facet::{Facet, SurfaceTriangle};
-use super::tile_rays::TileRays;
 use super::translucent::{Translucent, shell};
 use super::{Shader, srgb};
-use crate::camera::Rect;
+use crate::camera::{Lattice, Rect};
 use crate::num::simd::{Lanes, Work, dispatch};
 use crate::{Hits, MISS, PrimitiveHit};
 use glam::{DVec3, Vec3};
@@ -49,20 +49,25 @@ impl<'s> TileShader<'s> {
         }
     }
 
-    /// Object and triangle of a hit of the pixels at `x`, and what [`Shader::surface`] says.
-    pub(crate) fn surface(&mut self, x: f64, hit: &PrimitiveHit) -> ([u32; 2], [f32; 3], [f32; 2]) {
-        let shader = self.shader;
-        let surface = |primitive| (primitive, shader.surface_triangle(primitive, x));
+    /// A triangle as channels beside colours have it, cached or made ready: for the pixels at `x` alone, if they have an
+    /// eye of their own.
+    #[inline(always)]
+    pub(super) fn surface(&mut self, primitive: u32, x: f64) -> &SurfaceTriangle {
+        let place = primitive as usize % FACETS;
+        let known = self.surfaces.get(place);
+        if known.is_none_or(|(known, _)| *known != primitive) || self.shader.has_many_eyes() {
+            self.new_surface(primitive, x);
+        }
+        &self.surfaces[place].1
+    }
+
+    #[inline(never)]
+    fn new_surface(&mut self, primitive: u32, x: f64) {
+        let surface = (primitive, self.shader.surface_triangle(primitive, x));
         if self.surfaces.is_empty() {
-            self.surfaces = vec![surface(hit.primitive); FACETS];
+            self.surfaces = vec![surface; FACETS];
         }
-        let known = &mut self.surfaces[hit.primitive as usize % FACETS];
-        if known.0 != hit.primitive || shader.has_many_eyes() {
-            *known = surface(hit.primitive);
-        }
-        let (_, triangle) = known;
-        let (normal, uv) = triangle.at(hit.u, hit.v);
-        ([triangle.object, triangle.triangle], normal, uv)
+        self.surfaces[primitive as usize % FACETS] = surface;
     }
 
     /// What it shades as.
@@ -138,7 +143,7 @@ impl<'s> TileShader<'s> {
         rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
     ) {
         if let Some(colors) = self.shader.eight_colors() {
-            return self.shade_in_eights(colors, rect, hits, rows);
+            return self.shade_in_eights(colors, rect, HitRows::new(hits), rows);
         }
         let columns = rect.width as usize;
         for (y, pixels) in rows.enumerate().take(rect.height as usize) {
@@ -149,15 +154,28 @@ impl<'s> TileShader<'s> {
         }
     }
 
+    /// The colours of the samples at a lattice's rays, row by row, from their hits: linear light, alpha not multiplied in.
+    pub(crate) fn light(&mut self, lattice: &Lattice, hits: &Hits, light: &mut Vec<[f32; 4]>) {
+        light.resize(lattice.len(), [0.0; 4]);
+        if let Some(colors) = self.shader.eight_colors() {
+            return self.light_in_eights(colors, *lattice, hits, light);
+        }
+        let rows = light.chunks_mut(lattice.columns.max(1) as usize);
+        for (row, light) in (0..).zip(rows) {
+            let behind = self.shader.behind_row(lattice.place(0, row).1);
+            for (column, light) in (0..).zip(light) {
+                let hit = hits.get((row * lattice.columns + column) as usize);
+                let (x, y) = lattice.place(column, row);
+                *light = match behind {
+                    Some(behind) if hit.is_miss() => behind,
+                    _ => self.color(x, y, &hit),
+                };
+            }
+        }
+    }
+
     /// Some pixels of a row, one by one: the hits from `first` on.
-    pub(super) fn shade_hits(
-        &mut self,
-        left: u32,
-        y: u32,
-        hits: &Hits,
-        first: usize,
-        pixels: &mut [[u8; 4]],
-    ) {
+    fn shade_hits(&mut self, left: u32, y: u32, hits: &Hits, first: usize, pixels: &mut [[u8; 4]]) {
         let backdrop = self.shader.backdrop8(y);
         let y = f64::from(y) + 0.5;
         for (column, pixel) in pixels.iter_mut().enumerate() {
@@ -179,6 +197,11 @@ impl<'s> TileShader<'s> {
         primitives: &[u32],
         rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
     ) {
+        let is_constant = self.shader.is_constant() && !self.shader.has_overlay();
+        if let (false, Some(colors)) = (is_constant, self.shader.eight_colors()) {
+            let hits = HitRows::of_primitives(primitives);
+            return self.shade_in_eights(colors, rect, hits, rows);
+        }
         dispatch(
             self.shader.simd(),
             ShadePrimitives {
@@ -307,14 +330,12 @@ struct ShadePrimitives<'t, 's, 'h, R> {
 
 impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadePrimitives<'_, '_, '_, R> {
     #[inline(always)]
-    fn run(self, lanes: impl Lanes) {
+    fn run(self, _: impl Lanes) {
         let columns = self.rect.width.max(1) as usize;
         let left = self.rect.x;
         let shader = self.shader;
         let constant = shader.shader.is_constant();
-        let lit = (shader.shader.eight_colors()).filter(|_| shader.shader.looks_at_eyes());
         let has_overlay = shader.shader.has_overlay();
-        let rays = TileRays::new(shader.shader, self.rect);
         let primitives = self.primitives.chunks(columns);
         for ((y, primitives), pixels) in (self.rect.y..).zip(primitives).zip(self.rows) {
             if has_overlay {
@@ -322,8 +343,6 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadePrimitives<'_, '_,
                     let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
                     *pixel = shader.pixel8(x, y, &on(primitive));
                 }
-            } else if let Some(colors) = lit {
-                shader.shade_lit_row(lanes, colors, &rays, (left, y), primitives, pixels);
             } else if constant {
                 shader.shade_row::<true>(left, y, primitives, pixels);
             } else {
@@ -335,7 +354,7 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadePrimitives<'_, '_,
 }
 
 /// A hit of which nothing is known but the triangle.
-pub(super) fn on(primitive: u32) -> PrimitiveHit {
+fn on(primitive: u32) -> PrimitiveHit {
     PrimitiveHit {
         primitive,
         ..PrimitiveHit::NONE
