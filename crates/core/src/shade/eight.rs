@@ -310,10 +310,9 @@ impl TileShader<'_> {
     /// The light on the triangles that eight samples show.
     #[inline(always)]
     fn flat_light<L: Lanes>(&mut self, lanes: L, primitives: &[u32; LANES]) -> Vectors<L> {
-        let shader = self.shader();
         let mut light = Vectors::splat(lanes, Vec3::ZERO);
         for run in runs(primitives) {
-            let one = shader.flat_light(self.facet(run.primitive, 0.0));
+            let one = self.facet(run.primitive, 0.0).light;
             let from = lanes.mask_from(run.first);
             light = light.replaced(from, Vectors::splat(lanes, one));
         }

@@ -1,4 +1,9 @@
-//! From hits to colours.
+//! Shading: from hits to colours.
+//!
+//! [`Shader`] has what a picture's pixels share, and defines the colour of one sample ([`Shader::color`]). Its submodule
+//! `triangles` prepares shading triangles (`facet`), which have what a triangle's pixels share; `needs` says what of that a
+//! mode needs. [`TileShader`] caches these. `eight` shades eight samples of a row at once in lanes, `eight_texture` reads
+//! their textures and `eight_channels` fills the other channels of a picture, all with the bits of single samples.
 
 mod depth_colors;
 mod edge_choice;

@@ -58,41 +58,56 @@ pub(super) fn sample_eight<L: Lanes>(
     if !texture.repeats() || i32::try_from(texture.texels().len()).is_err() {
         return sample_one_by_one(lanes, tables, texture, uv, filter);
     }
-    let (width, height) = (f64::from(texture.width()), f64::from(texture.height()));
+    let (width, height) = (texture.width(), texture.height());
     let (mut xs, mut ys) = ([0.0; LANES], [0.0; LANES]);
     for lane in 0..LANES {
-        xs[lane] = within(uv[0][lane]) * width;
-        ys[lane] = (1.0 - within(uv[1][lane])) * height;
+        xs[lane] = within(uv[0][lane]) * f64::from(width);
+        ys[lane] = (1.0 - within(uv[1][lane])) * f64::from(height);
     }
-    let size = (texture.width(), texture.height());
+    let mut at = [[0; LANES]; 4];
     if filter == Filter::Nearest {
-        let mut texels = [0; LANES];
-        for (texel, (x, y)) in texels.iter_mut().zip(xs.iter().zip(ys)) {
-            let x = if (*x as u32) < size.0 { *x as u32 } else { 0 };
-            let y = if (y as u32) < size.1 { y as u32 } else { 0 };
-            *texel = y * size.0 + x;
+        for lane in 0..LANES {
+            let (x, y) = (whole(xs[lane].floor()), whole(ys[lane].floor()));
+            // The texel after the last is the first.
+            let x = if x < width { x } else { 0 };
+            let y = if y < height { y } else { 0 };
+            at[0][lane] = y * width + x;
         }
-        let (color, alpha) = Texels::read(tables, texture, &texels).load(lanes);
-        return (color, alpha);
+        return read_eight(lanes, tables, texture, &at[0]);
     }
-    let (lefts, rights, across) = eight_neighbors(&xs, size.0);
-    let (tops, bottoms, down) = eight_neighbors(&ys, size.1);
+    let (lefts, rights, across) = eight_neighbors(&xs, width);
+    let (tops, bottoms, down) = eight_neighbors(&ys, height);
+    for lane in 0..LANES {
+        let (top, bottom) = (tops[lane] * width, bottoms[lane] * width);
+        at[0][lane] = top + lefts[lane];
+        at[1][lane] = top + rights[lane];
+        at[2][lane] = bottom + lefts[lane];
+        at[3][lane] = bottom + rights[lane];
+    }
     let one = lanes.splat(1.0);
     let (right, below) = (lanes.load(&across), lanes.load(&down));
-    let mut color = Vectors::splat(lanes, Vec3::ZERO);
-    let mut alpha = lanes.splat(0.0);
-    for (rows, high) in [(tops, one - below), (bottoms, below)] {
-        for (columns, wide) in [(lefts, one - right), (rights, right)] {
-            let mut texels = [0; LANES];
-            for lane in 0..LANES {
-                texels[lane] = rows[lane] * size.0 + columns[lane];
-            }
-            let (texel, opacity) = Texels::read(tables, texture, &texels).load(lanes);
-            color = color.plus(texel.scaled(wide).scaled(high));
-            alpha = alpha + opacity * wide * high;
-        }
+    let (left, above) = (one - right, one - below);
+    let [a, b, c, d] = &at;
+    let (mut color, mut alpha) = weighed(read_eight(lanes, tables, texture, a), left, above);
+    for (color_of_one, alpha_of_one) in [
+        weighed(read_eight(lanes, tables, texture, b), right, above),
+        weighed(read_eight(lanes, tables, texture, c), left, below),
+        weighed(read_eight(lanes, tables, texture, d), right, below),
+    ] {
+        color = color.plus(color_of_one);
+        alpha = alpha + alpha_of_one;
     }
     (color, alpha)
+}
+
+/// Eight texels by their nearness along both axes.
+#[inline(always)]
+fn weighed<L: Lanes>(
+    (color, alpha): (Vectors<L>, L::F32),
+    wide: L::F32,
+    high: L::F32,
+) -> (Vectors<L>, L::F32) {
+    (color.scaled(wide).scaled(high), alpha * wide * high)
 }
 
 /// [`neighbors`] of eight positions within a side.
@@ -103,46 +118,49 @@ fn eight_neighbors(places: &[f64; LANES], size: u32) -> ([u32; LANES], [u32; LAN
         let from_center = places[lane] - 0.5;
         let before = from_center.floor();
         fraction[lane] = (from_center - before) as f32;
-        // From −1 to the last texel: positions are from 0 to the side's length.
-        let before = before as i32;
-        let at = if before < 0 { size - 1 } else { before as u32 };
+        // From −1 to the last texel, since positions are from 0 to the side's length.
+        let before = whole(before);
+        let at = if before == u32::MAX { size - 1 } else { before };
         first[lane] = at;
         second[lane] = if at + 1 == size { 0 } else { at + 1 };
     }
     (first, second, fraction)
 }
 
-/// Eight texels in linear light, alpha multiplied in.
-struct Texels {
-    color: Rows,
-    alpha: Row,
+/// An integer from −2³¹ to 2³¹ − 1, negative ones wrapped around. The sum with 3 · 2⁵¹, in whose binade the unit in the
+/// last place is 1, has it in its low bits; a cast, which saturates, would be compiled lane by lane.
+#[inline(always)]
+fn whole(integer: f64) -> u32 {
+    const SHIFT: f64 = (3u64 << 51) as f64;
+    (integer + SHIFT).to_bits() as u32
 }
 
-impl Texels {
-    #[inline(always)]
-    fn read(tables: &Tables, texture: &Texture, at: &[u32; LANES]) -> Self {
-        let texels = texture.texels();
-        let mut bytes = [[0; 4]; LANES];
-        for (bytes, at) in bytes.iter_mut().zip(at) {
-            *bytes = texels[*at as usize];
-        }
-        let mut color = Rows::ZERO;
-        let mut alpha = [0.0; LANES];
-        for (lane, [r, g, b, a]) in bytes.into_iter().enumerate() {
-            color.0[0][lane] = tables.decode(r);
-            color.0[1][lane] = tables.decode(g);
-            color.0[2][lane] = tables.decode(b);
-            alpha[lane] = f32::from(a);
-        }
-        Self { color, alpha }
+/// Eight texels in linear light, alpha multiplied in, and their alphas.
+#[inline(always)]
+fn read_eight<L: Lanes>(
+    lanes: L,
+    tables: &Tables,
+    texture: &Texture,
+    at: &[u32; LANES],
+) -> (Vectors<L>, L::F32) {
+    let texels = texture.texels();
+    let mut color = Rows::ZERO;
+    let mut alphas = [0; LANES];
+    let mut least = u8::MAX;
+    for (lane, &at) in at.iter().enumerate() {
+        let [r, g, b, a] = texels[at as usize];
+        color.0[0][lane] = tables.decode(r);
+        color.0[1][lane] = tables.decode(g);
+        color.0[2][lane] = tables.decode(b);
+        alphas[lane] = a;
+        least &= a;
     }
-
-    #[inline(always)]
-    fn load<L: Lanes>(&self, lanes: L) -> (Vectors<L>, L::F32) {
-        // 255 is 1 exactly, and changes no colour.
-        let alpha = lanes.load(&self.alpha) / 255.0;
-        (Vectors::load(lanes, &self.color).scaled(alpha), alpha)
+    let color = Vectors::load(lanes, &color);
+    if least == u8::MAX {
+        return (color, lanes.splat(1.0));
     }
+    let alpha = lanes.load(&alphas.map(f32::from)) / 255.0;
+    (color.scaled(alpha), alpha)
 }
 
 #[inline(always)]

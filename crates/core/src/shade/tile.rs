@@ -7,33 +7,31 @@ use crate::num::simd::{Lanes, Work, dispatch};
 use crate::{Hits, MISS, PrimitiveHit};
 use glam::{DVec3, Vec3};
 
-/// How many triangles' colours are remembered: most of what 64 × 64 pixels show of triangles a few
-/// pixels wide, in two kilobytes.
+/// Entries of the cache of colours, two kilobytes: they hold most of the triangles that 64 × 64 pixels show where
+/// triangles are a few pixels wide.
 const COLORS: usize = 256;
 
-/// How many triangles are remembered: as many, though one takes some 300 bytes. They are worth it: a
-/// small triangle comes back in the next row.
+/// Entries of the cache of shading triangles, some 300 bytes each. A small triangle comes back in the next row of pixels;
+/// with fewer entries it would be prepared again.
 const FACETS: usize = 256;
 
-/// Pixels that are looked at together: most show one triangle, or none.
+/// Pixels that are tested at once for showing one triangle; most such runs do, or show none.
 const RUN: usize = 16;
 
-/// A [`Shader`] for many pixels near each other, which mostly show triangles already seen.
-///
-/// What it remembers changes nothing but the time: every answer is that of the [`Shader`].
+/// A [`Shader`] with caches of triangles, for neighbouring pixels. Its colours are those of the [`Shader`], bit for bit.
 #[derive(Debug)]
 pub struct TileShader<'s> {
     shader: &'s Shader<'s>,
-    /// Colours of triangles that have but one, by the low bits of their primitive index.
+    /// Colours of triangles with one colour: a direct-mapped cache, indexed by the low bits of the primitive index.
     colors: [(u32, [u8; 4]); COLORS],
-    /// The triangles themselves, where every pixel has a colour of its own.
+    /// Shading triangles, cached likewise; empty until one is needed.
     facets: Vec<(u32, Facet)>,
-    /// The triangles as channels beside colours have them.
+    /// Shading triangles for channels beside colours, cached likewise.
     surfaces: Vec<(u32, SurfaceTriangle)>,
 }
 
 impl Shader<'_> {
-    /// A shader for many pixels, on one thread: it remembers the triangles that it has shaded.
+    /// A shader with caches, for one thread.
     pub fn tile(&self) -> TileShader<'_> {
         TileShader::new(self)
     }
@@ -49,8 +47,8 @@ impl<'s> TileShader<'s> {
         }
     }
 
-    /// A triangle as channels beside colours have it, cached or made ready: for the pixels at `x` alone, if they have an
-    /// eye of their own.
+    /// A shading triangle for channels beside colours, cached or prepared: for the pixels at `x` alone where columns have
+    /// eyes of their own.
     #[inline(always)]
     pub(super) fn surface(&mut self, primitive: u32, x: f64) -> &SurfaceTriangle {
         let place = primitive as usize % FACETS;
@@ -70,7 +68,7 @@ impl<'s> TileShader<'s> {
         self.surfaces[primitive as usize % FACETS] = surface;
     }
 
-    /// What it shades as.
+    /// The shader whose colours these are.
     pub fn shader(&self) -> &'s Shader<'s> {
         self.shader
     }
@@ -93,14 +91,13 @@ impl<'s> TileShader<'s> {
         }
     }
 
-    /// Where the texture was taken that a hit shows if it is seen from there; `None` where its colour does not depend on
-    /// that.
+    /// The eye of the photograph that a hit shows if it is visible from there; `None` where it shows none.
     pub(crate) fn taken_from(&mut self, x: f64, hit: &PrimitiveHit) -> Option<DVec3> {
         let shader = self.shader;
         shader.taken_from(self.facet(hit.primitive, x), hit)
     }
 
-    /// As [`Shader::color`] of a hit on a triangle, without its texture.
+    /// [`Shader::color`] of a hit on a triangle, without its texture.
     pub(crate) fn untextured(&mut self, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
         let shader = self.shader;
         let facet = Facet {
@@ -110,7 +107,7 @@ impl<'s> TileShader<'s> {
         shader.color_on(&facet, x, y, hit)
     }
 
-    /// A layer's colour, linear light, and how much of what lies behind it covers: `along` is the unit vector of the ray.
+    /// A layer's colour in linear light, and its opacity; `along` is the ray's unit direction.
     pub(crate) fn layer(
         &mut self,
         (x, y): (f64, f64),
@@ -133,9 +130,9 @@ impl<'s> TileShader<'s> {
         (Vec3::new(r, g, b), covers)
     }
 
-    /// Colours the pixels of `rect`, given as its rows, from hits at their centres, row by row.
+    /// Shades the pixels of `rect`, given as its rows, from the hits at their centres, row by row.
     ///
-    /// Pixels without a hit show what is behind everything; those beyond the rectangle are left alone.
+    /// Pixels without a hit show the background; pixels of `rows` beyond the rectangle stay as they are.
     pub fn shade<'p>(
         &mut self,
         rect: Rect,
@@ -154,7 +151,7 @@ impl<'s> TileShader<'s> {
         }
     }
 
-    /// The colours of the samples at a lattice's rays, row by row, from their hits: linear light, alpha not multiplied in.
+    /// Shades the samples of a lattice, row by row, from their hits: linear light, straight alpha.
     pub(crate) fn light(&mut self, lattice: &Lattice, hits: &Hits, light: &mut Vec<[f32; 4]>) {
         light.resize(lattice.len(), [0.0; 4]);
         if let Some(colors) = self.shader.eight_colors() {
@@ -189,8 +186,7 @@ impl<'s> TileShader<'s> {
         }
     }
 
-    /// As [`TileShader::shade`] where the triangles alone are known: for pictures whose
-    /// [`Shader::detail`] asks for no more.
+    /// [`TileShader::shade`] from the triangles alone, where [`Shader::detail`] needs no more.
     pub fn shade_primitives<'p>(
         &mut self,
         rect: Rect,
@@ -213,7 +209,7 @@ impl<'s> TileShader<'s> {
         );
     }
 
-    /// Pixels of a row, from column `left` on. `CONSTANT` says whether triangles have but one colour.
+    /// Shades pixels of a row, from column `left` on. `CONSTANT`: each triangle has one colour.
     #[inline(always)]
     fn shade_row<const CONSTANT: bool>(
         &mut self,
@@ -226,7 +222,7 @@ impl<'s> TileShader<'s> {
         let (primitives, pixels) = (&primitives[..count], &mut pixels[..count]);
         let backdrop = self.shader.backdrop8(y);
         let y = f64::from(y) + 0.5;
-        // A miss is one more triangle of one colour, which changes from row to row.
+        // Misses are cached as a triangle of one colour, which changes from row to row.
         self.colors[MISS as usize % COLORS] = (MISS, backdrop);
         let (runs, _) = primitives.as_chunks::<RUN>();
         for (run, primitives) in runs.iter().enumerate() {
@@ -262,7 +258,7 @@ impl<'s> TileShader<'s> {
         }
     }
 
-    /// The colour of a triangle that has but one, or of a miss.
+    /// The colour of a triangle with one colour, or of a miss.
     #[inline(always)]
     fn constant(&mut self, x: f64, y: f64, primitive: u32) -> [u8; 4] {
         let (known, color) = self.colors[primitive as usize % COLORS];
@@ -275,7 +271,7 @@ impl<'s> TileShader<'s> {
 
     #[inline(never)]
     fn new_constant(&mut self, x: f64, y: f64, primitive: u32) -> [u8; 4] {
-        // Another triangle may have taken the place of the miss.
+        // Another triangle may have taken the cache entry of misses.
         let color = if primitive != MISS && self.shader.is_constant() {
             self.shader.constant_color(primitive)
         } else {
@@ -286,7 +282,7 @@ impl<'s> TileShader<'s> {
         color
     }
 
-    /// A triangle, remembered or made ready: for the pixels at `x` alone, if they have an eye of their own.
+    /// A shading triangle, cached or prepared: for the pixels at `x` alone where columns have eyes of their own.
     #[inline(always)]
     pub(super) fn facet(&mut self, primitive: u32, x: f64) -> &Facet {
         let place = primitive as usize % FACETS;
@@ -320,7 +316,7 @@ pub(super) fn within(pixels: &mut [[u8; 4]], columns: usize) -> &mut [[u8; 4]] {
     &mut pixels[..count]
 }
 
-/// What [`TileShader::shade_primitives`] is asked.
+/// The arguments of [`TileShader::shade_primitives`].
 struct ShadePrimitives<'t, 's, 'h, R> {
     shader: &'t mut TileShader<'s>,
     rect: Rect,

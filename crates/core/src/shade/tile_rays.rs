@@ -1,4 +1,4 @@
-//! The rays of a tile's samples, where colours depend on them.
+//! The places of a tile's samples, and directions from them to the eye.
 
 use super::Shader;
 use super::smooth::{Rows, Vectors};
@@ -8,7 +8,7 @@ use crate::num::simd::{LANES, Lanes};
 /// The rays of a tile's samples, one a pixel.
 pub(super) struct TileRays {
     lattice: Lattice,
-    /// Of a panorama in a mode whose colours depend on where the eye is.
+    /// The rays of a panorama, in modes that depend on the direction to the eye.
     around: Option<PanoramaRays>,
 }
 
@@ -26,19 +26,19 @@ impl TileRays {
         self.lattice.place(column, row)
     }
 
-    /// The distance of a row's places from the picture's top.
+    /// The y of a row's places.
     #[inline(always)]
     pub(super) fn row(&self, row: u32) -> f64 {
         self.lattice.place(0, row).1
     }
 
-    /// The row of the picture's pixels that a row's rays belong to.
+    /// The row of pixels in the picture that a row's samples belong to.
     #[inline(always)]
     pub(super) fn pixel_row(&self, row: u32) -> u32 {
         self.lattice.y + row
     }
 
-    /// The distances from the picture's left of eight places, from a column on.
+    /// The x of eight places, from a column on.
     #[inline(always)]
     pub(super) fn columns(&self, column: u32) -> [f64; LANES] {
         let first = f64::from(self.lattice.x + column);
@@ -49,7 +49,7 @@ impl TileRays {
         all
     }
 
-    /// Unit vectors to the eye from what eight rays of a row hit.
+    /// Unit vectors from eight samples of a row to the eye.
     #[inline(always)]
     pub(super) fn to_eye<L: Lanes>(
         &self,
