@@ -5,104 +5,17 @@
 
 use super::edges::LineStyle;
 use super::eight_colors::EightColors;
+use super::hit_rows::{EightHits, HitRows};
 use super::reflection::Surfaces;
-use super::smooth::{Facets, Row, Rows, Vectors};
+use super::smooth::{Facets, Rows, Vectors};
 use super::tile::within;
 use super::tile_rays::TileRays;
 use super::{TileShader, srgb};
 use crate::camera::{Lattice, Rect};
 use crate::hits::runs;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8, Work, dispatch};
-use crate::{Hits, MISS, PrimitiveHit};
+use crate::{Hits, MISS};
 use glam::Vec3;
-
-/// What a lattice's rays hit, row by row; t, u and v are empty where the triangles alone are known.
-#[derive(Clone, Copy)]
-pub(super) struct HitRows<'h> {
-    pub(super) primitives: &'h [u32],
-    pub(super) t: &'h [f32],
-    pub(super) u: &'h [f32],
-    pub(super) v: &'h [f32],
-}
-
-impl<'h> HitRows<'h> {
-    pub(super) fn new(hits: &'h Hits) -> Self {
-        Self {
-            primitives: &hits.primitives,
-            t: &hits.t,
-            u: &hits.u,
-            v: &hits.v,
-        }
-    }
-
-    /// Of which the triangles alone are known.
-    pub(super) fn of_primitives(primitives: &'h [u32]) -> Self {
-        let none = &[];
-        Self {
-            primitives,
-            t: none,
-            u: none,
-            v: none,
-        }
-    }
-
-    /// One ray's; a miss beyond the last.
-    fn get(&self, index: usize) -> PrimitiveHit {
-        let or = |numbers: &[f32], otherwise| numbers.get(index).copied().unwrap_or(otherwise);
-        let none = PrimitiveHit::NONE;
-        PrimitiveHit {
-            primitive: self.primitives.get(index).copied().unwrap_or(MISS),
-            t: or(self.t, none.t),
-            u: or(self.u, none.u),
-            v: or(self.v, none.v),
-        }
-    }
-
-    /// Those of eight rays from a number on; a miss beyond the last.
-    #[inline(always)]
-    pub(super) fn eight(&self, first: usize) -> EightHits<'h> {
-        const UNKNOWN: &Row = &[0.0; LANES];
-        let numbers = |numbers: &'h [f32]| numbers.get(first..).and_then(<[f32]>::first_chunk);
-        let primitives = self.primitives.get(first..).and_then(<[u32]>::first_chunk);
-        EightHits {
-            primitives: primitives.unwrap_or(&[MISS; LANES]),
-            t: numbers(self.t).unwrap_or(UNKNOWN),
-            weights: match (numbers(self.u), numbers(self.v)) {
-                (Some(u), Some(v)) => Some((u, v)),
-                _ => None,
-            },
-        }
-    }
-}
-
-/// What eight rays of a row hit, and where.
-pub(super) struct EightHits<'h> {
-    pub(super) primitives: &'h [u32; LANES],
-    pub(super) t: &'h Row,
-    /// u and v, where they are known.
-    pub(super) weights: Option<(&'h Row, &'h Row)>,
-}
-
-impl EightHits<'_> {
-    /// The hit of one of them.
-    pub(super) fn get(&self, lane: usize) -> PrimitiveHit {
-        PrimitiveHit {
-            primitive: self.primitives[lane],
-            t: self.t[lane],
-            u: self.weights.map_or(0.0, |(u, _)| u[lane]),
-            v: self.weights.map_or(0.0, |(_, v)| v[lane]),
-        }
-    }
-
-    /// u and v; zero where they are not known.
-    #[inline(always)]
-    pub(super) fn load_weights<L: Lanes>(&self, lanes: L) -> (L::F32, L::F32) {
-        match self.weights {
-            Some((u, v)) => (lanes.load(u), lanes.load(v)),
-            None => (lanes.splat(0.0), lanes.splat(0.0)),
-        }
-    }
-}
 
 /// Opaque colours of eight samples.
 enum Eight<L: Lanes> {
@@ -165,18 +78,31 @@ impl TileShader<'_> {
         let (u, v) = hits.load_weights(lanes);
         let light = match colors {
             EightColors::Own | EightColors::Flat | EightColors::Smooth | EightColors::Material => {
-                let surface = self.surface_colors(lanes, rays, place, hits);
+                let needs = shader.needs();
+                let is_lit = matches!(colors, EightColors::Smooth | EightColors::Material);
+                let (facets, own) = match (is_lit, needs.varied) {
+                    (true, false) => self.facets_and_colors(lanes, hits.primitives),
+                    (true, true) => {
+                        let facets = self.facets(lanes, hits.primitives);
+                        (facets, self.own_colors(lanes, hits))
+                    }
+                    (false, _) => (Facets::none(lanes), self.own_colors(lanes, hits)),
+                };
+                let surface = if needs.texture {
+                    self.textured(lanes, rays, place, hits, own)
+                } else {
+                    own
+                };
                 match colors {
                     EightColors::Flat => surface.times(self.flat_light(lanes, hits.primitives)),
-                    EightColors::Smooth | EightColors::Material => {
-                        let facets = self.facets(lanes, hits.primitives);
+                    EightColors::Smooth => {
                         let to_eye = rays.to_eye(lanes, shader, place);
-                        if let EightColors::Material = colors {
-                            let normal = facets.normal_at(lanes, u, v);
-                            self.reflected(lanes, hits.primitives, surface, normal, to_eye)
-                        } else {
-                            surface.times(shader.light(lanes, &facets, hits.weights, to_eye))
-                        }
+                        surface.times(shader.light(lanes, &facets, hits.weights, to_eye))
+                    }
+                    EightColors::Material => {
+                        let to_eye = rays.to_eye(lanes, shader, place);
+                        let normal = facets.normal_at(lanes, u, v);
+                        self.reflected(lanes, hits.primitives, surface, normal, to_eye)
                     }
                     _ => surface,
                 }
@@ -342,17 +268,33 @@ impl TileShader<'_> {
         [ax * w + bx * u + cx * v, ay * w + by * u + cy * v]
     }
 
-    /// Colours of the surfaces that eight samples show, with their textures.
+    /// Normals and colours of the triangles that eight samples show, in pictures where no triangle's colours vary.
     #[inline(always)]
-    fn surface_colors<L: Lanes>(
+    fn facets_and_colors<L: Lanes>(
         &mut self,
         lanes: L,
-        rays: &TileRays,
-        place: (u32, u32),
-        hits: &EightHits<'_>,
-    ) -> Vectors<L> {
-        let shader = self.shader();
+        primitives: &[u32; LANES],
+    ) -> (Facets<L>, Vectors<L>) {
+        if *primitives == [primitives[0]; LANES] {
+            let facet = self.facet(primitives[0], 0.0);
+            let color = Vectors::splat(lanes, facet.color);
+            return (Facets::one(lanes, facet), color);
+        }
+        let mut facets = Facets::none(lanes);
         let mut colors = Vectors::splat(lanes, Vec3::ZERO);
+        for run in runs(primitives) {
+            let facet = self.facet(run.primitive, 0.0);
+            let from = lanes.mask_from(run.first);
+            facets = facets.replaced(from, Facets::one(lanes, facet));
+            colors = colors.replaced(from, Vectors::splat(lanes, facet.color));
+        }
+        (facets, colors)
+    }
+
+    /// Colours of the surfaces that eight samples show, without textures.
+    #[inline(always)]
+    fn own_colors<L: Lanes>(&mut self, lanes: L, hits: &EightHits<'_>) -> Vectors<L> {
+        let shader = self.shader();
         if shader.needs().varied {
             let mut each = Rows::ZERO;
             for lane in 0..LANES {
@@ -362,19 +304,15 @@ impl TileShader<'_> {
                     each.set(lane, shader.own_color(facet, hit.u, hit.v));
                 }
             }
-            colors = Vectors::load(lanes, &each);
-        } else {
-            for run in runs(hits.primitives) {
-                let color = self.facet(run.primitive, 0.0).color;
-                let from = lanes.mask_from(run.first);
-                colors = colors.replaced(from, Vectors::splat(lanes, color));
-            }
+            return Vectors::load(lanes, &each);
         }
-        if shader.needs().texture {
-            self.textured(lanes, rays, place, hits, colors)
-        } else {
-            colors
+        let mut colors = Vectors::splat(lanes, Vec3::ZERO);
+        for run in runs(hits.primitives) {
+            let color = self.facet(run.primitive, 0.0).color;
+            let from = lanes.mask_from(run.first);
+            colors = colors.replaced(from, Vectors::splat(lanes, color));
         }
+        colors
     }
 
     /// What the materials of eight samples reflect, where they have no images.

@@ -1,7 +1,7 @@
 //! A picture's channels beside colours, eight samples of a row at once.
 
 use super::TileShader;
-use super::eight::HitRows;
+use super::hit_rows::HitRows;
 use super::smooth::Facets;
 use crate::camera::Lattice;
 use crate::hits::runs;

@@ -1,8 +1,8 @@
 //! Textures on eight samples of a row at once.
 
 use super::TileShader;
-use super::eight::EightHits;
 use super::facet::Mapping;
+use super::hit_rows::EightHits;
 use super::sample::sample_eight;
 use super::smooth::{Row, Rows, Vectors};
 use super::tile_rays::TileRays;

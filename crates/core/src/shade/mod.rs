@@ -16,6 +16,7 @@ mod eight_texture;
 mod facet;
 mod footprint;
 mod ground;
+mod hit_rows;
 mod legend;
 mod light;
 mod line_overlay;

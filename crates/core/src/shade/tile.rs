@@ -1,5 +1,5 @@
-use super::eight::HitRows;
 use super::facet::{Facet, SurfaceTriangle};
+use super::hit_rows::HitRows;
 use super::translucent::{Translucent, shell};
 use super::{Shader, srgb};
 use crate::camera::{Lattice, Rect};

@@ -3,12 +3,11 @@
 use super::{Shader, opaque};
 use crate::camera::Projection;
 use crate::scene::{Attribute, Object, Scene};
-use crate::shade::Mode;
-use crate::shade::Shading;
 use crate::shade::edges::EdgeLines;
 use crate::shade::facet::{Facet, Needs, SurfaceTriangle, Varied, facing_normal, unit};
 use crate::shade::own_color::Placed;
 use crate::shade::sides::Sides;
+use crate::shade::{Mode, Shading};
 use glam::{DAffine3, DMat3, DVec3, Mat3, Vec3};
 use std::sync::Arc;
 
