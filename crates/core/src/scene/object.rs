@@ -189,7 +189,12 @@ impl Scene {
             .collect()
     }
 
-    fn world_from_object(&self, index: usize) -> Result<DAffine3, SceneError> {
+    /// The map from an object's own space to the world's, its parents included: in time proportional to their number.
+    ///
+    /// # Errors
+    /// As [`Scene::world_from_objects`], and an object that does not exist.
+    pub fn world_from_object(&self, index: usize) -> Result<DAffine3, SceneError> {
+        let name = || (self.objects.get(index)).map_or_else(String::new, |it| shorten(&it.name));
         let mut world_from_object = DAffine3::IDENTITY;
         let mut next = Some(index);
         for _ in 0..=self.objects.len() {
@@ -197,22 +202,16 @@ impl Scene {
                 return if world_from_object.is_finite() {
                     Ok(world_from_object)
                 } else {
-                    Err(SceneError::BadTransform {
-                        object: shorten(&self.objects[index].name),
-                    })
+                    Err(SceneError::BadTransform { object: name() })
                 };
             };
             let Some(object) = self.objects.get(ancestor) else {
-                return Err(SceneError::NoSuchParent {
-                    object: shorten(&self.objects[index].name),
-                });
+                return Err(SceneError::NoSuchParent { object: name() });
             };
             world_from_object = object.transform.parent_from_object() * world_from_object;
             next = object.parent;
         }
-        Err(SceneError::ParentCycle {
-            object: shorten(&self.objects[index].name),
-        })
+        Err(SceneError::ParentCycle { object: name() })
     }
 
     /// All triangles, dropped ones included.

@@ -3,7 +3,7 @@
 use super::State;
 use super::effect::Effect;
 use super::objects;
-use raycast_core::glam::{DVec2, DVec3};
+use raycast_core::glam::DVec3;
 use raycast_core::scene::{Mesh, Object, Shape};
 use std::sync::Arc;
 
@@ -11,40 +11,6 @@ use std::sync::Arc;
 /// takes 0.4 µs of processor time a triangle for a sphere of 4 M and its tree, so these take 6 ms at most. Scene files
 /// may have more.
 const MOST_TRIANGLES: u64 = 1 << 14;
-
-const SEGMENTS: u32 = 64;
-const RINGS: u32 = 32;
-
-/// Shapes to put in, as scene files have them where they say no number.
-pub const SHAPES: [Shape; 7] = [
-    Shape::Cube { size: DVec3::ONE },
-    Shape::Plane { size: DVec2::ONE },
-    Shape::Sphere {
-        radius: 1.0,
-        segments: SEGMENTS,
-        rings: RINGS,
-    },
-    Shape::Cone {
-        radius: 1.0,
-        height: 1.0,
-        segments: SEGMENTS,
-    },
-    Shape::Cylinder {
-        radius: 1.0,
-        height: 1.0,
-        segments: SEGMENTS,
-    },
-    Shape::Torus {
-        radius: 1.0,
-        tube: 0.25,
-        segments: SEGMENTS,
-        rings: RINGS,
-    },
-    Shape::Disc {
-        radius: 1.0,
-        segments: SEGMENTS,
-    },
-];
 
 /// Puts a shape where one orbits about, a round share of the scene large, behind the other objects.
 pub(super) fn add(state: &mut State, shape: Shape) -> Option<Effect> {
@@ -111,7 +77,7 @@ mod tests {
 
     #[test]
     fn every_shape_is_made_and_small_enough() {
-        for shape in SHAPES {
+        for shape in Shape::ALL {
             assert_eq!(shape.check(), Ok(()));
             assert!(shape.triangles() <= MOST_TRIANGLES);
         }

@@ -322,7 +322,7 @@ fn an_object_put_elsewhere_in_the_list_takes_its_number_mark_lock_and_children_a
 #[test]
 fn shapes_are_put_in_changed_by_numbers_and_undone() {
     let mut state = opened_to_edit(2);
-    let [cube, _, sphere, ..] = crate::state::shapes::SHAPES;
+    let [cube, _, sphere, ..] = raycast_core::scene::Shape::ALL;
     for shape in [cube, cube, sphere] {
         assert_eq!(
             update(&mut state, Command::AddShape(shape)),
