@@ -62,16 +62,14 @@ pub fn hand_out(state: &mut State, files: &Files, effect: Effect) {
 
 /// Works out the size of an object, if it is not known.
 fn weigh(state: &State, files: &Files, number: usize) {
-    let scene = state.document.as_ref().map(|document| &document.scene);
-    let Some((scene, transforms)) =
-        scene.and_then(|scene| Some((scene, scene.world_from_objects().ok()?)))
-    else {
+    let Some(document) = &state.document else {
         return;
     };
-    if let (Some(object), Some(place)) = (scene.objects.get(number), transforms.get(number))
-        && state.inspection.size(&object.mesh, place).is_none()
+    let scene = &document.scene;
+    if let (Some(object), Ok(place)) = (scene.objects.get(number), scene.world_from_object(number))
+        && state.inspection.size(&object.mesh, &place).is_none()
     {
-        files.weigh(Arc::clone(&object.mesh), *place);
+        files.weigh(Arc::clone(&object.mesh), place);
     }
 }
 

@@ -253,14 +253,10 @@ impl App {
         self.canvas.hand_over();
     }
 
-    /// Opens what was dropped: an image becomes the texture, anything else the scene, or a part of it.
+    /// Opens the dropped files.
     fn drop_in(&mut self, context: &egui::Context, paths: Vec<PathBuf>, adds: bool) {
-        let (images, scenes): (Vec<_>, Vec<_>) = paths.into_iter().partition(|path| is_image(path));
-        let command = match images.into_iter().next() {
-            _ if !scenes.is_empty() && adds => Command::Add(scenes),
-            _ if !scenes.is_empty() => Command::Open(scenes),
-            Some(image) => Command::DropPicture(image),
-            None => return,
+        let Some(command) = command_of_drop(paths, adds) else {
+            return;
         };
         let effect = update::update(&mut self.state, command);
         self.carry_out(context, effect);
@@ -415,9 +411,43 @@ impl eframe::App for App {
     }
 }
 
+/// What dropped files ask for. Meshes and scenes replace what is open, or are added to it; an image alone becomes the
+/// texture, or brings its camera back if it was made here.
+fn command_of_drop(paths: Vec<PathBuf>, adds: bool) -> Option<Command> {
+    let (images, scenes): (Vec<_>, Vec<_>) = paths.into_iter().partition(|path| is_image(path));
+    match (scenes.is_empty(), adds) {
+        (false, true) => Some(Command::Add(scenes)),
+        (false, false) => Some(Command::Open(scenes)),
+        (true, _) => images.into_iter().next().map(Command::DropPicture),
+    }
+}
+
 /// Whether a file is an image by its name.
 fn is_image(path: &Path) -> bool {
     path.extension()
         .map(|extension| extension.to_string_lossy().to_ascii_lowercase())
         .is_some_and(|extension| ["png", "jpg", "jpeg", "ppm", "exr"].contains(&extension.as_str()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dropped_meshes_scenes_and_prepared_files_are_opened_or_added_and_images_are_textures() {
+        let paths = |names: &[&str]| names.iter().map(PathBuf::from).collect::<Vec<_>>();
+        let meshes = ["a.obj", "b.raycast", "c.raycast.toml"];
+        let dropped = |names: &[&str], adds| command_of_drop(paths(names), adds);
+        assert_eq!(dropped(&meshes, false), Some(Command::Open(paths(&meshes))));
+        assert_eq!(dropped(&meshes, true), Some(Command::Add(paths(&meshes))));
+        let image = Some(Command::DropPicture("wood.PNG".into()));
+        assert_eq!(dropped(&["wood.PNG", "more.jpg"], false), image);
+        // An image beside a mesh is most likely one that the mesh names.
+        let with_image = ["wood.PNG", "a.obj"];
+        assert_eq!(
+            dropped(&with_image, false),
+            Some(Command::Open(paths(&["a.obj"])))
+        );
+        assert_eq!(dropped(&[], true), None);
+    }
 }

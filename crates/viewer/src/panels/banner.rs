@@ -35,7 +35,7 @@ pub(super) fn show(
                 ui.add(egui::Label::new(text).extend());
             });
     }
-    let width = (room.width() - 24.0).clamp(160.0, 620.0);
+    let width = width(room);
     let top = Area::new(Id::unique("banners"))
         .order(Order::Middle)
         .fixed_pos(room.center_top() + vec2(-width * 0.5, 12.0));
@@ -69,11 +69,55 @@ pub(super) fn show(
             .fixed_pos(room.center_bottom() - vec2(0.0, 14.0))
             .interactable(false)
             .show(context, |ui| {
-                for toast in &state.toasts {
-                    card(ui, theme::colors(ui).line).show(ui, |ui| ui.label(&toast.text));
-                }
+                // An area is as wide as it was: the first message would decide where later ones break.
+                ui.set_width(width);
+                ui.vertical_centered(|ui| {
+                    for toast in &state.toasts {
+                        card(ui, theme::colors(ui).line).show(ui, |ui| ui.label(&toast.text));
+                    }
+                });
             });
     }
+    held_files(context, room, state);
+}
+
+/// The width of what lies over the picture, in points.
+fn width(room: egui::Rect) -> f32 {
+    (room.width() - 24.0).clamp(160.0, 620.0)
+}
+
+/// What becomes of files that are held over the window, as long as they are.
+fn held_files(context: &Context, room: egui::Rect, state: &State) {
+    let (count, adds) = context.input(|input| {
+        let held = input.raw.hovered_files.len();
+        (held, input.modifiers.shift)
+    });
+    if count == 0 {
+        return;
+    }
+    let layer = egui::LayerId::new(Order::Foreground, Id::unique("held files"));
+    let painter = context.layer_painter(layer).with_clip_rect(room);
+    let accent = theme::of(&egui::Visuals::dark()).accent;
+    painter.rect_filled(room, 0.0, egui::Color32::from_black_alpha(150));
+    let frame = room.shrink(6.0);
+    let stroke = Stroke::new(2.0, accent);
+    painter.rect_stroke(frame, 6.0, stroke, egui::StrokeKind::Inside);
+    let files = if count == 1 { "file" } else { "files" };
+    let text = match (adds, state.document.is_some()) {
+        (true, true) => format!("Drop to add the {files} to what is open"),
+        (false, true) => format!("Drop to open the {files}, or hold Shift to add to what is open"),
+        (_, false) => format!("Drop to open the {files}"),
+    };
+    Area::new(Id::unique("held files' hint"))
+        .order(Order::Tooltip)
+        .pivot(Align2::CENTER_CENTER)
+        .fixed_pos(frame.center())
+        .interactable(false)
+        .show(context, |ui| {
+            ui.set_width(width(room));
+            let text = RichText::new(text).color(egui::Color32::WHITE).size(15.0);
+            ui.vertical_centered(|ui| ui.label(text));
+        });
 }
 
 fn card(ui: &Ui, line: egui::Color32) -> Frame {
@@ -146,10 +190,11 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
         let mut label = None;
         ui.horizontal(|ui| {
             label = Some(ui.label(RichText::new(title).strong()).id);
-            let more = if prompt.dialog {
-                "choose in the dialog, or type a path:"
-            } else {
-                "type a path, or drop a file on the window:"
+            let more = match (prompt.dialog, prompt.kind.saves()) {
+                (true, _) => "choose in the dialog, or type a path:",
+                (false, true) => "type a path:",
+                // What is dropped is opened, whatever the line is for.
+                (false, false) => "type a path, or drop a file on the window:",
             };
             ui.add(egui::Label::new(RichText::new(more).weak()).truncate());
         });

@@ -2,7 +2,7 @@
 
 use super::Commands;
 use super::highlight::{before, line};
-use super::widgets::{Number, section};
+use super::widgets::{Number, changed_from, section_that_opens};
 use crate::state::command::Command;
 use crate::state::cut::{at_distance, distance, outline, range};
 use crate::state::{PromptKind, State};
@@ -23,7 +23,10 @@ const ADD: [(&str, &str); 5] = [
 ];
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
-    section(ui, (Icon::Scissors, "Cut"), false, |ui| {
+    // A plane is put in from menus and the palette too: its numbers are not to stay behind a closed title.
+    let count = state.settings.clip.all().len() + usize::from(state.cutting.is_some());
+    let is_new = changed_from(ui, "planes", count, 0).is_some_and(|last| last < count);
+    section_that_opens(ui, (Icon::Scissors, "Cut"), false, is_new, |ui| {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
             let narrow = (ui.available_width() - 66.0 - 46.0 - 8.0) / 3.0;
@@ -46,14 +49,19 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
             }
         });
         if let Some(points) = &state.cutting {
-            let left = 3 - points.len();
-            let points = if left == 1 { "point" } else { "points" };
-            ui.weak(format!("Click {left} more {points} of the plane"));
+            ui.weak(points_left(points));
         }
         for (index, plane) in state.settings.clip.all().iter().enumerate() {
             planes(ui, state, index, plane, out);
         }
     });
+}
+
+/// What the hand is to do for a plane through three points.
+pub(super) fn points_left(points: &[DVec3]) -> String {
+    let left = 3_usize.saturating_sub(points.len());
+    let points = if left == 1 { "point" } else { "points" };
+    format!("Click {left} more {points} of the plane")
 }
 
 /// What a plane is called: its axis, or its number.

@@ -1,7 +1,7 @@
 //! What is wrong with meshes: counted, listed, clicked to be looked at.
 
 use super::Commands;
-use super::widgets::{fact, section_that_opens};
+use super::widgets::{changed_from, fact, section_that_opens};
 use crate::state::State;
 use crate::state::command::Command;
 use crate::state::inspection::{Checked, Fault, Shown};
@@ -9,7 +9,7 @@ use crate::ui::format;
 use crate::ui::icons::Icon;
 use crate::ui::registry::{self, action};
 use crate::ui::theme;
-use egui::{Button, Id, RichText, Ui, vec2};
+use egui::{Button, RichText, Ui, vec2};
 use std::sync::Arc;
 
 /// The most objects whose faults are listed: more are not read, and take longer than a frame has.
@@ -20,12 +20,8 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
         return;
     };
     // A check is asked for from menus and the palette too: its answer is not to stay behind a closed title.
-    let last = Id::unique("last check");
     let rounds = state.inspection.rounds;
-    let is_new = rounds > 0 && ui.data(|data| data.get_temp(last)) != Some(rounds);
-    if is_new {
-        ui.data_mut(|data| data.insert_temp(last, rounds));
-    }
+    let is_new = rounds > 0 && changed_from(ui, "last check", rounds, 0).is_some();
     section_that_opens(ui, (Icon::HeartPulse, "Health"), false, is_new, |ui| {
         let name = match state.selected.and_then(|n| document.scene.objects.get(n)) {
             Some(object) => format!("Check {}", object.name),

@@ -83,8 +83,8 @@ fn box_of_marked(
     let found = state.selected.zip(state.document.as_ref());
     let Some((object, world_from_object)) = found.and_then(|(number, document)| {
         let object = document.scene.objects.get(number)?;
-        let transforms = document.scene.world_from_objects().ok()?;
-        Some((object, *transforms.get(number)?))
+        let world_from_object = document.scene.world_from_object(number).ok()?;
+        Some((object, world_from_object))
     }) else {
         return;
     };

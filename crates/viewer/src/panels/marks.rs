@@ -160,8 +160,7 @@ fn faults<P: Fn((f64, f64)) -> Pos2>(pen: &Pen<'_, P>, state: &State) {
     };
     let scene = &document.scene;
     let checked = state.inspection.of(scene, shown.object);
-    let world_from_objects = scene.world_from_objects().unwrap_or_default();
-    let (Some(checked), Some(world_from_object)) = (checked, world_from_objects.get(shown.object))
+    let (Some(checked), Ok(world_from_object)) = (checked, scene.world_from_object(shown.object))
     else {
         return;
     };

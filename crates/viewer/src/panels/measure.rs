@@ -1,7 +1,7 @@
 //! Measurements: tools, what was measured, and the size of the marked object.
 
 use super::Commands;
-use super::widgets::{fact, row, section, select, tick};
+use super::widgets::{changed_from, fact, row, section_that_opens, select, tick};
 use crate::state::State;
 use crate::state::command::Command;
 use crate::state::lengths::Lengths;
@@ -14,7 +14,10 @@ use raycast_core::formats::LengthUnit;
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     let measuring = &state.measuring;
-    section(ui, (Icon::Ruler, "Measure"), false, |ui| {
+    // A tool is begun by a key or a menu too: what it finds is not to stay behind a closed title.
+    let changed = changed_from(ui, "measuring tool", measuring.tool, None);
+    let is_new = changed.is_some() && measuring.tool.is_some();
+    section_that_opens(ui, (Icon::Ruler, "Measure"), false, is_new, |ui| {
         tools(ui, state, out);
         let lengths = state.lengths();
         unit(ui, state, out);
@@ -170,11 +173,7 @@ fn size(ui: &mut Ui, state: &State) {
     let scene = &document.scene;
     let marked = state.selected.and_then(|number| {
         let object = scene.objects.get(number)?;
-        Some((
-            number,
-            object,
-            *scene.world_from_objects().ok()?.get(number)?,
-        ))
+        Some((number, object, scene.world_from_object(number).ok()?))
     });
     ui.add_space(2.0);
     let Some((number, object, world_from_object)) = marked else {

@@ -25,20 +25,25 @@ impl Tree {
         if objects.iter().all(|object| object.parent.is_none()) {
             return Self { rows: None };
         }
-        let mut children = vec![Vec::new(); objects.len()];
-        let mut roots = Vec::new();
-        for (number, object) in objects.iter().enumerate() {
-            match object.parent.and_then(|parent| children.get_mut(parent)) {
-                Some(siblings) => siblings.push(number),
-                None => roots.push(number),
-            }
+        // First children and next siblings by number: no allocation an object, as this is done in every frame.
+        let none = objects.len();
+        let (mut first, mut next, mut first_root) = (vec![none; none], vec![none; none], none);
+        for (number, object) in objects.iter().enumerate().rev() {
+            let list = match object.parent {
+                Some(parent) if parent < none => &mut first[parent],
+                _ => &mut first_root,
+            };
+            next[number] = std::mem::replace(list, number);
         }
-        let mut rows = Vec::with_capacity(objects.len());
-        let mut stack: Vec<_> = roots.into_iter().rev().map(|root| (root, 0)).collect();
+        let mut rows = Vec::with_capacity(none);
+        let mut stack = vec![(first_root, 0)];
         while let Some((number, depth)) = stack.pop() {
+            if number == none {
+                continue;
+            }
             rows.push((number, depth));
-            let below = children[number].iter().rev();
-            stack.extend(below.map(|child| (*child, depth + 1)));
+            stack.push((next[number], depth));
+            stack.push((first[number], depth + 1));
         }
         // Scenes have no cycle; if one had, what is in it would be missing.
         let is_whole = rows.len() == objects.len();

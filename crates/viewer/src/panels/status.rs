@@ -13,7 +13,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status) {
         let colors = theme::colors(ui);
         let (text, color, hint) = progress(state, status, colors);
         // What the hand is to do comes first where there is little room.
-        let is_led = state.walk.is_some() || state.measuring.tool.is_some();
+        let is_led = state.walk.is_some() || state.measuring.tool.is_some() || state.cutting.is_some();
         if !is_led || ui.available_width() > 760.0 {
             ui.label(RichText::new(text).color(color)).on_hover_text(hint);
         }
@@ -37,6 +37,9 @@ fn under_cursor(state: &State) -> String {
     }
     if let Some(tool) = state.measuring.tool {
         return format!("{}: {}. Esc ends", tool.name(), tool.hint());
+    }
+    if let Some(points) = &state.cutting {
+        return format!("Cut: {}. Esc ends", super::cut::points_left(points));
     }
     let Some((x, y)) = state.hover else {
         return document.name.clone();

@@ -99,6 +99,21 @@ pub(super) fn section_that_opens(
     icons::paint(ui.painter(), center, icon, ICON_SIZE, color);
 }
 
+/// The value of the last frame in which a panel asked, if it was another; `at_first` before the first one.
+pub(super) fn changed_from<T: Clone + PartialEq + Send + Sync + 'static>(
+    ui: &Ui,
+    id: &'static str,
+    now: T,
+    at_first: T,
+) -> Option<T> {
+    let id = Id::unique(id);
+    let last = ui.data(|data| data.get_temp(id)).unwrap_or(at_first);
+    (last != now).then(|| {
+        ui.data_mut(|data| data.insert_temp(id, now));
+        last
+    })
+}
+
 /// A name, and what belongs to it; `body` gets the name's id to label its controls with.
 pub(super) fn row(ui: &mut Ui, name: &str, hint: &str, body: impl FnOnce(&mut Ui, Id)) {
     ui.horizontal(|ui| {

@@ -42,7 +42,7 @@ pub(super) fn show(state: &mut State, shown: Option<Shown>) {
 fn around(state: &State, shown: Shown) -> Option<(DVec3, f64)> {
     let scene = &state.document.as_ref()?.scene;
     let checked = state.inspection.of(scene, shown.object)?;
-    let world_from_object = *scene.world_from_objects().ok()?.get(shown.object)?;
+    let world_from_object = scene.world_from_object(shown.object).ok()?;
     let corners = checked.corners(shown.fault, shown.index).into_iter();
     let bounds = Bounds::around(corners.map(|corner| world_from_object.transform_point3(corner)));
     (!bounds.is_empty()).then(|| (bounds.center(), bounds.size().length()))

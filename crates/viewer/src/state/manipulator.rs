@@ -131,13 +131,12 @@ impl State {
         let scene = &self.document.as_ref()?.scene;
         let object = scene.objects.get(number).filter(|object| object.visible)?;
         let bounds = object.mesh.bounds();
-        let places = scene.world_from_objects().ok()?;
         let world_from_parent = match object.parent {
-            Some(parent) => *places.get(parent)?,
+            Some(parent) => scene.world_from_object(parent).ok()?,
             None => DAffine3::IDENTITY,
         };
         let middle = bounds.center();
-        let center = places.get(number)?.transform_point3(middle);
+        let center = (scene.world_from_object(number).ok()?).transform_point3(middle);
         let apart = center - camera.placement().eye;
         let (view, depth) = match camera.projection() {
             Projection::Orthographic => (camera.forward(), camera.distance()),

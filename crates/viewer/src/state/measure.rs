@@ -238,7 +238,7 @@ impl State {
         let scene = &self.document.as_ref()?.built;
         let number = pick.hit.object as usize;
         let object = scene.objects.get(number)?;
-        let world_from_object = *scene.world_from_objects().ok()?.get(number)?;
+        let world_from_object = scene.world_from_object(number).ok()?;
         let corners = object.mesh.corners(pick.hit.triangle)?;
         Some(corners.map(|corner| {
             world_from_object.transform_point3(object.mesh.offset() + corner.as_dvec3())

@@ -152,6 +152,7 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
                 // Of two units neither is the scene's.
                 document.unit = document.unit.filter(|own| unit == Some(*own));
             }
+            state.tell(what_was_added(state, &objects));
             return change(state, "Add", |state| {
                 objects::edit(state, |all| {
                     let shift = all.len();
@@ -242,6 +243,33 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
         News::Dialog(kind, answer) => return answered(state, kind, answer),
     }
     None
+}
+
+/// What came beside what was open; and a hint where the view, which stays, does not show all of it.
+fn what_was_added(state: &State, objects: &[Object]) -> String {
+    let added = match objects {
+        [one] => format!("Added {}", one.name),
+        _ => format!("Added {} objects", objects.len()),
+    };
+    let scene = Scene {
+        objects: objects.to_vec(),
+    };
+    let bounds = scene.bounds();
+    let Some(camera) = state.camera() else {
+        return added;
+    };
+    // Panoramas see all around.
+    let can_miss = camera.projection().panorama().is_none();
+    let (columns, rows) = state.size();
+    let is_seen = |corner| {
+        camera.project(corner).is_some_and(|(x, y)| {
+            (0.0..=f64::from(columns)).contains(&x) && (0.0..=f64::from(rows)).contains(&y)
+        })
+    };
+    match can_miss && !bounds.is_empty() && !bounds.corners().into_iter().all(is_seen) {
+        true => format!("{added}, not all of it in view: View, Fit shows everything"),
+        false => added,
+    }
 }
 
 /// Makes a change that undo takes back.

@@ -136,7 +136,7 @@ pub(super) fn turn(state: &mut State, which: usize, axis: usize) -> Option<Effec
     let object = scene.objects.get(which)?;
     let mut axis = *DVec3::AXES.get(axis)?;
     if !own && let Some(parent) = object.parent {
-        axis = axis_in(scene.world_from_objects().ok()?.get(parent)?, axis);
+        axis = axis_in(&scene.world_from_object(parent).ok()?, axis);
     }
     let middle = object.mesh.bounds().center();
     let transform = turned(&object.transform, axis, own, degrees, middle);

@@ -33,16 +33,16 @@ pub(super) fn set(state: &mut State, which: usize, parent: Option<usize>) -> Opt
     }
     let document = state.document.as_ref()?;
     let objects = &document.scene.objects;
-    let places = document.scene.world_from_objects().ok()?;
+    let world_from_object = document.scene.world_from_object(which).ok()?;
     let world_from_parent = match parent {
-        Some(parent) => *places.get(parent)?,
+        Some(parent) => document.scene.world_from_object(parent).ok()?,
         None => DAffine3::IDENTITY,
     };
     let transform = match world_from_parent == DAffine3::IDENTITY {
-        true => within(places[which], &objects[which]),
+        true => within(world_from_object, &objects[which]),
         false => {
             let parent_from_world = world_from_parent.inverse();
-            within(parent_from_world * places[which], &objects[which])
+            within(parent_from_world * world_from_object, &objects[which])
         }
     };
     if !transform.is_finite() {

@@ -59,7 +59,7 @@ impl Pinned {
         } = pick.hit;
         let number = object as usize;
         let object = scene.objects.get(number)?;
-        let world_from_object = *scene.world_from_objects().ok()?.get(number)?;
+        let world_from_object = scene.world_from_object(number).ok()?;
         let offset = object.mesh.offset();
         let corners = object.mesh.corners(triangle)?;
         let corners =
@@ -108,8 +108,8 @@ impl State {
         let object = scene.objects.get(number)?;
         let texture = object.texture_on(triangle)?;
         let projection = self.settings.shading.projection;
-        let places = scene.world_from_objects().ok()?;
-        let point = texture_point(object, (triangle, [u, v]), projection, places.get(number)?)?;
+        let world_from_object = scene.world_from_object(number).ok()?;
+        let point = texture_point(object, (triangle, [u, v]), projection, &world_from_object)?;
         let (column, row) = texture.texel_at(point.x, point.y)?;
         let index = row as usize * texture.width() as usize + column as usize;
         let first = texture.crop().map_or((0, 0), |crop| (crop.x, crop.y));
