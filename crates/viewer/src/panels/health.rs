@@ -1,4 +1,4 @@
-//! What is wrong with meshes: counted, listed, clicked to be looked at.
+//! Faults of meshes: counts, and buttons that show each fault.
 
 use super::Commands;
 use super::widgets::{changed_from, fact, section_that_opens};
@@ -12,14 +12,14 @@ use crate::ui::theme;
 use egui::{Button, RichText, Ui, vec2};
 use std::sync::Arc;
 
-/// The most objects whose faults are listed: more are not read, and take longer than a frame has.
+/// The most objects whose faults are listed: nobody reads more, and laying them out would take longer than a frame.
 const MOST: usize = 40;
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     let Some(document) = &state.document else {
         return;
     };
-    // A check is asked for from menus and the palette too: its answer is not to stay behind a closed title.
+    // A check may be started from menus and the palette, too: the part opens to show its results.
     let rounds = state.inspection.rounds;
     let is_new = rounds > 0 && changed_from(ui, "last check", rounds, 0).is_some();
     section_that_opens(ui, (Icon::HeartPulse, "Health"), false, is_new, |ui| {
@@ -40,7 +40,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
             let object = objects.get(checked.object)?;
             Arc::ptr_eq(&object.mesh, &checked.mesh).then_some((checked, &object.name))
         });
-        // What is sound among many needs no lines of its own.
+        // Of several objects those without faults are only counted.
         let is_one = state.inspection.checked.len() == 1;
         let (listed, sound): (Vec<_>, Vec<_>) =
             checked.partition(|(checked, _)| is_one || !checked.is_sound());
@@ -57,7 +57,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     });
 }
 
-/// A button of the whole width for a command of the registry.
+/// A button of full width for a command of the registry.
 fn ask(ui: &mut Ui, state: &State, id: &str, text: &str, out: &mut Commands) {
     let action = action(id);
     let width = ui.available_width();

@@ -1,4 +1,4 @@
-//! What is changed daily of how things look: the mode, lines, colours, texture, background.
+//! The everyday settings of the look: mode, lines, colours, texture, background.
 
 use super::widgets::{Number, color, row, section, select, tick};
 use super::{Commands, colors};
@@ -27,16 +27,16 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     });
 }
 
-/// Columns of the modes' buttons, and points between them.
+/// Columns of the modes' buttons, and the gap between them in points.
 const COLUMNS: usize = 3;
 const GAP: f32 = 2.0;
-/// The picture of a mode, its name's letters, and the space between the two, in points: the longest name leaves a margin
-/// on both sides.
+/// The picture of a mode, its name's letters, and the space between the two, in points: the longest name leaves a
+/// margin on both sides.
 const PICTURE: f32 = 17.0;
 const TEXT: f32 = 11.0;
 const BESIDE: f32 = 3.0;
 
-/// How wide the button of a mode is in so much room.
+/// The width of a mode's button in a panel of this width.
 fn mode_width(room: f32) -> f32 {
     (room - GAP * (COLUMNS - 1) as f32) / COLUMNS as f32
 }
@@ -139,7 +139,7 @@ fn lines(ui: &mut Ui, state: &State, out: &mut Commands) {
     }
 }
 
-/// Which edges have lines, and whether hidden ones are seen.
+/// Which edges have lines, and whether hidden ones show.
 fn edges(ui: &mut Ui, lines: Wireframe, out: &mut Commands) {
     const NONE: EdgeKinds = EdgeKinds::NONE;
     const POLYGONS: EdgeKinds = EdgeKinds {

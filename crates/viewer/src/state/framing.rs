@@ -1,4 +1,4 @@
-//! From the state to the picture: its size, its camera, what is in view, and what its rays meet.
+//! What the picture follows from: its size, its camera, what is in view, and what its rays hit.
 
 use super::pick::Pick;
 use super::viewpoint::Viewpoint;
@@ -29,8 +29,8 @@ impl State {
         self.viewpoint.frame_height()
     }
 
-    /// Rays a pixel of the picture that stands still: as set, else [`REST_SAMPLES`] where each pixel of the
-    /// window has a ray and the person has not said no. What is saved has as many.
+    /// Samples a pixel of a still or saved picture: as set, else [`REST_SAMPLES`] if each pixel of the window has one
+    /// ray and the preferences allow it.
     pub fn rest_samples(&self) -> u32 {
         let is_one_to_one = self.resolution == Resolution::Window { density: 1.0 };
         match self.samples {
@@ -58,7 +58,7 @@ impl State {
         let plane = self.plane().ok()?;
         let mut viewpoint = self.viewpoint;
         if viewpoint.projection == Projection::Orthographic {
-            // Zooming narrows the frame; the plane that rays start from stays before the scene.
+            // Zooming narrows the frame; the plane that rays start from stays in front of the scene.
             viewpoint.orbit.distance = viewpoint.orbit.distance.max(self.clear_distance());
         }
         let camera = Camera::new(viewpoint.placement(), viewpoint.projection, plane);
@@ -68,13 +68,13 @@ impl State {
         })
     }
 
-    /// Whether the picture is one of those that may be off the view axis.
+    /// Whether the projection's frame can be shifted.
     pub fn can_shift(&self) -> bool {
         let projection = self.viewpoint.projection;
         projection.panorama().is_none() || projection.lens().is_some()
     }
 
-    /// How far from the pivot an eye has everything in front of it.
+    /// The distance from the pivot at which an eye has everything in front of it.
     fn clear_distance(&self) -> f64 {
         let orbit = self.viewpoint.orbit;
         let back = orbit.back();
@@ -95,7 +95,7 @@ impl State {
         }
     }
 
-    /// How large the scene is, corner to corner, in its units.
+    /// The scene's size: the diagonal of its box, in scene units.
     pub fn extent(&self) -> f64 {
         let length = self.bounds().size().length();
         if length.is_normal() { length } else { 1.0 }
@@ -110,7 +110,7 @@ impl State {
         f64::from(columns.max(1)) / f64::from(rows.max(1))
     }
 
-    /// How far what is visible reaches in a direction.
+    /// The greatest coordinate along a direction of what is visible.
     fn support(&self, direction: DVec3) -> Option<f64> {
         match &self.document {
             Some(document) => document.accel.support(direction),
@@ -121,13 +121,13 @@ impl State {
         }
     }
 
-    /// A viewpoint of this direction and lens from which all that is visible is in view.
+    /// The viewpoint with this direction and lens that has everything visible in view.
     pub fn fitted(&self, viewpoint: Viewpoint) -> Viewpoint {
         let center = self.bounds().center();
         viewpoint.fitted(center, self.aspect(), |direction| self.support(direction))
     }
 
-    /// Everything that decides the picture as it is while things move; `None` while there is no scene.
+    /// Everything that decides a picture in motion; `None` while there is no scene.
     pub fn view(&self) -> Option<View> {
         let document = self.document.as_ref()?;
         Some(View {
@@ -141,14 +141,14 @@ impl State {
         })
     }
 
-    /// The same as it is at rest: what is saved.
+    /// The same for a still or saved picture.
     pub fn view_at_rest(&self) -> Option<View> {
         let mut view = self.view()?;
         view.settings.samples = self.rest_samples();
         Some(view)
     }
 
-    /// What the ray through (x, y) of the picture meets.
+    /// The hit of the ray through (x, y) of the picture.
     pub fn pick(&self, x: f64, y: f64) -> Option<Pick> {
         let ray = self.camera()?.ray(x, y);
         let document = self.document.as_ref()?;
@@ -161,7 +161,7 @@ impl State {
         })
     }
 
-    /// How many tiles the picture is split into, side by side and one above the other.
+    /// The number of columns and rows of tiles.
     pub fn tile_counts(&self) -> (u32, u32) {
         let (columns, rows) = self.size();
         self.grid.counts(columns, rows)

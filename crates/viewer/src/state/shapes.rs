@@ -1,4 +1,4 @@
-//! Cubes, balls and their kind, put in and changed by numbers.
+//! Adding shapes, and changing their parameters.
 
 use super::State;
 use super::effect::Effect;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// may have more.
 const MOST_TRIANGLES: u64 = 1 << 14;
 
-/// Puts a shape where one orbits about, a round share of the scene large, behind the other objects.
+/// Adds a shape at the pivot, last in the list, of a round size near a tenth of the scene's.
 pub(super) fn add(state: &mut State, shape: Shape) -> Option<Effect> {
     let mesh = mesh(state, &shape)?;
     let objects = &state.document.as_ref()?.scene.objects;
@@ -31,7 +31,7 @@ pub(super) fn add(state: &mut State, shape: Shape) -> Option<Effect> {
     effect
 }
 
-/// Gives an object that is a shape other numbers.
+/// Changes the parameters of an object that is a shape.
 pub(super) fn set(state: &mut State, which: usize, shape: Shape) -> Option<Effect> {
     let object = state.document.as_ref()?.scene.objects.get(which)?;
     object.shape?;
@@ -45,7 +45,7 @@ pub(super) fn set(state: &mut State, which: usize, shape: Shape) -> Option<Effec
     })
 }
 
-/// Its mesh, if it is one that is made here; says so otherwise.
+/// Its mesh; `None`, with a message, if it has too many triangles.
 fn mesh(state: &mut State, shape: &Shape) -> Option<Arc<Mesh>> {
     if shape.check().is_ok() && shape.triangles() > MOST_TRIANGLES {
         state.tell("More triangles than a shape is given here: a scene file can");
@@ -55,7 +55,7 @@ fn mesh(state: &mut State, shape: &Shape) -> Option<Arc<Mesh>> {
     Some(Arc::new(Mesh::new(mesh)))
 }
 
-/// The nearest of …, 0.1, 0.2, 0.5, 1, … that is no larger.
+/// The greatest of …, 0.1, 0.2, 0.5, 1, … that is not above a length.
 fn round(length: f64) -> f64 {
     if !length.is_normal() || length < 0.0 {
         return 1.0;

@@ -1,4 +1,4 @@
-//! Shapes to put in.
+//! Adding shapes.
 
 use super::action::{Action, Menu};
 use super::when::has_scene;
