@@ -200,6 +200,16 @@ pub(super) fn lens(text: &str) -> Result<BrownConrady, String> {
     text.parse().map_err(|error: LensError| error.to_string())
 }
 
+/// Reads the distance between the eyes of a stereo picture.
+pub(super) fn eye_distance(text: &str) -> Result<f64, String> {
+    ranges::eye_distance(number(text)?).map_err(|error| error.to_string())
+}
+
+/// Reads the distance at which the views of a stereo pair coincide.
+pub(super) fn convergence(text: &str) -> Result<f64, String> {
+    ranges::convergence(number(text)?).map_err(|error| error.to_string())
+}
+
 /// Reads a grid's counts.
 pub(super) fn counts(text: &str) -> Result<(u32, u32), String> {
     match by(text, "a grid as COLUMNSxROWS")? {
@@ -411,6 +421,7 @@ pub(super) fn list<T: FromStr, const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use raycast_core::ranges::OutOfRange;
 
     #[test]
     fn sizes_have_limits() {
@@ -419,6 +430,32 @@ mod tests {
         for bad in ["0x5", "5x0", "-1x5", "65537x1", "5", "x", "1x2x3", "1.5x2"] {
             assert!(size(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn lenses_eyes_and_the_ground_are_refused_in_the_words_of_their_ranges() {
+        let lens = |k1: f64| OutOfRange::Lens {
+            found: [k1, 0.0, 0.0, 0.0, 0.0],
+        };
+        for (refused, expected) in [
+            (super::lens("1e308,0,0,0,0").err(), lens(1e308).to_string()),
+            (super::lens("1,2").err(), LensError::Count.to_string()),
+            (
+                eye_distance("-1").err(),
+                OutOfRange::EyeDistance(-1.0).to_string(),
+            ),
+            (
+                convergence("0").err(),
+                OutOfRange::Convergence(0.0).to_string(),
+            ),
+            (
+                ground("1e300").err(),
+                format!("{}, or none", OutOfRange::Ground(1e300)),
+            ),
+        ] {
+            assert_eq!(refused, Some(expected));
+        }
+        assert!(super::lens("-10,0,0,0,0").is_ok() && convergence("inf").is_ok());
     }
 
     #[test]

@@ -49,12 +49,17 @@ fn with_one_ending<'t>(text: &'t str, suggested: &str) -> &'t str {
     let ending = suggested.find('.').map_or("", |at| &suggested[at..]);
     let shorter = text.strip_suffix(ending).unwrap_or(text);
     let name = shorter.rsplit(['/', '\\']).next().unwrap_or(shorter);
-    let has_ending = Path::new(name).extension().is_some_and(|own| {
-        let known = [
-            "png", "ppm", "jpg", "jpeg", "exr", "csv", "svg", "dxf", "toml",
-        ];
-        known.iter().any(|known| own.eq_ignore_ascii_case(known))
-    });
+    let is_one_of = |endings: [&str; 2]| {
+        let own = Path::new(name).extension();
+        own.is_some_and(|own| {
+            endings
+                .iter()
+                .any(|ending| own.eq_ignore_ascii_case(ending))
+        })
+    };
+    let has_ending = Format::from_name(name).is_ok()
+        || DrawingFormat::from_name(name).is_some()
+        || is_one_of(["csv", "toml"]);
     if has_ending { shorter } else { text }
 }
 

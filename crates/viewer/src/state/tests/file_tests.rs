@@ -394,6 +394,7 @@ fn a_whole_name_that_is_typed_over_the_suggestion_keeps_one_ending() {
     for (typed, written) in [
         ("/out/a.jpg.png", "/out/a.jpg"),
         ("/out/a.png.png", "/out/a.png"),
+        ("/out/a.tif.png", "/out/a.tif"),
         ("/out/a.png", "/out/a.png"),
         ("/out/v1.2.png", "/out/v1.2.png"),
     ] {
