@@ -169,7 +169,10 @@ pub(super) fn ground(text: &str) -> Result<GroundArg, String> {
         _ => text
             .parse()
             .map(GroundArg::Some)
-            .map_err(|error: GroundError| format!("{error}, or none")),
+            .map_err(|error| match error {
+                GroundError::Word => format!("{error}, or none"),
+                GroundError::Range(error) => error.to_string(),
+            }),
     }
 }
 
@@ -321,9 +324,9 @@ pub(super) fn wireframe(text: &str) -> Result<WireframeArg, String> {
     if text == "none" {
         return Ok(WireframeArg::None);
     }
-    line_width(text)
-        .map(WireframeArg::Width)
-        .map_err(|error| format!("{error}, or none"))
+    let width = number(text).map_err(|error| format!("{error}, or none"))?;
+    let width = ranges::line_width(width).map_err(|error| error.to_string())?;
+    Ok(WireframeArg::Width(width))
 }
 
 /// Reads how strongly hidden lines show.
@@ -448,9 +451,18 @@ mod tests {
                 convergence("0").err(),
                 OutOfRange::Convergence(0.0).to_string(),
             ),
+            (ground("1e300").err(), OutOfRange::Ground(1e300).to_string()),
             (
-                ground("1e300").err(),
-                format!("{}, or none", OutOfRange::Ground(1e300)),
+                ground("x").err(),
+                "expected lowest, or a height, or none".to_owned(),
+            ),
+            (
+                wireframe("-1").err(),
+                OutOfRange::LineWidth(-1.0).to_string(),
+            ),
+            (
+                wireframe("x").err(),
+                "expected a number, or none".to_owned(),
             ),
         ] {
             assert_eq!(refused, Some(expected));

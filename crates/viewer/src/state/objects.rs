@@ -9,15 +9,61 @@ use super::turn::{Turning, axis_in, turned};
 use raycast_core::camera::{DEFAULT_FOV, Placement};
 use raycast_core::glam::DVec3;
 use raycast_core::ranges;
-use raycast_core::scene::{Object, Photograph, Scene, Transform};
+use raycast_core::scene::{Object, Photograph, Scene, Texture, Transform};
 use std::sync::Arc;
 
 /// Edits a copy of the list of objects, with the meshes shared; requests a tree where the old one is no longer valid.
+/// An edit that changes nothing keeps the scene itself, so that there is nothing to undo or to save.
 pub(super) fn edit(state: &mut State, edit: impl FnOnce(&mut Vec<Object>)) -> Option<Effect> {
     let document = state.document.as_mut()?;
     let mut scene = Scene::clone(&document.scene);
     edit(&mut scene.objects);
+    let old = &document.scene.objects;
+    let is_same_list = scene.objects.len() == old.len()
+        && scene
+            .objects
+            .iter()
+            .zip(old)
+            .all(|(new, old)| is_same(new, old));
+    if is_same_list {
+        return None;
+    }
     set_scene(state, Arc::new(scene))
+}
+
+/// Whether two objects are equal; meshes and textures are compared by address.
+fn is_same(a: &Object, b: &Object) -> bool {
+    let Object {
+        name,
+        mesh,
+        transform,
+        parent,
+        color,
+        texture,
+        mapping,
+        blend_by,
+        source,
+        up_axis,
+        texture_source,
+        node,
+        visible,
+        shape,
+    } = a;
+    let address = |texture: &Option<Arc<Texture>>| texture.as_ref().map(Arc::as_ptr);
+    *name == b.name
+        && Arc::ptr_eq(mesh, &b.mesh)
+        && *transform == b.transform
+        && *parent == b.parent
+        && *color == b.color
+        && address(texture) == address(&b.texture)
+        && *mapping == b.mapping
+        && *blend_by == b.blend_by
+        && *source == b.source
+        && *up_axis == b.up_axis
+        && *texture_source == b.texture_source
+        && *node == b.node
+        && *visible == b.visible
+        && *shape == b.shape
 }
 
 /// Edits each object.

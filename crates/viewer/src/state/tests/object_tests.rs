@@ -422,6 +422,29 @@ fn intersections_that_were_found_stay_known_while_the_mesh_is_the_same() {
 }
 
 #[test]
+fn commands_that_change_nothing_leave_nothing_to_undo_or_to_save() {
+    let mut state = opened(2);
+    let name = names(&state)[0].to_string();
+    let transform = document(&state).scene.objects[0].transform;
+    let before = Arc::clone(&document(&state).scene);
+    for command in [
+        Command::Rename(0, name),
+        Command::SetVisible(0, true),
+        Command::ShowAll,
+        Command::SetTransform(0, transform),
+        Command::SetColorRule(None, ColorRule::File),
+        Command::RemoveTexture(None),
+    ] {
+        assert_eq!(update(&mut state, command.clone()), None, "{command:?}");
+        assert_eq!(state.history.undo_name(), None, "{command:?}");
+        assert!(Arc::ptr_eq(&document(&state).scene, &before), "{command:?}");
+    }
+    assert!(!state.has_unsaved());
+    update(&mut state, Command::Rename(0, "another".to_owned()));
+    assert_eq!(state.history.undo_name(), Some("Rename"));
+}
+
+#[test]
 fn objects_are_renamed_duplicated_and_deleted_and_all_of_it_is_undone() {
     let mut state = opened(3);
     // The last one moves with the second.
