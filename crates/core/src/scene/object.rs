@@ -258,3 +258,38 @@ impl Scene {
         distinct.values().sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::MeshData;
+    use glam::DVec3;
+
+    #[test]
+    fn one_object_is_placed_as_among_all_and_faults_are_errors() {
+        let mesh = Arc::new(Mesh::new(MeshData::default()));
+        let object = |parent, x: f64| {
+            let mut object = Object::new("o", Arc::clone(&mesh));
+            object.parent = parent;
+            object.transform.translate = DVec3::X * x;
+            object.transform.rotate = DVec3::Z * 30.0;
+            object
+        };
+        let mut scene = Scene {
+            objects: vec![
+                object(Some(2), 1.0),
+                object(None, 2.0),
+                object(Some(1), 4.0),
+            ],
+        };
+        let all = scene.world_from_objects().expect("valid transforms");
+        for (index, expected) in all.iter().enumerate() {
+            assert_eq!(scene.world_from_object(index).as_ref(), Ok(expected));
+        }
+        assert!(scene.world_from_object(3).is_err());
+        scene.objects[1].parent = Some(7);
+        assert!(scene.world_from_object(0).is_err());
+        scene.objects[1].parent = Some(0);
+        assert!(scene.world_from_object(0).is_err());
+    }
+}
