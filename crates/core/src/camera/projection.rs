@@ -324,7 +324,8 @@ impl Camera {
 
     /// Whether the whole picture is inside its domain.
     pub fn is_filled(&self) -> bool {
-        // The corner pixels decide: the domain of every panorama but the cross is convex, and no rectangle around the middle of
+        // The corner pixels decide: the domain of every panorama but the cross is convex, and no rectangle around
+        // the middle of
         // the cross has its corners inside and other places outside.
         let whole = |camera: &Self, rect: Rect| {
             let middle = |pixel: u32| f64::from(pixel) + 0.5;
