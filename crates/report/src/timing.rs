@@ -86,7 +86,7 @@ pub fn geometric_mean(numbers: impl IntoIterator<Item = f64>) -> f64 {
 
 /// The seconds that each task takes. Tasks run in turn for `rounds` rounds, so that a change of the machine's clock
 /// rate affects all of them; a warm-up round before is not counted. Short tasks are repeated until a measurement
-/// takes [`LONG_ENOUGH`].
+/// takes 20 ms.
 pub fn interleaved<'a>(
     rounds: usize,
     works: &mut [Box<dyn FnMut() + Send + 'a>],
