@@ -436,9 +436,10 @@ const fn series(first: usize) -> [f64; TERMS] {
 /// doublings.
 ///
 /// Error bound: Horner's scheme, with its coefficients, rounds the k-th term at most 4k + 1 times. With terms below
-/// 1, 0.31, 0.02, … and the truncation, this is less than 3ε for cos ρ/4 and 2ε for (sin ρ/4)/(ρ/4). cos 2x = 2
-/// cos² x − 1 has four times the error of cos x and 3ε: 15ε, then 63ε. sin 2x / 2x = (sin x / x) cos x has the sum
-/// of both errors and ε: 6ε, then 22ε; it is multiplied by at most π. All are below 320ε.
+/// 1, 0.31, 0.02, … and the truncation, this is less than 3ε for cos ρ/4 and 2ε for (sin ρ/4)/(ρ/4).
+/// cos 2x = 2 cos² x − 1 has four times the error of cos x plus 3ε: 15ε, then 63ε.
+/// sin 2x / 2x = (sin x / x) cos x has the sum of both errors plus ε: 6ε, then 22ε; it is multiplied by at most π.
+/// All are below 320ε.
 #[inline(always)]
 fn equidistant(a: &[f64; LANES], b: f64, squared: &[f64; LANES], out: &mut Vectors) -> u32 {
     let [mut share, mut cosine] = [[0.0; LANES]; 2];

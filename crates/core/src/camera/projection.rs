@@ -238,9 +238,9 @@ impl Camera {
 
     /// The ray through the point (x, y) of the picture, in pixels from its top left corner.
     ///
-    /// This is the only definition of a pixel's ray: the pixel in column c and row r has its centre at (c + ½, r +
-    /// ½). The direction has unit length, so that `t` is the distance from the eye, or from the image plane of an
-    /// orthographic camera. It is zero where the picture has no ray ([`Camera::has_place`]).
+    /// This is the only definition of a pixel's ray: the pixel in column c and row r has its centre at
+    /// (c + ½, r + ½). The direction has unit length, so that `t` is the distance from the eye, or from the image
+    /// plane of an orthographic camera. It is zero where the picture has no ray ([`Camera::has_place`]).
     #[inline(always)]
     pub fn ray(&self, x: f64, y: f64) -> Ray {
         if self.eyes != Eyes::One {
@@ -286,8 +286,8 @@ impl Camera {
         self.right * vector.x + self.up * vector.y + self.forward * vector.z
     }
 
-    /// Whether (x, y) is inside the picture's domain. Panoramas have a bounded one, such as a fisheye's disc.
-    /// Outside, the ray has a zero direction and misses everything, and pixels are transparent.
+    /// Whether (x, y) is inside the picture's domain. That of many panoramas is bounded, such as
+    /// a fisheye's disc. Outside, the ray has a zero direction and misses everything, and pixels are transparent.
     pub fn has_place(&self, x: f64, y: f64) -> bool {
         if self.stereo().is_some() {
             return self.of_half(x, y).has_place(x, y);
@@ -325,8 +325,7 @@ impl Camera {
     /// Whether the whole picture is inside its domain.
     pub fn is_filled(&self) -> bool {
         // The corner pixels decide: the domain of every panorama but the cross is convex, and no rectangle around
-        // the middle of
-        // the cross has its corners inside and other places outside.
+        // the middle of the cross has its corners inside and other places outside.
         let whole = |camera: &Self, rect: Rect| {
             let middle = |pixel: u32| f64::from(pixel) + 0.5;
             let rows = [rect.y, rect.bottom().saturating_sub(1)].map(middle);

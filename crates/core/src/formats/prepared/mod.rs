@@ -1,6 +1,6 @@
 //! Prepared meshes (`.raycast`): meshes as parsed and checked, stored with their BVHs, so that rendering starts
-//! without parsing or building. The format is private to one version of the program: a file of another version is
-//! rejected, not migrated.
+//! without parsing or building. The format is the program's own and not for exchange: a file of another format
+//! version is rejected, not migrated.
 //!
 //! Little-endian, without padding. A text is its length in bytes (u32) and UTF-8; a list is its length (u32) and its
 //! elements; an option is 0, or 1 and the value.

@@ -1,4 +1,4 @@
-//! A prepared file as a stream. Bytes are read directly to their destination where they are many, and hashed there.
+//! A prepared file as a stream. Large slices are read directly into their destination; all bytes are hashed.
 
 use super::checksum::{BLOCK, BYTES, of_block, of_blocks};
 use crate::digest::Digester;
