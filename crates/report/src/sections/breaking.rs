@@ -112,7 +112,7 @@ fn of_size(pixels: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
 }
 
 /// A patch with integer coordinates, moved by `distance`. One triangle remains at the origin: otherwise the mesh
-/// would be stored relative to its own middle, and the distance would have no effect.
+/// would be stored relative to an offset near it, and the distance would have no effect.
 fn at_distance(distance: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
     // Multiples of 8, which single precision represents exactly up to 1.3e8.
     let whole = |x: f64| (x / 8.0).round() * 8.0;

@@ -33,7 +33,7 @@ pub struct Outcome {
 pub struct Outcomes {
     /// The names of the casters, in the order of [`Subject::casters`].
     pub casters: Vec<String>,
-    /// Each case with the results by caster. A caster that cannot handle the case has none.
+    /// Each case with the results by caster. A caster that did not run has none.
     pub cases: Vec<(Case, BTreeMap<String, Outcome>)>,
 }
 

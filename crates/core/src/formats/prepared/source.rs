@@ -8,9 +8,9 @@ use std::io;
 /// Fills the whole slice from an offset in a file.
 pub(in crate::formats) type ReadAt<'s> = &'s (dyn Fn(u64, &mut [u8]) -> io::Result<()> + Sync);
 
-/// The size of the read-ahead buffer for small fields; larger slices are read directly and by several threads. With
-/// a larger buffer, longer lists are copied twice and read by one thread; with a smaller one there are more system
-/// calls.
+/// The size of the read-ahead buffer for small fields; slices as large are read directly, whole blocks of them by
+/// several threads. With a larger buffer, longer lists go through it, which costs one more copy on one thread; with a
+/// smaller one there are more system calls.
 const AHEAD: usize = 1 << 16;
 
 /// A stream over a file's bytes, without its checksum.
